@@ -1,0 +1,1 @@
+//! Assembly: the loops over cells and facets.

@@ -1,0 +1,1 @@
+//! Nonlinear solution: semismooth Newton.

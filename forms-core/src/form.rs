@@ -1,0 +1,168 @@
+//! How a compiled form hands its kernels and what the compiler knows to a backend.
+//!
+//! A form is a value of a type that `#[forms]` emits. The backend walks its integrals with a visitor,
+//! so each kernel arrives with its static type and is inlined into the backend's loops.
+
+use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
+use crate::source::Source;
+
+/// What a region consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entity {
+    /// Cells: ∫ … dx.
+    Cells,
+    /// Exterior facets: ∫ … ds.
+    Facets,
+}
+
+/// A region of integration: declared in the module, bound by the user to a name of the mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// Cells or facets.
+    pub entity: Entity,
+    /// The name declared in the forms module (`GammaC`).
+    pub symbol: &'static str,
+    /// The name in the mesh (`"contact"`).
+    pub name: String,
+}
+
+/// The part that a field plays in a form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The k-th unknown.
+    Unknown(usize),
+    /// The k-th test function.
+    Test(usize),
+    /// A known field that came as an argument.
+    State,
+    /// A field or function of position among the data.
+    Given,
+}
+
+/// One field of a form, by index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FieldDescription {
+    /// The name in the source.
+    pub name: &'static str,
+    /// Its role.
+    pub role: Role,
+    /// Shape in this dimension: `[]`, `[D]`, `[D, D]`.
+    pub shape: &'static [usize],
+}
+
+impl FieldDescription {
+    /// Number of scalar components.
+    pub fn components(&self) -> usize {
+        self.shape.iter().product()
+    }
+}
+
+/// How an integral depends on the unknowns; proved by the compiler.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dependence {
+    /// Not at all: a load. Its tangent does not exist.
+    Constant,
+    /// Linearly: its tangent does not depend on the unknowns.
+    Linear,
+    /// Otherwise.
+    Nonlinear,
+}
+
+/// What the compiler knows of one integral. A form has one per region and [`Dependence`], whatever
+/// the number of `integral(..)` terms in its source.
+#[derive(Clone, Copy, Debug)]
+pub struct Integral {
+    /// Index into [`Inputs::regions`].
+    pub region: usize,
+    /// Index of the test function (0 in functionals).
+    pub test: usize,
+    /// Index of the unknown that the trial function stands for (tangents only, else 0).
+    pub trial: usize,
+    /// How the residual's integral depends on the unknowns.
+    pub dependence: Dependence,
+    /// The tangent's blocks are proved symmetric (tangents only, else false).
+    pub symmetric: bool,
+    /// Degree of the integrand as a polynomial, from the degrees of the fields (by field index) and of
+    /// the geometry map; for what is not a polynomial, an estimate as in UFL.
+    pub degree: fn(fields: &[usize], geometry: usize) -> usize,
+}
+
+/// What a form was given when it was built.
+#[derive(Clone, Debug)]
+pub struct Inputs<const D: usize> {
+    /// Where each field comes from; `None` for unknowns and test functions.
+    pub sources: Vec<Option<Source<D>>>,
+    /// The regions, bound.
+    pub regions: Vec<Region>,
+    /// All parameters, flattened in the order of the `Data` struct.
+    pub parameters: Vec<f64>,
+    /// Names of the entries of `parameters` (`n_y[1]`), for messages.
+    pub parameter_names: &'static [&'static str],
+}
+
+/// Receives the integrals of a residual.
+pub trait LinearVisitor<const D: usize> {
+    /// What stops the walk.
+    type Error;
+    /// One integral.
+    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
+}
+
+/// Receives the integrals of a tangent.
+pub trait BilinearVisitor<const D: usize> {
+    /// What stops the walk.
+    type Error;
+    /// One integral.
+    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
+}
+
+/// Receives densities and derived fields.
+pub trait ExpressionVisitor<const D: usize> {
+    /// What stops the walk.
+    type Error;
+    /// One expression; for a derived field, `integral.region` means nothing.
+    fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
+}
+
+/// A residual R(u; v), linear in its test functions, and its tangent ∂R/∂u by the compiler.
+pub trait Form<const D: usize> {
+    /// The form's name in its module.
+    fn name(&self) -> &'static str;
+    /// Its fields, by index.
+    fn fields(&self) -> &'static [FieldDescription];
+    /// Data, regions, parameters.
+    fn inputs(&self) -> &Inputs<D>;
+    /// Walks the integrals of the residual.
+    fn residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+    /// Walks the integrals of the tangent; those of [`Dependence::Constant`] do not appear.
+    fn tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+    /// Walks the switches of each integral that has kinks: a vector that is positive, entry by entry,
+    /// where `pos_part`, `neg_part`, `heaviside`, `max`, `min`, `abs`, `sign` or a comparison is "on".
+    fn switches<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+}
+
+/// A number: the integral of a density without test function. Energies are functionals and forms.
+pub trait Functional<const D: usize> {
+    /// The functional's name in its module.
+    fn name(&self) -> &'static str;
+    /// Its fields, by index.
+    fn fields(&self) -> &'static [FieldDescription];
+    /// Data, regions, parameters.
+    fn inputs(&self) -> &Inputs<D>;
+    /// Walks the densities.
+    fn density<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+}
+
+/// A derived field: a function of the module, evaluated where the user asks.
+pub trait Expression<const D: usize> {
+    /// The function's name in its module.
+    fn name(&self) -> &'static str;
+    /// Its fields, by index.
+    fn fields(&self) -> &'static [FieldDescription];
+    /// Data and parameters; it has no regions.
+    fn inputs(&self) -> &Inputs<D>;
+    /// Shape of its value.
+    fn shape(&self) -> &'static [usize];
+    /// Hands the kernel over.
+    fn expression<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+}

@@ -1,0 +1,202 @@
+//! What a backend calls at a quadrature point: linear, bilinear and expression kernels.
+//!
+//! The order of calls, for one batch of [`Lane::WIDTH`] cells (or facets) of one integral:
+//!
+//! ```text
+//! cell      once per batch               what is constant on the cell
+//! point     per quadrature point         fields and geometry -> coefficients, weight included
+//! test      per point and test node      basis function -> factors of the test side
+//! trial     per point and trial node     basis function -> factors of the trial side
+//! pair      per point and node pair      accumulates into that pair's accumulator
+//! finish    per node pair                accumulator -> block (test components x trial components)
+//! ```
+//!
+//! A kernel that accumulates per cell (the coefficient is constant there) does its contraction in
+//! `finish`; one with factored point data does it in `pair`, and `finish` only hands the block over.
+//! The backend owns tables, geometry, lanes, loops and their order, symmetry, buffers and scatter.
+
+use crate::lane::Lane;
+
+/// A scalar basis function φ at a point: its value and its gradient in physical coordinates [1/length].
+/// Component a of a vector unknown has the basis φ e_a; kernels handle the components themselves.
+#[derive(Clone, Copy, Debug)]
+pub struct Basis<L, const D: usize> {
+    /// φ(x).
+    pub value: L,
+    /// ∇φ(x).
+    pub gradient: [L; D],
+}
+
+/// What is constant on a cell, or on a facet together with the cell that owns it.
+#[derive(Clone, Copy, Debug)]
+pub struct CellGeometry<L> {
+    /// h_T, the largest distance between two vertices of the cell \[length\].
+    pub diameter: L,
+    /// |T| \[length^D\].
+    pub cell_volume: L,
+    /// |F| \[length^(D-1)\]; zero in cell integrals, where no form can ask for it.
+    pub facet_area: L,
+}
+
+/// Geometry at a quadrature point.
+#[derive(Clone, Copy, Debug)]
+pub struct PointGeometry<L, const D: usize> {
+    /// Quadrature weight times the measure (Jacobian determinant, or surface element).
+    pub weight: L,
+    /// x.
+    pub position: [L; D],
+    /// n, the outward unit normal; zero in cell integrals, where no form can ask for it.
+    pub normal: [L; D],
+    /// κ = div n \[1/length\]; filled only where [`Requirements::curvature`] asks.
+    pub curvature: L,
+}
+
+/// Which derivative of a field a kernel reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// The value: `components` numbers.
+    Value,
+    /// The gradient: `components * D` numbers, row-major (component, then direction).
+    Gradient,
+}
+
+/// The side of a facet on which a field is read. Cells and exterior facets have only `This`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The cell that owns the facet.
+    This,
+    /// The cell across an interior facet, or the opposite body of a contact pair.
+    Other,
+}
+
+/// One entry of the field data that a kernel reads at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FieldSlot {
+    /// Index into [`crate::form::Inputs::sources`] and [`crate::form::Form::fields`].
+    pub field: usize,
+    /// Value or gradient.
+    pub order: Order,
+    /// Side of the facet.
+    pub side: Side,
+    /// Number of scalar components of the field.
+    pub components: usize,
+    /// Where this entry starts in the `fields` slice.
+    pub offset: usize,
+}
+
+/// What a kernel reads; a backend need not compute anything else.
+#[derive(Clone, Copy, Debug)]
+pub struct Requirements {
+    /// Reads [`CellGeometry::diameter`].
+    pub diameter: bool,
+    /// Reads [`CellGeometry::cell_volume`].
+    pub cell_volume: bool,
+    /// Reads [`CellGeometry::facet_area`].
+    pub facet_area: bool,
+    /// Reads [`PointGeometry::position`].
+    pub position: bool,
+    /// Reads [`PointGeometry::normal`].
+    pub normal: bool,
+    /// Reads [`PointGeometry::curvature`].
+    pub curvature: bool,
+    /// The layout of the `fields` slice.
+    pub fields: &'static [FieldSlot],
+    /// Length of the `fields` slice.
+    pub field_length: usize,
+}
+
+/// One integral, linear in one test function: ∫ (flux, test) as `Σ_points Σ_nodes`.
+pub trait LinearKernel<const D: usize>: Send + Sync {
+    /// What is read at each point.
+    const REQUIREMENTS: Requirements;
+    /// Number of scalar components of the test function.
+    const TEST_COMPONENTS: usize;
+    /// Constants of the cell.
+    type Cell<L: Lane>: Copy;
+    /// Coefficients of the test function's value and gradient, weight included.
+    type Flux<L: Lane>: Copy;
+    /// Contribution to one test node: [`LinearKernel::TEST_COMPONENTS`] numbers.
+    type Block<L: Lane>: Copy + AsRef<[L]>;
+
+    /// Once per cell.
+    fn cell<L: Lane>(&self, geometry: &CellGeometry<L>) -> Self::Cell<L>;
+    /// Once per point.
+    fn point<L: Lane>(
+        &self,
+        cell: &Self::Cell<L>,
+        geometry: &PointGeometry<L, D>,
+        fields: &[L],
+    ) -> Self::Flux<L>;
+    /// Per point and test node: what this point adds to that node.
+    fn test<L: Lane>(&self, flux: &Self::Flux<L>, basis: &Basis<L, D>) -> Self::Block<L>;
+}
+
+/// One integral, linear in one test and one trial function.
+pub trait BilinearKernel<const D: usize>: Send + Sync {
+    /// What is read at each point.
+    const REQUIREMENTS: Requirements;
+    /// Number of scalar components of the test function.
+    const TEST_COMPONENTS: usize;
+    /// Number of scalar components of the trial function.
+    const TRIAL_COMPONENTS: usize;
+    /// The compiler has proved block(i, j) = block(j, i)ᵀ: only pairs i ≤ j need be computed.
+    const SYMMETRIC: bool;
+    /// Constants of the cell.
+    type Cell<L: Lane>: Copy;
+    /// Coefficients at a point, weight included.
+    type Point<L: Lane>: Copy;
+    /// Factors of one test node at a point.
+    type Test<L: Lane>: Copy;
+    /// Factors of one trial node at a point.
+    type Trial<L: Lane>: Copy;
+    /// What a node pair accumulates over the points.
+    type Accumulator<L: Lane>: Copy;
+    /// Row-major block: test components × trial components.
+    type Block<L: Lane>: Copy + AsRef<[L]>;
+
+    /// Once per cell.
+    fn cell<L: Lane>(&self, geometry: &CellGeometry<L>) -> Self::Cell<L>;
+    /// Once per point.
+    fn point<L: Lane>(
+        &self,
+        cell: &Self::Cell<L>,
+        geometry: &PointGeometry<L, D>,
+        fields: &[L],
+    ) -> Self::Point<L>;
+    /// Per point and test node.
+    fn test<L: Lane>(&self, point: &Self::Point<L>, basis: &Basis<L, D>) -> Self::Test<L>;
+    /// Per point and trial node.
+    fn trial<L: Lane>(&self, point: &Self::Point<L>, basis: &Basis<L, D>) -> Self::Trial<L>;
+    /// An empty accumulator.
+    fn zero<L: Lane>() -> Self::Accumulator<L>;
+    /// Per point and node pair.
+    fn pair<L: Lane>(
+        accumulator: &mut Self::Accumulator<L>,
+        test: &Self::Test<L>,
+        trial: &Self::Trial<L>,
+    );
+    /// Per node pair, after the last point.
+    fn finish<L: Lane>(&self, cell: &Self::Cell<L>, accumulator: &Self::Accumulator<L>) -> Self::Block<L>;
+}
+
+/// A density, a derived field, or any other function of position: no test function.
+pub trait ExpressionKernel<const D: usize>: Send + Sync {
+    /// What is read at each point.
+    const REQUIREMENTS: Requirements;
+    /// Shape of the value: `[]` scalar, `[D]` vector, `[D, D]` tensor.
+    const SHAPE: &'static [usize];
+    /// Constants of the cell.
+    type Cell<L: Lane>: Copy;
+    /// The value, row-major. The quadrature weight is not in it.
+    type Value<L: Lane>: Copy + AsRef<[L]>;
+
+    /// Once per cell.
+    fn cell<L: Lane>(&self, geometry: &CellGeometry<L>) -> Self::Cell<L>;
+    /// Once per point.
+    fn evaluate<L: Lane>(
+        &self,
+        cell: &Self::Cell<L>,
+        geometry: &PointGeometry<L, D>,
+        fields: &[L],
+    ) -> Self::Value<L>;
+}

@@ -1,0 +1,174 @@
+//! The number type of a kernel: one cell, or several cells side by side in a SIMD register.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// A real number for one cell (`f64`), or for [`Lane::WIDTH`] cells at once.
+///
+/// Kernels are generic over this trait, so that one emitted source serves every instruction set.
+/// All operations act lane by lane. Comparisons give a mask; [`Lane::select`] picks without arithmetic,
+/// so a NaN in the branch that is not taken never reaches the result.
+pub trait Lane:
+    Copy
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+{
+    /// Number of cells processed at once.
+    const WIDTH: usize;
+    /// Result of a comparison, one truth value per lane.
+    type Mask: Copy;
+
+    /// The same value in every lane.
+    fn splat(value: f64) -> Self;
+    /// Builds a lane value from the first [`Lane::WIDTH`] entries of `values`.
+    fn load(values: &[f64]) -> Self;
+    /// Writes the lanes to the first [`Lane::WIDTH`] entries of `values`.
+    fn store(self, values: &mut [f64]);
+
+    /// `self * factor + addend`, contracted to one instruction where the hardware has it.
+    fn multiply_add(self, factor: Self, addend: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// Sine (radian).
+    fn sin(self) -> Self;
+    /// Cosine (radian).
+    fn cos(self) -> Self;
+    /// Tangent (radian).
+    fn tan(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Integer power, by repeated multiplication; negative exponents divide.
+    fn powi(self, exponent: i32) -> Self;
+    /// Real power of a non-negative base.
+    fn powf(self, exponent: Self) -> Self;
+    /// The smaller of two values.
+    fn minimum(self, other: Self) -> Self;
+    /// The larger of two values.
+    fn maximum(self, other: Self) -> Self;
+
+    /// `self < other`.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self <= other`.
+    fn less_equal(self, other: Self) -> Self::Mask;
+    /// `self == other`.
+    fn equal(self, other: Self) -> Self::Mask;
+    /// Both masks.
+    fn and(first: Self::Mask, second: Self::Mask) -> Self::Mask;
+    /// Either mask.
+    fn or(first: Self::Mask, second: Self::Mask) -> Self::Mask;
+    /// The opposite mask.
+    fn not(mask: Self::Mask) -> Self::Mask;
+    /// `taken` where the mask holds, `otherwise` elsewhere.
+    fn select(mask: Self::Mask, taken: Self, otherwise: Self) -> Self;
+}
+
+impl Lane for f64 {
+    const WIDTH: usize = 1;
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> Self {
+        values[0]
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        values[0] = self;
+    }
+    // Not `f64::mul_add`: without the FMA target feature that is a library call.
+    #[inline(always)]
+    fn multiply_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        f64::exp(self)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        f64::ln(self)
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        f64::sin(self)
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        f64::cos(self)
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        f64::tan(self)
+    }
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        f64::tanh(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn powi(self, exponent: i32) -> Self {
+        f64::powi(self, exponent)
+    }
+    #[inline(always)]
+    fn powf(self, exponent: Self) -> Self {
+        f64::powf(self, exponent)
+    }
+    #[inline(always)]
+    fn minimum(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+    #[inline(always)]
+    fn maximum(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn less_equal(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn equal(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline(always)]
+    fn and(first: bool, second: bool) -> bool {
+        first && second
+    }
+    #[inline(always)]
+    fn or(first: bool, second: bool) -> bool {
+        first || second
+    }
+    #[inline(always)]
+    fn not(mask: bool) -> bool {
+        !mask
+    }
+    #[inline(always)]
+    fn select(mask: bool, taken: Self, otherwise: Self) -> Self {
+        if mask { taken } else { otherwise }
+    }
+}

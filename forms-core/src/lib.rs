@@ -1,0 +1,31 @@
+//! The contract between compiled weak forms and any finite element backend.
+//!
+//! `#[forms]` (from `forms-macro`, re-exported here) turns weak forms into kernels: small straight-line
+//! functions that know physics and no mesh. A backend owns meshes, elements, quadrature, loops and
+//! scatter, and knows no physics. What the two share stands in [`contract`] and nowhere else; the
+//! toy backend in this package's tests shows that nothing more is needed.
+//!
+//! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`form`] (how a
+//! form hands its kernels over), [`source`] (where data come from).
+
+pub mod form;
+pub mod kernel;
+pub mod lane;
+pub mod source;
+
+pub use forms_macro::forms;
+
+/// Everything that emitted code and backends name. Emitted paths read `<crate>::contract::Name`, so a
+/// crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).
+pub mod contract {
+    pub use crate::form::{
+        BilinearVisitor, Dependence, Entity, Expression, ExpressionVisitor, FieldDescription, Form,
+        Functional, Inputs, Integral, LinearVisitor, Region, Role,
+    };
+    pub use crate::kernel::{
+        Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, LinearKernel, Order,
+        PointGeometry, Requirements, Side,
+    };
+    pub use crate::lane::Lane;
+    pub use crate::source::{DiscreteField, FieldHandle, FieldValue, Given, Source};
+}

@@ -1,0 +1,121 @@
+//! Where the values of a form's data come from: constants, functions of position, fields on a space.
+
+use std::any::Any;
+use std::fmt;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+/// A field that lives in some backend. The contract carries it; only its backend can read it.
+pub trait DiscreteField: Any + Send + Sync {
+    /// Number of scalar components.
+    fn components(&self) -> usize;
+    /// For the backend, which knows the type.
+    fn as_any(&self) -> &dyn Any;
+}
+
+/// A shared discrete field.
+pub type FieldHandle = Arc<dyn DiscreteField>;
+
+/// A function of position: writes its components to the slice.
+pub type PositionFunction<const D: usize> = Arc<dyn Fn(&[f64; D], &mut [f64]) + Send + Sync>;
+
+/// Where a field's values come from.
+#[derive(Clone)]
+pub enum Source<const D: usize> {
+    /// The same components everywhere; the gradient is zero.
+    Constant(Vec<f64>),
+    /// A function of position; it has no gradient that a kernel could read.
+    Function {
+        /// Number of scalar components.
+        components: usize,
+        /// The function.
+        function: PositionFunction<D>,
+    },
+    /// A field on a space of the backend.
+    Discrete(FieldHandle),
+}
+
+impl<const D: usize> Source<D> {
+    /// Number of scalar components.
+    pub fn components(&self) -> usize {
+        match self {
+            Source::Constant(values) => values.len(),
+            Source::Function { components, .. } => *components,
+            Source::Discrete(field) => field.components(),
+        }
+    }
+}
+
+impl<const D: usize> fmt::Debug for Source<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Source::Constant(values) => f.debug_tuple("Constant").field(values).finish(),
+            Source::Function { components, .. } => write!(f, "Function({components} components)"),
+            Source::Discrete(field) => write!(f, "Discrete({} components)", field.components()),
+        }
+    }
+}
+
+/// A value of rank 0, 1 or 2 with `f64` components.
+pub trait FieldValue: Copy + Send + Sync + 'static {
+    /// Number of scalar components.
+    const COMPONENTS: usize;
+    /// Writes the components, row-major.
+    fn write(&self, components: &mut [f64]);
+}
+
+impl FieldValue for f64 {
+    const COMPONENTS: usize = 1;
+    fn write(&self, components: &mut [f64]) {
+        components[0] = *self;
+    }
+}
+
+impl<V: FieldValue, const N: usize> FieldValue for [V; N] {
+    const COMPONENTS: usize = N * V::COMPONENTS;
+    fn write(&self, components: &mut [f64]) {
+        for (value, chunk) in self.iter().zip(components.chunks_mut(V::COMPONENTS)) {
+            value.write(chunk);
+        }
+    }
+}
+
+/// A member of `Data` declared as `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`: a constant, a
+/// function of x, or a field on a space. `V` is `f64`, `[f64; D]` or `[[f64; D]; D]`.
+#[derive(Clone, Debug)]
+pub struct Given<V, const D: usize> {
+    source: Source<D>,
+    value: PhantomData<V>,
+}
+
+impl<V: FieldValue, const D: usize> Given<V, D> {
+    /// The same value everywhere.
+    pub fn constant(value: V) -> Self {
+        let mut components = vec![0.0; V::COMPONENTS];
+        value.write(&mut components);
+        Given { source: Source::Constant(components), value: PhantomData }
+    }
+
+    /// A function of position.
+    pub fn function(function: impl Fn(&[f64; D]) -> V + Send + Sync + 'static) -> Self {
+        let components = V::COMPONENTS;
+        let function: PositionFunction<D> = Arc::new(move |x, out| function(x).write(out));
+        Given { source: Source::Function { components, function }, value: PhantomData }
+    }
+
+    /// A field on a space of the backend. The backend checks its components when the form is assembled.
+    pub fn field(field: impl Into<FieldHandle>) -> Self {
+        Given { source: Source::Discrete(field.into()), value: PhantomData }
+    }
+
+    /// Where the values come from.
+    pub fn source(&self) -> &Source<D> {
+        &self.source
+    }
+}
+
+impl<V: FieldValue, const D: usize> From<V> for Given<V, D> {
+    fn from(value: V) -> Self {
+        Given::constant(value)
+    }
+}
