@@ -4,7 +4,7 @@
 //! so each kernel arrives with its static type and is inlined into the backend's loops.
 
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
-use crate::source::Source;
+use crate::source::{FieldValue, Source};
 
 /// What a region consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,9 +82,10 @@ pub struct Integral {
     pub dependence: Dependence,
     /// The tangent's blocks are proved symmetric (tangents only, else false).
     pub symmetric: bool,
-    /// Degree of the integrand as a polynomial, from the degrees of the fields (by field index) and of
-    /// the geometry map; for what is not a polynomial, an estimate as in UFL.
-    pub degree: fn(fields: &[usize], geometry: usize) -> usize,
+    /// Degree of the integrand as a polynomial, from the degrees of the fields (by field index), of the
+    /// geometry map, and whether cells are simplices (there a gradient lowers the degree by one); for
+    /// what is not a polynomial, an estimate as in UFL.
+    pub degree: fn(fields: &[usize], geometry: usize, simplex: bool) -> usize,
 }
 
 /// What a form was given when it was built.
@@ -97,7 +98,32 @@ pub struct Inputs<const D: usize> {
     /// All parameters, flattened in the order of the `Data` struct.
     pub parameters: Vec<f64>,
     /// Names of the entries of `parameters` (`n_y[1]`), for messages.
-    pub parameter_names: &'static [&'static str],
+    pub parameter_names: Vec<String>,
+}
+
+impl<const D: usize> Inputs<D> {
+    /// No data, no regions.
+    pub fn empty() -> Self {
+        Inputs {
+            sources: Vec::new(),
+            regions: Vec::new(),
+            parameters: Vec::new(),
+            parameter_names: Vec::new(),
+        }
+    }
+
+    /// Appends a parameter of any rank.
+    pub fn push_parameter<V: FieldValue>(&mut self, name: &str, value: &V) {
+        let start = self.parameters.len();
+        self.parameters.resize(start + V::COMPONENTS, 0.0);
+        value.write(&mut self.parameters[start..]);
+        for component in 0..V::COMPONENTS {
+            self.parameter_names.push(match V::COMPONENTS {
+                1 => name.to_string(),
+                _ => format!("{name}[{component}]"),
+            });
+        }
+    }
 }
 
 /// Receives the integrals of a residual.

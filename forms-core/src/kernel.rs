@@ -170,11 +170,7 @@ pub trait BilinearKernel<const D: usize>: Send + Sync {
     /// An empty accumulator.
     fn zero<L: Lane>() -> Self::Accumulator<L>;
     /// Per point and node pair.
-    fn pair<L: Lane>(
-        accumulator: &mut Self::Accumulator<L>,
-        test: &Self::Test<L>,
-        trial: &Self::Trial<L>,
-    );
+    fn pair<L: Lane>(accumulator: &mut Self::Accumulator<L>, test: &Self::Test<L>, trial: &Self::Trial<L>);
     /// Per node pair, after the last point.
     fn finish<L: Lane>(&self, cell: &Self::Cell<L>, accumulator: &Self::Accumulator<L>) -> Self::Block<L>;
 }

@@ -1,0 +1,134 @@
+//! The names that every forms module knows: operators, functions, geometry.
+
+use crate::tensor::{Function, Geometry, LinearMap};
+
+/// A name that is called with arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Builtin {
+    Dot,
+    Inner,
+    Outer,
+    Map(LinearMap),
+    Determinant,
+    Inverse,
+    Cofactor,
+    Gradient,
+    Divergence,
+    Strain,
+    Apply(Function),
+    Power,
+    Minimum,
+    Maximum,
+    Integral,
+    Derivative,
+    Partial,
+}
+
+/// A name that stands for a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constant {
+    Geometry(Geometry),
+    Identity,
+    Dimension,
+    Pi,
+}
+
+/// Called names, with the number of their arguments and how they are written.
+pub const BUILTINS: &[(&str, Builtin, usize, &str)] = &[
+    ("dot", Builtin::Dot, 2, "dot(a, b)"),
+    ("inner", Builtin::Inner, 2, "inner(a, b)"),
+    ("outer", Builtin::Outer, 2, "outer(a, b)"),
+    ("transpose", Builtin::Map(LinearMap::Transpose), 1, "transpose(A)"),
+    ("tr", Builtin::Map(LinearMap::Trace), 1, "tr(A)"),
+    ("sym", Builtin::Map(LinearMap::Symmetric), 1, "sym(A)"),
+    ("skew", Builtin::Map(LinearMap::Skew), 1, "skew(A)"),
+    ("dev", Builtin::Map(LinearMap::Deviator), 1, "dev(A)"),
+    ("det", Builtin::Determinant, 1, "det(A)"),
+    ("inv", Builtin::Inverse, 1, "inv(A)"),
+    ("cof", Builtin::Cofactor, 1, "cof(A)"),
+    ("grad", Builtin::Gradient, 1, "grad(u)"),
+    ("div", Builtin::Divergence, 1, "div(u)"),
+    ("eps", Builtin::Strain, 1, "eps(u)"),
+    ("sqrt", Builtin::Apply(Function::Sqrt), 1, "sqrt(a)"),
+    ("exp", Builtin::Apply(Function::Exp), 1, "exp(a)"),
+    ("ln", Builtin::Apply(Function::Ln), 1, "ln(a)"),
+    ("sin", Builtin::Apply(Function::Sin), 1, "sin(a)"),
+    ("cos", Builtin::Apply(Function::Cos), 1, "cos(a)"),
+    ("tan", Builtin::Apply(Function::Tan), 1, "tan(a)"),
+    ("tanh", Builtin::Apply(Function::Tanh), 1, "tanh(a)"),
+    ("abs", Builtin::Apply(Function::Abs), 1, "abs(a)"),
+    ("sign", Builtin::Apply(Function::Sign), 1, "sign(a)"),
+    ("heaviside", Builtin::Apply(Function::Heaviside), 1, "heaviside(a)"),
+    ("pos_part", Builtin::Apply(Function::PositivePart), 1, "pos_part(a)"),
+    ("neg_part", Builtin::Apply(Function::NegativePart), 1, "neg_part(a)"),
+    ("pow", Builtin::Power, 2, "pow(base, exponent)"),
+    ("min", Builtin::Minimum, 2, "min(a, b)"),
+    ("max", Builtin::Maximum, 2, "max(a, b)"),
+    ("integral", Builtin::Integral, 2, "integral(Region, density)"),
+    ("derivative", Builtin::Derivative, 3, "derivative(form, field, direction)"),
+    ("diff", Builtin::Partial, 2, "diff(expression, name)"),
+];
+
+/// Names of values, with their long and short form.
+pub const CONSTANTS: &[(&str, Constant)] = &[
+    ("diameter", Constant::Geometry(Geometry::Diameter)),
+    ("h", Constant::Geometry(Geometry::Diameter)),
+    ("normal", Constant::Geometry(Geometry::Normal)),
+    ("n", Constant::Geometry(Geometry::Normal)),
+    ("position", Constant::Geometry(Geometry::Position)),
+    ("x", Constant::Geometry(Geometry::Position)),
+    ("cell_volume", Constant::Geometry(Geometry::CellVolume)),
+    ("facet_area", Constant::Geometry(Geometry::FacetArea)),
+    ("curvature", Constant::Geometry(Geometry::Curvature)),
+    ("identity", Constant::Identity),
+    ("I", Constant::Identity),
+    ("dimension", Constant::Dimension),
+    ("D", Constant::Dimension),
+    ("PI", Constant::Pi),
+];
+
+/// The called name, if it is built in: what it is, its number of arguments, how it is written.
+pub fn builtin(name: &str) -> Option<(Builtin, usize, &'static str)> {
+    BUILTINS.iter().find(|entry| entry.0 == name).map(|entry| (entry.1, entry.2, entry.3))
+}
+
+/// The value's name, if it is built in.
+pub fn constant(name: &str) -> Option<Constant> {
+    CONSTANTS.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
+}
+
+/// Is the name taken?
+pub fn is_built_in(name: &str) -> bool {
+    builtin(name).is_some() || constant(name).is_some()
+}
+
+/// The known name nearest to an unknown one, if it is near enough to be meant.
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let allowed = (name.chars().count() / 3).max(1);
+    known
+        .map(|candidate| (edit_distance(name, candidate), candidate))
+        .filter(|(distance, candidate)| *distance <= allowed && *distance < candidate.chars().count())
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+/// Edits that turn one word into the other: insert, delete, replace, swap neighbours.
+fn edit_distance(first: &str, second: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (first.chars().collect(), second.chars().collect());
+    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            rows[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let replace = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+                let mut best = replace.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    best = best.min(rows[i - 2][j - 2] + 1);
+                }
+                best
+            };
+        }
+    }
+    rows[a.len()][b.len()]
+}

@@ -1,0 +1,161 @@
+//! Stage 2: [`Module`] → [`Checked`]: names resolved, calls inlined, shapes and linearity verified, in
+//! one dimension. Every mistake is reported on its tokens; what is wrong is left out.
+
+pub mod builtins;
+mod evaluate;
+mod linearity;
+mod operators;
+
+use std::collections::HashMap;
+
+use proc_macro2::Ident;
+
+use crate::diagnostics::{Diagnostics, Place};
+use crate::parse::syntax::*;
+use crate::tensor::{Arena, FieldInfo, FieldRole, Tensor};
+
+/// The functions of a module that become kernels, in one dimension.
+pub struct Checked {
+    pub functions: Vec<CheckedFunction>,
+}
+
+/// One function with its calls inlined.
+pub struct CheckedFunction {
+    /// Index in [`Module::functions`].
+    pub function: usize,
+    pub dimension: usize,
+    pub arena: Arena,
+    /// Arguments in their order, then the module's `Given` members in theirs.
+    pub fields: Vec<FieldInfo>,
+    pub content: Content,
+}
+
+/// What a checked function is.
+pub enum Content {
+    /// Linear in its test functions.
+    Form(Vec<Term>),
+    Energy(Vec<Term>),
+    Functional(Vec<Term>),
+    Value(Tensor),
+}
+
+/// One integral: a scalar density on a region.
+#[derive(Clone)]
+pub struct Term {
+    /// Index in [`Module::regions`].
+    pub region: usize,
+    pub density: Tensor,
+}
+
+/// Checks all functions of a module.
+pub fn check(module: &Module, dimension: usize, diagnostics: &mut Diagnostics) -> Checked {
+    check_declarations(module, diagnostics);
+    let functions = (0..module.functions.len())
+        .filter_map(|index| check_function(module, index, dimension, diagnostics))
+        .collect();
+    Checked { functions }
+}
+
+/// Is this function one that others call, and nothing to assemble by itself?
+/// A `Form`, `Energy` or `Functional` whose arguments have no roles is a building block.
+pub fn is_building_block(function: &Function) -> bool {
+    let plain = function.arguments.iter().all(|argument| argument.role == ArgumentRole::Plain);
+    match function.output {
+        Output::Form | Output::Energy => plain,
+        Output::Functional => plain && !function.arguments.is_empty(),
+        Output::Value(_) => false,
+    }
+}
+
+/// The fields of a function: see [`CheckedFunction::fields`].
+pub fn fields_of(module: &Module, function: &Function, dimension: usize) -> Vec<FieldInfo> {
+    let (mut unknowns, mut tests) = (0.., 0..);
+    let next = |numbers: &mut std::ops::RangeFrom<usize>| numbers.next().unwrap_or_default();
+    let mut fields = Vec::new();
+    for argument in &function.arguments {
+        let role = match argument.role {
+            ArgumentRole::Unknown => FieldRole::Unknown(next(&mut unknowns)),
+            ArgumentRole::Test => FieldRole::Test(next(&mut tests)),
+            ArgumentRole::State | ArgumentRole::Plain => FieldRole::State,
+        };
+        fields.push(FieldInfo {
+            name: argument.name.to_string(),
+            role,
+            shape: argument.rank.shape(dimension),
+        });
+    }
+    for member in given_members(module) {
+        let shape = member.rank.shape(dimension);
+        fields.push(FieldInfo { name: member.name.to_string(), role: FieldRole::Given, shape });
+    }
+    fields
+}
+
+/// The members of the data struct that are fields.
+pub fn given_members(module: &Module) -> impl Iterator<Item = &Member> {
+    let members = module.data.iter().flat_map(|data| &data.members);
+    members.filter(|member| member.kind == MemberKind::Given)
+}
+
+fn check_function(
+    module: &Module,
+    index: usize,
+    dimension: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<CheckedFunction> {
+    let function = &module.functions[index];
+    let fields = fields_of(module, function, dimension);
+    let mut evaluator = evaluate::Evaluator::new(module, dimension, diagnostics);
+    let value = evaluator.enter(index, &fields);
+    let arena = evaluator.arena;
+    let content = match (value?, function.output) {
+        (evaluate::Value::Tensor(value), Output::Value(_)) => Content::Value(value),
+        (evaluate::Value::Form(terms), Output::Form) => Content::Form(terms),
+        (evaluate::Value::Form(terms), Output::Energy) => Content::Energy(terms),
+        (evaluate::Value::Form(terms), Output::Functional) => Content::Functional(terms),
+        _ => return None,
+    };
+    if is_building_block(function) {
+        return None;
+    }
+    let linear = match &content {
+        Content::Form(terms) => linearity::check_form(function, &arena, &fields, terms, diagnostics),
+        Content::Energy(_) | Content::Functional(_) => linearity::check_functional(function, diagnostics),
+        Content::Value(_) => true,
+    };
+    linear.then_some(CheckedFunction { function: index, dimension, arena, fields, content })
+}
+
+/// Names declared twice, or declared though they are built in.
+fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
+    let members = module.data.iter().flat_map(|data| &data.members).map(|member| &member.name);
+    let regions = module.regions.iter().map(|region| &region.name);
+    let functions = module.functions.iter().map(|function| &function.name);
+    check_names(members.chain(regions).chain(functions), diagnostics);
+    for function in &module.functions {
+        check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
+    }
+}
+
+fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Diagnostics) {
+    let mut seen = HashMap::new();
+    for name in names {
+        let text = name.to_string();
+        check_not_built_in(name, diagnostics);
+        if seen.insert(text, ()).is_some() {
+            diagnostics.error(Place::of(name), format!("the name `{name}` is declared twice"));
+        }
+    }
+}
+
+/// A built-in name cannot be declared again.
+fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {
+    let text = name.to_string();
+    if builtins::is_built_in(&text) {
+        diagnostics.error_with_help(
+            Place::of(name),
+            format!("`{name}` is built in and cannot be declared again"),
+            format!("call this one `{name}_`, or `{name}` with a word that says which"),
+        );
+    }
+}

@@ -1,0 +1,328 @@
+//! Shape rules: one function per operator, from operands to node; a wrong shape is reported.
+
+use crate::check::evaluate::Evaluator;
+use crate::diagnostics::Place;
+use crate::parse::syntax::{BinaryOperator, Rank};
+use crate::tensor::{LinearMap, Operator, Tensor};
+
+/// "a vector" and the like, for messages.
+pub fn describe(shape: &[usize], dimension: usize) -> String {
+    match shape {
+        [] => "a scalar".into(),
+        [n] if *n == dimension => "a vector".into(),
+        [n] => format!("a vector of length {n}"),
+        [n, m] if *n == dimension && *m == dimension => "a tensor".into(),
+        [n, m] => format!("a {n} × {m} tensor"),
+        _ => format!("a tensor of rank {}", shape.len()),
+    }
+}
+
+/// "Vector" and the like, as it is written.
+pub fn rank_name(rank: Rank) -> &'static str {
+    match rank {
+        Rank::Scalar => "Scalar",
+        Rank::Vector => "Vector",
+        Rank::Tensor => "Tensor",
+    }
+}
+
+impl Evaluator<'_> {
+    pub(super) fn describe(&self, tensor: Tensor) -> String {
+        describe(self.arena.shape(tensor), self.dimension)
+    }
+
+    pub(super) fn binary(
+        &mut self,
+        operator: BinaryOperator,
+        a: Tensor,
+        b: Tensor,
+        place: Place,
+    ) -> Option<Tensor> {
+        match operator {
+            BinaryOperator::Add => self.add(a, b, place, "+"),
+            BinaryOperator::Subtract => {
+                // Shapes first: the message must speak of `-`.
+                let shape = self.arena.shape(b).to_vec();
+                if self.arena.shape(a) != shape {
+                    return self.add(a, b, place, "-");
+                }
+                let minus = self.arena.push(Operator::Negate(b), shape, self.arena.place(b));
+                self.add(a, minus, place, "-")
+            }
+            BinaryOperator::Multiply => self.multiply(a, b, place),
+            BinaryOperator::Divide => self.divide(a, b, place),
+        }
+    }
+
+    fn add(&mut self, a: Tensor, b: Tensor, place: Place, sign: &str) -> Option<Tensor> {
+        let shape = self.arena.shape(a).to_vec();
+        if shape != self.arena.shape(b) {
+            let message = format!(
+                "`{sign}` needs two values of one rank: the left is {}, the right {}",
+                self.describe(a),
+                self.describe(b)
+            );
+            let help = match (shape.len(), self.arena.shape(b).len()) {
+                (2, 0) => Some("a scalar times the identity, `s * I`, is a tensor"),
+                (0, 2) => Some("the trace `tr(A)` of a tensor is a scalar, and `s * I` a tensor"),
+                (1, 0) | (0, 1) => Some("`dot(a, b)` of two vectors is a scalar"),
+                _ => None,
+            };
+            match help {
+                Some(help) => self.diagnostics.error_with_help(place, message, help),
+                None => self.diagnostics.error(place, message),
+            }
+            return None;
+        }
+        Some(self.arena.push(Operator::Add(a, b), shape, place))
+    }
+
+    fn multiply(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+        let (left, right) = (self.arena.shape(a).to_vec(), self.arena.shape(b).to_vec());
+        match (left.len(), right.len()) {
+            (0, _) => Some(self.arena.push(Operator::Scale(a, b), right, place)),
+            (_, 0) => Some(self.arena.push(Operator::Scale(b, a), left, place)),
+            (2, 1) | (2, 2) if left[1] == right[0] => self.contract(a, b, place),
+            (1, 1) => {
+                let help = "write `dot(a, b)` for the scalar product, `outer(a, b)` for the tensor product";
+                self.diagnostics.error_with_help(place, "`*` between two vectors has no meaning", help);
+                None
+            }
+            (1, 2) => {
+                let help = "write `dot(a, A)`, or `transpose(A) * a`";
+                self.diagnostics.error_with_help(
+                    place,
+                    "`*` between a vector and a tensor has no meaning",
+                    help,
+                );
+                None
+            }
+            _ => {
+                let message = format!("`*` does not take {} and {}", self.describe(a), self.describe(b));
+                self.diagnostics.error_with_help(
+                    place,
+                    message,
+                    "`dot` contracts one axis, `inner` all axes",
+                );
+                None
+            }
+        }
+    }
+
+    fn divide(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+        if !self.arena.shape(b).is_empty() {
+            let message = format!("`/` divides by a scalar, this is {}", self.describe(b));
+            self.diagnostics.error(self.arena.place(b), message);
+            return None;
+        }
+        let shape = self.arena.shape(a).to_vec();
+        Some(self.arena.push(Operator::Divide(a, b), shape, place))
+    }
+
+    fn contract(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+        let (left, right) = (self.arena.shape(a), self.arena.shape(b));
+        let shape = [&left[..left.len() - 1], &right[1..]].concat();
+        Some(self.arena.push(Operator::Contract(a, b), shape, place))
+    }
+
+    pub(super) fn dot(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+        let (left, right) = (self.arena.shape(a).to_vec(), self.arena.shape(b).to_vec());
+        if left.is_empty() || right.is_empty() {
+            let scalar = if left.is_empty() { a } else { b };
+            let message = format!(
+                "`dot` contracts one axis of each argument: {} and {}",
+                self.describe(a),
+                self.describe(b)
+            );
+            self.diagnostics.error_with_help(
+                self.arena.place(scalar),
+                message,
+                "a product with a scalar is written `*`",
+            );
+            return None;
+        }
+        if left[left.len() - 1] != right[0] {
+            let message =
+                format!("`dot` contracts axes of one length: {} and {}", self.describe(a), self.describe(b));
+            self.diagnostics.error(place, message);
+            return None;
+        }
+        if left.len() == 2 && right.len() == 2 {
+            let help = "`A * B` is the matrix product, `inner(A, B)` the scalar A : B";
+            self.diagnostics.error_with_help(place, "`dot` between two tensors could mean two things", help);
+            return None;
+        }
+        self.contract(a, b, place)
+    }
+
+    pub(super) fn inner(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+        if self.arena.shape(a) != self.arena.shape(b) {
+            let message = format!(
+                "`inner` needs two values of one shape: {} and {}",
+                self.describe(a),
+                self.describe(b)
+            );
+            let help = match (self.arena.shape(a).len(), self.arena.shape(b).len()) {
+                (2, 1) if self.arena.shape(b)[0] == self.dimension => {
+                    Some("if the second is a displacement, its strain is `eps(..)`, its gradient `grad(..)`")
+                }
+                (1, 2) if self.arena.shape(a)[0] == self.dimension => {
+                    Some("if the first is a displacement, its strain is `eps(..)`, its gradient `grad(..)`")
+                }
+                _ => None,
+            };
+            match help {
+                Some(help) => self.diagnostics.error_with_help(place, message, help),
+                None => self.diagnostics.error(place, message),
+            }
+            return None;
+        }
+        Some(self.arena.push(Operator::Inner(a, b), vec![], place))
+    }
+
+    pub(super) fn outer(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+        let shape = [self.arena.shape(a), self.arena.shape(b)].concat();
+        if shape.len() > 4 {
+            self.diagnostics.error(place, "`outer` would give a tensor of rank above 4");
+            return None;
+        }
+        Some(self.arena.push(Operator::Outer(a, b), shape, place))
+    }
+
+    /// det, inv, cof, tr, transpose, ..: of a square tensor (transpose: of any).
+    pub(super) fn of_tensor(
+        &mut self,
+        a: Tensor,
+        place: Place,
+        name: &str,
+        make: impl Fn(Tensor) -> Operator,
+    ) -> Option<Tensor> {
+        let shape = self.arena.shape(a).to_vec();
+        let operator = make(a);
+        let transpose = matches!(operator, Operator::Map(LinearMap::Transpose, _));
+        if shape.len() != 2 || (!transpose && shape[0] != shape[1]) {
+            let message = format!("`{name}` needs a tensor, this is {}", self.describe(a));
+            self.diagnostics.error(self.arena.place(a), message);
+            return None;
+        }
+        if matches!(operator, Operator::Determinant(_) | Operator::Inverse(_) | Operator::Cofactor(_))
+            && shape[0] > 3
+        {
+            self.diagnostics.error(self.arena.place(a), format!("`{name}` exists up to 3 × 3"));
+            return None;
+        }
+        let result = match operator {
+            Operator::Determinant(_) | Operator::Map(LinearMap::Trace, _) => vec![],
+            _ if transpose => vec![shape[1], shape[0]],
+            _ => shape,
+        };
+        Some(self.arena.push(operator, result, place))
+    }
+
+    /// grad: a field's own gradient, or the chain rule on an expression.
+    pub(super) fn gradient(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+        let shape = [self.arena.shape(a), &[self.dimension]].concat();
+        let operator = match self.arena.node(a).operator {
+            Operator::Field { field, gradient: false } => Operator::Field { field, gradient: true },
+            _ => Operator::Gradient(a),
+        };
+        Some(self.arena.push(operator, shape, place))
+    }
+
+    /// div: tr(grad u) of a vector, row by row of a tensor.
+    pub(super) fn divergence(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+        let dimension = self.dimension;
+        match self.arena.shape(a).to_vec()[..] {
+            [d] if d == dimension => {
+                let gradient = self.gradient(a, place)?;
+                Some(self.arena.push(Operator::Map(LinearMap::Trace, gradient), vec![], place))
+            }
+            [rows, d] if d == dimension => {
+                let gradient = self.gradient(a, place)?;
+                let mut entries = Vec::new();
+                for row in 0..rows {
+                    let block = self.arena.push(Operator::Component(gradient, vec![row]), vec![d, d], place);
+                    entries.push(self.arena.push(Operator::Map(LinearMap::Trace, block), vec![], place));
+                }
+                Some(self.arena.push(Operator::Stack(entries), vec![rows], place))
+            }
+            _ => {
+                let message = format!("`div` needs a vector or a tensor, this is {}", self.describe(a));
+                self.diagnostics.error(self.arena.place(a), message);
+                None
+            }
+        }
+    }
+
+    /// eps: the symmetric gradient of a vector.
+    pub(super) fn strain(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+        if self.arena.shape(a) != [self.dimension] {
+            let message = format!("`eps` needs a vector, this is {}", self.describe(a));
+            self.diagnostics.error(self.arena.place(a), message);
+            return None;
+        }
+        let gradient = self.gradient(a, place)?;
+        let shape = self.arena.shape(gradient).to_vec();
+        Some(self.arena.push(Operator::Map(LinearMap::Symmetric, gradient), shape, place))
+    }
+
+    /// Reports a value that should be a scalar.
+    pub(super) fn expect_scalar(&mut self, a: Tensor, name: &str) -> Option<Tensor> {
+        if !self.arena.shape(a).is_empty() {
+            let message = format!("`{name}` needs a scalar, this is {}", self.describe(a));
+            self.diagnostics.error(self.arena.place(a), message);
+            return None;
+        }
+        Some(a)
+    }
+
+    pub(super) fn component(&mut self, a: Tensor, indices: &[usize], place: Place) -> Option<Tensor> {
+        let shape = self.arena.shape(a).to_vec();
+        if indices.len() > shape.len() {
+            let message = format!("{} has {} indices, not {}", self.describe(a), shape.len(), indices.len());
+            self.diagnostics.error(place, message);
+            return None;
+        }
+        for (index, extent) in indices.iter().zip(&shape) {
+            if index >= extent {
+                let message = format!(
+                    "the index {index} is out of range in dimension {}: it runs from 0 to {}",
+                    self.dimension,
+                    extent - 1
+                );
+                self.diagnostics.error_with_help(
+                    place,
+                    message,
+                    "`#[forms(dimension = 3)]` compiles a module for one dimension only",
+                );
+                return None;
+            }
+        }
+        Some(self.arena.push(
+            Operator::Component(a, indices.to_vec()),
+            shape[indices.len()..].to_vec(),
+            place,
+        ))
+    }
+
+    pub(super) fn stack(&mut self, entries: Vec<Tensor>, place: Place) -> Option<Tensor> {
+        let Some(first) = entries.first() else {
+            self.diagnostics.error(place, "an empty array is not a vector");
+            return None;
+        };
+        let shape = self.arena.shape(*first).to_vec();
+        for entry in &entries {
+            if self.arena.shape(*entry) != shape {
+                let message = format!(
+                    "the entries of an array have one rank: the first is {}, this is {}",
+                    self.describe(entries[0]),
+                    self.describe(*entry)
+                );
+                self.diagnostics.error(self.arena.place(*entry), message);
+                return None;
+            }
+        }
+        let shape = [&[entries.len()], &shape[..]].concat();
+        Some(self.arena.push(Operator::Stack(entries), shape, place))
+    }
+}

@@ -1,0 +1,337 @@
+//! Stage 3: [`CheckedFunction`] → [`Derived`]: the operators of differentiation are carried out, and
+//! residuals and tangents are derived. Nothing of a [`Derived`] holds `Gradient`, `Partial` or `Gateaux`.
+
+mod rules;
+
+use std::collections::HashMap;
+
+use crate::check::{CheckedFunction, Content, Term};
+use crate::diagnostics::Diagnostics;
+use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
+use rules::{Differentiation, Seed};
+
+/// A function, free of derivatives still to be taken.
+pub struct Derived {
+    pub function: usize,
+    pub dimension: usize,
+    pub arena: Arena,
+    /// As checked, then (energies) a test function per unknown, then a trial function per unknown.
+    pub fields: Vec<FieldInfo>,
+    /// Additive parts of the residual, with their tangents. Empty for functionals and values.
+    pub residual: Vec<ResidualPart>,
+    /// Densities of an energy or functional.
+    pub density: Vec<Term>,
+    /// A derived field.
+    pub value: Option<Tensor>,
+    /// The residual is the first variation of an energy: its tangent is symmetric (Schwarz).
+    pub from_energy: bool,
+}
+
+/// One additive part of a residual's density on a region.
+pub struct ResidualPart {
+    pub region: usize,
+    pub density: Tensor,
+    /// Its derivative in the direction of each trial function (field index), where not zero.
+    pub tangent: Vec<(usize, Tensor)>,
+}
+
+/// Carries out all derivatives of a function.
+pub fn differentiate(checked: CheckedFunction, diagnostics: &mut Diagnostics) -> Derived {
+    let CheckedFunction { function, dimension, arena, mut fields, content } = checked;
+    let mut lowering = Lowering { arena, dimension, known: HashMap::new(), diagnostics };
+    let unknowns: Vec<(usize, usize)> = fields
+        .iter()
+        .enumerate()
+        .filter_map(|(index, field)| match field.role {
+            FieldRole::Unknown(number) => Some((index, number)),
+            _ => None,
+        })
+        .collect();
+    let mut density = Vec::new();
+    let mut value = None;
+    let mut from_energy = false;
+    let mut terms = Vec::new();
+    match content {
+        Content::Form(form) => terms = form,
+        Content::Functional(functional) => density = functional,
+        Content::Value(tensor) => value = Some(lowering.lower(tensor)),
+        Content::Energy(energy) => {
+            from_energy = true;
+            for &(index, number) in &unknowns {
+                let name = format!("δ{}", fields[index].name);
+                let shape = fields[index].shape.clone();
+                fields.push(FieldInfo { name, role: FieldRole::Test(number), shape });
+                let test = fields.len() - 1;
+                terms.extend(energy.iter().map(|term| Term {
+                    region: term.region,
+                    density: lowering.gateaux(term.density, index, test, &fields),
+                }));
+            }
+            density = energy;
+        }
+    }
+    let mut trials = Vec::new();
+    for (index, number) in unknowns {
+        let name = format!("d{}", fields[index].name);
+        let shape = fields[index].shape.clone();
+        fields.push(FieldInfo { name, role: FieldRole::Trial(number), shape });
+        trials.push((index, fields.len() - 1));
+    }
+    let mut residual = Vec::new();
+    for term in terms {
+        let lowered = lowering.lower(term.density);
+        for part in lowering.additive_parts(lowered) {
+            let mut tangent = Vec::new();
+            for &(unknown, trial) in &trials {
+                let gateaux = lowering.gateaux(part, unknown, trial, &fields);
+                let derivative = lowering.lower(gateaux);
+                if !lowering.arena.is_zero(derivative) {
+                    tangent.push((trial, derivative));
+                }
+            }
+            residual.push(ResidualPart { region: term.region, density: part, tangent });
+        }
+    }
+    let density = density
+        .into_iter()
+        .map(|term| Term { region: term.region, density: lowering.lower(term.density) })
+        .collect();
+    Derived { function, dimension, arena: lowering.arena, fields, residual, density, value, from_energy }
+}
+
+/// Removes the operators of differentiation, innermost first.
+struct Lowering<'a> {
+    arena: Arena,
+    dimension: usize,
+    known: HashMap<Tensor, Tensor>,
+    diagnostics: &'a mut Diagnostics,
+}
+
+impl Lowering<'_> {
+    /// The node of a derivative in the direction of another field.
+    fn gateaux(
+        &mut self,
+        expression: Tensor,
+        field: usize,
+        direction: usize,
+        fields: &[FieldInfo],
+    ) -> Tensor {
+        let place = self.arena.place(expression);
+        let operator = Operator::Field { field: direction, gradient: false };
+        let direction = self.arena.push(operator, fields[direction].shape.clone(), place);
+        let shape = self.arena.shape(expression).to_vec();
+        let operator = Operator::Gateaux { expression, variable: Variable::Field(field), direction };
+        self.arena.push(operator, shape, place)
+    }
+
+    /// The same expression without operators of differentiation. A node without any keeps its identity,
+    /// on which `diff(e, w)` by a `let` name relies.
+    fn lower(&mut self, tensor: Tensor) -> Tensor {
+        if let Some(known) = self.known.get(&tensor) {
+            return *known;
+        }
+        let node = self.arena.node(tensor).clone();
+        let place = node.place;
+        let lowered = match node.operator {
+            Operator::Gateaux { expression, variable, direction } => {
+                let expression = self.lower(expression);
+                let direction = self.lower(direction);
+                let variable = self.lower_variable(variable);
+                let seed = Seed::Toward { variable, direction, with_gradient: true };
+                self.derive(expression, seed)
+                    .unwrap_or_else(|| self.arena.push(Operator::Zero, node.shape, place))
+            }
+            Operator::Gradient(expression) => {
+                let expression = self.lower(expression);
+                if let Operator::Field { field, gradient: false } = self.arena.node(expression).operator {
+                    let operator = Operator::Field { field, gradient: true };
+                    self.arena.push(operator, node.shape, place)
+                } else {
+                    let directions: Vec<_> =
+                        (0..self.dimension).map(|axis| self.derive(expression, Seed::Along(axis))).collect();
+                    self.with_trailing_axes(expression, &directions, &[self.dimension])
+                }
+            }
+            Operator::Partial(expression, variable) => {
+                let expression = self.lower(expression);
+                let variable = self.lower_variable(variable);
+                let shape = node.shape[self.arena.shape(expression).len()..].to_vec();
+                let count: usize = shape.iter().product();
+                let mut directions = Vec::new();
+                for entry in 0..count {
+                    let direction = self.unit(&shape, entry, tensor);
+                    let seed = Seed::Toward { variable, direction, with_gradient: false };
+                    directions.push(self.derive(expression, seed));
+                }
+                self.with_trailing_axes(expression, &directions, &shape)
+            }
+            operator => {
+                let mut changed = false;
+                let mut change = |operand: Tensor| {
+                    let new = self.lower(operand);
+                    changed |= new != operand;
+                    new
+                };
+                let operator = map_operands(&operator, &mut change);
+                if changed { self.arena.push(operator, node.shape, place) } else { tensor }
+            }
+        };
+        self.known.insert(tensor, lowered);
+        lowered
+    }
+
+    fn lower_variable(&mut self, variable: Variable) -> Variable {
+        match variable {
+            Variable::Node(node) => Variable::Node(self.lower(node)),
+            other => other,
+        }
+    }
+
+    fn derive(&mut self, expression: Tensor, seed: Seed) -> Option<Tensor> {
+        let direction_gradient = match seed {
+            Seed::Toward { direction, with_gradient: true, .. } if self.reads_gradient(expression, seed) => {
+                let shape = [self.arena.shape(direction), &[self.dimension]].concat();
+                let place = self.arena.place(direction);
+                let gradient = self.arena.push(Operator::Gradient(direction), shape, place);
+                Some(self.lower(gradient))
+            }
+            _ => None,
+        };
+        Differentiation::new(&mut self.arena, self.dimension, seed, direction_gradient, self.diagnostics)
+            .derive(expression)
+    }
+
+    /// Does the expression hold the gradient of the field that is varied?
+    fn reads_gradient(&self, expression: Tensor, seed: Seed) -> bool {
+        let Seed::Toward { variable: Variable::Field(varied), .. } = seed else { return false };
+        self.arena.reachable(&[expression]).into_iter().any(|node| {
+            matches!(self.arena.node(node).operator, Operator::Field { field, gradient: true } if field == varied)
+        })
+    }
+
+    /// The unit tensor of a shape whose `entry`-th component (row-major) is one.
+    fn unit(&mut self, shape: &[usize], entry: usize, origin: Tensor) -> Tensor {
+        let place = self.arena.place(origin);
+        let Some((first, rest)) = shape.split_first() else {
+            return self.arena.push(Operator::Number(1.0), vec![], place);
+        };
+        let stride: usize = rest.iter().product();
+        let mut rows = Vec::new();
+        for row in 0..*first {
+            rows.push(if entry / stride == row {
+                self.unit(rest, entry % stride, origin)
+            } else {
+                self.arena.push(Operator::Zero, rest.to_vec(), place)
+            });
+        }
+        self.arena.push(Operator::Stack(rows), shape.to_vec(), place)
+    }
+
+    /// From one tensor like `model` per index of the trailing axes to one tensor with those axes.
+    fn with_trailing_axes(
+        &mut self,
+        model: Tensor,
+        directions: &[Option<Tensor>],
+        trailing: &[usize],
+    ) -> Tensor {
+        let place = self.arena.place(model);
+        let shape = self.arena.shape(model).to_vec();
+        let mut entries = Vec::new();
+        for index in multi_indices(&shape) {
+            for direction in directions {
+                entries.push(match direction {
+                    Some(direction) if index.is_empty() => *direction,
+                    Some(direction) => {
+                        self.arena.push(Operator::Component(*direction, index.clone()), vec![], place)
+                    }
+                    None => self.arena.push(Operator::Zero, vec![], place),
+                });
+            }
+        }
+        self.nest(entries, &[&shape[..], trailing].concat(), model)
+    }
+
+    /// Row-major scalars as nested stacks.
+    fn nest(&mut self, entries: Vec<Tensor>, shape: &[usize], origin: Tensor) -> Tensor {
+        let Some((first, rest)) = shape.split_first() else { return entries[0] };
+        let stride = entries.len() / first;
+        let rows = entries.chunks(stride).map(|row| self.nest(row.to_vec(), rest, origin)).collect();
+        let place = self.arena.place(origin);
+        self.arena.push(Operator::Stack(rows), shape.to_vec(), place)
+    }
+
+    /// Splits a scalar density at `+`, `-` and factors that are parameters only.
+    fn additive_parts(&mut self, density: Tensor) -> Vec<Tensor> {
+        let place = self.arena.place(density);
+        match self.arena.node(density).operator.clone() {
+            Operator::Add(a, b) => {
+                let mut parts = self.additive_parts(a);
+                parts.extend(self.additive_parts(b));
+                parts
+            }
+            Operator::Negate(a) => {
+                let parts = self.additive_parts(a);
+                parts.into_iter().map(|part| self.arena.push(Operator::Negate(part), vec![], place)).collect()
+            }
+            Operator::Scale(factor, a) if self.is_parameter(factor) => {
+                let parts = self.additive_parts(a);
+                parts
+                    .into_iter()
+                    .map(|part| self.arena.push(Operator::Scale(factor, part), vec![], place))
+                    .collect()
+            }
+            _ => vec![density],
+        }
+    }
+
+    fn is_parameter(&self, tensor: Tensor) -> bool {
+        let varies = |node: &Tensor| {
+            matches!(self.arena.node(*node).operator, Operator::Field { .. } | Operator::Geometry(_))
+        };
+        !self.arena.reachable(&[tensor]).iter().any(varies)
+    }
+}
+
+/// All index tuples of a shape, row-major.
+pub fn multi_indices(shape: &[usize]) -> Vec<Vec<usize>> {
+    shape.iter().fold(vec![vec![]], |indices, extent| {
+        indices
+            .iter()
+            .flat_map(|index| (0..*extent).map(move |last| [&index[..], &[last]].concat()))
+            .collect()
+    })
+}
+
+/// The same operator on other operands.
+fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tensor) -> Operator {
+    use Operator::*;
+    match operator {
+        Number(_) | Zero | Identity | Parameter(_) | Field { .. } | Geometry(_) => operator.clone(),
+        Negate(a) => Negate(change(*a)),
+        Map(map, a) => Map(*map, change(*a)),
+        Determinant(a) => Determinant(change(*a)),
+        Inverse(a) => Inverse(change(*a)),
+        Cofactor(a) => Cofactor(change(*a)),
+        Component(a, index) => Component(change(*a), index.clone()),
+        Apply(function, a) => Apply(*function, change(*a)),
+        Gradient(a) => Gradient(change(*a)),
+        Partial(a, variable) => Partial(change(*a), *variable),
+        Add(a, b) => Add(change(*a), change(*b)),
+        Scale(a, b) => Scale(change(*a), change(*b)),
+        Divide(a, b) => Divide(change(*a), change(*b)),
+        Contract(a, b) => Contract(change(*a), change(*b)),
+        Inner(a, b) => Inner(change(*a), change(*b)),
+        Outer(a, b) => Outer(change(*a), change(*b)),
+        Power(a, b) => Power(change(*a), change(*b)),
+        Minimum(a, b) => Minimum(change(*a), change(*b)),
+        Maximum(a, b) => Maximum(change(*a), change(*b)),
+        Stack(entries) => Stack(entries.iter().map(|entry| change(*entry)).collect()),
+        Select(truth, a, b) => {
+            let truth = truth.map(change);
+            Select(truth, change(*a), change(*b))
+        }
+        Gateaux { expression, variable, direction } => {
+            Gateaux { expression: change(*expression), variable: *variable, direction: change(*direction) }
+        }
+    }
+}

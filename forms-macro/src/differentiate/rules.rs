@@ -1,0 +1,367 @@
+//! The rules of differentiation, one per operator.
+//!
+//! Kinks: the derivative of `neg_part`, `pos_part` and `abs` at 0 is 0, that of `heaviside` and `sign`
+//! is 0 everywhere; `max(a, b)` differentiates as `if a > b { a } else { b }`, `min(a, b)` as
+//! `if a > b { b } else { a }`.
+
+use std::collections::HashMap;
+
+use crate::diagnostics::Diagnostics;
+use crate::parse::syntax::Comparison;
+use crate::tensor::{Arena, Function, Geometry, LinearMap, Operator, Tensor, Truth, Variable};
+
+/// What is varied, and how.
+#[derive(Clone, Copy, Debug)]
+pub enum Seed {
+    /// A variable moves in a direction; a field's gradient moves with it if `with_gradient`
+    /// (else the gradient is held fixed, as in ∂L/∂u of a Lagrangian density).
+    Toward { variable: Variable, direction: Tensor, with_gradient: bool },
+    /// The point moves along an axis: ∂/∂x_k.
+    Along(usize),
+}
+
+/// One directional derivative, shared nodes differentiated once.
+pub struct Differentiation<'a> {
+    arena: &'a mut Arena,
+    dimension: usize,
+    seed: Seed,
+    direction_gradient: Option<Tensor>,
+    diagnostics: &'a mut Diagnostics,
+    known: HashMap<Tensor, Option<Tensor>>,
+}
+
+impl<'a> Differentiation<'a> {
+    pub fn new(
+        arena: &'a mut Arena,
+        dimension: usize,
+        seed: Seed,
+        direction_gradient: Option<Tensor>,
+        diagnostics: &'a mut Diagnostics,
+    ) -> Self {
+        Differentiation { arena, dimension, seed, direction_gradient, diagnostics, known: HashMap::new() }
+    }
+
+    /// The derivative; `None` if it is zero.
+    pub fn derive(&mut self, tensor: Tensor) -> Option<Tensor> {
+        if let Some(known) = self.known.get(&tensor) {
+            return *known;
+        }
+        let derivative = self.rule(tensor);
+        self.known.insert(tensor, derivative);
+        derivative
+    }
+
+    fn rule(&mut self, tensor: Tensor) -> Option<Tensor> {
+        use Operator::*;
+        if let Seed::Toward { variable: Variable::Node(node), direction, .. } = self.seed {
+            if node == tensor {
+                return Some(direction);
+            }
+        }
+        let shape = self.arena.shape(tensor).to_vec();
+        match self.arena.node(tensor).operator.clone() {
+            Number(_) | Zero | Identity => None,
+            Parameter(index) => match self.seed {
+                Seed::Toward { variable: Variable::Parameter(varied), direction, .. } if varied == index => {
+                    Some(direction)
+                }
+                _ => None,
+            },
+            Field { field, gradient } => self.field(tensor, field, gradient),
+            Geometry(geometry) => self.geometry(tensor, geometry),
+            Add(a, b) => {
+                let (da, db) = (self.derive(a), self.derive(b));
+                self.sum(da, db)
+            }
+            Negate(a) => {
+                let da = self.derive(a)?;
+                Some(self.push(Negate(da), shape, tensor))
+            }
+            Scale(a, b) => self.product(tensor, a, b, Scale),
+            Contract(a, b) => self.product(tensor, a, b, Contract),
+            Inner(a, b) => self.product(tensor, a, b, Inner),
+            Outer(a, b) => self.product(tensor, a, b, Outer),
+            // d(a/b) = (da − (a/b) db) / b
+            Divide(a, b) => {
+                let (da, db) = (self.derive(a), self.derive(b));
+                let second = db.map(|db| {
+                    let scaled = self.push(Scale(db, tensor), shape.clone(), tensor);
+                    self.push(Negate(scaled), shape.clone(), tensor)
+                });
+                let numerator = self.sum(da, second)?;
+                Some(self.push(Divide(numerator, b), shape, tensor))
+            }
+            Map(map, a) => {
+                let da = self.derive(a)?;
+                Some(self.push(Map(map, da), shape, tensor))
+            }
+            // d det A = cof A : dA
+            Determinant(a) => {
+                let da = self.derive(a)?;
+                let matrix = self.arena.shape(a).to_vec();
+                let cofactor = self.push(Cofactor(a), matrix, tensor);
+                Some(self.push(Inner(cofactor, da), vec![], tensor))
+            }
+            // d A⁻¹ = −A⁻¹ dA A⁻¹
+            Inverse(a) => {
+                let da = self.derive(a)?;
+                let left = self.push(Contract(tensor, da), shape.clone(), tensor);
+                let both = self.push(Contract(left, tensor), shape.clone(), tensor);
+                Some(self.push(Negate(both), shape, tensor))
+            }
+            Cofactor(a) => self.cofactor(tensor, a),
+            Component(a, index) => {
+                let da = self.derive(a)?;
+                Some(self.push(Component(da, index), shape, tensor))
+            }
+            Stack(entries) => {
+                let derived: Vec<_> = entries.iter().map(|entry| self.derive(*entry)).collect();
+                if derived.iter().all(Option::is_none) {
+                    return None;
+                }
+                let row = shape[1..].to_vec();
+                let derived = derived
+                    .into_iter()
+                    .map(|entry| entry.unwrap_or_else(|| self.push(Zero, row.clone(), tensor)))
+                    .collect();
+                Some(self.push(Stack(derived), shape, tensor))
+            }
+            Apply(function, a) => {
+                let da = self.derive(a)?;
+                let slope = self.slope(function, a, tensor)?;
+                Some(self.push(Scale(slope, da), shape, tensor))
+            }
+            Power(a, b) => self.power(tensor, a, b),
+            Minimum(a, b) => self.extremum(tensor, a, b, false),
+            Maximum(a, b) => self.extremum(tensor, a, b, true),
+            Select(truth, a, b) => {
+                let (da, db) = (self.derive(a), self.derive(b));
+                self.choose(truth, da, db, tensor)
+            }
+            // Removed before a derivative is taken of what holds them.
+            Gradient(_) | Partial(..) | Gateaux { .. } => None,
+        }
+    }
+
+    fn field(&mut self, tensor: Tensor, field: usize, gradient: bool) -> Option<Tensor> {
+        match self.seed {
+            Seed::Toward { variable: Variable::Field(varied), direction, with_gradient }
+                if varied == field =>
+            {
+                match (gradient, with_gradient) {
+                    (false, _) => Some(direction),
+                    (true, true) => self.direction_gradient,
+                    (true, false) => None,
+                }
+            }
+            Seed::Toward { .. } => None,
+            Seed::Along(axis) if !gradient => {
+                let shape = self.arena.shape(tensor).to_vec();
+                let full = [&shape[..], &[self.dimension]].concat();
+                let gradient = self.push(Operator::Field { field, gradient: true }, full, tensor);
+                Some(self.column(gradient, &shape, axis, tensor))
+            }
+            Seed::Along(_) => {
+                self.diagnostics.error_with_help(
+                    self.arena.place(tensor),
+                    "second derivatives of a field are not available",
+                    "`grad` is applied here to something that already holds a gradient",
+                );
+                None
+            }
+        }
+    }
+
+    /// Fixes the last axis.
+    fn column(&mut self, full: Tensor, shape: &[usize], axis: usize, origin: Tensor) -> Tensor {
+        let Some((first, rest)) = shape.split_first() else {
+            return self.push(Operator::Component(full, vec![axis]), vec![], origin);
+        };
+        let inner = [rest, &[self.dimension]].concat();
+        let mut rows = Vec::new();
+        for row in 0..*first {
+            let slice = self.push(Operator::Component(full, vec![row]), inner.clone(), origin);
+            rows.push(self.column(slice, rest, axis, origin));
+        }
+        self.push(Operator::Stack(rows), shape.to_vec(), origin)
+    }
+
+    fn geometry(&mut self, tensor: Tensor, geometry: Geometry) -> Option<Tensor> {
+        let Seed::Along(axis) = self.seed else { return None };
+        match geometry {
+            // Constant on the cell.
+            Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea => None,
+            Geometry::Position => {
+                let mut entries = Vec::new();
+                for entry in 0..self.dimension {
+                    let value = if entry == axis { 1.0 } else { 0.0 };
+                    entries.push(self.push(Operator::Number(value), vec![], tensor));
+                }
+                Some(self.push(Operator::Stack(entries), vec![self.dimension], tensor))
+            }
+            Geometry::Normal | Geometry::Curvature => {
+                let message = "the gradient of the normal is not available";
+                self.diagnostics.error_with_help(
+                    self.arena.place(tensor),
+                    message,
+                    "its trace is the built-in `curvature`",
+                );
+                None
+            }
+        }
+    }
+
+    /// d(a ∘ b) = da ∘ b + a ∘ db for the bilinear operators.
+    fn product(
+        &mut self,
+        tensor: Tensor,
+        a: Tensor,
+        b: Tensor,
+        make: fn(Tensor, Tensor) -> Operator,
+    ) -> Option<Tensor> {
+        let shape = self.arena.shape(tensor).to_vec();
+        let (da, db) = (self.derive(a), self.derive(b));
+        let first = da.map(|da| self.push(make(da, b), shape.clone(), tensor));
+        let second = db.map(|db| self.push(make(a, db), shape.clone(), tensor));
+        self.sum(first, second)
+    }
+
+    /// 1×1: d 1 = 0. 2×2: cof A = tr A I − Aᵀ is linear.
+    /// 3×3: with B = Aᵀ, cof A = B² − tr B B + ½ (tr²B − tr B²) I.
+    fn cofactor(&mut self, tensor: Tensor, a: Tensor) -> Option<Tensor> {
+        let da = self.derive(a)?;
+        let shape = self.arena.shape(a).to_vec();
+        match shape[0] {
+            1 => None,
+            2 => Some(self.push(Operator::Cofactor(da), shape, tensor)),
+            _ => {
+                let square = |this: &mut Self, first, second| {
+                    this.push(Operator::Contract(first, second), shape.clone(), tensor)
+                };
+                let transposed = self.push(Operator::Map(LinearMap::Transpose, a), shape.clone(), tensor);
+                let change = self.push(Operator::Map(LinearMap::Transpose, da), shape.clone(), tensor);
+                let trace = self.push(Operator::Map(LinearMap::Trace, a), vec![], tensor);
+                let trace_change = self.push(Operator::Map(LinearMap::Trace, da), vec![], tensor);
+                let (first, second) = (square(self, change, transposed), square(self, transposed, change));
+                let squares = self.push(Operator::Add(first, second), shape.clone(), tensor);
+                let third = self.push(Operator::Scale(trace_change, transposed), shape.clone(), tensor);
+                let fourth = self.push(Operator::Scale(trace, change), shape.clone(), tensor);
+                let traces = self.push(Operator::Add(third, fourth), shape.clone(), tensor);
+                let minus = self.push(Operator::Negate(traces), shape.clone(), tensor);
+                let product = self.push(Operator::Scale(trace, trace_change), vec![], tensor);
+                let mixed = self.push(Operator::Inner(transposed, da), vec![], tensor);
+                let minus_mixed = self.push(Operator::Negate(mixed), vec![], tensor);
+                let factor = self.push(Operator::Add(product, minus_mixed), vec![], tensor);
+                let identity = self.push(Operator::Identity, shape.clone(), tensor);
+                let last = self.push(Operator::Scale(factor, identity), shape.clone(), tensor);
+                let sum = self.push(Operator::Add(squares, minus), shape.clone(), tensor);
+                Some(self.push(Operator::Add(sum, last), shape.clone(), tensor))
+            }
+        }
+    }
+
+    /// f′(a); `None` where it is zero.
+    fn slope(&mut self, function: Function, a: Tensor, tensor: Tensor) -> Option<Tensor> {
+        use Operator::{Add, Apply, Divide, Negate, Number, Scale};
+        let mut push = |operator| self.push(operator, vec![], tensor);
+        Some(match function {
+            Function::Sqrt => {
+                let half = push(Number(0.5));
+                push(Divide(half, tensor))
+            }
+            Function::Exp => tensor,
+            Function::Ln => {
+                let one = push(Number(1.0));
+                push(Divide(one, a))
+            }
+            Function::Sin => push(Apply(Function::Cos, a)),
+            Function::Cos => {
+                let sine = push(Apply(Function::Sin, a));
+                push(Negate(sine))
+            }
+            // tan′ = 1 + tan²
+            Function::Tan => {
+                let (one, square) = (push(Number(1.0)), push(Scale(tensor, tensor)));
+                push(Add(one, square))
+            }
+            // tanh′ = 1 − tanh²
+            Function::Tanh => {
+                let (one, square) = (push(Number(1.0)), push(Scale(tensor, tensor)));
+                let minus = push(Negate(square));
+                push(Add(one, minus))
+            }
+            Function::Abs => push(Apply(Function::Sign, a)),
+            Function::PositivePart => push(Apply(Function::Heaviside, a)),
+            // [a]₋′ = −H(−a)
+            Function::NegativePart => {
+                let minus = push(Negate(a));
+                let on = push(Apply(Function::Heaviside, minus));
+                push(Negate(on))
+            }
+            Function::Sign | Function::Heaviside => return None,
+        })
+    }
+
+    fn power(&mut self, tensor: Tensor, a: Tensor, b: Tensor) -> Option<Tensor> {
+        use Operator::{Apply, Divide, Number, Power, Scale};
+        let (da, db) = (self.derive(a), self.derive(b));
+        if let (Number(exponent), Some(da)) = (self.arena.node(b).operator.clone(), da) {
+            // d aⁿ = n aⁿ⁻¹ da
+            let factor = self.push(Number(exponent), vec![], tensor);
+            let less = self.push(Number(exponent - 1.0), vec![], tensor);
+            let power = self.push(Power(a, less), vec![], tensor);
+            let slope = self.push(Scale(factor, power), vec![], tensor);
+            return Some(self.push(Scale(slope, da), vec![], tensor));
+        }
+        // d aᵇ = aᵇ (b da / a + ln a db)
+        let first = da.map(|da| {
+            let ratio = self.push(Divide(da, a), vec![], tensor);
+            self.push(Scale(b, ratio), vec![], tensor)
+        });
+        let second = db.map(|db| {
+            let logarithm = self.push(Apply(Function::Ln, a), vec![], tensor);
+            self.push(Scale(logarithm, db), vec![], tensor)
+        });
+        let sum = self.sum(first, second)?;
+        Some(self.push(Scale(tensor, sum), vec![], tensor))
+    }
+
+    fn extremum(&mut self, tensor: Tensor, a: Tensor, b: Tensor, maximum: bool) -> Option<Tensor> {
+        let (da, db) = (self.derive(a), self.derive(b));
+        let truth = Truth::Compare(Comparison::Greater, a, b);
+        if maximum { self.choose(truth, da, db, tensor) } else { self.choose(truth, db, da, tensor) }
+    }
+
+    fn choose(
+        &mut self,
+        truth: Truth,
+        a: Option<Tensor>,
+        b: Option<Tensor>,
+        tensor: Tensor,
+    ) -> Option<Tensor> {
+        if a.is_none() && b.is_none() {
+            return None;
+        }
+        let shape = self.arena.shape(tensor).to_vec();
+        let mut or_zero = |branch: Option<Tensor>| {
+            branch.unwrap_or_else(|| self.push(Operator::Zero, shape.clone(), tensor))
+        };
+        let (a, b) = (or_zero(a), or_zero(b));
+        Some(self.push(Operator::Select(truth, a, b), shape, tensor))
+    }
+
+    fn sum(&mut self, a: Option<Tensor>, b: Option<Tensor>) -> Option<Tensor> {
+        match (a, b) {
+            (Some(a), Some(b)) => {
+                let shape = self.arena.shape(a).to_vec();
+                Some(self.push(Operator::Add(a, b), shape, a))
+            }
+            (one, None) | (None, one) => one,
+        }
+    }
+
+    fn push(&mut self, operator: Operator, shape: Vec<usize>, origin: Tensor) -> Tensor {
+        let place = self.arena.place(origin);
+        self.arena.push(operator, shape, place)
+    }
+}

@@ -1,0 +1,340 @@
+//! One function: its constructor, its type, and the traits by which a backend walks its kernels.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::kernel::KernelWriter;
+use crate::check::{fields_of, given_members};
+use crate::optimise::degree::{Degree, Part};
+use crate::optimise::{Dependence, Description, Optimised};
+use crate::parse::syntax::*;
+use crate::tensor::{FieldInfo, FieldRole};
+
+/// Constructor and module of a function.
+pub fn emit_function(
+    module: &Module,
+    function: &Function,
+    dimensions: &[usize],
+    optimised: Vec<Optimised>,
+    backend: &syn::Path,
+) -> TokenStream {
+    let Function { attributes, visibility, name, .. } = function;
+    let used = used_regions(module, &optimised, function);
+    let constructor_arguments = constructor_arguments(module, function, &used);
+    let inputs = inputs(module, function, &used);
+    let mut implementations = TokenStream::new();
+    let mut optimised: Vec<Option<Optimised>> = optimised.into_iter().map(Some).collect();
+    for dimension in dimensions {
+        let found =
+            optimised.iter_mut().find(|one| one.as_ref().is_some_and(|one| one.dimension == *dimension));
+        let found = found.and_then(Option::take);
+        implementations.extend(implementation(module, function, *dimension, found, &used));
+    }
+    let nested = nested_visibility(visibility);
+    quote! {
+        #(#attributes)*
+        #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
+            #inputs
+            #name::Form::with(inputs)
+        }
+        #visibility mod #name {
+            use #backend::contract;
+            #[allow(unused_imports)]
+            use contract::{Form as _, Lane};
+
+            /// The function with its data, ready for a backend.
+            #[derive(Clone, Debug)]
+            pub struct Form<const D: usize> {
+                inputs: contract::Inputs<D>,
+            }
+            impl<const D: usize> Form<D> {
+                #nested fn with(inputs: contract::Inputs<D>) -> Self {
+                    Form { inputs }
+                }
+            }
+            #implementations
+        }
+    }
+}
+
+fn nested_visibility(_outer: &syn::Visibility) -> TokenStream {
+    quote! { pub(super) }
+}
+
+/// Regions of the module that the function integrates over, in the order of their declaration. After a
+/// mistake all of them, so that calls keep their number of arguments most likely.
+fn used_regions(module: &Module, optimised: &[Optimised], function: &Function) -> Vec<usize> {
+    if matches!(function.output, Output::Value(_)) {
+        return vec![];
+    }
+    let mut used: Vec<usize> = optimised
+        .iter()
+        .flat_map(|one| {
+            let linear = one.residual.iter().map(|integral| integral.description.region);
+            linear.chain(one.density.iter().map(|integral| integral.description.region)).collect::<Vec<_>>()
+        })
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    if optimised.is_empty() { (0..module.regions.len()).collect() } else { used }
+}
+
+fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -> Vec<TokenStream> {
+    let mut arguments = Vec::new();
+    if let Some(data) = &module.data {
+        let name = &data.name;
+        arguments.push(quote! { data: &#name<D> });
+    }
+    for region in used {
+        let ty = &module.regions[*region].name;
+        let name = region_argument(ty);
+        arguments.push(quote! { #name: &#ty });
+    }
+    for argument in stored_arguments(function) {
+        let name = &argument.name;
+        arguments.push(quote! { #name: impl Into<contract::Source<D>> });
+    }
+    arguments
+}
+
+/// The arguments that a constructor takes: known fields.
+fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
+    function
+        .arguments
+        .iter()
+        .filter(|argument| matches!(argument.role, ArgumentRole::State | ArgumentRole::Plain))
+}
+
+/// `GammaC` → `gamma_c_region`.
+fn region_argument(name: &Ident) -> Ident {
+    let mut text = String::new();
+    for character in name.to_string().chars() {
+        if character.is_uppercase() && !text.is_empty() {
+            text.push('_');
+        }
+        text.extend(character.to_lowercase());
+    }
+    format_ident!("{text}_region")
+}
+
+fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
+    let parameters = module
+        .data
+        .iter()
+        .flat_map(|data| &data.members)
+        .filter(|member| member.kind == MemberKind::Param)
+        .map(|member| {
+            let (name, text) = (&member.name, member.name.to_string());
+            quote! { inputs.push_parameter(#text, &data.#name); }
+        });
+    let arguments = function.arguments.iter().map(|argument| match argument.role {
+        ArgumentRole::Unknown | ArgumentRole::Test => quote! { None },
+        _ => {
+            let name = &argument.name;
+            quote! { Some(#name.into()) }
+        }
+    });
+    let given = given_members(module).map(|member| {
+        let name = &member.name;
+        quote! { Some(data.#name.source().clone()) }
+    });
+    // An energy has a test function per unknown that no argument names.
+    let variations = function
+        .arguments
+        .iter()
+        .filter(|argument| function.output == Output::Energy && argument.role == ArgumentRole::Unknown)
+        .map(|_| quote! { None });
+    let regions = used.iter().map(|region| {
+        let name = region_argument(&module.regions[*region].name);
+        quote! { #name.0.clone() }
+    });
+    quote! {
+        let mut inputs = contract::Inputs::<D>::empty();
+        #(#parameters)*
+        inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
+        inputs.regions = ::std::vec![#(#regions),*];
+    }
+}
+
+fn implementation(
+    module: &Module,
+    function: &Function,
+    dimension: usize,
+    optimised: Option<Optimised>,
+    used: &[usize],
+) -> TokenStream {
+    let kernels_name = format_ident!("kernels_{dimension}");
+    let mut kernels = TokenStream::new();
+    let (mut residual, mut tangent, mut switches, mut density) = (vec![], vec![], vec![], vec![]);
+    let mut value = None;
+    let mut fields = fields_of(module, function, dimension);
+    if let Some(mut optimised) = optimised {
+        fields = std::mem::take(&mut optimised.fields);
+        let mut graph = std::mem::take(&mut optimised.graph);
+        let mut writer = KernelWriter { graph: &mut graph, fields: &fields, dimension };
+        let visit = |description: TokenStream, kernel: &Ident| {
+            quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters))?; }
+        };
+        for (index, integral) in optimised.residual.iter().enumerate() {
+            let kernel = format_ident!("Residual{index}");
+            kernels.extend(writer.linear(&kernel, integral.test, &integral.flux));
+            let description = describe(&integral.description, used, number(&fields[integral.test]), 0, false);
+            residual.push(visit(description, &kernel));
+        }
+        for (index, integral) in optimised.tangent.iter().enumerate() {
+            let kernel = format_ident!("Tangent{index}");
+            kernels.extend(writer.bilinear(&kernel, integral));
+            let (test, trial) = (number(&fields[integral.test]), number(&fields[integral.trial]));
+            tangent
+                .push(visit(describe(&integral.description, used, test, trial, integral.symmetric), &kernel));
+        }
+        for (list, integrals, prefix) in
+            [(&mut switches, &optimised.switches, "Switches"), (&mut density, &optimised.density, "Density")]
+        {
+            for (index, integral) in integrals.iter().enumerate() {
+                let kernel = format_ident!("{prefix}{index}");
+                let shape = if prefix == "Density" { vec![] } else { vec![integral.components.len()] };
+                kernels.extend(writer.expression(&kernel, &integral.components, &shape));
+                list.push(visit(describe(&integral.description, used, 0, 0, false), &kernel));
+            }
+        }
+        if let Some((components, shape)) = &optimised.value {
+            let kernel = format_ident!("Value");
+            kernels.extend(writer.expression(&kernel, components, shape));
+            let description =
+                Description { region: 0, dependence: Dependence::Constant, degree: Degree::constant(0) };
+            value = Some(visit(describe(&description, &[0], 0, 0, false), &kernel));
+        }
+    }
+    let common = common_methods(&function.name, &fields, dimension);
+    let traits = match function.output {
+        Output::Value(rank) => {
+            let shape = rank.shape(dimension);
+            quote! {
+                impl contract::Expression<#dimension> for Form<#dimension> {
+                    #common
+                    fn shape(&self) -> &'static [usize] { &[#(#shape),*] }
+                    fn expression<V: contract::ExpressionVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                        #value
+                        Ok(())
+                    }
+                }
+            }
+        }
+        output => {
+            let functional = quote! {
+                impl contract::Functional<#dimension> for Form<#dimension> {
+                    #common
+                    fn density<V: contract::ExpressionVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                        #(#density)*
+                        Ok(())
+                    }
+                }
+            };
+            let form = quote! {
+                impl contract::Form<#dimension> for Form<#dimension> {
+                    #common
+                    fn residual<V: contract::LinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                        #(#residual)*
+                        Ok(())
+                    }
+                    fn tangent<V: contract::BilinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                        #(#tangent)*
+                        Ok(())
+                    }
+                    fn switches<V: contract::ExpressionVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                        #(#switches)*
+                        Ok(())
+                    }
+                }
+            };
+            match output {
+                Output::Functional => functional,
+                Output::Energy => quote! { #functional #form },
+                _ => form,
+            }
+        }
+    };
+    quote! {
+        #traits
+        mod #kernels_name {
+            #[allow(unused_imports)]
+            use super::contract::{self, Lane};
+            #kernels
+        }
+    }
+}
+
+/// The number of an unknown, test or trial function.
+fn number(field: &FieldInfo) -> usize {
+    match field.role {
+        FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,
+        FieldRole::State | FieldRole::Given => 0,
+    }
+}
+
+fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> TokenStream {
+    let text = name.to_string();
+    let fields = fields.iter().filter_map(|field| {
+        let role = match field.role {
+            FieldRole::Unknown(number) => quote! { Unknown(#number) },
+            FieldRole::Test(number) => quote! { Test(#number) },
+            FieldRole::State => quote! { State },
+            FieldRole::Given => quote! { Given },
+            FieldRole::Trial(_) => return None,
+        };
+        let (name, shape) = (&field.name, &field.shape);
+        Some(quote! {
+            contract::FieldDescription { name: #name, role: contract::Role::#role, shape: &[#(#shape),*] }
+        })
+    });
+    quote! {
+        fn name(&self) -> &'static str { #text }
+        fn fields(&self) -> &'static [contract::FieldDescription] { &[#(#fields),*] }
+        fn inputs(&self) -> &contract::Inputs<#dimension> { &self.inputs }
+    }
+}
+
+fn describe(
+    description: &Description,
+    used: &[usize],
+    test: usize,
+    trial: usize,
+    symmetric: bool,
+) -> TokenStream {
+    let region = used.iter().position(|region| *region == description.region).unwrap_or_default();
+    let dependence = match description.dependence {
+        Dependence::Constant => quote! { Constant },
+        Dependence::Linear => quote! { Linear },
+        Dependence::Nonlinear => quote! { Nonlinear },
+    };
+    let degree = degree(&description.degree);
+    quote! {
+        contract::Integral {
+            region: #region,
+            test: #test,
+            trial: #trial,
+            dependence: contract::Dependence::#dependence,
+            symmetric: #symmetric,
+            degree: #degree,
+        }
+    }
+}
+
+/// A function from the fields' degrees to the integrand's.
+fn degree(degree: &Degree) -> TokenStream {
+    let sums = degree.0.iter().map(|sum| {
+        let constant = sum.constant;
+        let parts = sum.parts.iter().map(|(part, count)| {
+            let value = match part {
+                Part::Value(field) => quote! { fields[#field] },
+                Part::Gradient(field) => quote! { fields[#field].saturating_sub(simplex as usize) },
+                Part::Position => quote! { geometry },
+                Part::Normal => quote! { geometry.saturating_sub(1) },
+            };
+            quote! { + #count * #value }
+        });
+        quote! { .max(#constant #(#parts)*) }
+    });
+    quote! { |fields, geometry, simplex| 0usize #(#sums)* }
+}

@@ -1,0 +1,393 @@
+//! Kernels: `impl LinearKernel<D>`, `impl BilinearKernel<D>`, `impl ExpressionKernel<D>`.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::{Ident, TokenStream};
+use quote::quote;
+
+use super::straight_line::{Code, Demand, Level, Store, Value, from_point};
+use crate::optimise::linear::Coefficients;
+use crate::optimise::scalar::{Argument, Graph, Node, Scalar};
+use crate::optimise::{BilinearIntegral, BilinearPlan};
+use crate::tensor::{FieldInfo, Geometry};
+
+/// Writes the kernels of one function in one dimension.
+pub struct KernelWriter<'a> {
+    pub graph: &'a mut Graph,
+    pub fields: &'a [FieldInfo],
+    pub dimension: usize,
+}
+
+/// Where each field's value and gradient stand in the `fields` slice: (field, gradient) → offset.
+struct Layout {
+    offsets: BTreeMap<(usize, bool), usize>,
+    requirements: TokenStream,
+}
+
+impl KernelWriter<'_> {
+    /// Σ over slots of coefficient × weight × basis, per test component.
+    pub fn linear(&mut self, name: &Ident, test: usize, flux: &Coefficients) -> TokenStream {
+        let d = self.dimension;
+        let components: usize = self.fields[test].shape.iter().product();
+        let weight = self.graph.intern(Node::Weight);
+        let mut roots = Vec::new();
+        for component in 0..components {
+            let mut parts = Vec::new();
+            for (slot, coefficient) in flux.range(component * (1 + d)..(component + 1) * (1 + d)) {
+                let basis = self.graph.intern(Node::Basis(Argument::Test, slot % (1 + d)));
+                parts.push(self.graph.product(&[(*coefficient, 1), (weight, 1), (basis, 1)]));
+            }
+            roots.push(self.graph.sum(&parts));
+        }
+        let layout = self.layout(&roots);
+        let mut code = Code::new(self.graph, &roots);
+        let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
+
+        let (mut form, mut cell, mut point) = (Store::default(), Store::default(), Store::default());
+        let test_body = code.print(&values, Level::Node, &|node| self.basis(node), &mut |value, _| {
+            from_point(&mut point, value)
+        });
+        let (test_statements, test_results) = (test_body.statements, test_body.results);
+        let point_function = self.point_function(&code, &point, &layout, &mut form, &mut cell);
+        let cell_function = self.cell_function(&code, &cell, &mut form);
+        let (structure, form_count) = self.structure(name, &code, &form);
+        let (cell_count, point_count) = (cell.values.len(), point.values.len());
+        let requirements = &layout.requirements;
+        let _ = form_count;
+        quote! {
+            #structure
+            impl contract::LinearKernel<#d> for #name {
+                const REQUIREMENTS: contract::Requirements = #requirements;
+                const TEST_COMPONENTS: usize = #components;
+                type Cell<L: Lane> = [L; #cell_count];
+                type Flux<L: Lane> = [L; #point_count];
+                type Block<L: Lane> = [L; #components];
+                #cell_function
+                #[inline(always)]
+                fn point<L: Lane>(&self, cell: &[L; #cell_count], geometry: &contract::PointGeometry<L, #d>, fields: &[L]) -> [L; #point_count] {
+                    #point_function
+                }
+                #[inline(always)]
+                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>) -> [L; #components] {
+                    #test_statements
+                    [#(#test_results),*]
+                }
+            }
+        }
+    }
+
+    /// One integral of a tangent, by its plan.
+    pub fn bilinear(&mut self, name: &Ident, integral: &BilinearIntegral) -> TokenStream {
+        let d = self.dimension;
+        let [rows, columns] =
+            [integral.test, integral.trial].map(|field| self.fields[field].shape.iter().product::<usize>());
+        let entries = rows * columns;
+        let weight = self.graph.intern(Node::Weight);
+
+        // Factors on each side, and for each accumulated entry the pairs of factors that feed it.
+        let mut tests: Vec<Scalar> = Vec::new();
+        let mut trials: Vec<Scalar> = Vec::new();
+        let position = |list: &mut Vec<Scalar>, scalar: Scalar| {
+            list.iter().position(|known| *known == scalar).unwrap_or_else(|| {
+                list.push(scalar);
+                list.len() - 1
+            })
+        };
+        let mut sums: Vec<Vec<(usize, usize)>> = Vec::new();
+        let block: Vec<Scalar> = match &integral.plan {
+            BilinearPlan::Accumulated { sums: slots, block } => {
+                for (test, trial) in slots {
+                    let test = self.graph.intern(Node::Basis(Argument::Test, *test));
+                    let trial = self.graph.intern(Node::Basis(Argument::Trial, *trial));
+                    let trial = self.graph.multiply(weight, trial);
+                    sums.push(vec![(position(&mut tests, test), position(&mut trials, trial))]);
+                }
+                block.clone()
+            }
+            BilinearPlan::Factored { block } => {
+                for products in block {
+                    let pairs = products.iter();
+                    sums.push(
+                        pairs
+                            .map(|(test, trial)| (position(&mut tests, *test), position(&mut trials, *trial)))
+                            .collect(),
+                    );
+                }
+                (0..entries).map(|entry| self.graph.intern(Node::Accumulated(entry))).collect()
+            }
+        };
+        let roots: Vec<Scalar> = tests.iter().chain(&trials).chain(&block).copied().collect();
+        let layout = self.layout(&roots);
+        let mut code = Code::new(self.graph, &roots);
+        let mut lower =
+            |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
+        let (tests, trials, block) = (lower(&tests), lower(&trials), lower(&block));
+
+        let (mut form, mut cell, mut point) = (Store::default(), Store::default(), Store::default());
+        let test = code.print(&tests, Level::Node, &|node| self.basis(node), &mut |value, _| {
+            from_point(&mut point, value)
+        });
+        let trial = code.print(&trials, Level::Node, &|node| self.basis(node), &mut |value, _| {
+            from_point(&mut point, value)
+        });
+        let finish = {
+            let mut demand = Demand { form: &mut form, cell: &mut cell };
+            code.print(&block, Level::Node, &|node| self.basis(node), &mut |value, level| {
+                demand.text(value, level)
+            })
+        };
+        let point_function = self.point_function(&code, &point, &layout, &mut form, &mut cell);
+        let cell_function = self.cell_function(&code, &cell, &mut form);
+        let (structure, _) = self.structure(name, &code, &form);
+        let pair = sums.iter().enumerate().filter(|(_, pairs)| !pairs.is_empty()).map(|(entry, pairs)| {
+            let start = quote! { accumulator[#entry] };
+            let sum = pairs.iter().fold(
+                start,
+                |sum, (test, trial)| quote! { L::multiply_add(test[#test], trial[#trial], #sum) },
+            );
+            quote! { accumulator[#entry] = #sum; }
+        });
+        let (cell_count, point_count) = (cell.values.len(), point.values.len());
+        let (test_count, trial_count, sum_count) = (tests.len(), trials.len(), sums.len());
+        let (test_statements, test_results) = (test.statements, test.results);
+        let (trial_statements, trial_results) = (trial.statements, trial.results);
+        let (finish_statements, finish_results) = (finish.statements, finish.results);
+        let symmetric = integral.symmetric;
+        let requirements = &layout.requirements;
+        quote! {
+            #structure
+            impl contract::BilinearKernel<#d> for #name {
+                const REQUIREMENTS: contract::Requirements = #requirements;
+                const TEST_COMPONENTS: usize = #rows;
+                const TRIAL_COMPONENTS: usize = #columns;
+                const SYMMETRIC: bool = #symmetric;
+                type Cell<L: Lane> = [L; #cell_count];
+                type Point<L: Lane> = [L; #point_count];
+                type Test<L: Lane> = [L; #test_count];
+                type Trial<L: Lane> = [L; #trial_count];
+                type Accumulator<L: Lane> = [L; #sum_count];
+                type Block<L: Lane> = [L; #entries];
+                #cell_function
+                #[inline(always)]
+                fn point<L: Lane>(&self, cell: &[L; #cell_count], geometry: &contract::PointGeometry<L, #d>, fields: &[L]) -> [L; #point_count] {
+                    #point_function
+                }
+                #[inline(always)]
+                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>) -> [L; #test_count] {
+                    #test_statements
+                    [#(#test_results),*]
+                }
+                #[inline(always)]
+                fn trial<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>) -> [L; #trial_count] {
+                    #trial_statements
+                    [#(#trial_results),*]
+                }
+                #[inline(always)]
+                fn zero<L: Lane>() -> [L; #sum_count] {
+                    [L::splat(0.0); #sum_count]
+                }
+                #[inline(always)]
+                fn pair<L: Lane>(accumulator: &mut [L; #sum_count], test: &[L; #test_count], trial: &[L; #trial_count]) {
+                    #(#pair)*
+                }
+                #[inline(always)]
+                fn finish<L: Lane>(&self, cell: &[L; #cell_count], accumulator: &[L; #sum_count]) -> [L; #entries] {
+                    #finish_statements
+                    [#(#finish_results),*]
+                }
+            }
+        }
+    }
+
+    /// A density or derived field.
+    pub fn expression(&mut self, name: &Ident, components: &[Scalar], shape: &[usize]) -> TokenStream {
+        let d = self.dimension;
+        let count = components.len();
+        let layout = self.layout(components);
+        let mut code = Code::new(self.graph, components);
+        let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
+        let (mut form, mut cell) = (Store::default(), Store::default());
+        let body = {
+            let mut demand = Demand { form: &mut form, cell: &mut cell };
+            code.print(&values, Level::Point, &|node| self.at_point(node, &layout), &mut |value, level| {
+                demand.text(value, level)
+            })
+        };
+        let cell_function = self.cell_function(&code, &cell, &mut form);
+        let (structure, _) = self.structure(name, &code, &form);
+        let cell_count = cell.values.len();
+        let (statements, results) = (body.statements, body.results);
+        let requirements = &layout.requirements;
+        quote! {
+            #structure
+            impl contract::ExpressionKernel<#d> for #name {
+                const REQUIREMENTS: contract::Requirements = #requirements;
+                const SHAPE: &'static [usize] = &[#(#shape),*];
+                type Cell<L: Lane> = [L; #cell_count];
+                type Value<L: Lane> = [L; #count];
+                #cell_function
+                #[inline(always)]
+                fn evaluate<L: Lane>(&self, cell: &[L; #cell_count], geometry: &contract::PointGeometry<L, #d>, fields: &[L]) -> [L; #count] {
+                    #statements
+                    [#(#results),*]
+                }
+            }
+        }
+    }
+
+    fn point_function(
+        &self,
+        code: &Code,
+        point: &Store,
+        layout: &Layout,
+        form: &mut Store,
+        cell: &mut Store,
+    ) -> TokenStream {
+        let mut demand = Demand { form, cell };
+        let body = code.print(
+            &point.values,
+            Level::Point,
+            &|node| self.at_point(node, layout),
+            &mut |value, level| demand.text(value, level),
+        );
+        let (statements, results) = (body.statements, body.results);
+        quote! {
+            #statements
+            [#(#results),*]
+        }
+    }
+
+    fn cell_function(&self, code: &Code, cell: &Store, form: &mut Store) -> TokenStream {
+        let count = cell.values.len();
+        let mut unused = Store::default();
+        let mut demand = Demand { form, cell: &mut unused };
+        let terminal = |node: &Node| match node {
+            Node::Geometry(Geometry::Diameter, _) => quote! { geometry.diameter },
+            Node::Geometry(Geometry::CellVolume, _) => quote! { geometry.cell_volume },
+            _ => quote! { geometry.facet_area },
+        };
+        let body =
+            code.print(&cell.values, Level::Cell, &terminal, &mut |value, level| demand.text(value, level));
+        let (statements, results) = (body.statements, body.results);
+        quote! {
+            #[inline(always)]
+            fn cell<L: Lane>(&self, geometry: &contract::CellGeometry<L>) -> [L; #count] {
+                #statements
+                [#(#results),*]
+            }
+        }
+    }
+
+    /// The kernel's struct: what is known with the parameters.
+    fn structure(&self, name: &Ident, code: &Code, form: &Store) -> (TokenStream, usize) {
+        let count = form.values.len();
+        let terminal = |node: &Node| match node {
+            Node::Parameter(index) => quote! { parameters[#index] },
+            _ => quote! { f64::NAN },
+        };
+        let body = code.print(&form.values, Level::Form, &terminal, &mut |_, _| quote! { f64::NAN });
+        let (statements, results) = (body.statements, body.results);
+        let text = quote! {
+            pub struct #name {
+                form: [f64; #count],
+            }
+            impl #name {
+                pub fn new(parameters: &[f64]) -> Self {
+                    type L = f64;
+                    #statements
+                    #name { form: [#(#results),*] }
+                }
+            }
+        };
+        (text, count)
+    }
+
+    fn basis(&self, node: &Node) -> TokenStream {
+        match node {
+            Node::Basis(_, 0) => quote! { basis.value },
+            Node::Basis(_, slot) => {
+                let axis = slot - 1;
+                quote! { basis.gradient[#axis] }
+            }
+            Node::Accumulated(index) => quote! { accumulator[#index] },
+            _ => quote! { f64::NAN },
+        }
+    }
+
+    fn at_point(&self, node: &Node, layout: &Layout) -> TokenStream {
+        match node {
+            Node::Weight => quote! { geometry.weight },
+            Node::Geometry(Geometry::Normal, component) => quote! { geometry.normal[#component] },
+            Node::Geometry(Geometry::Position, component) => quote! { geometry.position[#component] },
+            Node::Geometry(Geometry::Curvature, _) => quote! { geometry.curvature },
+            Node::Field { field, component, direction } => {
+                let offset = layout.offsets[&(*field, direction.is_some())];
+                let index = match direction {
+                    Some(axis) => offset + component * self.dimension + axis,
+                    None => offset + component,
+                };
+                quote! { fields[#index] }
+            }
+            _ => quote! { f64::NAN },
+        }
+    }
+
+    /// What the kernel reads, from the terminals that its roots hold.
+    fn layout(&self, roots: &[Scalar]) -> Layout {
+        let mut geometry: Vec<Geometry> = Vec::new();
+        let mut read: BTreeMap<(usize, bool), usize> = BTreeMap::new();
+        for scalar in self.graph.reachable(roots) {
+            match self.graph.node(scalar) {
+                Node::Geometry(kind, _) => geometry.push(*kind),
+                Node::Field { field, direction, .. } => {
+                    read.insert((*field, direction.is_some()), 0);
+                }
+                _ => {}
+            }
+        }
+        let mut next = 0;
+        let mut slots = Vec::new();
+        for ((field, gradient), offset) in &mut read {
+            let components: usize = self.fields[*field].shape.iter().product();
+            let order = if *gradient {
+                quote! { Gradient }
+            } else {
+                quote! { Value }
+            };
+            let start = next;
+            slots.push(quote! {
+                contract::FieldSlot {
+                    field: #field,
+                    order: contract::Order::#order,
+                    side: contract::Side::This,
+                    components: #components,
+                    offset: #start,
+                }
+            });
+            *offset = start;
+            next += if *gradient { components * self.dimension } else { components };
+        }
+        let has = |kind: Geometry| geometry.contains(&kind);
+        let [diameter, cell_volume, facet_area, position, normal, curvature] = [
+            has(Geometry::Diameter),
+            has(Geometry::CellVolume),
+            has(Geometry::FacetArea),
+            has(Geometry::Position),
+            has(Geometry::Normal),
+            has(Geometry::Curvature),
+        ];
+        let requirements = quote! {
+            contract::Requirements {
+                diameter: #diameter,
+                cell_volume: #cell_volume,
+                facet_area: #facet_area,
+                position: #position,
+                normal: #normal,
+                curvature: #curvature,
+                fields: &[#(#slots),*],
+                field_length: #next,
+            }
+        };
+        Layout { offsets: read, requirements }
+    }
+}

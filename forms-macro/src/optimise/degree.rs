@@ -1,0 +1,134 @@
+//! Polynomial degree of a density, for the choice of a quadrature rule: the largest of several sums of
+//! field degrees. What is not a polynomial is estimated as in UFL.
+
+use std::collections::BTreeMap;
+
+use crate::tensor::{Arena, Geometry, Operator, Tensor};
+
+/// What contributes to a degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    Value(usize),
+    Gradient(usize),
+    Position,
+    Normal,
+}
+
+/// One sum: a constant and multiples of parts.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DegreeSum {
+    pub constant: usize,
+    pub parts: BTreeMap<Part, usize>,
+}
+
+/// The largest of these.
+#[derive(Clone, Debug)]
+pub struct Degree(pub Vec<DegreeSum>);
+
+/// Past this many sums the rest is dropped in favour of the constant 2 (a guess, as any estimate).
+const MOST: usize = 12;
+
+impl Degree {
+    pub fn constant(value: usize) -> Self {
+        Degree(vec![DegreeSum { constant: value, parts: BTreeMap::new() }])
+    }
+
+    fn part(part: Part) -> Self {
+        Degree(vec![DegreeSum { constant: 0, parts: BTreeMap::from([(part, 1)]) }])
+    }
+
+    pub fn largest(mut self, other: Self) -> Self {
+        for sum in other.0 {
+            if !self.0.iter().any(|known| dominates(known, &sum)) {
+                self.0.retain(|known| !dominates(&sum, known));
+                self.0.push(sum);
+            }
+        }
+        self.0.truncate(MOST);
+        self
+    }
+
+    fn plus(self, other: Self) -> Self {
+        let mut result = Degree(vec![]);
+        for a in &self.0 {
+            for b in &other.0 {
+                let mut sum = a.clone();
+                sum.constant += b.constant;
+                for (part, count) in &b.parts {
+                    *sum.parts.entry(*part).or_default() += count;
+                }
+                result = result.largest(Degree(vec![sum]));
+            }
+        }
+        result
+    }
+
+    fn times(self, factor: usize) -> Self {
+        (1..factor).fold(self.clone(), |sum, _| sum.plus(self.clone()))
+    }
+}
+
+fn dominates(a: &DegreeSum, b: &DegreeSum) -> bool {
+    a.constant >= b.constant
+        && b.parts.iter().all(|(part, count)| a.parts.get(part).is_some_and(|other| other >= count))
+}
+
+/// Degrees of the nodes of an arena, each computed once.
+pub struct Degrees<'a> {
+    arena: &'a Arena,
+    known: BTreeMap<Tensor, Degree>,
+}
+
+impl<'a> Degrees<'a> {
+    pub fn new(arena: &'a Arena) -> Self {
+        Degrees { arena, known: BTreeMap::new() }
+    }
+
+    pub fn of(&mut self, tensor: Tensor) -> Degree {
+        if let Some(known) = self.known.get(&tensor) {
+            return known.clone();
+        }
+        let degree = self.estimate(tensor);
+        self.known.insert(tensor, degree.clone());
+        degree
+    }
+
+    fn estimate(&mut self, tensor: Tensor) -> Degree {
+        use Operator::*;
+        let arena = self.arena;
+        let zero = Degree::constant(0);
+        match &arena.node(tensor).operator {
+            Number(_) | Zero | Identity | Parameter(_) => zero,
+            Field { field, gradient: false } => Degree::part(Part::Value(*field)),
+            Field { field, gradient: true } => Degree::part(Part::Gradient(*field)),
+            Geometry(geometry) => match geometry {
+                self::Geometry::Position => Degree::part(Part::Position),
+                self::Geometry::Normal | self::Geometry::Curvature => Degree::part(Part::Normal),
+                _ => zero,
+            },
+            Negate(a) | Map(_, a) | Component(a, _) => self.of(*a),
+            Add(a, b) | Minimum(a, b) | Maximum(a, b) | Select(_, a, b) => self.of(*a).largest(self.of(*b)),
+            Scale(a, b) | Contract(a, b) | Inner(a, b) | Outer(a, b) | Divide(a, b) => {
+                self.of(*a).plus(self.of(*b))
+            }
+            Stack(entries) => entries.iter().fold(zero, |all, entry| all.largest(self.of(*entry))),
+            Determinant(a) | Inverse(a) => self.of(*a).times(arena.shape(*a)[0]),
+            Cofactor(a) => self.of(*a).times(arena.shape(*a)[0].max(2) - 1),
+            Apply(function, a) => {
+                use crate::tensor::Function::*;
+                match function {
+                    Abs | PositivePart | NegativePart => self.of(*a),
+                    Sign | Heaviside => zero,
+                    _ => self.of(*a).plus(Degree::constant(2)),
+                }
+            }
+            Power(a, b) => match arena.node(*b).operator {
+                Number(exponent) if exponent >= 1.0 && exponent == exponent.trunc() && exponent < 8.0 => {
+                    self.of(*a).times(exponent as usize)
+                }
+                _ => self.of(*a).plus(Degree::constant(2)),
+            },
+            Gradient(_) | Partial(..) | Gateaux { .. } => zero,
+        }
+    }
+}

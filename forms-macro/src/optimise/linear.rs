@@ -1,0 +1,153 @@
+//! Coefficients of a linear expression: what stands before each slot of a field.
+
+use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
+
+use super::scalar::{Graph, Node, Scalar};
+
+/// Slot → coefficient. The slots of a field in dimension D: `component * (1 + D)` is the component's
+/// value, `component * (1 + D) + 1 + k` its derivative along axis k.
+pub type Coefficients = BTreeMap<usize, Scalar>;
+
+/// Reads off coefficients with respect to one field.
+pub struct Linear<'a> {
+    pub graph: &'a mut Graph,
+    pub field: usize,
+    pub dimension: usize,
+    known: HashMap<Scalar, Option<Rc<Coefficients>>>,
+}
+
+impl<'a> Linear<'a> {
+    pub fn new(graph: &'a mut Graph, field: usize, dimension: usize) -> Self {
+        Linear { graph, field, dimension, known: HashMap::new() }
+    }
+
+    /// The coefficients (empty: free of the field); `None` if the expression is not linear in it.
+    pub fn coefficients(&mut self, scalar: Scalar) -> Option<Rc<Coefficients>> {
+        if let Some(known) = self.known.get(&scalar) {
+            return known.clone();
+        }
+        let found = self.read(scalar).map(Rc::new);
+        self.known.insert(scalar, found.clone());
+        found
+    }
+
+    fn read(&mut self, scalar: Scalar) -> Option<Coefficients> {
+        let mut result = Coefficients::new();
+        match self.graph.node(scalar).clone() {
+            Node::Field { field, component, direction } if field == self.field => {
+                let slot = component * (1 + self.dimension) + direction.map_or(0, |axis| 1 + axis);
+                result.insert(slot, self.graph.number(1.0));
+            }
+            Node::Sum { constant, terms } => {
+                let mut gathered: BTreeMap<usize, Vec<Scalar>> = BTreeMap::new();
+                let mut every = f64::from_bits(constant) == 0.0;
+                for (coefficient, term) in terms {
+                    let inner = self.coefficients(term)?;
+                    every &= !inner.is_empty();
+                    for (slot, value) in inner.iter() {
+                        let scaled = self.graph.scale(f64::from_bits(coefficient), *value);
+                        gathered.entry(*slot).or_default().push(scaled);
+                    }
+                }
+                if !gathered.is_empty() && !every {
+                    return None;
+                }
+                for (slot, parts) in gathered {
+                    let sum = self.graph.sum(&parts);
+                    result.insert(slot, sum);
+                }
+            }
+            Node::Product(factors) => {
+                let mut linear: Option<Rc<Coefficients>> = None;
+                let mut others = Vec::new();
+                for (factor, exponent) in factors {
+                    let inner = self.coefficients(factor)?;
+                    match (inner.is_empty(), &linear) {
+                        (true, _) => others.push((factor, exponent)),
+                        (false, None) if exponent == 1 => linear = Some(inner),
+                        _ => return None,
+                    }
+                }
+                if let Some(linear) = linear {
+                    let scale = self.graph.product(&others);
+                    for (slot, value) in linear.iter() {
+                        let scaled = self.graph.multiply(scale, *value);
+                        result.insert(*slot, scaled);
+                    }
+                }
+            }
+            Node::Select(truth, a, b) => {
+                if !self.coefficients(truth)?.is_empty() {
+                    return None;
+                }
+                let (first, second) = (self.coefficients(a)?, self.coefficients(b)?);
+                let zero = self.graph.number(0.0);
+                let slots: Vec<usize> = first.keys().chain(second.keys()).copied().collect();
+                for slot in slots {
+                    let (a, b) = (
+                        first.get(&slot).copied().unwrap_or(zero),
+                        second.get(&slot).copied().unwrap_or(zero),
+                    );
+                    let chosen = self.graph.select(truth, a, b);
+                    result.insert(slot, chosen);
+                }
+            }
+            _ => {
+                for operand in self.graph.operands(scalar) {
+                    if !self.coefficients(operand)?.is_empty() {
+                        return None;
+                    }
+                }
+            }
+        }
+        result.retain(|_, value| !self.graph.is_zero(*value));
+        Some(result)
+    }
+}
+
+/// The expression as a sum of products (test factor, trial factor), each factor linear in its field;
+/// `None` where it has not that structure.
+pub fn factors(
+    graph: &mut Graph,
+    scalar: Scalar,
+    scale: Scalar,
+    is_test: &dyn Fn(&Node) -> bool,
+    is_trial: &dyn Fn(&Node) -> bool,
+) -> Option<Vec<(Scalar, Scalar)>> {
+    match graph.node(scalar).clone() {
+        Node::Sum { constant, terms } if f64::from_bits(constant) == 0.0 => {
+            let mut all = Vec::new();
+            for (coefficient, term) in terms {
+                let scale = graph.scale(f64::from_bits(coefficient), scale);
+                all.extend(factors(graph, term, scale, is_test, is_trial)?);
+            }
+            Some(all)
+        }
+        Node::Product(parts) => {
+            let (mut test, mut trial, mut both) = (None, None, None);
+            let mut others = vec![(scale, 1)];
+            for (factor, exponent) in parts {
+                let place = match (graph.depends(factor, is_test), graph.depends(factor, is_trial)) {
+                    (false, false) => {
+                        others.push((factor, exponent));
+                        continue;
+                    }
+                    (true, false) => &mut test,
+                    (false, true) => &mut trial,
+                    (true, true) => &mut both,
+                };
+                if exponent != 1 || place.replace(factor).is_some() {
+                    return None;
+                }
+            }
+            let scale = graph.product(&others);
+            match (test, trial, both) {
+                (Some(test), Some(trial), None) => Some(vec![(test, graph.multiply(scale, trial))]),
+                (None, None, Some(both)) => factors(graph, both, scale, is_test, is_trial),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,289 @@
+//! Stage 4: [`Derived`] → [`Optimised`]: tensors become scalars in normal form, integrals are grouped
+//! by region and dependence, and each gets the cheapest of three plans by counted operations.
+
+pub mod degree;
+mod factor;
+pub mod linear;
+mod polynomial;
+pub mod scalar;
+mod scalarise;
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::check::Term;
+use crate::differentiate::{Derived, ResidualPart};
+use crate::parse::syntax::{MemberKind, Module};
+use crate::tensor::{FieldInfo, FieldRole, Function, Operator, Tensor};
+use degree::{Degree, Degrees};
+pub use factor::BilinearPlan;
+use linear::{Coefficients, Linear};
+use scalar::{Graph, Node, Scalar};
+use scalarise::Scalariser;
+
+/// A function, ready to be written as kernels.
+pub struct Optimised {
+    pub function: usize,
+    pub dimension: usize,
+    pub graph: Graph,
+    pub fields: Vec<FieldInfo>,
+    pub residual: Vec<LinearIntegral>,
+    pub tangent: Vec<BilinearIntegral>,
+    pub switches: Vec<ExpressionIntegral>,
+    pub density: Vec<ExpressionIntegral>,
+    pub value: Option<(Vec<Scalar>, Vec<usize>)>,
+}
+
+/// How an integral depends on the unknowns: `forms_core::contract::Dependence`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Dependence {
+    Constant,
+    Linear,
+    Nonlinear,
+}
+
+/// What residual and tangent integrals have in common.
+#[derive(Clone, Debug)]
+pub struct Description {
+    pub region: usize,
+    pub dependence: Dependence,
+    pub degree: Degree,
+}
+
+/// Linear in a test function: coefficients of its slots, without weight.
+pub struct LinearIntegral {
+    pub description: Description,
+    /// Field index of the test function.
+    pub test: usize,
+    pub flux: Coefficients,
+}
+
+/// Linear in a test and a trial function.
+pub struct BilinearIntegral {
+    pub description: Description,
+    pub test: usize,
+    pub trial: usize,
+    pub symmetric: bool,
+    pub plan: BilinearPlan,
+}
+
+/// A function of position on a region.
+pub struct ExpressionIntegral {
+    pub description: Description,
+    pub components: Vec<Scalar>,
+}
+
+/// Plans all integrals of a function; an integral that turns out not to be linear in an argument,
+/// which `check` rules out, is reported by its absence: `Err` with the name of that argument.
+pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, String> {
+    let Derived { function, dimension, arena, fields, residual, density, value, from_energy } = derived;
+    let offsets = parameter_offsets(module, dimension);
+    let mut graph = Graph::default();
+    let mut scalariser = Scalariser {
+        arena: &arena,
+        graph: &mut graph,
+        parameter_offsets: &offsets,
+        dimension,
+        known: HashMap::new(),
+    };
+    let mut degrees = Degrees::new(&arena);
+
+    let groups = group(&residual, &fields, &mut scalariser, &mut degrees);
+    let mut planned = Optimised {
+        function,
+        dimension,
+        graph: Graph::default(),
+        value: value.map(|value| (scalariser.components(value), arena.shape(value).to_vec())),
+        residual: vec![],
+        tangent: vec![],
+        switches: vec![],
+        density: densities(&density, &mut scalariser, &mut degrees),
+        fields,
+    };
+    for group in groups {
+        let switches = switches(&group, &arena, &mut scalariser, &planned.fields);
+        plan_group(group, from_energy, dimension, scalariser.graph, &mut planned)?;
+        planned.switches.extend(switches);
+    }
+    planned.graph = graph;
+    Ok(planned)
+}
+
+/// Start of each data member in the flattened parameters (`Given` members take no room).
+pub fn parameter_offsets(module: &Module, dimension: usize) -> Vec<usize> {
+    let mut next = 0;
+    let mut offsets = Vec::new();
+    for member in module.data.iter().flat_map(|data| &data.members) {
+        offsets.push(next);
+        if member.kind == MemberKind::Param {
+            next += member.rank.shape(dimension).iter().product::<usize>();
+        }
+    }
+    offsets
+}
+
+/// All parts on one region with one dependence.
+struct Group {
+    description: Description,
+    parts: Vec<Tensor>,
+    density: Scalar,
+    /// Per trial function (field index), the sum of the parts' tangents.
+    tangent: BTreeMap<usize, Scalar>,
+}
+
+fn group(
+    residual: &[ResidualPart],
+    fields: &[FieldInfo],
+    scalariser: &mut Scalariser,
+    degrees: &mut Degrees,
+) -> Vec<Group> {
+    let mut groups: BTreeMap<(usize, Dependence), Group> = BTreeMap::new();
+    for part in residual {
+        let density = scalariser.scalar(part.density);
+        let mut tangent = Vec::new();
+        for (trial, derivative) in &part.tangent {
+            let derivative = scalariser.scalar(*derivative);
+            if !scalariser.graph.is_zero(derivative) {
+                tangent.push((*trial, derivative));
+            }
+        }
+        let varies = |node: &Node| match node {
+            Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::Unknown(_)),
+            _ => false,
+        };
+        let dependence = match tangent.is_empty() {
+            true => Dependence::Constant,
+            false if tangent.iter().any(|(_, derivative)| scalariser.graph.depends(*derivative, varies)) => {
+                Dependence::Nonlinear
+            }
+            false => Dependence::Linear,
+        };
+        let degree = degrees.of(part.density);
+        let zero = scalariser.graph.number(0.0);
+        let group = groups.entry((part.region, dependence)).or_insert_with(|| Group {
+            description: Description { region: part.region, dependence, degree: Degree::constant(0) },
+            parts: vec![],
+            density: zero,
+            tangent: BTreeMap::new(),
+        });
+        group.description.degree = group.description.degree.clone().largest(degree);
+        group.parts.push(part.density);
+        group.density = scalariser.graph.add(group.density, density);
+        for (trial, derivative) in tangent {
+            let sum = group.tangent.get(&trial).copied().unwrap_or(zero);
+            group.tangent.insert(trial, scalariser.graph.add(sum, derivative));
+        }
+    }
+    groups.into_values().collect()
+}
+
+fn plan_group(
+    group: Group,
+    from_energy: bool,
+    dimension: usize,
+    graph: &mut Graph,
+    planned: &mut Optimised,
+) -> Result<(), String> {
+    let tests: Vec<usize> = (0..planned.fields.len())
+        .filter(|field| matches!(planned.fields[*field].role, FieldRole::Test(_)))
+        .collect();
+    let not_linear = |field: &FieldInfo| field.name.clone();
+    for test in tests {
+        let flux = Linear::new(graph, test, dimension)
+            .coefficients(group.density)
+            .ok_or_else(|| not_linear(&planned.fields[test]))?;
+        if !flux.is_empty() {
+            let flux = (*flux).clone();
+            planned.residual.push(LinearIntegral { description: group.description.clone(), test, flux });
+        }
+        for (trial, derivative) in &group.tangent {
+            let roles = (planned.fields[test].role, planned.fields[*trial].role);
+            let diagonal = matches!(roles, (FieldRole::Test(a), FieldRole::Trial(b)) if a == b)
+                && planned.fields[test].shape == planned.fields[*trial].shape;
+            let components = [test, *trial].map(|field| planned.fields[field].shape.iter().product());
+            let found = factor::plan(
+                graph,
+                *derivative,
+                [test, *trial],
+                components,
+                dimension,
+                diagonal,
+                from_energy,
+            )
+            .ok_or_else(|| not_linear(&planned.fields[test]))?;
+            if let Some((plan, symmetric)) = found {
+                let description = group.description.clone();
+                planned.tangent.push(BilinearIntegral { description, test, trial: *trial, symmetric, plan });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn densities(terms: &[Term], scalariser: &mut Scalariser, degrees: &mut Degrees) -> Vec<ExpressionIntegral> {
+    let mut regions: BTreeMap<usize, (Scalar, Degree)> = BTreeMap::new();
+    for term in terms {
+        let density = scalariser.scalar(term.density);
+        let (sum, degree) =
+            regions.entry(term.region).or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));
+        *sum = scalariser.graph.add(*sum, density);
+        *degree = degree.clone().largest(degrees.of(term.density));
+    }
+    regions
+        .into_iter()
+        .map(|(region, (density, degree))| ExpressionIntegral {
+            description: Description { region, dependence: Dependence::Nonlinear, degree },
+            components: vec![density],
+        })
+        .collect()
+}
+
+/// What is positive where a kink of a nonlinear integral is "on".
+fn switches(
+    group: &Group,
+    arena: &crate::tensor::Arena,
+    scalariser: &mut Scalariser,
+    fields: &[FieldInfo],
+) -> Option<ExpressionIntegral> {
+    if group.description.dependence != Dependence::Nonlinear {
+        return None;
+    }
+    let mut found = Vec::new();
+    for node in arena.reachable(&group.parts) {
+        let mut difference = |a: Tensor, b: Tensor| {
+            let (a, b) = (scalariser.scalar(a), scalariser.scalar(b));
+            let minus = scalariser.graph.negate(b);
+            found.push(scalariser.graph.add(a, minus));
+        };
+        match &arena.node(node).operator {
+            Operator::Apply(Function::NegativePart, a) => {
+                let a = scalariser.scalar(*a);
+                found.push(scalariser.graph.negate(a));
+            }
+            Operator::Apply(
+                Function::PositivePart | Function::Heaviside | Function::Abs | Function::Sign,
+                a,
+            ) => {
+                found.push(scalariser.scalar(*a));
+            }
+            Operator::Maximum(a, b) => difference(*a, *b),
+            Operator::Minimum(a, b) => difference(*b, *a),
+            Operator::Select(truth, _, _) => {
+                for pair in truth.operands().chunks(2) {
+                    difference(pair[0], pair[1]);
+                }
+            }
+            _ => {}
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    let varies = |node: &Node| match node {
+        Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::Unknown(_)),
+        _ => false,
+    };
+    found.retain(|switch| scalariser.graph.depends(*switch, varies));
+    if found.is_empty() {
+        return None;
+    }
+    Some(ExpressionIntegral { description: group.description.clone(), components: found })
+}

@@ -1,0 +1,84 @@
+//! A proof that two scalars are equal: both are expanded to polynomials in their atoms (what is neither
+//! a sum nor a product), and compared monomial by monomial.
+
+use std::collections::BTreeMap;
+
+use super::scalar::{Graph, Node, Scalar};
+
+type Monomial = Vec<(Scalar, i32)>;
+type Polynomial = BTreeMap<Monomial, f64>;
+
+/// Past this many monomials no proof is attempted.
+const LARGEST: usize = 20_000;
+
+/// True if the difference expands to zero; false if it does not, or is too large to expand.
+pub fn equal(graph: &Graph, a: Scalar, b: Scalar) -> bool {
+    if a == b {
+        return true;
+    }
+    let (Some(first), Some(second)) = (expand(graph, a), expand(graph, b)) else { return false };
+    let largest =
+        first.values().chain(second.values()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    // Only rounding in sums of literals may differ.
+    let same =
+        |value: Option<&f64>, other: f64| (value.copied().unwrap_or(0.0) - other).abs() <= 1e-14 * largest;
+    first.iter().all(|(monomial, value)| same(second.get(monomial), *value))
+        && second.iter().all(|(monomial, value)| same(first.get(monomial), *value))
+}
+
+fn expand(graph: &Graph, scalar: Scalar) -> Option<Polynomial> {
+    let mut result = Polynomial::new();
+    match graph.node(scalar) {
+        Node::Number(bits) => {
+            result.insert(vec![], f64::from_bits(*bits));
+        }
+        Node::Sum { constant, terms } => {
+            result.insert(vec![], f64::from_bits(*constant));
+            for (coefficient, term) in terms {
+                for (monomial, value) in expand(graph, *term)? {
+                    *result.entry(monomial).or_default() += f64::from_bits(*coefficient) * value;
+                }
+                if result.len() > LARGEST {
+                    return None;
+                }
+            }
+        }
+        Node::Product(factors) => {
+            result.insert(vec![], 1.0);
+            for (factor, exponent) in factors {
+                let expandable = *exponent > 0 && matches!(graph.node(*factor), Node::Sum { .. });
+                if expandable {
+                    let inner = expand(graph, *factor)?;
+                    for _ in 0..*exponent {
+                        result = multiply(&result, &inner)?;
+                    }
+                } else {
+                    let one = Polynomial::from([(vec![(*factor, *exponent)], 1.0)]);
+                    result = multiply(&result, &one)?;
+                }
+            }
+        }
+        _ => {
+            result.insert(vec![(scalar, 1)], 1.0);
+        }
+    }
+    Some(result)
+}
+
+fn multiply(a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
+    if a.len() * b.len() > LARGEST {
+        return None;
+    }
+    let mut result = Polynomial::new();
+    for (first, x) in a {
+        for (second, y) in b {
+            let mut powers: BTreeMap<Scalar, i32> = first.iter().copied().collect();
+            for (atom, exponent) in second {
+                *powers.entry(*atom).or_default() += exponent;
+            }
+            powers.retain(|_, exponent| *exponent != 0);
+            *result.entry(powers.into_iter().collect()).or_default() += x * y;
+        }
+    }
+    Some(result)
+}

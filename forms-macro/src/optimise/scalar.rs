@@ -1,0 +1,332 @@
+//! Scalar expressions in normal form: sums of coefficients times products of powers, hash-consed, so
+//! that equal expressions are one node (common subexpressions) and zeros vanish as they are built.
+
+use std::collections::HashMap;
+
+use crate::tensor::{Function, Geometry};
+
+/// A node of a [`Graph`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Scalar(pub u32);
+
+/// Which basis function a [`Node::Basis`] belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Argument {
+    Test,
+    Trial,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// Bits of an `f64`.
+    Number(u64),
+    /// Entry of the flattened parameters.
+    Parameter(usize),
+    /// Component of a field's value, or of its gradient in a direction.
+    Field {
+        field: usize,
+        component: usize,
+        direction: Option<usize>,
+    },
+    Geometry(Geometry, usize),
+    /// Quadrature weight times measure.
+    Weight,
+    /// The basis function's value (slot 0) or its derivative along axis slot − 1.
+    Basis(Argument, usize),
+    /// Σ over the points of weight × test slot × trial slot.
+    Accumulated(usize),
+    /// constant + Σ coefficient × term; terms sorted, no Number, no Sum with coefficient one.
+    Sum {
+        constant: u64,
+        terms: Vec<(u64, Scalar)>,
+    },
+    /// Π factor^exponent; factors sorted, no Number, no Product.
+    Product(Vec<(Scalar, i32)>),
+    Apply(Function, Scalar),
+    Power(Scalar, Scalar),
+    Minimum(Scalar, Scalar),
+    Maximum(Scalar, Scalar),
+    Select(Scalar, Scalar, Scalar),
+    /// Truth values.
+    Less(Scalar, Scalar),
+    LessEqual(Scalar, Scalar),
+    Equal(Scalar, Scalar),
+    And(Scalar, Scalar),
+    Or(Scalar, Scalar),
+    Not(Scalar),
+}
+
+/// All scalars of one function in one dimension.
+#[derive(Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    known: HashMap<Node, Scalar>,
+}
+
+/// constant + Σ coefficient × term.
+struct Combination {
+    constant: f64,
+    terms: Vec<(f64, Scalar)>,
+}
+
+impl Graph {
+    pub fn node(&self, scalar: Scalar) -> &Node {
+        &self.nodes[scalar.0 as usize]
+    }
+
+    /// The node as it is, shared with an equal one.
+    pub fn intern(&mut self, node: Node) -> Scalar {
+        if let Some(known) = self.known.get(&node) {
+            return *known;
+        }
+        self.nodes.push(node.clone());
+        let scalar = Scalar(self.nodes.len() as u32 - 1);
+        self.known.insert(node, scalar);
+        scalar
+    }
+
+    pub fn number(&mut self, value: f64) -> Scalar {
+        // One zero, not two.
+        self.intern(Node::Number((value + 0.0).to_bits()))
+    }
+
+    pub fn value(&self, scalar: Scalar) -> Option<f64> {
+        match self.node(scalar) {
+            Node::Number(bits) => Some(f64::from_bits(*bits)),
+            _ => None,
+        }
+    }
+
+    pub fn is_zero(&self, scalar: Scalar) -> bool {
+        self.value(scalar) == Some(0.0)
+    }
+
+    fn combination(&self, scalar: Scalar) -> Combination {
+        match self.node(scalar) {
+            Node::Number(bits) => Combination { constant: f64::from_bits(*bits), terms: vec![] },
+            Node::Sum { constant, terms } => Combination {
+                constant: f64::from_bits(*constant),
+                terms: terms
+                    .iter()
+                    .map(|(coefficient, term)| (f64::from_bits(*coefficient), *term))
+                    .collect(),
+            },
+            _ => Combination { constant: 0.0, terms: vec![(1.0, scalar)] },
+        }
+    }
+
+    fn from_combination(&mut self, mut combination: Combination) -> Scalar {
+        combination.terms.sort_by_key(|(_, term)| *term);
+        let mut terms: Vec<(f64, Scalar)> = Vec::new();
+        for (coefficient, term) in combination.terms {
+            match terms.last_mut() {
+                Some(last) if last.1 == term => last.0 += coefficient,
+                _ => terms.push((coefficient, term)),
+            }
+        }
+        terms.retain(|(coefficient, _)| *coefficient != 0.0);
+        match terms[..] {
+            [] => self.number(combination.constant),
+            [(1.0, term)] if combination.constant == 0.0 => term,
+            _ => {
+                let constant = (combination.constant + 0.0).to_bits();
+                let terms =
+                    terms.into_iter().map(|(coefficient, term)| (coefficient.to_bits(), term)).collect();
+                self.intern(Node::Sum { constant, terms })
+            }
+        }
+    }
+
+    pub fn add(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.sum(&[a, b])
+    }
+
+    pub fn sum(&mut self, parts: &[Scalar]) -> Scalar {
+        let mut all = Combination { constant: 0.0, terms: vec![] };
+        for part in parts {
+            let one = self.combination(*part);
+            all.constant += one.constant;
+            all.terms.extend(one.terms);
+        }
+        self.from_combination(all)
+    }
+
+    pub fn scale(&mut self, factor: f64, a: Scalar) -> Scalar {
+        let mut combination = self.combination(a);
+        combination.constant *= factor;
+        for (coefficient, _) in &mut combination.terms {
+            *coefficient *= factor;
+        }
+        self.from_combination(combination)
+    }
+
+    pub fn negate(&mut self, a: Scalar) -> Scalar {
+        self.scale(-1.0, a)
+    }
+
+    /// Coefficient times something whose first coefficient is one.
+    fn primitive(&mut self, a: Scalar) -> (f64, Scalar) {
+        let combination = self.combination(a);
+        match combination.terms.first() {
+            None => (combination.constant, self.number(1.0)),
+            Some((1.0, _)) => (1.0, a),
+            Some((leading, _)) => {
+                let leading = *leading;
+                (leading, self.scale(1.0 / leading, a))
+            }
+        }
+    }
+
+    pub fn multiply(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.product(&[(a, 1), (b, 1)])
+    }
+
+    pub fn divide(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.product(&[(a, 1), (b, -1)])
+    }
+
+    /// Π factor^exponent.
+    pub fn product(&mut self, factors: &[(Scalar, i32)]) -> Scalar {
+        let mut coefficient = 1.0;
+        let mut all: Vec<(Scalar, i32)> = Vec::new();
+        for (factor, exponent) in factors {
+            let (leading, rest) = self.primitive(*factor);
+            coefficient *= leading.powi(*exponent);
+            match self.node(rest) {
+                Node::Number(_) => {}
+                Node::Product(inner) => {
+                    all.extend(inner.iter().map(|(factor, inner)| (*factor, inner * exponent)))
+                }
+                _ => all.push((rest, *exponent)),
+            }
+        }
+        // Division by a literal zero stays visible at run time as a non-finite number.
+        if coefficient == 0.0 {
+            return self.number(0.0);
+        }
+        all.sort_by_key(|(factor, _)| *factor);
+        let mut merged: Vec<(Scalar, i32)> = Vec::new();
+        for (factor, exponent) in all {
+            match merged.last_mut() {
+                Some(last) if last.0 == factor => last.1 += exponent,
+                _ => merged.push((factor, exponent)),
+            }
+        }
+        merged.retain(|(_, exponent)| *exponent != 0);
+        let product = match merged[..] {
+            [] => return self.number(coefficient),
+            [(factor, 1)] => factor,
+            _ => self.intern(Node::Product(merged)),
+        };
+        self.scale(coefficient, product)
+    }
+
+    pub fn power(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.number(a.powf(b)),
+            (_, Some(exponent)) if exponent == exponent.trunc() && exponent.abs() <= 16.0 => {
+                if exponent == 0.0 { self.number(1.0) } else { self.product(&[(a, exponent as i32)]) }
+            }
+            (_, Some(0.5)) => self.apply(Function::Sqrt, a),
+            _ => self.intern(Node::Power(a, b)),
+        }
+    }
+
+    pub fn apply(&mut self, function: Function, a: Scalar) -> Scalar {
+        let zero = self.number(0.0);
+        match function {
+            // Kinks are selects: nothing else needs to know them.
+            Function::Heaviside => {
+                let (on, one) = (self.less(zero, a), self.number(1.0));
+                self.select(on, one, zero)
+            }
+            Function::PositivePart => {
+                let on = self.less(zero, a);
+                self.select(on, a, zero)
+            }
+            Function::NegativePart => {
+                let (on, minus) = (self.less(a, zero), self.negate(a));
+                self.select(on, minus, zero)
+            }
+            Function::Sign => {
+                let (above, below) = (self.less(zero, a), self.less(a, zero));
+                let (one, minus) = (self.number(1.0), self.number(-1.0));
+                let other = self.select(below, minus, zero);
+                self.select(above, one, other)
+            }
+            _ => match self.value(a) {
+                Some(value) => {
+                    let value = match function {
+                        Function::Sqrt => value.sqrt(),
+                        Function::Exp => value.exp(),
+                        Function::Ln => value.ln(),
+                        Function::Sin => value.sin(),
+                        Function::Cos => value.cos(),
+                        Function::Tan => value.tan(),
+                        Function::Tanh => value.tanh(),
+                        _ => value.abs(),
+                    };
+                    self.number(value)
+                }
+                None => self.intern(Node::Apply(function, a)),
+            },
+        }
+    }
+
+    pub fn less(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.intern(Node::Less(a, b))
+    }
+
+    pub fn select(&mut self, truth: Scalar, a: Scalar, b: Scalar) -> Scalar {
+        if a == b {
+            return a;
+        }
+        let known = match self.node(truth) {
+            Node::Less(left, right) => self.value(*left).zip(self.value(*right)).map(|(l, r)| l < r),
+            Node::LessEqual(left, right) => self.value(*left).zip(self.value(*right)).map(|(l, r)| l <= r),
+            Node::Equal(left, right) => self.value(*left).zip(self.value(*right)).map(|(l, r)| l == r),
+            _ => None,
+        };
+        match known {
+            Some(true) => a,
+            Some(false) => b,
+            None => self.intern(Node::Select(truth, a, b)),
+        }
+    }
+
+    /// The nodes that a node is made of.
+    pub fn operands(&self, scalar: Scalar) -> Vec<Scalar> {
+        match self.node(scalar) {
+            Node::Sum { terms, .. } => terms.iter().map(|(_, term)| *term).collect(),
+            Node::Product(factors) => factors.iter().map(|(factor, _)| *factor).collect(),
+            Node::Apply(_, a) | Node::Not(a) => vec![*a],
+            Node::Power(a, b)
+            | Node::Minimum(a, b)
+            | Node::Maximum(a, b)
+            | Node::Less(a, b)
+            | Node::LessEqual(a, b)
+            | Node::Equal(a, b)
+            | Node::And(a, b)
+            | Node::Or(a, b) => vec![*a, *b],
+            Node::Select(truth, a, b) => vec![*truth, *a, *b],
+            _ => vec![],
+        }
+    }
+
+    /// Every node that `roots` are made of, operands first.
+    pub fn reachable(&self, roots: &[Scalar]) -> Vec<Scalar> {
+        let mut seen = vec![false; self.nodes.len()];
+        let mut pending = roots.to_vec();
+        while let Some(scalar) = pending.pop() {
+            if !std::mem::replace(&mut seen[scalar.0 as usize], true) {
+                pending.extend(self.operands(scalar));
+            }
+        }
+        (0..self.nodes.len() as u32).map(Scalar).filter(|scalar| seen[scalar.0 as usize]).collect()
+    }
+
+    /// Does the expression hold a terminal for which `test` is true?
+    pub fn depends(&self, root: Scalar, test: impl Fn(&Node) -> bool) -> bool {
+        self.reachable(&[root]).into_iter().any(|scalar| test(self.node(scalar)))
+    }
+}

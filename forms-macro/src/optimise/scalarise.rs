@@ -1,0 +1,271 @@
+//! Tensor expressions → their components in a [`Graph`].
+
+use std::collections::HashMap;
+
+use super::scalar::{Graph, Node, Scalar};
+use crate::differentiate::multi_indices;
+use crate::parse::syntax::Comparison;
+use crate::tensor::{Arena, LinearMap, Operator, Tensor, Truth};
+
+/// Components of tensors, each computed once.
+pub struct Scalariser<'a> {
+    pub arena: &'a Arena,
+    pub graph: &'a mut Graph,
+    /// Start of each parameter in the flattened list.
+    pub parameter_offsets: &'a [usize],
+    pub dimension: usize,
+    pub known: HashMap<Tensor, Vec<Scalar>>,
+}
+
+impl Scalariser<'_> {
+    /// Row-major components.
+    pub fn components(&mut self, tensor: Tensor) -> Vec<Scalar> {
+        if let Some(known) = self.known.get(&tensor) {
+            return known.clone();
+        }
+        let components = self.expand(tensor);
+        self.known.insert(tensor, components.clone());
+        components
+    }
+
+    /// The only component of a scalar.
+    pub fn scalar(&mut self, tensor: Tensor) -> Scalar {
+        self.components(tensor)[0]
+    }
+
+    fn expand(&mut self, tensor: Tensor) -> Vec<Scalar> {
+        use Operator::*;
+        let arena = self.arena;
+        let node = arena.node(tensor);
+        let shape = &node.shape;
+        let count: usize = shape.iter().product();
+        match &node.operator {
+            Number(value) => vec![self.graph.number(*value)],
+            Zero => vec![self.graph.number(0.0); count],
+            Identity => self.identity(shape[0]),
+            Parameter(index) => {
+                let offset = self.parameter_offsets[*index];
+                (0..count).map(|component| self.graph.intern(Node::Parameter(offset + component))).collect()
+            }
+            Field { field, gradient } => (0..count)
+                .map(|entry| {
+                    let (component, direction) = match gradient {
+                        true => (entry / self.dimension, Some(entry % self.dimension)),
+                        false => (entry, None),
+                    };
+                    self.graph.intern(Node::Field { field: *field, component, direction })
+                })
+                .collect(),
+            Geometry(geometry) => {
+                (0..count).map(|component| self.graph.intern(Node::Geometry(*geometry, component))).collect()
+            }
+            Add(a, b) => self.zip(*a, *b, Graph::add),
+            Negate(a) => self.map(*a, Graph::negate),
+            Scale(factor, a) => {
+                let factor = self.scalar(*factor);
+                self.map(*a, |graph, a| graph.multiply(factor, a))
+            }
+            Divide(a, divisor) => {
+                let divisor = self.scalar(*divisor);
+                self.map(*a, |graph, a| graph.divide(a, divisor))
+            }
+            Contract(a, b) => {
+                let (first, second) = (self.components(*a), self.components(*b));
+                let inner = self.arena.shape(*b)[0];
+                let columns = second.len() / inner;
+                let rows = first.len() / inner;
+                let mut result = Vec::new();
+                for row in 0..rows {
+                    for column in 0..columns {
+                        let pairs: Vec<_> = (0..inner)
+                            .map(|k| (first[row * inner + k], second[k * columns + column]))
+                            .collect();
+                        result.push(self.sum_of_products(&pairs));
+                    }
+                }
+                result
+            }
+            Inner(a, b) => {
+                let pairs: Vec<_> = self.components(*a).into_iter().zip(self.components(*b)).collect();
+                vec![self.sum_of_products(&pairs)]
+            }
+            Outer(a, b) => {
+                let (first, second) = (self.components(*a), self.components(*b));
+                first
+                    .iter()
+                    .flat_map(|a| second.iter().map(|b| (*a, *b)))
+                    .map(|(a, b)| self.graph.multiply(a, b))
+                    .collect()
+            }
+            Map(map, a) => self.linear_map(*map, *a),
+            Determinant(a) => {
+                let (a, size) = (self.components(*a), self.arena.shape(*a)[0]);
+                vec![self.determinant(&a, size)]
+            }
+            Cofactor(a) => {
+                let (a, size) = (self.components(*a), self.arena.shape(*a)[0]);
+                self.cofactors(&a, size)
+            }
+            Inverse(a) => {
+                let (a, size) = (self.components(*a), self.arena.shape(*a)[0]);
+                let determinant = self.determinant(&a, size);
+                let cofactors = self.cofactors(&a, size);
+                (0..count)
+                    .map(|entry| {
+                        self.graph.divide(cofactors[(entry % size) * size + entry / size], determinant)
+                    })
+                    .collect()
+            }
+            Component(a, indices) => {
+                let (components, whole) = (self.components(*a), self.arena.shape(*a));
+                let start =
+                    indices.iter().zip(whole).fold(0, |start, (index, extent)| start * extent + index)
+                        * count;
+                components[start..start + count].to_vec()
+            }
+            Stack(entries) => entries.iter().flat_map(|entry| self.components(*entry)).collect(),
+            Apply(function, a) => {
+                let a = self.scalar(*a);
+                vec![self.graph.apply(*function, a)]
+            }
+            Power(a, b) => {
+                let (a, b) = (self.scalar(*a), self.scalar(*b));
+                vec![self.graph.power(a, b)]
+            }
+            Minimum(a, b) => {
+                let (a, b) = (self.scalar(*a), self.scalar(*b));
+                vec![self.graph.intern(Node::Minimum(a, b))]
+            }
+            Maximum(a, b) => {
+                let (a, b) = (self.scalar(*a), self.scalar(*b));
+                vec![self.graph.intern(Node::Maximum(a, b))]
+            }
+            Select(truth, a, b) => {
+                let truth = self.truth(truth);
+                self.zip(*a, *b, |graph, a, b| graph.select(truth, a, b))
+            }
+            // `differentiate` has removed these.
+            Gradient(_) | Partial(..) | Gateaux { .. } => vec![self.graph.number(f64::NAN); count],
+        }
+    }
+
+    fn map(&mut self, a: Tensor, mut change: impl FnMut(&mut Graph, Scalar) -> Scalar) -> Vec<Scalar> {
+        self.components(a).into_iter().map(|a| change(self.graph, a)).collect()
+    }
+
+    fn zip(
+        &mut self,
+        a: Tensor,
+        b: Tensor,
+        mut join: impl FnMut(&mut Graph, Scalar, Scalar) -> Scalar,
+    ) -> Vec<Scalar> {
+        let (first, second) = (self.components(a), self.components(b));
+        first.into_iter().zip(second).map(|(a, b)| join(self.graph, a, b)).collect()
+    }
+
+    fn sum_of_products(&mut self, pairs: &[(Scalar, Scalar)]) -> Scalar {
+        let products: Vec<_> = pairs.iter().map(|(a, b)| self.graph.multiply(*a, *b)).collect();
+        self.graph.sum(&products)
+    }
+
+    fn identity(&mut self, size: usize) -> Vec<Scalar> {
+        (0..size * size)
+            .map(|entry| self.graph.number(if entry / size == entry % size { 1.0 } else { 0.0 }))
+            .collect()
+    }
+
+    fn linear_map(&mut self, map: LinearMap, a: Tensor) -> Vec<Scalar> {
+        let (components, shape) = (self.components(a), self.arena.shape(a).to_vec());
+        let (rows, columns) = (shape[0], shape[1]);
+        let transposed: Vec<_> =
+            multi_indices(&[columns, rows]).iter().map(|ij| components[ij[1] * columns + ij[0]]).collect();
+        let graph = &mut *self.graph;
+        match map {
+            LinearMap::Transpose => transposed,
+            LinearMap::Trace => {
+                let diagonal: Vec<_> = (0..rows).map(|i| components[i * columns + i]).collect();
+                vec![graph.sum(&diagonal)]
+            }
+            LinearMap::Symmetric | LinearMap::Skew => {
+                let sign = if map == LinearMap::Symmetric { 0.5 } else { -0.5 };
+                let pairs = components.iter().zip(&transposed);
+                pairs
+                    .map(|(a, b)| {
+                        let (a, b) = (graph.scale(0.5, *a), graph.scale(sign, *b));
+                        graph.add(a, b)
+                    })
+                    .collect()
+            }
+            // dev A = A − tr A / size I
+            LinearMap::Deviator => {
+                let diagonal: Vec<_> = (0..rows).map(|i| components[i * columns + i]).collect();
+                let trace = graph.sum(&diagonal);
+                let mean = graph.scale(-1.0 / rows as f64, trace);
+                let on_diagonal = |entry: usize| entry / columns == entry % columns;
+                let entries = components.iter().enumerate();
+                entries.map(|(entry, a)| if on_diagonal(entry) { graph.add(*a, mean) } else { *a }).collect()
+            }
+        }
+    }
+
+    fn determinant(&mut self, a: &[Scalar], size: usize) -> Scalar {
+        if size == 1 {
+            return a[0];
+        }
+        let cofactors = self.cofactors(a, size);
+        let pairs: Vec<_> = (0..size).map(|column| (a[column], cofactors[column])).collect();
+        self.sum_of_products(&pairs)
+    }
+
+    fn cofactors(&mut self, a: &[Scalar], size: usize) -> Vec<Scalar> {
+        match size {
+            1 => vec![self.graph.number(1.0)],
+            2 => {
+                let (minus_b, minus_c) = (self.graph.negate(a[1]), self.graph.negate(a[2]));
+                vec![a[3], minus_c, minus_b, a[0]]
+            }
+            _ => multi_indices(&[3, 3])
+                .iter()
+                .map(|ij| {
+                    // Cyclic indices carry the sign.
+                    let at = |row: usize, column: usize| a[(ij[0] + row) % 3 * 3 + (ij[1] + column) % 3];
+                    let first = self.graph.multiply(at(1, 1), at(2, 2));
+                    let second = self.graph.multiply(at(1, 2), at(2, 1));
+                    let minus = self.graph.negate(second);
+                    self.graph.add(first, minus)
+                })
+                .collect(),
+        }
+    }
+
+    fn truth(&mut self, truth: &Truth) -> Scalar {
+        match truth {
+            Truth::Compare(comparison, a, b) => {
+                let (a, b) = (self.scalar(*a), self.scalar(*b));
+                match comparison {
+                    Comparison::Less => self.graph.less(a, b),
+                    Comparison::Greater => self.graph.less(b, a),
+                    Comparison::LessEqual => self.graph.intern(Node::LessEqual(a, b)),
+                    Comparison::GreaterEqual => self.graph.intern(Node::LessEqual(b, a)),
+                    Comparison::Equal => self.graph.intern(Node::Equal(a, b)),
+                    Comparison::NotEqual => {
+                        let equal = self.graph.intern(Node::Equal(a, b));
+                        self.graph.intern(Node::Not(equal))
+                    }
+                }
+            }
+            Truth::And(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                self.graph.intern(Node::And(a, b))
+            }
+            Truth::Or(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                self.graph.intern(Node::Or(a, b))
+            }
+            Truth::Not(a) => {
+                let a = self.truth(a);
+                self.graph.intern(Node::Not(a))
+            }
+        }
+    }
+}

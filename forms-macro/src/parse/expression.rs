@@ -1,0 +1,281 @@
+//! Rust expressions → the expressions of a weak form; anything else is reported on its tokens.
+
+use quote::ToTokens;
+use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, UnOp};
+
+use super::syntax::*;
+use crate::diagnostics::{Diagnostics, Place};
+
+/// Reads `{ let ..; result }`.
+pub fn read_block(block: &syn::Block, diagnostics: &mut Diagnostics) -> Option<Block> {
+    let mut lets = Vec::new();
+    let mut result = None;
+    let mut complete = true;
+    let last = block.stmts.len().saturating_sub(1);
+    for (index, statement) in block.stmts.iter().enumerate() {
+        match statement {
+            Stmt::Local(local) => match read_let(local, diagnostics) {
+                Some(binding) => lets.push(binding),
+                None => complete = false,
+            },
+            Stmt::Expr(expression, None) if index == last => {
+                result = read(expression, diagnostics);
+                complete &= result.is_some();
+            }
+            other => {
+                diagnostics.error_with_help(
+                    Place::of(other),
+                    "unsupported statement in a weak form",
+                    "a body is a list of `let name = ..;` and one final expression without semicolon",
+                );
+                complete = false;
+            }
+        }
+    }
+    if result.is_none() && complete {
+        diagnostics.error(Place::of(block), "this body has no final expression, so it gives nothing");
+    }
+    match (complete, result) {
+        (true, Some(result)) => Some(Block { lets, result: Box::new(result) }),
+        _ => None,
+    }
+}
+
+fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_macro2::Ident, Expression)> {
+    let pattern = match &local.pat {
+        Pat::Type(typed) => &*typed.pat,
+        other => other,
+    };
+    let (Pat::Ident(name), Some(init)) = (pattern, &local.init) else {
+        diagnostics.error(Place::of(local), "unsupported `let`: write `let name = expression;`");
+        return None;
+    };
+    if name.mutability.is_some() || init.diverge.is_some() {
+        diagnostics.error(
+            Place::of(local),
+            "unsupported `let`: names in a weak form are neither mutable nor conditional",
+        );
+        return None;
+    }
+    Some((name.ident.clone(), read(&init.expr, diagnostics)?))
+}
+
+/// Reads an expression; `None` after a report.
+pub fn read(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
+    let place = Place::of(expression);
+    let kind = match expression {
+        Expr::Paren(inner) => {
+            return read(&inner.expr, diagnostics).map(|inner| Expression { place, ..inner });
+        }
+        Expr::Group(inner) => return read(&inner.expr, diagnostics),
+        Expr::Block(block) if block.label.is_none() => {
+            ExpressionKind::Block(read_block(&block.block, diagnostics)?)
+        }
+        Expr::Lit(literal) => ExpressionKind::Number(read_number(&literal.lit, place, diagnostics)?),
+        Expr::Path(path) => match path.path.get_ident() {
+            Some(name) => ExpressionKind::Name(name.clone()),
+            None => {
+                return unsupported(expression, "a path", "names in a weak form have no `::`", diagnostics);
+            }
+        },
+        Expr::Unary(unary) => match unary.op {
+            UnOp::Neg(_) => ExpressionKind::Negate(Box::new(read(&unary.expr, diagnostics)?)),
+            _ => return unsupported(expression, "this operator", "the prefix operator is `-`", diagnostics),
+        },
+        Expr::Binary(binary) => {
+            let operator = match binary.op {
+                BinOp::Add(_) => BinaryOperator::Add,
+                BinOp::Sub(_) => BinaryOperator::Subtract,
+                BinOp::Mul(_) => BinaryOperator::Multiply,
+                BinOp::Div(_) => BinaryOperator::Divide,
+                BinOp::BitXor(_) => {
+                    return unsupported(expression, "`^`", "a power is `pow(base, exponent)`", diagnostics);
+                }
+                _ => {
+                    let help = "operators are `+ - * /`; comparisons stand between `if` and `{`";
+                    return unsupported(expression, "this operator", help, diagnostics);
+                }
+            };
+            // Both sides are read before giving up, so that both sides' mistakes are told.
+            let (left, right) = (read(&binary.left, diagnostics), read(&binary.right, diagnostics));
+            ExpressionKind::Binary(operator, Box::new(left?), Box::new(right?))
+        }
+        Expr::Call(call) => {
+            let name = match &*call.func {
+                Expr::Path(path) => path.path.get_ident().cloned(),
+                _ => None,
+            };
+            let Some(name) = name else {
+                let help = "a call is `name(arguments)`";
+                return unsupported(&call.func, "this kind of call", help, diagnostics);
+            };
+            let arguments: Vec<_> = call.args.iter().map(|argument| read(argument, diagnostics)).collect();
+            ExpressionKind::Call(name, arguments.into_iter().collect::<Option<_>>()?)
+        }
+        Expr::Index(index) => {
+            let base = read(&index.expr, diagnostics);
+            let indices = read_indices(&index.index, diagnostics);
+            match base? {
+                Expression { kind: ExpressionKind::Index(inner, mut first), .. } => {
+                    first.extend(indices?);
+                    ExpressionKind::Index(inner, first)
+                }
+                base => ExpressionKind::Index(Box::new(base), indices?),
+            }
+        }
+        Expr::Array(array) => {
+            let entries: Vec<_> = array.elems.iter().map(|entry| read(entry, diagnostics)).collect();
+            ExpressionKind::Array(entries.into_iter().collect::<Option<_>>()?)
+        }
+        Expr::If(branch) => read_if(branch, diagnostics)?,
+        Expr::MethodCall(call) => {
+            let help = format!("write `{}(..)` as a function", call.method);
+            return unsupported(expression, "a method call", &help, diagnostics);
+        }
+        Expr::Field(field) => {
+            let help = match &field.member {
+                Member::Named(name) => format!("members of the data struct are used by their name, `{name}`"),
+                Member::Unnamed(index) => format!("a component is `name[{}]`", index.index),
+            };
+            return unsupported(expression, "`.`", &help, diagnostics);
+        }
+        Expr::Closure(_) => {
+            return unsupported(expression, "a closure", "write a local function", diagnostics);
+        }
+        Expr::Macro(_) => {
+            return unsupported(expression, "a macro call", "macros are not expanded here", diagnostics);
+        }
+        Expr::Loop(_) | Expr::While(_) | Expr::ForLoop(_) => {
+            return unsupported(
+                expression,
+                "a loop",
+                "sums over indices are `dot`, `inner`, `tr`",
+                diagnostics,
+            );
+        }
+        _ => {
+            let help = "a weak form is made of names, numbers, `+ - * /`, calls, `if`, `let` and indices";
+            return unsupported(expression, "this Rust syntax", help, diagnostics);
+        }
+    };
+    Some(Expression { place, kind })
+}
+
+fn read_if(branch: &ExprIf, diagnostics: &mut Diagnostics) -> Option<ExpressionKind> {
+    let condition = read_condition(&branch.cond, diagnostics);
+    let taken = read_block(&branch.then_branch, diagnostics);
+    let Some((_, otherwise)) = &branch.else_branch else {
+        diagnostics.error_with_help(
+            Place::of(branch),
+            "this `if` has no `else`",
+            "a weak form needs a value in both cases: add `else { 0 }` or what is meant",
+        );
+        return None;
+    };
+    let otherwise = match &**otherwise {
+        Expr::Block(block) => read_block(&block.block, diagnostics),
+        other => read(other, diagnostics).map(|result| Block { lets: vec![], result: Box::new(result) }),
+    };
+    Some(ExpressionKind::If(Box::new(condition?), taken?, otherwise?))
+}
+
+fn read_condition(condition: &Expr, diagnostics: &mut Diagnostics) -> Option<Condition> {
+    match condition {
+        Expr::Paren(inner) => read_condition(&inner.expr, diagnostics),
+        Expr::Unary(unary) if matches!(unary.op, UnOp::Not(_)) => {
+            read_condition(&unary.expr, diagnostics).map(|inner| Condition::Not(Box::new(inner)))
+        }
+        Expr::Binary(binary) => {
+            let comparison = match binary.op {
+                BinOp::And(_) | BinOp::Or(_) => {
+                    let left = read_condition(&binary.left, diagnostics);
+                    let right = read_condition(&binary.right, diagnostics);
+                    let (left, right) = (Box::new(left?), Box::new(right?));
+                    let both = matches!(binary.op, BinOp::And(_));
+                    return Some(if both { Condition::And(left, right) } else { Condition::Or(left, right) });
+                }
+                BinOp::Lt(_) => Comparison::Less,
+                BinOp::Le(_) => Comparison::LessEqual,
+                BinOp::Gt(_) => Comparison::Greater,
+                BinOp::Ge(_) => Comparison::GreaterEqual,
+                BinOp::Eq(_) => Comparison::Equal,
+                BinOp::Ne(_) => Comparison::NotEqual,
+                _ => return not_a_condition(condition, diagnostics),
+            };
+            let (left, right) = (read(&binary.left, diagnostics), read(&binary.right, diagnostics));
+            Some(Condition::Compare(comparison, left?, right?))
+        }
+        _ => not_a_condition(condition, diagnostics),
+    }
+}
+
+fn not_a_condition(condition: &Expr, diagnostics: &mut Diagnostics) -> Option<Condition> {
+    diagnostics.error_with_help(
+        Place::of(condition),
+        "this is not a condition",
+        "compare two scalars with `< <= > >= == !=`, and join with `&& || !`",
+    );
+    None
+}
+
+fn read_indices(index: &Expr, diagnostics: &mut Diagnostics) -> Option<Vec<usize>> {
+    let one = |expression: &Expr| match expression {
+        Expr::Lit(literal) => match &literal.lit {
+            Lit::Int(integer) => integer.base10_parse::<usize>().ok(),
+            _ => None,
+        },
+        _ => None,
+    };
+    let indices = match index {
+        Expr::Tuple(tuple) => tuple.elems.iter().map(one).collect(),
+        other => one(other).map(|index| vec![index]),
+    };
+    if indices.is_none() {
+        diagnostics.error_with_help(
+            Place::of(index),
+            "an index is a whole number known here",
+            "write `u[0]`, `F[0][1]` or `F[(0, 1)]`",
+        );
+    }
+    indices
+}
+
+fn read_number(literal: &Lit, place: Place, diagnostics: &mut Diagnostics) -> Option<f64> {
+    let (digits, suffix) = match literal {
+        Lit::Int(integer) => (integer.base10_digits().to_string(), integer.suffix().to_string()),
+        Lit::Float(float) => (float.base10_digits().to_string(), float.suffix().to_string()),
+        _ => {
+            diagnostics.error(place, "unsupported literal: a weak form has numbers only");
+            return None;
+        }
+    };
+    match (digits.parse::<f64>(), suffix.as_str()) {
+        (Ok(value), "" | "f64") if value.is_finite() => Some(value),
+        (_, "" | "f64") => {
+            diagnostics.error(place, "this number does not fit a 64-bit float");
+            None
+        }
+        _ => {
+            diagnostics.error_with_help(
+                place,
+                format!("the suffix `{suffix}` has no meaning here"),
+                "every number is real: leave it out",
+            );
+            None
+        }
+    }
+}
+
+fn unsupported<T>(
+    tokens: &impl ToTokens,
+    what: &str,
+    help: &str,
+    diagnostics: &mut Diagnostics,
+) -> Option<T> {
+    diagnostics.error_with_help(
+        Place::of(tokens),
+        format!("unsupported syntax in a weak form: {what}"),
+        help,
+    );
+    None
+}

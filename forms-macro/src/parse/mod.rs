@@ -1,0 +1,229 @@
+//! Stage 1: Rust tokens (`syn::ItemMod`) → [`syntax::Module`]. Knows Rust's grammar and no mathematics.
+
+mod expression;
+pub mod syntax;
+
+use syn::{
+    Fields, FnArg, GenericArgument, Item, ItemFn, ItemMod, ItemStruct, Pat, PathArguments, ReturnType, Type,
+};
+
+use crate::diagnostics::{Diagnostics, Place};
+use syntax::*;
+
+/// Reads a module; what cannot be read is reported and left out.
+pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
+    let mut module = Module {
+        attributes: item.attrs,
+        visibility: item.vis,
+        name: item.ident,
+        data: None,
+        regions: Vec::new(),
+        functions: Vec::new(),
+    };
+    let Some((_, items)) = item.content else {
+        diagnostics.error_with_help(
+            Place::of(&module.name),
+            "`#[forms]` needs the module's body",
+            format!("write `mod {} {{ .. }}` with the forms inside the braces", module.name),
+        );
+        return module;
+    };
+    for item in items {
+        match item {
+            Item::Struct(item) => read_struct(item, &mut module, diagnostics),
+            Item::Fn(item) => {
+                if let Some(function) = read_function(item, diagnostics) {
+                    module.functions.push(function);
+                }
+            }
+            // The vocabulary is built in: an import for the editor's sake does no harm.
+            Item::Use(_) => {}
+            other => diagnostics.error_with_help(
+                Place::of(&other),
+                "unsupported item in a forms module",
+                "a forms module holds one data struct, `#[cells]` and `#[facets]` regions, and functions",
+            ),
+        }
+    }
+    module
+}
+
+fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
+    let marker = |name: &str| item.attrs.iter().any(|attribute| attribute.path().is_ident(name));
+    let (cells, facets) = (marker("cells"), marker("facets"));
+    let attributes = item
+        .attrs
+        .iter()
+        .filter(|attribute| !attribute.path().is_ident("cells") && !attribute.path().is_ident("facets"))
+        .cloned()
+        .collect();
+    match item.fields {
+        Fields::Unit if cells != facets => {
+            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
+        }
+        Fields::Unit => diagnostics.error_with_help(
+            Place::of(&item.ident),
+            format!("the region `{}` does not say what it consists of", item.ident),
+            "write `#[cells]` or `#[facets]` (one of the two) before the struct",
+        ),
+        Fields::Named(fields) if module.data.is_none() => {
+            let members = fields.named.iter().filter_map(|field| read_member(field, diagnostics)).collect();
+            module.data = Some(Data { attributes, visibility: item.vis, name: item.ident, members });
+        }
+        Fields::Named(_) => diagnostics.error_with_help(
+            Place::of(&item.ident),
+            "a forms module has one data struct",
+            "move these members into the first one",
+        ),
+        Fields::Unnamed(_) => diagnostics.error_with_help(
+            Place::of(&item.ident),
+            "a data struct needs named members",
+            "write `pub struct Data { lambda: Param, .. }`",
+        ),
+    }
+}
+
+fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Member> {
+    let name = field.ident.clone()?;
+    let (kind, rank) = match type_words(&field.ty) {
+        Some((outer, inner)) => {
+            let kind = match outer.as_str() {
+                "Param" => Some(MemberKind::Param),
+                "Given" => Some(MemberKind::Given),
+                _ => None,
+            };
+            let rank = match (&inner, kind) {
+                (None, Some(MemberKind::Param)) => Some(Rank::Scalar),
+                (Some(word), _) => rank_of(word),
+                _ => None,
+            };
+            (kind, rank)
+        }
+        None => (None, None),
+    };
+    let (Some(kind), Some(rank)) = (kind, rank) else {
+        diagnostics.error_with_help(
+            Place::of(&field.ty),
+            format!("`{name}` has a type that is not known here"),
+            "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`",
+        );
+        return None;
+    };
+    Some(Member { attributes: field.attrs.clone(), name, kind, rank })
+}
+
+fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {
+    let before = &item.sig;
+    let plain = before.generics.params.is_empty()
+        && before.constness.is_none()
+        && before.asyncness.is_none()
+        && matches!(before.safety, syn::Safety::Default);
+    if !plain {
+        diagnostics.error(
+            Place::of(&item.sig),
+            format!("unsupported signature: `{}` is a plain function of a weak form, without generics or qualifiers", before.ident),
+        );
+        return None;
+    }
+    let mut arguments = Vec::new();
+    let mut complete = true;
+    for input in &item.sig.inputs {
+        match read_argument(input, diagnostics) {
+            Some(argument) => arguments.push(argument),
+            None => complete = false,
+        }
+    }
+    let output = match &item.sig.output {
+        ReturnType::Type(_, ty) => read_output(ty),
+        ReturnType::Default => None,
+    };
+    let Some(output) = output else {
+        let place = match &item.sig.output {
+            ReturnType::Type(_, ty) => Place::of(ty),
+            ReturnType::Default => Place::of(&item.sig.ident),
+        };
+        diagnostics.error_with_help(
+            place,
+            format!("`{}` does not say what it gives", item.sig.ident),
+            "the return type is one of `Scalar`, `Vector`, `Tensor`, `Form`, `Energy`, `Functional`",
+        );
+        return None;
+    };
+    let body = expression::read_block(&item.block, diagnostics);
+    complete.then_some(Function {
+        attributes: item.attrs,
+        visibility: item.vis,
+        name: item.sig.ident,
+        arguments,
+        output,
+        body,
+    })
+}
+
+fn read_argument(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<Argument> {
+    let FnArg::Typed(input) = input else {
+        diagnostics.error(Place::of(input), "unsupported argument: a form has no `self`");
+        return None;
+    };
+    let Pat::Ident(pattern) = &*input.pat else {
+        diagnostics.error(Place::of(&input.pat), "unsupported argument pattern: an argument is a name");
+        return None;
+    };
+    let found = type_words(&input.ty).and_then(|(outer, inner)| match inner {
+        None => rank_of(&outer).map(|rank| (ArgumentRole::Plain, rank)),
+        Some(inner) => {
+            let role = match outer.as_str() {
+                "Unknown" => ArgumentRole::Unknown,
+                "Test" => ArgumentRole::Test,
+                "State" => ArgumentRole::State,
+                _ => return None,
+            };
+            rank_of(&inner).map(|rank| (role, rank))
+        }
+    });
+    let Some((role, rank)) = found else {
+        diagnostics.error_with_help(
+            Place::of(&input.ty),
+            format!("the argument `{}` has a type that is not known here", pattern.ident),
+            "write `Scalar`, `Vector`, `Tensor`, or one of them in `Unknown<..>`, `Test<..>`, `State<..>`",
+        );
+        return None;
+    };
+    Some(Argument { name: pattern.ident.clone(), role, rank })
+}
+
+fn read_output(ty: &Type) -> Option<Output> {
+    match type_words(ty)? {
+        (word, None) => match word.as_str() {
+            "Form" => Some(Output::Form),
+            "Energy" => Some(Output::Energy),
+            "Functional" => Some(Output::Functional),
+            other => rank_of(other).map(Output::Value),
+        },
+        _ => None,
+    }
+}
+
+fn rank_of(word: &str) -> Option<Rank> {
+    match word {
+        "Scalar" => Some(Rank::Scalar),
+        "Vector" => Some(Rank::Vector),
+        "Tensor" => Some(Rank::Tensor),
+        _ => None,
+    }
+}
+
+/// `Param<Vector>` → ("Param", Some("Vector")); `Scalar` → ("Scalar", None).
+fn type_words(ty: &Type) -> Option<(String, Option<String>)> {
+    let Type::Path(path) = ty else { return None };
+    let segment = path.path.segments.last()?;
+    let inner = match &segment.arguments {
+        PathArguments::None => None,
+        PathArguments::AngleBracketed(arguments) if arguments.args.len() == 1 => match &arguments.args[0] {
+            GenericArgument::Type(Type::Path(inner)) => Some(inner.path.get_ident()?.to_string()),
+            _ => return None,
+        },
+        _ => return None,
+    };
+    Some((segment.ident.to_string(), inner))
+}

@@ -1,0 +1,150 @@
+//! The syntax tree of a forms module: what `parse` gives and `check` reads.
+
+use proc_macro2::Ident;
+use syn::{Attribute, Visibility};
+
+use crate::diagnostics::Place;
+
+/// A module of weak forms.
+pub struct Module {
+    pub attributes: Vec<Attribute>,
+    pub visibility: Visibility,
+    pub name: Ident,
+    pub data: Option<Data>,
+    pub regions: Vec<Region>,
+    pub functions: Vec<Function>,
+}
+
+/// The struct whose members are the data of all forms of the module.
+pub struct Data {
+    pub attributes: Vec<Attribute>,
+    pub visibility: Visibility,
+    pub name: Ident,
+    pub members: Vec<Member>,
+}
+
+/// `lambda: Param` or `gap: Given<Scalar>`.
+pub struct Member {
+    pub attributes: Vec<Attribute>,
+    pub name: Ident,
+    pub kind: MemberKind,
+    pub rank: Rank,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MemberKind {
+    /// Constant over the mesh.
+    Param,
+    /// A field, or a function of x.
+    Given,
+}
+
+/// `Scalar`, `Vector` or `Tensor`, in the dimension of the form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rank {
+    Scalar,
+    Vector,
+    Tensor,
+}
+
+impl Rank {
+    pub fn shape(self, dimension: usize) -> Vec<usize> {
+        match self {
+            Rank::Scalar => vec![],
+            Rank::Vector => vec![dimension],
+            Rank::Tensor => vec![dimension, dimension],
+        }
+    }
+}
+
+/// `#[cells] struct Omega;` or `#[facets] struct GammaC;`
+pub struct Region {
+    pub attributes: Vec<Attribute>,
+    pub visibility: Visibility,
+    pub name: Ident,
+    pub facets: bool,
+}
+
+/// A function of the module: a form, an energy, a functional, or a local function.
+pub struct Function {
+    pub attributes: Vec<Attribute>,
+    pub visibility: Visibility,
+    pub name: Ident,
+    pub arguments: Vec<Argument>,
+    pub output: Output,
+    /// `None` when the body had a syntax error, which has been reported.
+    pub body: Option<Block>,
+}
+
+pub struct Argument {
+    pub name: Ident,
+    pub role: ArgumentRole,
+    pub rank: Rank,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArgumentRole {
+    /// `w: Vector`: whatever the caller passes.
+    Plain,
+    Unknown,
+    Test,
+    State,
+}
+
+/// What a function gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    Value(Rank),
+    Form,
+    Energy,
+    Functional,
+}
+
+/// `{ let a = ..; let b = ..; result }`
+pub struct Block {
+    pub lets: Vec<(Ident, Expression)>,
+    pub result: Box<Expression>,
+}
+
+pub struct Expression {
+    pub place: Place,
+    pub kind: ExpressionKind,
+}
+
+pub enum ExpressionKind {
+    Number(f64),
+    Name(Ident),
+    Call(Ident, Vec<Expression>),
+    Negate(Box<Expression>),
+    Binary(BinaryOperator, Box<Expression>, Box<Expression>),
+    Index(Box<Expression>, Vec<usize>),
+    Array(Vec<Expression>),
+    If(Box<Condition>, Block, Block),
+    Block(Block),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BinaryOperator {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+}
+
+/// What stands between `if` and `{`.
+pub enum Condition {
+    Compare(Comparison, Expression, Expression),
+    And(Box<Condition>, Box<Condition>),
+    Or(Box<Condition>, Box<Condition>),
+    Not(Box<Condition>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Equal,
+    NotEqual,
+}

@@ -1,0 +1,265 @@
+//! The tensor expressions that stages 2 and 3 share: nodes in an arena, each with a shape and a place.
+//!
+//! `check` builds them, still with the three operators of differentiation ([`Operator::Gradient`],
+//! [`Operator::Partial`], [`Operator::Gateaux`]); `differentiate` removes those.
+
+use crate::diagnostics::Place;
+use crate::parse::syntax::Comparison;
+
+/// A node of an [`Arena`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Tensor(pub u32);
+
+/// Extents of the axes: `[]` scalar, `[D]` vector, `[D, D]` tensor; up to rank 4 inside.
+pub type Shape = Vec<usize>;
+
+/// Geometry that a form may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Geometry {
+    /// h_T.
+    Diameter,
+    /// |T|.
+    CellVolume,
+    /// |F|.
+    FacetArea,
+    /// n.
+    Normal,
+    /// x.
+    Position,
+    /// κ = div n.
+    Curvature,
+}
+
+/// Linear maps of tensors, all with the derivative rule d(L a) = L da.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LinearMap {
+    Transpose,
+    Trace,
+    Symmetric,
+    Skew,
+    Deviator,
+}
+
+/// Scalar functions of one scalar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Function {
+    Sqrt,
+    Exp,
+    Ln,
+    Sin,
+    Cos,
+    Tan,
+    Tanh,
+    Abs,
+    Sign,
+    Heaviside,
+    PositivePart,
+    NegativePart,
+}
+
+/// A truth value at a point.
+#[derive(Clone, Debug)]
+pub enum Truth {
+    Compare(Comparison, Tensor, Tensor),
+    And(Box<Truth>, Box<Truth>),
+    Or(Box<Truth>, Box<Truth>),
+    Not(Box<Truth>),
+}
+
+impl Truth {
+    /// The scalars that are compared.
+    pub fn operands(&self) -> Vec<Tensor> {
+        match self {
+            Truth::Compare(_, left, right) => vec![*left, *right],
+            Truth::And(first, second) | Truth::Or(first, second) => {
+                let mut all = first.operands();
+                all.extend(second.operands());
+                all
+            }
+            Truth::Not(inner) => inner.operands(),
+        }
+    }
+
+    /// The same truth value of other scalars.
+    pub fn map(&self, change: &mut impl FnMut(Tensor) -> Tensor) -> Truth {
+        match self {
+            Truth::Compare(comparison, left, right) => {
+                Truth::Compare(*comparison, change(*left), change(*right))
+            }
+            Truth::And(first, second) => {
+                Truth::And(Box::new(first.map(change)), Box::new(second.map(change)))
+            }
+            Truth::Or(first, second) => Truth::Or(Box::new(first.map(change)), Box::new(second.map(change))),
+            Truth::Not(inner) => Truth::Not(Box::new(inner.map(change))),
+        }
+    }
+}
+
+/// With respect to what a derivative is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variable {
+    /// A field of the form, by index.
+    Field(usize),
+    /// A parameter, by index of the data member.
+    Parameter(usize),
+    /// An intermediate result: an argument or a `let` name.
+    Node(Tensor),
+}
+
+#[derive(Clone, Debug)]
+pub enum Operator {
+    Number(f64),
+    Zero,
+    Identity,
+    /// A parameter, by index of the data member.
+    Parameter(usize),
+    /// A field's value (`gradient: false`) or gradient (component, then direction).
+    Field {
+        field: usize,
+        gradient: bool,
+    },
+    Geometry(Geometry),
+    Add(Tensor, Tensor),
+    Negate(Tensor),
+    /// Scalar times tensor.
+    Scale(Tensor, Tensor),
+    /// Tensor divided by scalar.
+    Divide(Tensor, Tensor),
+    /// Last axis of the first with first axis of the second.
+    Contract(Tensor, Tensor),
+    /// All axes of two tensors of one shape.
+    Inner(Tensor, Tensor),
+    Outer(Tensor, Tensor),
+    Map(LinearMap, Tensor),
+    Determinant(Tensor),
+    Inverse(Tensor),
+    /// det(A) A⁻ᵀ, which is polynomial.
+    Cofactor(Tensor),
+    /// Fixes the leading axes.
+    Component(Tensor, Vec<usize>),
+    /// A new leading axis.
+    Stack(Vec<Tensor>),
+    Apply(Function, Tensor),
+    Power(Tensor, Tensor),
+    Minimum(Tensor, Tensor),
+    Maximum(Tensor, Tensor),
+    Select(Truth, Tensor, Tensor),
+
+    /// ∇ of an expression: a new trailing axis.
+    Gradient(Tensor),
+    /// ∂e/∂w: the axes of e, then those of w.
+    Partial(Tensor, Variable),
+    /// Directional derivative of e with respect to a variable.
+    Gateaux {
+        expression: Tensor,
+        variable: Variable,
+        direction: Tensor,
+    },
+}
+
+impl Operator {
+    /// The nodes that this one is made of.
+    pub fn operands(&self) -> Vec<Tensor> {
+        use Operator::*;
+        match self {
+            Number(_) | Zero | Identity | Parameter(_) | Field { .. } | Geometry(_) => vec![],
+            Negate(a)
+            | Map(_, a)
+            | Determinant(a)
+            | Inverse(a)
+            | Cofactor(a)
+            | Component(a, _)
+            | Apply(_, a)
+            | Gradient(a)
+            | Partial(a, _) => vec![*a],
+            Add(a, b)
+            | Scale(a, b)
+            | Divide(a, b)
+            | Contract(a, b)
+            | Inner(a, b)
+            | Outer(a, b)
+            | Power(a, b)
+            | Minimum(a, b)
+            | Maximum(a, b) => vec![*a, *b],
+            Gateaux { expression, direction, .. } => vec![*expression, *direction],
+            Stack(entries) => entries.clone(),
+            Select(truth, a, b) => {
+                let mut all = truth.operands();
+                all.extend([*a, *b]);
+                all
+            }
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Node {
+    pub operator: Operator,
+    pub shape: Shape,
+    pub place: Place,
+}
+
+/// All nodes of one function in one dimension.
+#[derive(Clone, Debug, Default)]
+pub struct Arena {
+    nodes: Vec<Node>,
+}
+
+impl Arena {
+    pub fn push(&mut self, operator: Operator, shape: Shape, place: Place) -> Tensor {
+        self.nodes.push(Node { operator, shape, place });
+        Tensor(self.nodes.len() as u32 - 1)
+    }
+
+    pub fn node(&self, tensor: Tensor) -> &Node {
+        &self.nodes[tensor.0 as usize]
+    }
+
+    pub fn shape(&self, tensor: Tensor) -> &[usize] {
+        &self.node(tensor).shape
+    }
+
+    pub fn place(&self, tensor: Tensor) -> Place {
+        self.node(tensor).place
+    }
+
+    /// Structurally zero.
+    pub fn is_zero(&self, tensor: Tensor) -> bool {
+        match self.node(tensor).operator {
+            Operator::Zero => true,
+            Operator::Number(value) => value == 0.0,
+            _ => false,
+        }
+    }
+
+    /// Every node that `roots` are made of, each once, operands first.
+    pub fn reachable(&self, roots: &[Tensor]) -> Vec<Tensor> {
+        let mut seen = vec![false; self.nodes.len()];
+        let mut pending: Vec<Tensor> = roots.to_vec();
+        while let Some(tensor) = pending.pop() {
+            if !std::mem::replace(&mut seen[tensor.0 as usize], true) {
+                pending.extend(self.node(tensor).operator.operands());
+            }
+        }
+        (0..self.nodes.len() as u32).map(Tensor).filter(|tensor| seen[tensor.0 as usize]).collect()
+    }
+}
+
+/// What a field is to a form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldRole {
+    Unknown(usize),
+    Test(usize),
+    State,
+    Given,
+    /// The direction in which the tangent differentiates the k-th unknown.
+    Trial(usize),
+}
+
+/// A field of a form.
+#[derive(Clone, Debug)]
+pub struct FieldInfo {
+    pub name: String,
+    pub role: FieldRole,
+    pub shape: Shape,
+}
