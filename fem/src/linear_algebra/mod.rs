@@ -1,1 +1,24 @@
 //! Sparse matrices and linear solvers.
+//!
+//! [`CsrMatrix`] holds values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows
+//! and columns out of it. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
+//! Cholesky or a Bunch–Kaufman factor on it.
+
+pub mod analysis;
+pub mod cholesky;
+pub mod csr;
+pub mod error;
+
+pub mod ordering;
+pub mod pattern;
+pub mod restriction;
+pub mod vector;
+
+pub use analysis::Analysis;
+pub use cholesky::{Refined, SymmetricFactor};
+pub use csr::CsrMatrix;
+pub use error::LinearAlgebraError;
+
+pub use ordering::Ordering;
+pub use pattern::SparsityPattern;
+pub use restriction::Restriction;

@@ -1,0 +1,423 @@
+//! Sparse matrices in compressed rows, on a shared sparsity pattern.
+
+use std::sync::Arc;
+
+use super::error::{LinearAlgebraError, check_size};
+use super::pattern::SparsityPattern;
+
+/// A real sparse matrix: values on a [`SparsityPattern`] that other matrices may share, so that the
+/// matrices of successive Newton steps cost their values alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CsrMatrix {
+    pattern: Arc<SparsityPattern>,
+    values: Vec<f64>,
+}
+
+impl CsrMatrix {
+    /// The zero matrix on a pattern.
+    pub fn zero(pattern: &Arc<SparsityPattern>) -> Self {
+        Self { pattern: pattern.clone(), values: vec![0.0; pattern.entries()] }
+    }
+
+    /// A matrix from a pattern and one value per stored entry.
+    ///
+    /// # Errors
+    /// If the number of values is not the number of entries.
+    pub fn from_pattern(
+        pattern: &Arc<SparsityPattern>,
+        values: Vec<f64>,
+    ) -> Result<Self, LinearAlgebraError> {
+        check_size("the list of matrix values", pattern.entries(), values.len())?;
+        Ok(Self { pattern: pattern.clone(), values })
+    }
+
+    /// A matrix from (row, column, value) triplets in any order; duplicates are summed in their order.
+    ///
+    /// # Errors
+    /// If a row or column lies outside the matrix.
+    pub fn from_triplets(
+        rows: usize,
+        columns: usize,
+        triplets: &[(usize, usize, f64)],
+    ) -> Result<Self, LinearAlgebraError> {
+        let mut begin = vec![0_usize; rows + 1];
+        for &(row, column, _) in triplets {
+            if row >= rows {
+                return Err(LinearAlgebraError::IndexOutOfRange { what: "row", index: row, size: rows });
+            }
+            if column >= columns {
+                return Err(LinearAlgebraError::IndexOutOfRange {
+                    what: "column",
+                    index: column,
+                    size: columns,
+                });
+            }
+            begin[row + 1] += 1;
+        }
+        for row in 0..rows {
+            begin[row + 1] += begin[row];
+        }
+        let mut next = begin.clone();
+        let mut sorted = vec![(0_usize, 0.0); triplets.len()];
+        for &(row, column, value) in triplets {
+            sorted[next[row]] = (column, value);
+            next[row] += 1;
+        }
+        let mut row_pointers = Vec::with_capacity(rows + 1);
+        row_pointers.push(0);
+        let mut column_indices: Vec<u32> = Vec::with_capacity(triplets.len());
+        let mut values: Vec<f64> = Vec::with_capacity(triplets.len());
+        for row in 0..rows {
+            let entries = &mut sorted[begin[row]..begin[row + 1]];
+            entries.sort_by_key(|&(column, _)| column); // stable: duplicates keep their order
+            let first = column_indices.len();
+            for &(column, value) in entries.iter() {
+                let column = column as u32;
+                match values.last_mut() {
+                    Some(last) if column_indices.len() > first && column_indices.last() == Some(&column) => {
+                        *last += value;
+                    }
+                    _ => {
+                        column_indices.push(column);
+                        values.push(value);
+                    }
+                }
+            }
+            row_pointers.push(column_indices.len());
+        }
+        let pattern = SparsityPattern::new(rows, columns, row_pointers, column_indices)?;
+        Ok(Self { pattern: Arc::new(pattern), values })
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.pattern.rows()
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.pattern.columns()
+    }
+
+    /// Where each row begins in the list of entries; `rows + 1` numbers.
+    pub fn row_pointers(&self) -> &[usize] {
+        self.pattern.row_pointers()
+    }
+
+    /// Column of each stored entry, ascending in each row.
+    pub fn column_indices(&self) -> &[u32] {
+        self.pattern.column_indices()
+    }
+
+    /// Value of each stored entry.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Value of each stored entry, to be overwritten.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// The values alone, for example to reuse their memory.
+    pub fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+
+    /// The shared pattern.
+    pub fn pattern(&self) -> &Arc<SparsityPattern> {
+        &self.pattern
+    }
+
+    /// Columns and values of a row. Panics if `row >= rows`, as indexing does.
+    pub fn row(&self, row: usize) -> (&[u32], &[f64]) {
+        let range = self.pattern.row_range(row);
+        (&self.column_indices()[range.clone()], &self.values[range])
+    }
+
+    /// Entry (row, column); zero where nothing is stored.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        self.pattern.find(row, column).map_or(0.0, |position| self.values[position])
+    }
+
+    /// The diagonal, `min(rows, columns)` values.
+    pub fn diagonal(&self) -> Vec<f64> {
+        (0..self.rows().min(self.columns())).map(|i| self.get(i, i)).collect()
+    }
+
+    /// A x.
+    ///
+    /// # Errors
+    /// If `x` does not have one entry per column.
+    pub fn multiply(&self, x: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        let mut y = vec![0.0; self.rows()];
+        self.multiply_into(x, &mut y)?;
+        Ok(y)
+    }
+
+    /// y = A x, without allocating.
+    ///
+    /// # Errors
+    /// If the sizes of `x` and `y` are not the numbers of columns and rows.
+    pub fn multiply_into(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearAlgebraError> {
+        check_size("the vector to multiply", self.columns(), x.len())?;
+        check_size("the product", self.rows(), y.len())?;
+        for (row, target) in y.iter_mut().enumerate() {
+            let (columns, values) = self.row(row);
+            let mut sum = 0.0;
+            for (&column, value) in columns.iter().zip(values) {
+                sum += value * x[column as usize];
+            }
+            *target = sum;
+        }
+        Ok(())
+    }
+
+    /// Aᵀ x.
+    ///
+    /// # Errors
+    /// If `x` does not have one entry per row.
+    pub fn multiply_transposed(&self, x: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        let mut y = vec![0.0; self.columns()];
+        self.multiply_transposed_into(x, &mut y)?;
+        Ok(y)
+    }
+
+    /// y = Aᵀ x, without allocating.
+    ///
+    /// # Errors
+    /// If the sizes of `x` and `y` are not the numbers of rows and columns.
+    pub fn multiply_transposed_into(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearAlgebraError> {
+        check_size("the vector to multiply", self.rows(), x.len())?;
+        check_size("the product", self.columns(), y.len())?;
+        y.fill(0.0);
+        for (row, &factor) in x.iter().enumerate() {
+            let (columns, values) = self.row(row);
+            for (&column, value) in columns.iter().zip(values) {
+                y[column as usize] += value * factor;
+            }
+        }
+        Ok(())
+    }
+
+    /// The transposed matrix.
+    pub fn transpose(&self) -> Self {
+        let pattern = self.pattern.transpose();
+        let mut next = pattern.row_pointers().to_vec();
+        let mut values = vec![0.0; self.values.len()];
+        for row in 0..self.rows() {
+            let (columns, row_values) = self.row(row);
+            for (&column, &value) in columns.iter().zip(row_values) {
+                values[next[column as usize]] = value;
+                next[column as usize] += 1;
+            }
+        }
+        Self { pattern: Arc::new(pattern), values }
+    }
+
+    /// self += factor * other, for matrices of the same pattern.
+    ///
+    /// # Errors
+    /// If the patterns differ.
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) -> Result<(), LinearAlgebraError> {
+        if !self.same_pattern(other) {
+            return Err(LinearAlgebraError::PatternMismatch { what: "adding a scaled matrix" });
+        }
+        super::vector::add_scaled(&mut self.values, factor, &other.values);
+        Ok(())
+    }
+
+    /// Whether both matrices store the same positions (they need not share the pattern's memory).
+    pub fn same_pattern(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.pattern, &other.pattern) || self.pattern == other.pattern
+    }
+
+    /// (A + Aᵀ) / 2, on the same shared pattern if that is symmetric.
+    ///
+    /// # Errors
+    /// If the matrix is not square.
+    pub fn symmetric_part(&self) -> Result<Self, LinearAlgebraError> {
+        check_size("the set of columns of a square matrix", self.rows(), self.columns())?;
+        let mut values = self.values.clone();
+        if self.for_each_pair(|k, l| {
+            let mean = 0.5 * (self.values[k] + self.values[l]);
+            values[k] = mean;
+            values[l] = mean;
+        }) {
+            return Ok(Self { pattern: self.pattern.clone(), values });
+        }
+        let transposed = self.transpose();
+        let mut triplets = Vec::with_capacity(2 * self.values.len());
+        for row in 0..self.rows() {
+            for matrix in [self, &transposed] {
+                let (columns, values) = matrix.row(row);
+                triplets.extend(columns.iter().zip(values).map(|(&c, v)| (row, c as usize, 0.5 * v)));
+            }
+        }
+        Self::from_triplets(self.rows(), self.columns(), &triplets)
+    }
+
+    /// Largest |a_ij − a_ji| divided by the largest |a_ij|; 0 for the zero matrix, NaN if an entry is NaN.
+    ///
+    /// # Errors
+    /// If the matrix is not square.
+    pub fn asymmetry(&self) -> Result<f64, LinearAlgebraError> {
+        check_size("the set of columns of a square matrix", self.rows(), self.columns())?;
+        let largest = super::vector::largest(&self.values);
+        if largest == 0.0 || largest.is_nan() {
+            return Ok(largest);
+        }
+        let mut difference = 0.0_f64;
+        if !self.for_each_pair(|k, l| difference = difference.max((self.values[k] - self.values[l]).abs())) {
+            for row in 0..self.rows() {
+                let (columns, values) = self.row(row);
+                for (&column, value) in columns.iter().zip(values) {
+                    difference = difference.max((value - self.get(column as usize, row)).abs());
+                }
+            }
+        }
+        Ok(difference / largest)
+    }
+
+    /// Whether [`CsrMatrix::asymmetry`] is at most `tolerance`.
+    ///
+    /// # Errors
+    /// If the matrix is not square.
+    pub fn is_symmetric(&self, tolerance: f64) -> Result<bool, LinearAlgebraError> {
+        Ok(self.asymmetry()? <= tolerance)
+    }
+
+    /// Largest sum of absolute values in a row, ‖A‖∞.
+    pub fn row_sum_norm(&self) -> f64 {
+        let sums: Vec<f64> =
+            (0..self.rows()).map(|row| self.row(row).1.iter().map(|value| value.abs()).sum()).collect();
+        super::vector::largest(&sums)
+    }
+
+    /// Fails at the first entry that is NaN or infinite.
+    ///
+    /// # Errors
+    /// [`LinearAlgebraError::EntryNotFinite`] with the entry's row and column.
+    pub fn check_finite(&self) -> Result<(), LinearAlgebraError> {
+        let Some(position) = self.values.iter().position(|value| !value.is_finite()) else {
+            return Ok(());
+        };
+        let row = self.row_pointers().partition_point(|&begin| begin <= position) - 1;
+        Err(LinearAlgebraError::EntryNotFinite {
+            row,
+            column: self.column_indices()[position] as usize,
+            value: self.values[position],
+        })
+    }
+
+    /// Calls `visit` with the positions of (i, j) and (j, i) for every stored j > i. Returns false, perhaps
+    /// after some calls, if the pattern is not symmetric.
+    fn for_each_pair(&self, mut visit: impl FnMut(usize, usize)) -> bool {
+        let pointers = self.row_pointers();
+        let columns = self.column_indices();
+        // Rows come in ascending order, so the partner of (i, j) is the next unvisited entry of row j.
+        let mut next: Vec<usize> = pointers[..self.rows()].to_vec();
+        for row in 0..self.rows() {
+            for position in pointers[row]..pointers[row + 1] {
+                let column = columns[position] as usize;
+                let partner = next[column];
+                if partner >= pointers[column + 1] || columns[partner] as usize != row {
+                    return false;
+                }
+                next[column] += 1;
+                if column > row {
+                    visit(position, partner);
+                }
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> CsrMatrix {
+        // [1 2 0; 0 3 4], the 3 as a sum of duplicates given out of order.
+        CsrMatrix::from_triplets(2, 3, &[(1, 2, 4.0), (1, 1, 1.0), (0, 1, 2.0), (0, 0, 1.0), (1, 1, 2.0)])
+            .unwrap()
+    }
+
+    #[test]
+    fn triplets_are_sorted_and_summed() {
+        let matrix = example();
+        assert_eq!(matrix.row_pointers(), [0, 2, 4]);
+        assert_eq!(matrix.column_indices(), [0, 1, 1, 2]);
+        assert_eq!(matrix.values(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(matrix.get(1, 0), 0.0);
+        assert_eq!(matrix.diagonal(), [1.0, 3.0]);
+        let empty_row = CsrMatrix::from_triplets(3, 3, &[(0, 2, 1.0), (2, 2, 5.0)]).unwrap();
+        assert_eq!(empty_row.row_pointers(), [0, 1, 1, 2]);
+        assert_eq!(empty_row.get(2, 2), 5.0);
+    }
+
+    #[test]
+    fn products_with_the_matrix_and_its_transpose() {
+        let matrix = example();
+        assert_eq!(matrix.multiply(&[1.0, 10.0, 100.0]).unwrap(), [21.0, 430.0]);
+        assert_eq!(matrix.multiply_transposed(&[1.0, 10.0]).unwrap(), [1.0, 32.0, 40.0]);
+        assert_eq!(matrix.transpose().multiply(&[1.0, 10.0]).unwrap(), [1.0, 32.0, 40.0]);
+        assert_eq!(matrix.transpose().transpose(), matrix);
+        assert_eq!(matrix.row_sum_norm(), 7.0);
+    }
+
+    #[test]
+    fn wrong_sizes_and_indices_are_errors() {
+        let matrix = example();
+        assert!(matches!(
+            matrix.multiply(&[1.0; 2]),
+            Err(LinearAlgebraError::SizeMismatch { expected: 3, found: 2, .. })
+        ));
+        assert!(matrix.multiply_transposed(&[1.0; 3]).is_err());
+        assert!(matrix.asymmetry().is_err() && matrix.symmetric_part().is_err());
+        let error = CsrMatrix::from_triplets(2, 2, &[(0, 2, 1.0)]).unwrap_err();
+        assert_eq!(error, LinearAlgebraError::IndexOutOfRange { what: "column", index: 2, size: 2 });
+        assert!(CsrMatrix::from_triplets(2, 2, &[(2, 0, 1.0)]).is_err());
+    }
+
+    #[test]
+    fn symmetric_part_and_asymmetry() {
+        let matrix =
+            CsrMatrix::from_triplets(2, 2, &[(0, 0, 8.0), (0, 1, 3.0), (1, 0, 1.0), (1, 1, 5.0)]).unwrap();
+        assert_eq!(matrix.asymmetry().unwrap(), 0.25);
+        let part = matrix.symmetric_part().unwrap();
+        assert!(Arc::ptr_eq(part.pattern(), matrix.pattern()));
+        assert_eq!(part.values(), [8.0, 2.0, 2.0, 5.0]);
+        assert!(part.is_symmetric(0.0).unwrap());
+        // An unsymmetric pattern.
+        let upper = CsrMatrix::from_triplets(2, 2, &[(0, 0, 8.0), (0, 1, 3.0), (1, 1, 5.0)]).unwrap();
+        assert_eq!(upper.asymmetry().unwrap(), 3.0 / 8.0);
+        let part = upper.symmetric_part().unwrap();
+        assert_eq!(part.values(), [8.0, 1.5, 1.5, 5.0]);
+        let lower = upper.transpose();
+        assert_eq!(lower.asymmetry().unwrap(), 3.0 / 8.0);
+        assert_eq!(lower.symmetric_part().unwrap().values(), part.values());
+    }
+
+    #[test]
+    fn adding_asks_for_the_same_pattern() {
+        let mut matrix = example();
+        let copy = matrix.clone();
+        matrix.add_scaled(-0.5, &copy).unwrap();
+        assert_eq!(matrix.values(), [0.5, 1.0, 1.5, 2.0]);
+        let other = CsrMatrix::from_triplets(2, 3, &[(0, 0, 1.0)]).unwrap();
+        assert!(matches!(matrix.add_scaled(1.0, &other), Err(LinearAlgebraError::PatternMismatch { .. })));
+    }
+
+    #[test]
+    fn a_nan_is_named_with_its_place() {
+        let mut matrix = example();
+        assert!(matrix.check_finite().is_ok());
+        matrix.values_mut()[2] = f64::NAN;
+        assert!(matches!(
+            matrix.check_finite(),
+            Err(LinearAlgebraError::EntryNotFinite { row: 1, column: 1, .. })
+        ));
+    }
+}

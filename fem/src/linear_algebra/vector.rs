@@ -1,0 +1,69 @@
+//! Dot products and norms of dense vectors.
+
+/// Σ x_i y_i, summed in eight interleaved parts (which vectorises and loses less to rounding).
+pub fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let mut parts = [0.0; 8];
+    let (x_chunks, y_chunks) = (x.chunks_exact(8), y.chunks_exact(8));
+    let tail: f64 = x_chunks.remainder().iter().zip(y_chunks.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in x_chunks.zip(y_chunks) {
+        for lane in 0..8 {
+            parts[lane] += a[lane] * b[lane];
+        }
+    }
+    parts.iter().sum::<f64>() + tail
+}
+
+/// Euclidean norm.
+pub fn norm(x: &[f64]) -> f64 {
+    let plain = dot(x, x);
+    if plain.is_normal() && plain > 1e-280 {
+        return plain.sqrt();
+    }
+    // The squares overflow or underflow (or something is not finite): scale by the largest entry.
+    let largest = largest(x);
+    if largest == 0.0 || !largest.is_finite() {
+        return largest;
+    }
+    largest * x.iter().map(|value| (value / largest).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Largest absolute value; NaN if an entry is NaN; 0 for an empty vector.
+pub fn largest(x: &[f64]) -> f64 {
+    let mut result = 0.0_f64;
+    for value in x {
+        if value.is_nan() {
+            return f64::NAN;
+        }
+        result = result.max(value.abs());
+    }
+    result
+}
+
+/// y += factor * x.
+pub fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
+    for (target, value) in y.iter_mut().zip(x) {
+        *target += factor * value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dot_and_norm_of_known_vectors() {
+        let x: Vec<f64> = (1..=19).map(f64::from).collect();
+        assert_eq!(dot(&x, &x), 2470.0); // n (n + 1) (2 n + 1) / 6
+        assert_eq!(norm(&[3.0, -4.0]), 5.0);
+        assert_eq!(largest(&[1.0, -7.0, 2.0]), 7.0);
+        assert_eq!(norm(&[]), 0.0);
+    }
+
+    #[test]
+    fn the_norm_neither_overflows_nor_hides_nan() {
+        assert!((norm(&[3e200, 4e200]) / 5e200 - 1.0).abs() < 1e-15);
+        assert!((norm(&[3e-200, 4e-200]) / 5e-200 - 1.0).abs() < 1e-15);
+        assert!(norm(&[1.0, f64::NAN]).is_nan());
+        assert_eq!(norm(&[1.0, f64::INFINITY]), f64::INFINITY);
+    }
+}
