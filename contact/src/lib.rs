@@ -1,1 +1,14 @@
-//! Placeholder.
+//! Frictionless contact by Nitsche's method, after Bretin, Chapelat, Douanla-Lontsi, Homolle and Renard
+//! (2023): the direct problem, its adjoint states and criteria as declared forms, and the drivers that
+//! solve them.
+//!
+//! [`nitsche`] holds the paper's equations. [`states`] solves direct → adjoint on any mesh;
+//! [`hollow_cylinder`] is the paper's experiment; [`threshold`] says when γ₀ is too small.
+//! Nothing here knows an element or loops over cells.
+
+pub mod hollow_cylinder;
+pub mod nitsche;
+pub mod states;
+pub mod threshold;
+
+pub use nitsche::nitsche as forms;

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use forms_core::contract::{DiscreteField, FieldHandle, FieldValue};
+use forms_core::contract::{DiscreteField, FieldHandle, FieldValue, Source};
 use thiserror::Error;
 
 use crate::element::MAXIMUM_NODES;
@@ -54,6 +54,18 @@ pub enum FieldError {
         /// The point.
         point: Vec<f64>,
     },
+}
+
+impl<const D: usize> From<&Field<D>> for Source<D> {
+    fn from(field: &Field<D>) -> Self {
+        Source::Discrete(field.into())
+    }
+}
+
+impl<const D: usize> From<Field<D>> for Source<D> {
+    fn from(field: Field<D>) -> Self {
+        Source::Discrete(field.into())
+    }
 }
 
 impl<const D: usize> Field<D> {

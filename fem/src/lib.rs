@@ -13,6 +13,7 @@ pub mod field;
 pub mod linear_algebra;
 pub mod locate;
 pub mod mesh;
+pub mod norms;
 pub mod output;
 pub mod quadrature;
 pub mod solve;
@@ -20,3 +21,22 @@ pub mod space;
 
 pub use forms_core::contract;
 pub use forms_core::forms;
+
+/// What a program that states and solves forms needs.
+pub mod prelude {
+    pub use std::sync::Arc;
+
+    pub use crate::assemble::{Assembler, AssemblyError, Parts};
+    pub use crate::constraints::Constraints;
+    pub use crate::contract::{Entity, Expression, Form, Functional, Given};
+    pub use crate::element::CellShape;
+    pub use crate::field::Field;
+    pub use crate::forms;
+    pub use crate::mesh::{Facet, Mesh, annulus, cuboid, rectangle};
+    pub use crate::norms;
+    pub use crate::quadrature::{Quadrature, QuadratureRule};
+    pub use crate::solve::{
+        FormProblem, NewtonError, NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
+    };
+    pub use crate::space::Space;
+}

@@ -65,6 +65,18 @@ impl<const D: usize> Space<D> {
         Space::new(mesh, degree, vec![D, D])
     }
 
+    /// The scalar space on the same nodes.
+    pub(crate) fn scalar_nodes(&self) -> Arc<Self> {
+        Arc::new(Space {
+            mesh: Arc::clone(&self.mesh),
+            element: self.element,
+            shape: vec![],
+            cell_nodes: self.cell_nodes.clone(),
+            positions: self.positions.clone(),
+            locator: OnceLock::new(),
+        })
+    }
+
     fn new(mesh: &Arc<Mesh<D>>, degree: usize, shape: Vec<usize>) -> Result<Arc<Self>, SpaceError> {
         let element = Lagrange::new(mesh.shape(), degree)?;
         let cell_nodes = number_nodes(mesh, &element);

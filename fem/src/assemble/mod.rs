@@ -1,1 +1,89 @@
-//! Assembly: the loops over cells and facets.
+//! Assembly: the loops over cells and facets that run compiled kernels.
+//!
+//! ```text
+//! binding   a form's data against a mesh: regions, fields, parameters checked
+//! walk      a region as groups of entities with common tables
+//! batch     geometry, basis functions and fields at the points of some cells, one per lane
+//! residual, tangent, functional, derived   the four loops, one per kind of kernel
+//! ```
+
+mod batch;
+mod binding;
+mod block_pattern;
+mod derived;
+mod error;
+mod functional;
+mod residual;
+mod tangent;
+mod walk;
+
+use std::sync::Arc;
+
+pub use block_pattern::BlockPattern;
+pub use derived::{FacetSample, PointValues};
+pub use error::AssemblyError;
+pub use forms_core::contract::Dependence;
+pub use tangent::ElementMatrix;
+
+use crate::mesh::Mesh;
+use crate::quadrature::Quadrature;
+
+/// Runs kernels on a mesh with a choice of quadrature.
+///
+/// A form's unknowns are given as fields, in the order of its arguments; vectors and matrices over
+/// several unknowns have them one after the other.
+#[derive(Clone, Debug)]
+pub struct Assembler<const D: usize> {
+    mesh: Arc<Mesh<D>>,
+    quadrature: Quadrature<D>,
+}
+
+/// Which integrals to assemble, by their dependence on the unknowns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts {
+    /// Loads.
+    pub constant: bool,
+    /// Integrals whose tangent does not depend on the unknowns.
+    pub linear: bool,
+    /// All others.
+    pub nonlinear: bool,
+}
+
+impl Parts {
+    /// Every integral.
+    pub const ALL: Parts = Parts { constant: true, linear: true, nonlinear: true };
+    /// What an iteration over the unknowns does not change.
+    pub const FIXED: Parts = Parts { constant: true, linear: true, nonlinear: false };
+    /// What an iteration over the unknowns changes.
+    pub const NONLINEAR: Parts = Parts { constant: false, linear: false, nonlinear: true };
+
+    fn contain(self, dependence: Dependence) -> bool {
+        match dependence {
+            Dependence::Constant => self.constant,
+            Dependence::Linear => self.linear,
+            Dependence::Nonlinear => self.nonlinear,
+        }
+    }
+}
+
+impl<const D: usize> Assembler<D> {
+    /// An assembler that takes the quadrature degree from the compiler's estimate.
+    pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
+        Assembler { mesh: mesh.clone(), quadrature: Quadrature::Estimated }
+    }
+
+    /// The same with another choice of quadrature.
+    pub fn with_quadrature(self, quadrature: Quadrature<D>) -> Self {
+        Assembler { quadrature, ..self }
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+        &self.mesh
+    }
+
+    /// The choice of quadrature.
+    pub fn quadrature(&self) -> &Quadrature<D> {
+        &self.quadrature
+    }
+}

@@ -53,6 +53,20 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
+    /// Names the cells that own the facets of a region.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownFacetRegion`], or [`MeshError::RegionExists`] when a cell or facet region has
+    /// this name.
+    pub fn name_cells_of_facets(&mut self, name: &str, facets: &str) -> Result<(), MeshError> {
+        let mut cells: Vec<u32> = self.facet_region(facets)?.iter().map(|facet| facet.cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        self.check_name(name, "cell", cells.is_empty())?;
+        self.cell_regions.insert(name.to_owned(), cells);
+        Ok(())
+    }
+
     /// Names the facets of the region `within` whose centre satisfies a condition.
     ///
     /// # Errors

@@ -1,0 +1,288 @@
+//! The paper's experiment (Section 5): a hollow cylinder, clamped inside, pressed onto a flat obstacle.
+//!
+//! Centre (0,0), R_i = 20 cm, R_e = 30 cm, plane strain, u_D = (0, −1 cm) on the inner circle, Γ_C the lower
+//! half of the outer circle, obstacle y = −30, criterion M(u) = F·u with F = (0, −1 N). Lengths are in cm
+//! and stresses in MPa, never converted: forces come out in MPa·cm.
+
+use std::time::Instant;
+
+use forms_fem::mesh::MeshError;
+use forms_fem::prelude::*;
+use forms_fem::solve::{LinearProblemError, SolverReport};
+use thiserror::Error;
+
+use crate::forms;
+use crate::states::{Adjoint, ContactProblem, Regions};
+use crate::threshold::required_gamma0;
+
+/// Inner radius \[cm\].
+pub const INNER_RADIUS: f64 = 20.0;
+/// Outer radius \[cm\].
+pub const OUTER_RADIUS: f64 = 30.0;
+/// The obstacle is y = −`OBSTACLE_DEPTH` \[cm\].
+pub const OBSTACLE_DEPTH: f64 = 30.0;
+/// u_D on the inner circle \[cm\].
+pub const IMPOSED_DISPLACEMENT: [f64; 2] = [0.0, -1.0];
+/// F in M(u) = F·u \[N\].
+pub const CRITERION_FORCE: [f64; 2] = [0.0, -1.0];
+/// Cells around per cell across the thickness.
+pub const CELLS_AROUND: usize = 16;
+/// Mesh region of Γ_C.
+pub const CONTACT: &str = "contact";
+/// Mesh region of the cells that own facets of Γ_C.
+pub const CONTACT_CELLS: &str = "contact cells";
+/// Samples per facet at which the penetration is measured.
+pub const PENETRATION_SAMPLES: usize = 21;
+
+/// What may be varied.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// n_r, cells across the thickness; 16 n_r around.
+    pub radial: usize,
+    /// θ of Nitsche's method.
+    pub theta: f64,
+    /// γ₀ in units of Young's modulus.
+    pub gamma0_over_young: f64,
+    /// E \[MPa\].
+    pub young: f64,
+    /// ν.
+    pub poisson: f64,
+    /// Degree of the quadrature on cells and facets.
+    pub degree: usize,
+    /// C in ξ = C √h_T of (41) \[MPa/√cm\].
+    pub extension: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            radial: 16,
+            theta: -1.0,
+            gamma0_over_young: 10.0,
+            young: 100.0,
+            poisson: 0.3,
+            degree: 8,
+            extension: 1.0,
+        }
+    }
+}
+
+/// Why the cylinder could not be computed.
+#[derive(Debug, Error)]
+pub enum CylinderError {
+    /// A setting without meaning.
+    #[error("{name} = {value} is not possible: {why}")]
+    Setting {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is asked of it.
+        why: &'static str,
+    },
+    /// The mesh could not be made.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The space could not be made.
+    #[error(transparent)]
+    Space(#[from] forms_fem::space::SpaceError),
+    /// The Dirichlet condition does not fit.
+    #[error(transparent)]
+    Constraints(#[from] forms_fem::constraints::ConstraintsError),
+    /// A value at a point.
+    #[error(transparent)]
+    Field(#[from] forms_fem::field::FieldError),
+    /// A form and its data do not fit.
+    #[error(transparent)]
+    Assembly(#[from] AssemblyError),
+    /// Newton's method stopped.
+    #[error(transparent)]
+    Newton(#[from] Box<NewtonError<AssemblyError>>),
+    /// An adjoint problem was not solved.
+    #[error("adjoint state: {0}")]
+    Adjoint(#[from] LinearProblemError),
+}
+
+impl Settings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`CylinderError::Setting`] names the first value that has no meaning.
+    pub fn check(&self) -> Result<(), CylinderError> {
+        let fail = |name, value, why| Err(CylinderError::Setting { name, value, why });
+        if self.radial == 0 || self.radial > 2000 {
+            return fail("radial", self.radial as f64, "cells across the thickness are between 1 and 2000");
+        }
+        if !self.theta.is_finite() {
+            return fail("theta", self.theta, "it must be a finite number");
+        }
+        if !(self.gamma0_over_young > 0.0 && self.gamma0_over_young.is_finite()) {
+            return fail("gamma0", self.gamma0_over_young, "it must be positive");
+        }
+        if !(self.young > 0.0 && self.young.is_finite()) {
+            return fail("young", self.young, "Young's modulus must be positive");
+        }
+        if !(self.poisson > -1.0 && self.poisson < 0.5) {
+            return fail("poisson", self.poisson, "Poisson's ratio lies between -1 and 0.5");
+        }
+        if !(2..=forms_fem::quadrature::MAXIMUM_DEGREE).contains(&self.degree) {
+            return fail(
+                "degree",
+                self.degree as f64,
+                "the quadrature degree is between 2 and the highest there is",
+            );
+        }
+        if !(self.extension >= 0.0 && self.extension.is_finite()) {
+            return fail("xi", self.extension, "C must not be negative");
+        }
+        Ok(())
+    }
+
+    /// λ and μ \[MPa\] in plane strain.
+    pub fn lame(&self) -> (f64, f64) {
+        let (e, nu) = (self.young, self.poisson);
+        (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)))
+    }
+}
+
+/// The mesh, space and data of the experiment.
+///
+/// # Errors
+/// A setting without meaning.
+pub fn hollow_cylinder(settings: &Settings) -> Result<ContactProblem<2>, CylinderError> {
+    settings.check()?;
+    let around = CELLS_AROUND * settings.radial;
+    let mut mesh = annulus(INNER_RADIUS, OUTER_RADIUS, settings.radial, around, CellShape::Quadrilateral, 2)?;
+    mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0)?;
+    mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
+    let mesh = Arc::new(mesh);
+    let space = Space::vector(&mesh, 2)?;
+    let mut constraints = Constraints::new(&space);
+    constraints.fix("inner", |_| IMPOSED_DISPLACEMENT)?;
+    let (lambda, mu) = settings.lame();
+    let data = forms::Data {
+        lambda,
+        mu,
+        theta: settings.theta,
+        gamma0: settings.gamma0_over_young * settings.young,
+        extension: settings.extension,
+        obstacle_normal: Given::constant([0.0, -1.0]),
+        gap: Given::function(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH),
+        body_force: Given::constant([0.0, 0.0]),
+        traction: Given::constant([0.0, 0.0]),
+        criterion_force: Given::constant(CRITERION_FORCE),
+        criterion_weight: Given::constant(0.0),
+    };
+    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(settings.degree));
+    Ok(ContactProblem::new(assembler, &space, data, Regions::new("outer", CONTACT), constraints)?)
+}
+
+/// The solution with everything the paper measures. Stresses in MPa, forces in MPa·cm, lengths in cm.
+#[derive(Clone, Debug)]
+pub struct CylinderSolution {
+    /// The problem that was solved.
+    pub problem: ContactProblem<2>,
+    /// u_h of (14).
+    pub u: Field<2>,
+    /// p̃_h of (21).
+    pub p_discrete: Field<2>,
+    /// p_h of (22).
+    pub p_consistent: Field<2>,
+    /// p_h of (41).
+    pub p_extended: Field<2>,
+    /// Newton's iterates.
+    pub history: Vec<NewtonStep>,
+    /// The criterion (3).
+    pub criterion: f64,
+    /// ∫ \[σ_n − γ(u_n − g)\]₋.
+    pub contact_force: f64,
+    /// |Γ^h_C,a|.
+    pub contact_length: f64,
+    /// max (u_n − g) over [`PENETRATION_SAMPLES`] points per facet.
+    pub max_penetration: f64,
+    /// The γ₀ \[MPa\] that the threshold asks for; zero at θ = −1.
+    pub required_gamma0: f64,
+    /// Seconds per stage.
+    pub seconds: Seconds,
+    /// What the linear solver did.
+    pub solver: SolverReport,
+}
+
+/// Seconds per stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seconds {
+    /// Mesh, space, constraints, matrix pattern.
+    pub setup: f64,
+    /// Assembly of the direct problem.
+    pub assembly: f64,
+    /// Symbolic analysis and factorisations of the direct problem.
+    pub factorisation: f64,
+    /// The whole direct solve once mesh and spaces exist.
+    pub newton_total: f64,
+    /// The three adjoint states.
+    pub adjoint: f64,
+}
+
+/// Solves the direct problem and the three adjoint problems. `progress` hears of every Newton iterate and
+/// of each further stage.
+///
+/// # Errors
+/// [`CylinderError`], with Newton's history where Newton failed.
+pub fn solve(
+    settings: &Settings,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<CylinderSolution, CylinderError> {
+    let start = Instant::now();
+    let problem = hollow_cylinder(settings)?;
+    let required_gamma0 = required_gamma0(&problem, CONTACT_CELLS)?;
+    let mut seconds = Seconds { setup: start.elapsed().as_secs_f64(), ..Seconds::default() };
+    let mut solver = TangentSolver::default();
+    let direct = problem
+        .solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| progress(Progress::Newton(step)))
+        .map_err(Box::new)?;
+    seconds.assembly = direct.assembly_seconds;
+    seconds.newton_total = direct.seconds;
+    seconds.factorisation = solver.report().analysis_seconds + solver.report().factorisation_seconds;
+    let u = direct.result.field;
+    let mut adjoint = |which: Adjoint, name: &'static str| -> Result<Field<2>, CylinderError> {
+        progress(Progress::Stage(name));
+        let state = problem.solve_adjoint(which, &u, &mut solver)?;
+        seconds.adjoint += state.seconds;
+        Ok(state.result)
+    };
+    let p_consistent = adjoint(Adjoint::Consistent, "consistent adjoint (22)")?;
+    let p_extended = adjoint(Adjoint::Extended, "extended adjoint (41)")?;
+    let p_discrete = adjoint(Adjoint::Discrete, "discrete adjoint (21)")?;
+    let Regions { omega, gamma_c, boundary, .. } = &problem.regions;
+    let (assembler, data) = (&problem.assembler, &problem.data);
+    let criterion = assembler.functional(&forms::criterion(data, omega, boundary, &u), &[])?;
+    let contact_force = assembler.functional(&forms::contact_force(data, gamma_c, &u), &[])?;
+    let contact_length = assembler.functional(&forms::contact_length(data, gamma_c, &u), &[])?;
+    let samples =
+        assembler.along_facets_uniformly(&forms::penetration(data, &u), CONTACT, PENETRATION_SAMPLES)?;
+    let max_penetration = samples.iter().map(|sample| sample.value[0]).fold(f64::NEG_INFINITY, f64::max);
+    Ok(CylinderSolution {
+        history: direct.result.history,
+        criterion,
+        contact_force,
+        contact_length,
+        max_penetration,
+        required_gamma0,
+        seconds,
+        solver: solver.report().clone(),
+        u,
+        p_discrete,
+        p_consistent,
+        p_extended,
+        problem,
+    })
+}
+
+/// What [`solve`] tells while it works.
+#[derive(Clone, Copy, Debug)]
+pub enum Progress<'a> {
+    /// A Newton iterate.
+    Newton(&'a NewtonStep),
+    /// A further stage begins.
+    Stage(&'static str),
+}

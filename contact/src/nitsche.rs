@@ -1,0 +1,186 @@
+//! The paper's equations as forms. Equation numbers are those of Bretin et al. (2023), hal-03936245.
+
+use forms_fem::forms;
+
+/// Linear elasticity in frictionless contact with a rigid obstacle, by Nitsche's method.
+///
+/// Signs: n_y points into the obstacle; the gap g = n_y·(y − x) is positive when apart; a normal stress
+/// σ_n ≤ 0 presses. (15) is used with MINUS before its last integral, as Green's formula asks: the printed
+/// plus makes the obstacle pull (see `docs/method.md`).
+#[forms]
+pub mod nitsche {
+    /// Data of all forms.
+    pub struct Data {
+        /// λ, first Lamé parameter \[stress\].
+        pub lambda: Param,
+        /// μ, shear modulus \[stress\].
+        pub mu: Param,
+        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
+        pub theta: Param,
+        /// γ₀ \[stress\]; γ = γ₀ / h_T.
+        pub gamma0: Param,
+        /// C in ξ = C √h_T of the extended-Neumann adjoint (41); only `extended_adjoint` reads it.
+        pub extension: Param,
+        /// n_y, unit normal pointing into the obstacle.
+        pub obstacle_normal: Given<Vector>,
+        /// g, the initial gap \[length\].
+        pub gap: Given<Scalar>,
+        /// f, force per volume.
+        pub body_force: Given<Vector>,
+        /// g_N, force per area on Γ_N.
+        pub traction: Given<Vector>,
+        /// F in the criterion's M(u) = F·u.
+        pub criterion_force: Given<Vector>,
+        /// c in the criterion's N(u) = ½ c |u|²; zero where N does not act.
+        pub criterion_weight: Given<Scalar>,
+    }
+
+    /// Ω.
+    #[cells]
+    pub struct Omega;
+    /// Γ_N, the loaded boundary.
+    #[facets]
+    pub struct GammaN;
+    /// Γ_C, the potential contact boundary.
+    #[facets]
+    pub struct GammaC;
+    /// ∂Ω, where the criterion's N acts.
+    #[facets]
+    pub struct Boundary;
+
+    /// σ(w) = 2μ ε(w) + λ tr ε(w) I.
+    pub fn stress(w: Vector) -> Tensor {
+        2 * mu * eps(w) + lambda * tr(eps(w)) * I
+    }
+
+    /// Von Mises stress in plane strain (2D, with σ_zz = λ tr ε) or in 3D: √(3/2 s:s).
+    pub fn von_mises(w: Vector) -> Scalar {
+        let out_of_plane = if D < 3 { lambda * tr(eps(w)) } else { 0 };
+        let mean = (tr(stress(w)) + out_of_plane) / 3;
+        let in_plane = stress(w) - mean * I;
+        let rest = if D < 3 { pow(out_of_plane - mean, 2) } else { 0 };
+        sqrt(1.5 * (inner(in_plane, in_plane) + rest))
+    }
+
+    /// u_n = w·n_y.
+    pub fn normal_displacement(w: Vector) -> Scalar {
+        dot(w, obstacle_normal)
+    }
+
+    /// σ_n(w) = (σ(w) n)·n_y.
+    pub fn normal_stress(w: Vector) -> Scalar {
+        dot(stress(w) * n, obstacle_normal)
+    }
+
+    /// u_n − g: positive where the body would enter the obstacle.
+    pub fn penetration(w: Vector) -> Scalar {
+        normal_displacement(w) - gap
+    }
+
+    /// g − u_n: the gap of the deformed body.
+    pub fn current_gap(w: Vector) -> Scalar {
+        gap - normal_displacement(w)
+    }
+
+    /// γ = γ₀ / h_T.
+    fn gamma() -> Scalar {
+        gamma0 / h
+    }
+
+    /// σ_n(w) − γ (w_n − g); −β_h of the paper.
+    fn nitsche_pressure(w: Vector) -> Scalar {
+        normal_stress(w) - gamma() * penetration(w)
+    }
+
+    /// β_h = −σ_n(w) + γ (w_n − g): contact where positive.
+    pub fn contact_indicator(w: Vector) -> Scalar {
+        -nitsche_pressure(w)
+    }
+
+    /// \[σ_n(w) − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
+    pub fn contact_pressure(w: Vector) -> Scalar {
+        neg_part(nitsche_pressure(w))
+    }
+
+    /// θ σ_n(w) − γ w_n.
+    fn tested(w: Vector) -> Scalar {
+        theta * normal_stress(w) - gamma() * normal_displacement(w)
+    }
+
+    /// a(u, v) = ∫ σ(u):ε(v).
+    pub fn elasticity(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(stress(u), eps(v)))
+    }
+
+    /// The direct problem (14)-(15): a(u,v) − ∫ (θ/γ) σ_n(u) σ_n(v) − ∫ (1/γ) \[σ_n(u) − γ(u_n − g)\]₋ (θ σ_n(v) − γ v_n) − ℓ(v).
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        elasticity(u, v)
+            - integral(Omega, dot(body_force, v))
+            - integral(GammaN, dot(traction, v))
+            - integral(GammaC, theta / gamma() * normal_stress(u) * normal_stress(v))
+            - integral(GammaC, neg_part(nitsche_pressure(u)) / gamma() * tested(v))
+    }
+
+    /// M(u) = F·u.
+    fn cell_criterion(w: Vector) -> Scalar {
+        dot(criterion_force, w)
+    }
+
+    /// N(u) = ½ c |u|².
+    fn boundary_criterion(w: Vector) -> Scalar {
+        criterion_weight / 2 * dot(w, w)
+    }
+
+    /// N′(u).
+    fn boundary_slope(w: Vector) -> Vector {
+        diff(boundary_criterion(w), w)
+    }
+
+    /// The criterion (3): J = ∫_Ω M(u) + ∫_∂Ω N(u).
+    pub fn criterion(u: State<Vector>) -> Functional {
+        integral(Omega, cell_criterion(u)) + integral(Boundary, boundary_criterion(u))
+    }
+
+    /// The discrete adjoint (21): the derivatives of `direct` and `criterion`, nothing typed by hand.
+    /// Its matrix is the transpose of the tangent of `direct`.
+    pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+
+    /// (22), with the contact zone where β_h(u) > shift.
+    fn adjoint(u: Vector, p: Vector, q: Vector, shift: Scalar) -> Form {
+        let slope = dot(boundary_slope(u), obstacle_normal);
+        let contact = heaviside(contact_indicator(u) - shift);
+        elasticity(p, q) - integral(GammaC, theta / gamma() * (normal_stress(p) + slope) * normal_stress(q))
+            + integral(
+                GammaC,
+                contact / gamma() * (normal_stress(p) + slope - gamma() * normal_displacement(p)) * tested(q),
+            )
+            + derivative(criterion(u), u, q)
+    }
+
+    /// The consistent adjoint (22). Its matrix is the tangent of `direct`, not transposed.
+    pub fn consistent_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        adjoint(u, p, q, 0)
+    }
+
+    /// The extended-Neumann adjoint (41): (22) with H(β_h − ξ), ξ = C √h_T.
+    pub fn extended_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        adjoint(u, p, q, extension * sqrt(h))
+    }
+
+    /// ∫ \[σ_n(u) − γ(u_n − g)\]₋: the resultant of the contact pressure.
+    pub fn contact_force(u: State<Vector>) -> Functional {
+        integral(GammaC, contact_pressure(u))
+    }
+
+    /// |Γ^h_C,a| = ∫ H(β_h): the measure of the discrete contact zone.
+    pub fn contact_length(u: State<Vector>) -> Functional {
+        integral(GammaC, heaviside(contact_indicator(u)))
+    }
+
+    /// ∫_F σ_n(u) σ_n(v), for the threshold of γ₀.
+    pub fn normal_stress_product(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(GammaC, normal_stress(u) * normal_stress(v))
+    }
+}

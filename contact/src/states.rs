@@ -1,0 +1,161 @@
+//! The drivers: direct problem → adjoint states, on any mesh, in two or three dimensions.
+
+use std::time::Instant;
+
+use forms_fem::assemble::BlockPattern;
+use forms_fem::prelude::*;
+use forms_fem::solve::{LinearProblemError, Solved};
+
+use crate::forms;
+
+/// The regions of a contact problem by their names in the mesh.
+#[derive(Clone, Debug)]
+pub struct Regions {
+    /// Ω.
+    pub omega: forms::Omega,
+    /// Γ_N.
+    pub gamma_n: forms::GammaN,
+    /// Γ_C.
+    pub gamma_c: forms::GammaC,
+    /// ∂Ω, where the criterion's N acts.
+    pub boundary: forms::Boundary,
+}
+
+impl Regions {
+    /// All cells, the whole boundary for N, and the named facet regions for Γ_N and Γ_C.
+    pub fn new(gamma_n: &str, gamma_c: &str) -> Self {
+        Regions {
+            omega: forms::Omega::on(forms_fem::mesh::EVERYWHERE),
+            gamma_n: forms::GammaN::on(gamma_n),
+            gamma_c: forms::GammaC::on(gamma_c),
+            boundary: forms::Boundary::on(forms_fem::mesh::BOUNDARY),
+        }
+    }
+}
+
+/// A contact problem, ready to be solved.
+#[derive(Clone, Debug)]
+pub struct ContactProblem<const D: usize> {
+    /// Runs the kernels.
+    pub assembler: Assembler<D>,
+    /// V^h.
+    pub space: Arc<Space<D>>,
+    /// Material, obstacle, loads, Nitsche's parameters, criterion.
+    pub data: forms::Data<D>,
+    /// Ω, Γ_N, Γ_C, ∂Ω.
+    pub regions: Regions,
+    /// u = u_D on Γ_D. Adjoint states vanish there.
+    pub constraints: Constraints<D>,
+    pattern: Arc<BlockPattern>,
+}
+
+/// The paper's three adjoint states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Adjoint {
+    /// p̃_h of (21): the adjoint of the discrete problem.
+    Discrete,
+    /// p_h of (22): Nitsche's method for the continuous adjoint.
+    Consistent,
+    /// p_h of (41): (22) with an extended Neumann zone.
+    Extended,
+}
+
+/// A state and the seconds that its assembly and its whole computation took.
+#[derive(Clone, Debug)]
+pub struct Timed<T> {
+    /// The result.
+    pub result: T,
+    /// Seconds in assembly.
+    pub assembly_seconds: f64,
+    /// Seconds in all.
+    pub seconds: f64,
+}
+
+impl<const D: usize> ContactProblem<D> {
+    /// Prepares the matrix pattern that all states share.
+    ///
+    /// # Errors
+    /// When the matrix is too large to be numbered.
+    pub fn new(
+        assembler: Assembler<D>,
+        space: &Arc<Space<D>>,
+        data: forms::Data<D>,
+        regions: Regions,
+        constraints: Constraints<D>,
+    ) -> Result<Self, AssemblyError> {
+        let pattern = BlockPattern::new(&[space], &[space])
+            .map_err(|source| AssemblyError::LinearAlgebra { form: "direct", source })?;
+        let (space, pattern) = (space.clone(), Arc::new(pattern));
+        Ok(ContactProblem { assembler, space, data, regions, constraints, pattern })
+    }
+
+    /// The direct problem (14) as a form.
+    pub fn direct_form(&self) -> forms::direct::Form<D> {
+        let Regions { omega, gamma_n, gamma_c, .. } = &self.regions;
+        forms::direct(&self.data, omega, gamma_n, gamma_c)
+    }
+
+    /// Solves (14) by semismooth Newton from u = 0 with u_D imposed.
+    ///
+    /// # Errors
+    /// The reason with Newton's history.
+    pub fn solve_direct(
+        &self,
+        solver: &mut TangentSolver,
+        options: &NewtonOptions,
+        progress: &mut dyn FnMut(&NewtonStep),
+    ) -> Result<Timed<Solved<D>>, NewtonError<AssemblyError>>
+    where
+        forms::direct::Form<D>: Form<D>,
+    {
+        let start = Instant::now();
+        let form = self.direct_form();
+        let mut problem = FormProblem::with_pattern(&form, &self.assembler, &self.space, &self.pattern);
+        let zero = Field::zero(&self.space);
+        let result = problem.solve(&zero, &self.constraints, solver, options, progress)?;
+        let assembly_seconds = problem.assembly_seconds();
+        Ok(Timed { result, assembly_seconds, seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Solves for an adjoint state at the displacement u; it vanishes on Γ_D. A solver that has solved the
+    /// direct problem reuses its analysis and, where it can, its factor.
+    ///
+    /// # Errors
+    /// What does not fit, or why the system was not solved.
+    pub fn solve_adjoint(
+        &self,
+        adjoint: Adjoint,
+        u: &Field<D>,
+        solver: &mut TangentSolver,
+    ) -> Result<Timed<Field<D>>, LinearProblemError>
+    where
+        forms::discrete_adjoint::Form<D>: Form<D>,
+        forms::consistent_adjoint::Form<D>: Form<D>,
+        forms::extended_adjoint::Form<D>: Form<D>,
+    {
+        let Regions { omega, gamma_n: _, gamma_c, boundary } = &self.regions;
+        match adjoint {
+            Adjoint::Discrete => {
+                self.solve_affine(&forms::discrete_adjoint(&self.data, omega, gamma_c, boundary, u), solver)
+            }
+            Adjoint::Consistent => {
+                self.solve_affine(&forms::consistent_adjoint(&self.data, omega, gamma_c, boundary, u), solver)
+            }
+            Adjoint::Extended => {
+                self.solve_affine(&forms::extended_adjoint(&self.data, omega, gamma_c, boundary, u), solver)
+            }
+        }
+    }
+
+    fn solve_affine<F: Form<D>>(
+        &self,
+        form: &F,
+        solver: &mut TangentSolver,
+    ) -> Result<Timed<Field<D>>, LinearProblemError> {
+        let start = Instant::now();
+        let mut problem = FormProblem::with_pattern(form, &self.assembler, &self.space, &self.pattern);
+        let result = problem.solve_affine(&self.constraints.homogeneous(), solver)?;
+        let assembly_seconds = problem.assembly_seconds();
+        Ok(Timed { result, assembly_seconds, seconds: start.elapsed().as_secs_f64() })
+    }
+}

@@ -1,0 +1,176 @@
+//! A form bound to a mesh: every field checked and resolved, every parameter finite.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Role, Source};
+use forms_core::source::PositionFunction;
+
+use super::AssemblyError;
+use crate::element::Lagrange;
+use crate::field::Field;
+use crate::mesh::{Facet, Mesh};
+use crate::space::Space;
+
+/// Where a field's values come from, resolved.
+pub(super) enum Values<'a, const D: usize> {
+    /// A test function: it has no values.
+    Absent,
+    Constant(&'a [f64]),
+    Function(&'a PositionFunction<D>),
+    Discrete {
+        element: usize,
+        space: &'a Space<D>,
+        values: &'a [f64],
+    },
+}
+
+/// A form's name, fields and data, checked against a mesh.
+pub(super) struct Binding<'a, const D: usize> {
+    pub name: &'static str,
+    pub mesh: &'a Mesh<D>,
+    pub fields: &'static [FieldDescription],
+    pub values: Vec<Values<'a, D>>,
+    /// The distinct elements of all discrete fields and test spaces.
+    pub elements: Vec<Lagrange>,
+    pub regions: &'a [Region],
+}
+
+/// The cells or facets of a region.
+pub(super) enum Entities<'a> {
+    Cells(&'a [u32]),
+    Facets(&'a [Facet]),
+}
+
+impl<'a, const D: usize> Binding<'a, D> {
+    pub fn new(
+        name: &'static str,
+        fields: &'static [FieldDescription],
+        inputs: &'a Inputs<D>,
+        mesh: &'a Arc<Mesh<D>>,
+        unknowns: &[&'a Field<D>],
+    ) -> Result<Self, AssemblyError> {
+        for (value, parameter) in inputs.parameters.iter().zip(&inputs.parameter_names) {
+            if !value.is_finite() {
+                let (parameter, value) = (parameter.clone(), *value);
+                return Err(AssemblyError::Parameter { form: name, parameter, value });
+            }
+        }
+        let expected = fields.iter().filter(|field| matches!(field.role, Role::Unknown(_))).count();
+        if unknowns.len() != expected {
+            let found = unknowns.len();
+            return Err(AssemblyError::Count { form: name, what: "unknowns", expected, found });
+        }
+        let mut binding =
+            Binding { name, mesh, fields, values: vec![], elements: vec![], regions: &inputs.regions };
+        for (index, field) in fields.iter().enumerate() {
+            let values = match (field.role, &inputs.sources[index]) {
+                (Role::Unknown(number), _) => binding.discrete(field, unknowns[number], mesh)?,
+                (Role::Test(_), _) | (_, None) => Values::Absent,
+                (_, Some(source)) => binding.resolve(field, source, mesh)?,
+            };
+            binding.values.push(values);
+        }
+        Ok(binding)
+    }
+
+    fn resolve(
+        &mut self,
+        field: &FieldDescription,
+        source: &'a Source<D>,
+        mesh: &Arc<Mesh<D>>,
+    ) -> Result<Values<'a, D>, AssemblyError> {
+        let (expected, found) = (field.components(), source.components());
+        if expected != found {
+            return Err(AssemblyError::Components { form: self.name, field: field.name, expected, found });
+        }
+        match source {
+            Source::Constant(values) => {
+                self.check_finite(field, values)?;
+                Ok(Values::Constant(values))
+            }
+            Source::Function { function, .. } => Ok(Values::Function(function)),
+            Source::Discrete(handle) => match handle.as_any().downcast_ref::<Field<D>>() {
+                Some(known) => self.discrete(field, known, mesh),
+                None => Err(AssemblyError::ForeignField { form: self.name, field: field.name, dimension: D }),
+            },
+        }
+    }
+
+    fn discrete(
+        &mut self,
+        field: &FieldDescription,
+        known: &'a Field<D>,
+        mesh: &Arc<Mesh<D>>,
+    ) -> Result<Values<'a, D>, AssemblyError> {
+        let space = &known.space;
+        let (expected, found) = (field.components(), space.components());
+        if expected != found {
+            return Err(AssemblyError::Components { form: self.name, field: field.name, expected, found });
+        }
+        if !Arc::ptr_eq(&space.mesh, mesh) {
+            return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
+        }
+        self.check_finite(field, known.values())?;
+        let element = self.element(space);
+        Ok(Values::Discrete { element, space, values: known.values() })
+    }
+
+    fn check_finite(&self, field: &FieldDescription, values: &[f64]) -> Result<(), AssemblyError> {
+        if values.iter().all(|value| value.is_finite()) {
+            return Ok(());
+        }
+        Err(AssemblyError::NotFinite { form: self.name, field: field.name, position: None })
+    }
+
+    /// The index of a space's element among those that are tabulated.
+    pub fn element(&mut self, space: &Space<D>) -> usize {
+        let element = space.element;
+        self.elements.iter().position(|known| *known == element).unwrap_or_else(|| {
+            self.elements.push(element);
+            self.elements.len() - 1
+        })
+    }
+
+    /// Checks the spaces of the test functions against the form.
+    pub fn check_tests(&self, tests: &[&Arc<Space<D>>], mesh: &Arc<Mesh<D>>) -> Result<(), AssemblyError> {
+        let declared: Vec<&FieldDescription> =
+            self.fields.iter().filter(|field| matches!(field.role, Role::Test(_))).collect();
+        if declared.len() != tests.len() {
+            let (expected, found) = (declared.len(), tests.len());
+            return Err(AssemblyError::Count { form: self.name, what: "test functions", expected, found });
+        }
+        for (field, space) in declared.into_iter().zip(tests) {
+            let (expected, found) = (field.components(), space.components());
+            if expected != found {
+                let (form, field) = (self.name, field.name);
+                return Err(AssemblyError::Components { form, field, expected, found });
+            }
+            if !Arc::ptr_eq(&space.mesh, mesh) {
+                return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
+            }
+        }
+        Ok(())
+    }
+
+    /// Degrees of the fields, for the estimate of a quadrature degree.
+    pub fn degrees(&self, tests: &[&Arc<Space<D>>]) -> Vec<usize> {
+        let degree = |(field, values): (&FieldDescription, &Values<D>)| match (field.role, values) {
+            (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.element.degree),
+            (_, Values::Discrete { element, .. }) => self.elements[*element].degree,
+            // A function of position is taken for a quadratic, as an interpolant on the mesh would be.
+            (_, Values::Function(_)) => 2,
+            _ => 0,
+        };
+        self.fields.iter().zip(&self.values).map(degree).collect()
+    }
+
+    /// The cells or facets of a region of the form.
+    pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
+        let region = &self.regions[region];
+        let found = match region.entity {
+            Entity::Cells => self.mesh.cell_region(&region.name).map(Entities::Cells),
+            Entity::Facets => self.mesh.facet_region(&region.name).map(Entities::Facets),
+        };
+        found.map_err(|source| AssemblyError::Region { form: self.name, symbol: region.symbol, source })
+    }
+}

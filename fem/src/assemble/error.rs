@@ -1,0 +1,140 @@
+//! What can be wrong with a form, its data and its mesh when they meet.
+
+use thiserror::Error;
+
+use crate::linear_algebra::LinearAlgebraError;
+use crate::mesh::MeshError;
+use crate::quadrature::QuadratureError;
+
+/// Why a form cannot be assembled. Every message names the form and the thing in it.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum AssemblyError {
+    /// A region that the mesh does not have.
+    #[error("form `{form}`, region `{symbol}`: {source}")]
+    Region {
+        /// The form.
+        form: &'static str,
+        /// The region's name in the forms module.
+        symbol: &'static str,
+        /// What the mesh says.
+        source: MeshError,
+    },
+    /// A quadrature rule that does not exist or is not accepted.
+    #[error("form `{form}`: {source}")]
+    Quadrature {
+        /// The form.
+        form: &'static str,
+        /// What is wrong with the rule.
+        source: QuadratureError,
+    },
+    /// A parameter that is not finite.
+    #[error("form `{form}`: the parameter `{parameter}` is {value}")]
+    Parameter {
+        /// The form.
+        form: &'static str,
+        /// Name of the data member, with its component.
+        parameter: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A field with the wrong number of components.
+    #[error("form `{form}`: `{field}` has {expected} components, the field given has {found}")]
+    Components {
+        /// The form.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// Components that the form declares.
+        expected: usize,
+        /// Components that were given.
+        found: usize,
+    },
+    /// A field that is not one of this backend, or of another dimension.
+    #[error("form `{form}`: `{field}` is not a field of this backend in {dimension} dimensions")]
+    ForeignField {
+        /// The form.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// Dimension of the mesh.
+        dimension: usize,
+    },
+    /// A field on another mesh than the one integrated over.
+    #[error(
+        "form `{form}`: `{field}` lives on another mesh; give it as a function that evaluates it at a point"
+    )]
+    OtherMesh {
+        /// The form.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+    },
+    /// A field whose coefficients, or a function whose value, is not finite.
+    #[error("form `{form}`: `{field}` is not finite{}", at(.position))]
+    NotFinite {
+        /// The form.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// Where, if it is known.
+        position: Option<Vec<f64>>,
+    },
+    /// The gradient of data that have none.
+    #[error(
+        "form `{form}` reads the gradient of `{field}`, which is given as a function of position; give it as a field on a space"
+    )]
+    GradientOfFunction {
+        /// The form.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+    },
+    /// The wrong number of unknowns or test spaces.
+    #[error("form `{form}` has {expected} {what}, {found} were given")]
+    Count {
+        /// The form.
+        form: &'static str,
+        /// "unknowns" or "test functions".
+        what: &'static str,
+        /// In the form.
+        expected: usize,
+        /// Given.
+        found: usize,
+    },
+    /// The value of a density or derived field is not finite.
+    #[error("`{form}` is not finite at x = {position:?}")]
+    ValueNotFinite {
+        /// The form or function.
+        form: &'static str,
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// A derived field that needs a facet was asked for inside cells.
+    #[error(
+        "`{form}` reads the normal, the area or the curvature of a facet: evaluate it along a facet region"
+    )]
+    NeedsFacet {
+        /// The function.
+        form: &'static str,
+    },
+    /// A point outside the mesh.
+    #[error("`{form}`: the point {position:?} is outside the mesh")]
+    Outside {
+        /// The function.
+        form: &'static str,
+        /// The point.
+        position: Vec<f64>,
+    },
+    /// Matrices and vectors that do not fit.
+    #[error("form `{form}`: {source}")]
+    LinearAlgebra {
+        /// The form.
+        form: &'static str,
+        /// What does not fit.
+        source: LinearAlgebraError,
+    },
+}
+
+fn at(position: &Option<Vec<f64>>) -> String {
+    position.as_ref().map(|x| format!(" at x = {x:?}")).unwrap_or_default()
+}

@@ -1,0 +1,127 @@
+//! Residual vectors: R(u; φ_i e_a) for every test basis function.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Form, Integral, Lane, LinearKernel, LinearVisitor};
+
+use super::batch::{Batch, WIDEST};
+use super::binding::Binding;
+use super::walk::groups;
+use super::{Assembler, AssemblyError, Parts};
+use crate::field::Field;
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+
+impl<const D: usize> Assembler<D> {
+    /// The residual of a form at given unknowns: one entry per unknown of the test spaces, in a row.
+    ///
+    /// # Errors
+    /// An [`AssemblyError`] that names the form and what does not fit.
+    pub fn residual<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.residual_parts(form, unknowns, tests, Parts::ALL)
+    }
+
+    /// Some of the integrals of [`Assembler::residual`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn residual_parts<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        binding.check_tests(tests, &self.mesh)?;
+        let elements = tests.iter().map(|space| binding.element(space)).collect();
+        let mut offsets = vec![0];
+        for space in tests {
+            offsets.push(offsets[offsets.len() - 1] + space.unknowns());
+        }
+        let degrees = binding.degrees(tests);
+        let mut visitor = ResidualVisitor {
+            binding: &binding,
+            quadrature: &self.quadrature,
+            degrees,
+            tests,
+            elements,
+            vector: vec![0.0; offsets[tests.len()]],
+            offsets,
+            parts,
+        };
+        form.residual(&mut visitor)?;
+        Ok(visitor.vector)
+    }
+}
+
+struct ResidualVisitor<'a, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    quadrature: &'a Quadrature<D>,
+    degrees: Vec<usize>,
+    tests: &'a [&'a Arc<Space<D>>],
+    elements: Vec<usize>,
+    offsets: Vec<usize>,
+    vector: Vec<f64>,
+    parts: Parts,
+}
+
+impl<const D: usize> LinearVisitor<D> for ResidualVisitor<'_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
+        if !self.parts.contain(integral.dependence) {
+            return Ok(());
+        }
+        self.integrate::<K, f64>(integral, kernel)
+    }
+}
+
+impl<const D: usize> ResidualVisitor<'_, D> {
+    fn integrate<K: LinearKernel<D>, L: Lane>(
+        &mut self,
+        integral: &Integral,
+        kernel: &K,
+    ) -> Result<(), AssemblyError> {
+        let mesh = self.binding.mesh;
+        let degree = (integral.degree)(&self.degrees, mesh.degree(), mesh.shape().is_simplex());
+        let space = self.tests[integral.test];
+        let element = self.elements[integral.test];
+        let offset = self.offsets[integral.test];
+        let zero = L::splat(0.0);
+        let components = K::TEST_COMPONENTS;
+        for group in groups(self.binding, integral.region, self.quadrature, degree)? {
+            let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
+            let mut sums = vec![zero; group.elements[element].nodes * components];
+            for index in 0..batch.count() {
+                let cell = kernel.cell(&batch.load(index));
+                sums.fill(zero);
+                for q in 0..group.points() {
+                    let geometry = batch.point(q)?;
+                    let flux = kernel.point(&cell, &geometry, batch.fields());
+                    for (basis, sums) in batch.basis(element).iter().zip(sums.chunks_mut(components)) {
+                        let block = kernel.test(&flux, basis);
+                        for (sum, value) in sums.iter_mut().zip(block.as_ref()) {
+                            *sum += *value;
+                        }
+                    }
+                }
+                for (entry, sum) in sums.iter().enumerate() {
+                    let (node, component) = (entry / components, entry % components);
+                    let mut lanes = [0.0; WIDEST];
+                    sum.store(&mut lanes);
+                    for (cell, value) in batch.cells().iter().zip(lanes) {
+                        let number = space.cell_nodes(*cell as usize)[node] as usize;
+                        self.vector[offset + number * components + component] += value;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

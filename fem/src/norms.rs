@@ -1,0 +1,275 @@
+//! Norms of fields, errors against exact solutions and between meshes; each stated as a form.
+
+use std::sync::Arc;
+
+use forms_core::contract::Source;
+
+use crate::assemble::{Assembler, AssemblyError};
+use crate::field::Field;
+use crate::forms;
+use crate::linear_algebra::CsrMatrix;
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+
+#[forms(crate = crate)]
+mod squared {
+    #[cells]
+    pub struct Omega;
+
+    /// ∫ |w|²
+    pub fn scalar_l2(w: State<Scalar>) -> Functional {
+        integral(Omega, w * w)
+    }
+    /// ∫ |∇w|²
+    pub fn scalar_seminorm(w: State<Scalar>) -> Functional {
+        integral(Omega, dot(grad(w), grad(w)))
+    }
+    pub fn vector_l2(w: State<Vector>) -> Functional {
+        integral(Omega, dot(w, w))
+    }
+    pub fn vector_seminorm(w: State<Vector>) -> Functional {
+        integral(Omega, inner(grad(w), grad(w)))
+    }
+    pub fn tensor_l2(w: State<Tensor>) -> Functional {
+        integral(Omega, inner(w, w))
+    }
+
+    /// ∫ |w − exact|²
+    pub fn scalar_l2_error(w: State<Scalar>, exact: State<Scalar>) -> Functional {
+        integral(Omega, pow(w - exact, 2))
+    }
+    /// ∫ |∇w − slope|²
+    pub fn scalar_seminorm_error(w: State<Scalar>, slope: State<Vector>) -> Functional {
+        integral(Omega, dot(grad(w) - slope, grad(w) - slope))
+    }
+    pub fn vector_l2_error(w: State<Vector>, exact: State<Vector>) -> Functional {
+        integral(Omega, dot(w - exact, w - exact))
+    }
+    pub fn vector_seminorm_error(w: State<Vector>, slope: State<Tensor>) -> Functional {
+        integral(Omega, inner(grad(w) - slope, grad(w) - slope))
+    }
+
+    /// The mass matrix.
+    pub fn mass(w: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, w * v)
+    }
+}
+
+/// L² norm, H¹ seminorm ‖∇·‖ and full H¹ norm (‖·‖²_H¹ = ‖·‖²_L² + ‖∇·‖²_L²), over all cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Norms {
+    /// ‖w‖_L².
+    pub l2: f64,
+    /// ‖∇w‖_L².
+    pub seminorm: f64,
+    /// ‖w‖_H¹.
+    pub h1: f64,
+}
+
+impl Norms {
+    fn from_squares(l2: f64, seminorm: f64) -> Self {
+        // Rounding may leave a tiny negative sum for a zero field on a signed rule.
+        Norms {
+            l2: l2.max(0.0).sqrt(),
+            seminorm: seminorm.max(0.0).sqrt(),
+            h1: (l2 + seminorm).max(0.0).sqrt(),
+        }
+    }
+}
+
+fn everywhere() -> squared::Omega {
+    squared::Omega::on(crate::mesh::EVERYWHERE)
+}
+
+/// The norms of a scalar or vector field.
+///
+/// # Errors
+/// A tensor field (only its L² norm is defined here: [`l2_norm`]), a value that is not finite, or a field
+/// on another mesh than the assembler's.
+pub fn norms<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<Norms, AssemblyError>
+where
+    Measured: Measure<D>,
+{
+    Measured::norms(assembler, field)
+}
+
+/// The L² norm of a field of any rank.
+///
+/// # Errors
+/// A value that is not finite, or a field on another mesh than the assembler's.
+pub fn l2_norm<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>
+where
+    Measured: Measure<D>,
+{
+    Measured::l2_squared(assembler, field).map(f64::sqrt)
+}
+
+/// The norms of field − exact, for a scalar or vector field; `gradient` writes component × direction.
+///
+/// # Errors
+/// A value that is not finite, a wrong number of components, or a field on another mesh.
+pub fn errors<const D: usize>(
+    assembler: &Assembler<D>,
+    field: &Field<D>,
+    exact: impl Fn(&[f64; D], &mut [f64]) + Send + Sync + 'static,
+    gradient: impl Fn(&[f64; D], &mut [f64]) + Send + Sync + 'static,
+) -> Result<Norms, AssemblyError>
+where
+    Measured: Measure<D>,
+{
+    let components = field.space().components();
+    let exact = Source::Function { components, function: Arc::new(exact) };
+    let gradient = Source::Function { components: components * D, function: Arc::new(gradient) };
+    Measured::errors(assembler, field, exact, gradient)
+}
+
+/// The norms of reference − coarse, integrated on the reference's mesh. Where the coarse mesh's curved
+/// boundary deviates from the reference's, the coarse field is extrapolated from its nearest cell.
+///
+/// # Errors
+/// A reference point too far from the coarse mesh, fields of different rank, a value that is not finite.
+pub fn errors_between<const D: usize>(
+    assembler: &Assembler<D>,
+    reference: &Field<D>,
+    coarse: &Field<D>,
+) -> Result<Norms, AssemblyError>
+where
+    Measured: Measure<D>,
+{
+    let components = coarse.space().components();
+    // The gap between a chord-like quadratic and the circle is far below a tenth of a cell.
+    let mesh = coarse.space().mesh();
+    let tolerance = 0.1 * (0..mesh.cell_count()).map(|cell| mesh.diameter(cell)).fold(0.0, f64::max);
+    let nearest = move |field: &Field<D>, x: &[f64; D]| {
+        let found = field.space().locator().find_nearest(x, tolerance)?;
+        Some((found.cell, found.reference))
+    };
+    let (first, second) = (coarse.clone(), coarse.clone());
+    // A point that is not found becomes NaN, which assembly reports with its position.
+    let value = move |x: &[f64; D], out: &mut [f64]| match nearest(&first, x) {
+        Some((cell, reference)) => out.copy_from_slice(&first.evaluate_in(cell, &reference)),
+        None => out.fill(f64::NAN),
+    };
+    let slope = move |x: &[f64; D], out: &mut [f64]| match nearest(&second, x) {
+        Some((cell, reference)) => out.copy_from_slice(&second.gradient_in(cell, &reference)),
+        None => out.fill(f64::NAN),
+    };
+    let value = Source::Function { components, function: Arc::new(value) };
+    let slope = Source::Function { components: components * D, function: Arc::new(slope) };
+    Measured::errors(assembler, reference, value, slope)
+}
+
+/// The scalar mass matrix of a space's element (one unknown per node).
+///
+/// # Errors
+/// Data that do not fit.
+pub(crate) fn mass_matrix<const D: usize>(
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+    degree: usize,
+) -> Result<CsrMatrix, AssemblyError>
+where
+    Measured: Measure<D>,
+{
+    Measured::mass(assembler, space, degree)
+}
+
+/// Carries the norms' kernels, which exist in two and three dimensions.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured;
+
+/// The norms in one dimension; implemented for two and three.
+pub trait Measure<const D: usize> {
+    /// See [`norms`].
+    ///
+    /// # Errors
+    /// As there.
+    fn norms(assembler: &Assembler<D>, field: &Field<D>) -> Result<Norms, AssemblyError>;
+    /// The square of [`l2_norm`].
+    ///
+    /// # Errors
+    /// As there.
+    fn l2_squared(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>;
+    /// See [`errors`].
+    ///
+    /// # Errors
+    /// As there.
+    fn errors(
+        assembler: &Assembler<D>,
+        field: &Field<D>,
+        exact: Source<D>,
+        gradient: Source<D>,
+    ) -> Result<Norms, AssemblyError>;
+    /// The scalar mass matrix.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    fn mass(
+        assembler: &Assembler<D>,
+        space: &Arc<Space<D>>,
+        degree: usize,
+    ) -> Result<CsrMatrix, AssemblyError>;
+}
+
+macro_rules! measure_in {
+    ($dimension:literal) => {
+        impl Measure<$dimension> for Measured {
+            fn norms(
+                assembler: &Assembler<$dimension>,
+                field: &Field<$dimension>,
+            ) -> Result<Norms, AssemblyError> {
+                let seminorm = match field.space().components() {
+                    1 => assembler.functional(&squared::scalar_seminorm(&everywhere(), field), &[])?,
+                    _ => assembler.functional(&squared::vector_seminorm(&everywhere(), field), &[])?,
+                };
+                Ok(Norms::from_squares(Self::l2_squared(assembler, field)?, seminorm))
+            }
+
+            fn l2_squared(
+                assembler: &Assembler<$dimension>,
+                field: &Field<$dimension>,
+            ) -> Result<f64, AssemblyError> {
+                match field.space().shape().len() {
+                    0 => assembler.functional(&squared::scalar_l2(&everywhere(), field), &[]),
+                    1 => assembler.functional(&squared::vector_l2(&everywhere(), field), &[]),
+                    _ => assembler.functional(&squared::tensor_l2(&everywhere(), field), &[]),
+                }
+            }
+
+            fn errors(
+                assembler: &Assembler<$dimension>,
+                field: &Field<$dimension>,
+                exact: Source<$dimension>,
+                gradient: Source<$dimension>,
+            ) -> Result<Norms, AssemblyError> {
+                let omega = everywhere();
+                let (l2, seminorm) = match field.space().components() {
+                    1 => (
+                        assembler.functional(&squared::scalar_l2_error(&omega, field, exact), &[])?,
+                        assembler
+                            .functional(&squared::scalar_seminorm_error(&omega, field, gradient), &[])?,
+                    ),
+                    _ => (
+                        assembler.functional(&squared::vector_l2_error(&omega, field, exact), &[])?,
+                        assembler
+                            .functional(&squared::vector_seminorm_error(&omega, field, gradient), &[])?,
+                    ),
+                };
+                Ok(Norms::from_squares(l2, seminorm))
+            }
+
+            fn mass(
+                assembler: &Assembler<$dimension>,
+                space: &Arc<Space<$dimension>>,
+                degree: usize,
+            ) -> Result<CsrMatrix, AssemblyError> {
+                let nodes = space.scalar_nodes();
+                let assembler = Assembler::new(assembler.mesh()).with_quadrature(Quadrature::Degree(degree));
+                assembler.tangent(&squared::mass(&everywhere()), &[&Field::zero(&nodes)], &[&nodes])
+            }
+        }
+    };
+}
+
+measure_in!(2);
+measure_in!(3);
