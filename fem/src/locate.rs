@@ -1,5 +1,7 @@
 //! Which cell contains a point, and where: a grid of bounding boxes and Newton's method on the geometry map.
 
+mod project;
+
 use std::sync::Arc;
 
 use crate::mesh::Mesh;
@@ -32,7 +34,7 @@ pub struct Nearest<const D: usize> {
     /// The point's reference coordinates in that cell; outside the reference cell when the point is outside
     /// the mesh. Use these to extrapolate.
     pub reference: [f64; D],
-    /// The point of the reference cell near `reference`; the same where that lies inside.
+    /// The point of the reference cell whose image is nearest; `reference` itself where that lies inside.
     pub clamped: [f64; D],
     /// Distance from the point to the image of `clamped` \[length\].
     pub distance: f64,
@@ -88,11 +90,9 @@ impl<const D: usize> Locator<D> {
         }
         let mut best: Option<Nearest<D>> = None;
         for cell in self.cells_within(point, tolerance) {
-            let reference = self.invert(cell, point);
-            let clamped = self.project(cell, point, reference);
-            let distance = distance(point, &self.mesh.map(cell, &clamped).0);
+            let (clamped, distance) = project::project(&self.mesh, cell, point);
             // Where the map has no inverse at the point, there is nothing to extrapolate to.
-            let reference = reference.unwrap_or(clamped);
+            let reference = self.invert(cell, point).unwrap_or(clamped);
             if distance <= tolerance && best.is_none_or(|best| distance < best.distance) {
                 best = Some(Nearest { cell, reference, clamped, distance });
             }
@@ -142,28 +142,6 @@ impl<const D: usize> Locator<D> {
             }
         }
         None
-    }
-
-    // A point of the cell near a point outside: Gauss-Newton steps, projected to the reference cell, as
-    // long as the distance falls.
-    fn project(&self, cell: usize, point: &[f64; D], start: Option<[f64; D]>) -> [f64; D] {
-        let shape = self.mesh.shape();
-        let mut best = shape.clamp(&start.unwrap_or(shape.centre()));
-        let mut least = distance(point, &self.mesh.map(cell, &best).0);
-        for _ in 0..50 {
-            let (x, jacobian) = self.mesh.map(cell, &best);
-            // Steepest descent scaled by the trace of JᵀJ, which bounds its largest eigenvalue.
-            let gradient: [f64; D] =
-                std::array::from_fn(|j| (0..D).map(|i| jacobian[i][j] * (point[i] - x[i])).sum());
-            let trace: f64 = jacobian.iter().flatten().map(|entry| entry * entry).sum();
-            let next = shape.clamp(&std::array::from_fn(|j| best[j] + gradient[j] / trace));
-            let length = distance(point, &self.mesh.map(cell, &next).0);
-            if length.is_nan() || length >= least {
-                break;
-            }
-            (best, least) = (next, length);
-        }
-        best
     }
 
     fn cells_within(&self, point: &[f64; D], tolerance: f64) -> Vec<usize> {
@@ -346,7 +324,7 @@ mod tests {
                 [([1.5, 1.0, 7.0], 0.5), ([0.3, 2.25, 30.0], 0.25), ([-0.3, -0.4, 3.0], 0.5)]
             {
                 let nearest = locator.find_nearest(&point, 0.6).expect("all are within 0.6");
-                assert!((nearest.distance - distance).abs() < 1e-9, "{shape:?} {nearest:?}");
+                assert!((nearest.distance - distance).abs() < 1e-14, "{shape:?} {nearest:?}");
                 assert_eq!(locator.find_nearest(&point, 0.2), None);
             }
         }
