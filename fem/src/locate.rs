@@ -1,5 +1,7 @@
 //! Which cell contains a point, and where: a grid of bounding boxes and Newton's method on the geometry map.
 
+mod project;
+
 use std::sync::Arc;
 
 use crate::mesh::Mesh;
@@ -32,7 +34,7 @@ pub struct Nearest<const D: usize> {
     /// The point's reference coordinates in that cell; outside the reference cell when the point is outside
     /// the mesh. Use these to extrapolate.
     pub reference: [f64; D],
-    /// The point of the reference cell near `reference`; the same where that lies inside.
+    /// The point of the reference cell whose image is nearest; `reference` itself where that lies inside.
     pub clamped: [f64; D],
     /// Distance from the point to the image of `clamped` \[length\].
     pub distance: f64,
@@ -46,9 +48,8 @@ impl<const D: usize> Locator<D> {
         let upper: [f64; D] =
             std::array::from_fn(|k| boxes.iter().map(|b| b.1[k]).fold(f64::NEG_INFINITY, f64::max));
         let extent: [f64; D] = std::array::from_fn(|k| upper[k] - lower[k]);
-        // About one bin per cell, as cubic as the extents allow.
-        let size = (extent.iter().product::<f64>() / boxes.len() as f64).powf(1.0 / D as f64);
-        let bins = extent.map(|extent| ((extent / size).round() as usize).clamp(1, boxes.len()));
+        let size = bin_size(extent, boxes.len());
+        let bins = extent.map(|extent| ((extent / size) as usize).clamp(1, boxes.len()));
         let bin = std::array::from_fn(|k| extent[k] / bins[k] as f64);
         let mut locator =
             Locator { mesh: Arc::clone(mesh), boxes, lower, bin, bins, starts: vec![], members: vec![] };
@@ -66,12 +67,26 @@ impl<const D: usize> Locator<D> {
     /// mesh, and for NaN.
     pub fn find(&self, point: &[f64; D]) -> Option<(usize, [f64; D])> {
         let shape = self.mesh.shape();
-        let bin = self.bin_of(point);
-        self.members_of(bin).iter().map(|&cell| cell as usize).find_map(|cell| {
-            let (lower, upper) = &self.boxes[cell];
-            let in_box = (0..D).all(|k| lower[k] <= point[k] && point[k] <= upper[k]);
-            let reference = if in_box { self.invert(cell, point) } else { None }?;
-            shape.contains(&reference, INSIDE).then_some((cell, reference))
+        let candidates: Vec<usize> = self
+            .members_of(self.bin_of(point))
+            .iter()
+            .map(|&cell| cell as usize)
+            .filter(|&cell| {
+                let (lower, upper) = &self.boxes[cell];
+                (0..D).all(|k| lower[k] <= point[k] && point[k] <= upper[k])
+            })
+            .collect();
+        let search = |invert: &dyn Fn(usize) -> Option<[f64; D]>| {
+            candidates.iter().find_map(|&cell| {
+                invert(cell)
+                    .filter(|reference| shape.contains(reference, INSIDE))
+                    .map(|reference| (cell, reference))
+            })
+        };
+        // The start from the centre nearly always suffices, and the others cost much.
+        search(&|cell| self.newton(cell, point, shape.centre())).or_else(|| {
+            let more = !self.mesh.is_affine();
+            if more { search(&|cell| self.invert(cell, point)) } else { None }
         })
     }
 
@@ -88,11 +103,9 @@ impl<const D: usize> Locator<D> {
         }
         let mut best: Option<Nearest<D>> = None;
         for cell in self.cells_within(point, tolerance) {
-            let reference = self.invert(cell, point);
-            let clamped = self.project(cell, point, reference);
-            let distance = distance(point, &self.mesh.map(cell, &clamped).0);
+            let (clamped, distance) = project::project(&self.mesh, cell, point);
             // Where the map has no inverse at the point, there is nothing to extrapolate to.
-            let reference = reference.unwrap_or(clamped);
+            let reference = self.invert(cell, point).unwrap_or(clamped);
             if distance <= tolerance && best.is_none_or(|best| distance < best.distance) {
                 best = Some(Nearest { cell, reference, clamped, distance });
             }
@@ -123,6 +136,7 @@ impl<const D: usize> Locator<D> {
 
     fn newton(&self, cell: usize, point: &[f64; D], start: [f64; D]) -> Option<[f64; D]> {
         let mut reference: [f64; D] = start;
+        let mut previous = f64::INFINITY;
         for _ in 0..40 {
             let (x, jacobian) = self.mesh.map(cell, &reference);
             let inverse = inverse(&jacobian)?;
@@ -134,36 +148,16 @@ impl<const D: usize> Locator<D> {
             for (coordinate, step) in reference.iter_mut().zip(step) {
                 *coordinate += factor * step;
             }
-            if length < 1e-12 {
+            // Far from the origin, round-off in x keeps the steps from falling below 1e-12.
+            if length < 1e-12 || (length < 1e-8 && length >= 0.5 * previous) {
                 return Some(reference);
             }
+            previous = length;
             if self.mesh.is_affine() && reference.iter().all(|coordinate| coordinate.is_finite()) {
                 return Some(reference);
             }
         }
         None
-    }
-
-    // A point of the cell near a point outside: Gauss-Newton steps, projected to the reference cell, as
-    // long as the distance falls.
-    fn project(&self, cell: usize, point: &[f64; D], start: Option<[f64; D]>) -> [f64; D] {
-        let shape = self.mesh.shape();
-        let mut best = shape.clamp(&start.unwrap_or(shape.centre()));
-        let mut least = distance(point, &self.mesh.map(cell, &best).0);
-        for _ in 0..50 {
-            let (x, jacobian) = self.mesh.map(cell, &best);
-            // Steepest descent scaled by the trace of JᵀJ, which bounds its largest eigenvalue.
-            let gradient: [f64; D] =
-                std::array::from_fn(|j| (0..D).map(|i| jacobian[i][j] * (point[i] - x[i])).sum());
-            let trace: f64 = jacobian.iter().flatten().map(|entry| entry * entry).sum();
-            let next = shape.clamp(&std::array::from_fn(|j| best[j] + gradient[j] / trace));
-            let length = distance(point, &self.mesh.map(cell, &next).0);
-            if length.is_nan() || length >= least {
-                break;
-            }
-            (best, least) = (next, length);
-        }
-        best
     }
 
     fn cells_within(&self, point: &[f64; D], tolerance: f64) -> Vec<usize> {
@@ -211,6 +205,20 @@ impl<const D: usize> Locator<D> {
         let index = self.index(bin);
         &self.members[self.starts[index]..self.starts[index + 1]]
     }
+}
+
+// The edge of cubic bins, about one per cell. Directions thinner than a bin do not count: else a plate
+// would get far more bins than cells.
+fn bin_size<const D: usize>(extent: [f64; D], cells: usize) -> f64 {
+    let mut size = 0.0;
+    for _ in 0..D {
+        let wide = extent.iter().filter(|&&extent| extent > size);
+        let (product, count) = wide.fold((1.0, 0), |(product, count), extent| (product * extent, count + 1));
+        if count > 0 {
+            size = (product / cells as f64).powf(1.0 / f64::from(count));
+        }
+    }
+    size
 }
 
 // A quadratic cell can bulge beyond its nodes: by an eighth of their spread per direction of the map.
@@ -298,6 +306,27 @@ mod tests {
     }
 
     #[test]
+    fn there_are_at_most_as_many_bins_as_cells_ask_for() {
+        // A cube of 1000 cells, and a plate of 100 × 100 cells, however thin.
+        assert!((bin_size([1.0, 1.0, 1.0], 1000) - 0.1).abs() < 1e-15);
+        for thickness in [1e-3, 1e-9] {
+            assert!((bin_size([1.0, 1.0, thickness], 10_000) - 0.01).abs() < 1e-15);
+        }
+    }
+
+    // The size of a cell is 1; the coordinates' round-off is about 1e-10 of it.
+    #[test]
+    fn far_from_the_origin() -> Result<(), MeshError> {
+        let shift = 1e6;
+        let mesh = structured([3, 3], CellShape::Quadrilateral, 2, |[s, t]| {
+            [shift + 3.0 * s + 0.1 * t * t, shift + 3.0 * t]
+        })?;
+        let locator = Locator::new(&Arc::new(mesh));
+        assert_eq!(locator.find(&[shift + 1.4, shift + 1.6]).map(|(cell, _)| cell), Some(4));
+        Ok(())
+    }
+
+    #[test]
     fn the_boundary_belongs_to_the_mesh() -> Result<(), MeshError> {
         let mesh = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
         let locator = Locator::new(&mesh);
@@ -346,7 +375,7 @@ mod tests {
                 [([1.5, 1.0, 7.0], 0.5), ([0.3, 2.25, 30.0], 0.25), ([-0.3, -0.4, 3.0], 0.5)]
             {
                 let nearest = locator.find_nearest(&point, 0.6).expect("all are within 0.6");
-                assert!((nearest.distance - distance).abs() < 1e-9, "{shape:?} {nearest:?}");
+                assert!((nearest.distance - distance).abs() < 1e-14, "{shape:?} {nearest:?}");
                 assert_eq!(locator.find_nearest(&point, 0.2), None);
             }
         }

@@ -72,7 +72,7 @@ impl<const D: usize> Grid<D> {
     fn node_counts(&self) -> Result<[usize; D], MeshError> {
         let mut total = 1_usize;
         let mut counts = [0; D];
-        for k in 0..D {
+        for (k, count) in counts.iter_mut().enumerate() {
             let (divisions, least) = (self.divisions[k], if self.periodic[k] { 3 } else { 1 });
             if divisions < least {
                 return Err(MeshError::Parameter {
@@ -83,8 +83,8 @@ impl<const D: usize> Grid<D> {
             }
             let too_large = MeshError::TooLarge { what: "nodes" };
             let steps = divisions.checked_mul(self.degree).ok_or(too_large.clone())?;
-            counts[k] = steps.checked_add(usize::from(!self.periodic[k])).ok_or(too_large.clone())?;
-            total = total.checked_mul(counts[k]).ok_or(too_large.clone())?;
+            *count = steps.checked_add(usize::from(!self.periodic[k])).ok_or(too_large.clone())?;
+            total = total.checked_mul(*count).ok_or(too_large.clone())?;
             if u32::try_from(total).is_err() {
                 return Err(too_large);
             }
