@@ -294,6 +294,15 @@ impl CsrMatrix {
         super::vector::largest(&sums)
     }
 
+    /// Largest sum of absolute values in a column, ‖A‖₁ = ‖Aᵀ‖∞.
+    pub fn column_sum_norm(&self) -> f64 {
+        let mut sums = vec![0.0; self.columns()];
+        for (&column, value) in self.column_indices().iter().zip(&self.values) {
+            sums[column as usize] += value.abs();
+        }
+        super::vector::largest(&sums)
+    }
+
     /// Fails at the first entry that is NaN or infinite.
     ///
     /// # Errors
@@ -364,7 +373,7 @@ mod tests {
         assert_eq!(matrix.multiply_transposed(&[1.0, 10.0]).unwrap(), [1.0, 32.0, 40.0]);
         assert_eq!(matrix.transpose().multiply(&[1.0, 10.0]).unwrap(), [1.0, 32.0, 40.0]);
         assert_eq!(matrix.transpose().transpose(), matrix);
-        assert_eq!(matrix.row_sum_norm(), 7.0);
+        assert_eq!((matrix.row_sum_norm(), matrix.column_sum_norm()), (7.0, 5.0));
     }
 
     #[test]

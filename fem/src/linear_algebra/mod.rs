@@ -2,12 +2,13 @@
 //!
 //! [`CsrMatrix`] holds values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows
 //! and columns out of it. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
-//! Cholesky or a Bunch–Kaufman factor on it.
+//! Cholesky or a Bunch–Kaufman factor on it, and [`gmres()`] solves what is not symmetric.
 
 pub mod analysis;
 pub mod cholesky;
 pub mod csr;
 pub mod error;
+pub mod gmres;
 
 pub mod ordering;
 pub mod pattern;
@@ -18,6 +19,7 @@ pub use analysis::Analysis;
 pub use cholesky::{Refined, SymmetricFactor};
 pub use csr::CsrMatrix;
 pub use error::LinearAlgebraError;
+pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};
 
 pub use ordering::Ordering;
 pub use pattern::SparsityPattern;

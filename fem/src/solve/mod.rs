@@ -1,1 +1,18 @@
-//! Nonlinear solution: semismooth Newton.
+//! Solution of the discrete problems: prescribed unknowns, linear solvers with memory, semismooth Newton.
+//!
+//! [`newton()`] asks a [`NonlinearProblem`] for residuals and tangents, an [`Elimination`] takes the
+//! prescribed unknowns out, and a [`LinearSolver`] (the [`TangentSolver`] unless another is given) solves.
+//! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
+
+pub mod elimination;
+pub mod linear_solver;
+pub mod newton;
+pub mod tangent_solver;
+
+pub use elimination::{Elimination, solve_linear, solve_linear_transposed};
+pub use linear_solver::{LinearSolution, LinearSolver, SolverError};
+pub use newton::{
+    ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
+    newton,
+};
+pub use tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};

@@ -1,0 +1,55 @@
+//! What Newton's method and the adjoint problems ask of a linear solver.
+
+use crate::linear_algebra::{CsrMatrix, GmresReport, LinearAlgebraError};
+
+/// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
+/// matrix: the analysis of the pattern, a factor, a condensed block.
+pub trait LinearSolver {
+    /// Takes the matrix of the next solves.
+    ///
+    /// # Errors
+    /// If the matrix cannot be factored.
+    fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError>;
+
+    /// Solves A x = b. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would
+    /// gain nothing from a smaller one; 0 asks for the solver's own accuracy. Direct solvers may ignore it.
+    ///
+    /// # Errors
+    /// If no matrix was set, the size is wrong, or no accurate solution was found.
+    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError>;
+
+    /// Solves Aᵀ x = b, to the same accuracy.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    fn solve_transposed(&mut self, b: &[f64], absolute_tolerance: f64)
+    -> Result<LinearSolution, SolverError>;
+}
+
+/// The solution of one linear system, and how good it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearSolution {
+    /// The solution x.
+    pub solution: Vec<f64>,
+    /// ‖b − A x‖₂ / ‖b‖₂, computed from x (0 if b = 0).
+    pub relative_residual: f64,
+    /// Iterations of a Krylov method; 0 for a direct solution.
+    pub iterations: usize,
+}
+
+/// Why a linear system was not solved.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SolverError {
+    /// The matrix or a vector is unfit, or the factorisation failed.
+    #[error(transparent)]
+    LinearAlgebra(#[from] LinearAlgebraError),
+    /// A solve was asked for before a matrix was set.
+    #[error("no matrix was given to the linear solver")]
+    NoMatrix,
+    /// The Krylov method did not reach an acceptable residual.
+    #[error(
+        "the Krylov method stopped at relative residual {:e} after {} iterations",
+        .0.relative_residual, .0.iterations
+    )]
+    NotConverged(GmresReport),
+}
