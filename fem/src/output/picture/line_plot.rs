@@ -1,0 +1,479 @@
+//! Curves over axes: convergence plots, pressure along a boundary, iteration histories.
+
+use super::axes::{AXIS_LINE, Axis, Frame, GAP, LABEL_TEXT, Scale, TICK_TEXT, TITLE_TEXT};
+use super::colour_map::Colour;
+use super::drawing::{Drawing, Point, Rectangle, Segment, Stroke, polyline};
+use super::legend::{Key, Legend};
+use super::text::{Anchor, CAPITAL_HEIGHT};
+use super::{Picture, PictureError};
+
+/// The sign drawn at each point of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// A disc.
+    Circle,
+    /// A square.
+    Square,
+    /// A triangle standing on its side.
+    Triangle,
+    /// A square standing on its corner.
+    Diamond,
+}
+
+impl Marker {
+    const ALL: [Marker; 4] = [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond];
+
+    /// The outline about a point, for a marker as wide as 2 `radius`.
+    pub(super) fn outline(self, [x, y]: Point, radius: f64) -> Vec<Segment> {
+        let corners: Vec<Point> = match self {
+            Marker::Circle => return circle([x, y], radius),
+            Marker::Square => [[-0.89, -0.89], [0.89, -0.89], [0.89, 0.89], [-0.89, 0.89]].to_vec(),
+            Marker::Triangle => [[0.0, -1.25], [1.08, 0.62], [-1.08, 0.62]].to_vec(),
+            Marker::Diamond => [[0.0, -1.25], [1.25, 0.0], [0.0, 1.25], [-1.25, 0.0]].to_vec(),
+        };
+        let corners: Vec<Point> = corners.iter().map(|c| [x + radius * c[0], y + radius * c[1]]).collect();
+        let mut segments = polyline(&corners);
+        segments.push(Segment::Close);
+        segments
+    }
+}
+
+/// A circle as four cubic curves, within 3·10⁻⁴ of its radius.
+fn circle([x, y]: Point, radius: f64) -> Vec<Segment> {
+    const HANDLE: f64 = 0.552_284_75;
+    let at = |dx: f64, dy: f64| [x + radius * dx, y + radius * dy];
+    let mut segments = vec![Segment::Move(at(1.0, 0.0))];
+    let (mut dx, mut dy) = (1.0, 0.0);
+    for _ in 0..4 {
+        let (ex, ey) = (-dy, dx);
+        segments.push(Segment::Cubic(
+            at(dx + HANDLE * ex, dy + HANDLE * ey),
+            at(ex + HANDLE * dx, ey + HANDLE * dy),
+            at(ex, ey),
+        ));
+        (dx, dy) = (ex, ey);
+    }
+    segments.push(Segment::Close);
+    segments
+}
+
+/// A curve through points.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    name: String,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    colour: Option<Colour>,
+    marker: Option<Option<Marker>>,
+    dashes: Vec<f64>,
+    order_over: Option<usize>,
+    triangles: Vec<SlopeTriangle>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SlopeTriangle {
+    order: f64,
+    above: bool,
+}
+
+impl Curve {
+    /// A curve; the name stands in the legend unless it is empty.
+    pub fn new(name: &str, x: &[f64], y: &[f64]) -> Curve {
+        Curve {
+            name: name.into(),
+            x: x.to_vec(),
+            y: y.to_vec(),
+            colour: None,
+            marker: None,
+            dashes: Vec::new(),
+            order_over: None,
+            triangles: Vec::new(),
+        }
+    }
+
+    /// Draws the curve in a colour; otherwise it takes the next one of [`Colour::of_series`].
+    pub fn colour(mut self, colour: Colour) -> Curve {
+        self.colour = Some(colour);
+        self
+    }
+
+    /// Marks the points; otherwise curves of at most 30 points are marked, each in its own way.
+    pub fn marker(mut self, marker: Marker) -> Curve {
+        self.marker = Some(Some(marker));
+        self
+    }
+
+    /// Draws the line only.
+    pub fn without_markers(mut self) -> Curve {
+        self.marker = Some(None);
+        self
+    }
+
+    /// Draws a dashed line.
+    pub fn dashed(mut self) -> Curve {
+        self.dashes = vec![5.0, 3.0];
+        self
+    }
+
+    /// Notes in the legend the slope of log y over log x, fitted to the last `points` points.
+    pub fn fitted_order(mut self, points: usize) -> Curve {
+        self.order_over = Some(points);
+        self
+    }
+
+    /// Draws a triangle of a slope below the two points of smallest x. Both axes must be logarithmic.
+    pub fn slope_triangle(mut self, order: f64) -> Curve {
+        self.triangles.push(SlopeTriangle { order, above: false });
+        self
+    }
+
+    /// Draws a triangle of a slope above the two points of smallest x. Both axes must be logarithmic.
+    pub fn slope_triangle_above(mut self, order: f64) -> Curve {
+        self.triangles.push(SlopeTriangle { order, above: true });
+        self
+    }
+
+    fn check(&self, scales: [Scale; 2]) -> Result<(), PictureError> {
+        if self.x.len() != self.y.len() {
+            let name = self.name.clone();
+            return Err(PictureError::Length { name, expected: self.x.len(), found: self.y.len() });
+        }
+        if self.x.is_empty() {
+            return Err(PictureError::Empty { picture: format!("the curve \"{}\"", self.name) });
+        }
+        for (values, scale) in [&self.x, &self.y].into_iter().zip(scales) {
+            for (index, &value) in values.iter().enumerate() {
+                let name = || self.name.clone();
+                if !value.is_finite() {
+                    return Err(PictureError::NotFinite { name: name(), index, value });
+                }
+                if scale == Scale::Logarithmic && value <= 0.0 {
+                    return Err(PictureError::NotPositive { name: name(), index, value });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The slope of log y over log x by least squares over the last points; `None` with fewer than two
+    /// different positive points.
+    fn order(&self, points: usize) -> Option<f64> {
+        let start = self.x.len().saturating_sub(points);
+        let logarithms: Vec<Point> =
+            self.x[start..].iter().zip(&self.y[start..]).map(|(x, y)| [x.ln(), y.ln()]).collect();
+        let count = logarithms.len() as f64;
+        let mean = |k: usize| logarithms.iter().map(|p| p[k]).sum::<f64>() / count;
+        let (mean_x, mean_y) = (mean(0), mean(1));
+        let covariance: f64 = logarithms.iter().map(|p| (p[0] - mean_x) * (p[1] - mean_y)).sum();
+        let variance: f64 = logarithms.iter().map(|p| (p[0] - mean_x).powi(2)).sum();
+        let order = covariance / variance;
+        order.is_finite().then_some(order)
+    }
+
+    fn legend_text(&self) -> String {
+        match self.order_over.and_then(|points| self.order(points)) {
+            Some(order) => format!("{}, order {}", self.name, super::axes::number(order, 2)),
+            None => self.name.clone(),
+        }
+    }
+}
+
+/// A picture of curves.
+///
+/// ```no_run
+/// use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
+///
+/// let (h, error) = ([0.4, 0.2, 0.1], [2e-2, 5e-3, 1.25e-3]);
+/// LinePlot::new()
+///     .x_axis("h [mm]", Scale::Logarithmic)
+///     .y_axis("relative error", Scale::Logarithmic)
+///     .curve(Curve::new("k = 2", &h, &error).fitted_order(3).slope_triangle(2.0))
+///     .write_png("convergence.png")?;
+/// # Ok::<(), forms_fem::output::picture::PictureError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct LinePlot {
+    title: String,
+    labels: [String; 2],
+    scales: [Scale; 2],
+    ranges: [Option<[f64; 2]>; 2],
+    curves: Vec<Curve>,
+    references: Vec<(usize, f64, String)>,
+    size: Option<[f64; 2]>,
+    grid: bool,
+}
+
+impl LinePlot {
+    /// A plot without curves, 330 pt × 250 pt.
+    pub fn new() -> LinePlot {
+        LinePlot::default()
+    }
+
+    /// Writes a title above the plot.
+    pub fn title(mut self, title: &str) -> LinePlot {
+        self.title = title.into();
+        self
+    }
+
+    /// Label, with the unit, and scale of the horizontal axis.
+    pub fn x_axis(mut self, label: &str, scale: Scale) -> LinePlot {
+        (self.labels[0], self.scales[0]) = (label.into(), scale);
+        self
+    }
+
+    /// Label, with the unit, and scale of the vertical axis.
+    pub fn y_axis(mut self, label: &str, scale: Scale) -> LinePlot {
+        (self.labels[1], self.scales[1]) = (label.into(), scale);
+        self
+    }
+
+    /// Ends of the horizontal axis; otherwise they follow the curves.
+    pub fn x_range(mut self, low: f64, high: f64) -> LinePlot {
+        self.ranges[0] = Some([low, high]);
+        self
+    }
+
+    /// Ends of the vertical axis; otherwise they follow the curves.
+    pub fn y_range(mut self, low: f64, high: f64) -> LinePlot {
+        self.ranges[1] = Some([low, high]);
+        self
+    }
+
+    /// Adds a curve.
+    pub fn curve(mut self, curve: Curve) -> LinePlot {
+        self.curves.push(curve);
+        self
+    }
+
+    /// Draws a dotted vertical line with a label at its top.
+    pub fn vertical_line(mut self, x: f64, label: &str) -> LinePlot {
+        self.references.push((0, x, label.into()));
+        self
+    }
+
+    /// Draws a dotted horizontal line with a label at its right end.
+    pub fn horizontal_line(mut self, y: f64, label: &str) -> LinePlot {
+        self.references.push((1, y, label.into()));
+        self
+    }
+
+    /// Draws faint lines at the labelled ticks.
+    pub fn grid(mut self) -> LinePlot {
+        self.grid = true;
+        self
+    }
+
+    /// Width and height of the picture \[pt\].
+    pub fn size(mut self, width: f64, height: f64) -> LinePlot {
+        self.size = Some([width, height]);
+        self
+    }
+
+    /// The range of an axis: the data with a margin, unless it is given.
+    fn range(&self, k: usize) -> [f64; 2] {
+        if let Some(range) = self.ranges[k] {
+            return range;
+        }
+        let curves = self.curves.iter().flat_map(|curve| if k == 0 { &curve.x } else { &curve.y });
+        let lines = self.references.iter().filter(|line| line.0 == k).map(|line| &line.1);
+        let (mut low, mut high) = curves
+            .chain(lines)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
+        let triangles = |above: bool| {
+            k == 1 && self.curves.iter().flat_map(|curve| &curve.triangles).any(|t| t.above == above)
+        };
+        let margins = [false, true].map(|above| if triangles(above) { 0.14 } else { 0.06 });
+        match self.scales[k] {
+            Scale::Linear => {
+                let length = if high > low { high - low } else { low.abs().max(1.0) };
+                (low, high) = (low - margins[0] * length, high + margins[1] * length);
+            }
+            Scale::Logarithmic => {
+                let ratio = if high > low { high / low } else { 10.0 };
+                (low, high) = (low / ratio.powf(margins[0]), high * ratio.powf(margins[1]));
+            }
+        }
+        [low, high]
+    }
+
+    /// The places of a curve's points on the page.
+    fn points(frame: &Frame, curve: &Curve) -> Vec<Point> {
+        curve.x.iter().zip(&curve.y).map(|(&x, &y)| frame.place([x, y])).collect()
+    }
+
+    fn keys(&self) -> Vec<Key> {
+        let named = self.curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty());
+        named.map(|(k, curve)| self.key(k, curve)).collect()
+    }
+
+    fn key(&self, k: usize, curve: &Curve) -> Key {
+        let colour = curve.colour.unwrap_or_else(|| Colour::of_series(k));
+        let own = (curve.x.len() <= 30).then(|| Marker::ALL[k % Marker::ALL.len()]);
+        Key {
+            text: curve.legend_text(),
+            stroke: Stroke::dashed(colour, 1.4, &curve.dashes),
+            marker: curve.marker.unwrap_or(own),
+        }
+    }
+}
+
+impl Picture for LinePlot {
+    fn draw(&self) -> Result<Drawing, PictureError> {
+        if self.curves.is_empty() {
+            return Err(PictureError::Empty { picture: format!("the plot \"{}\"", self.title) });
+        }
+        for curve in &self.curves {
+            curve.check(self.scales)?;
+        }
+        let [width, height] = self.size.unwrap_or([330.0, 250.0]);
+        let mut drawing = Drawing::new([width, height])?;
+        let top = if self.title.is_empty() { 0.0 } else { TITLE_TEXT + GAP } + TICK_TEXT + GAP;
+        let axis = |k: usize| Axis::new(&self.labels[k], self.scales[k], self.range(k));
+        let mut frame = Frame {
+            area: Rectangle { left: 50.0, top, width: width - 70.0, height: height - 60.0 },
+            x: axis(0)?,
+            y: axis(1)?,
+        };
+        let [left, below] = frame.margins(&drawing);
+        frame.area.left = left + GAP;
+        frame.area.width = width - frame.area.left - 3.5 * GAP;
+        frame.area.height = height - top - below - GAP;
+        let legend = Legend::new(self.keys());
+        let legend_size = legend.size(&drawing);
+        let obstacles: Vec<Vec<Point>> =
+            self.curves.iter().map(|curve| LinePlot::points(&frame, curve)).collect();
+        let mut legend_at = legend.corner(&frame.area, legend_size, &obstacles);
+        if legend_at.is_none() {
+            frame.area.width -= legend_size[0] + 2.0 * GAP;
+            legend_at = Some([frame.area.right() + 2.0 * GAP, frame.area.top]);
+        }
+        if frame.area.width < 20.0 || frame.area.height < 20.0 {
+            return Err(PictureError::Size { width, height });
+        }
+        if self.grid {
+            frame.draw_grid(&mut drawing);
+        }
+        for (k, value, label) in &self.references {
+            draw_reference(&mut drawing, &frame, *k, *value, label);
+        }
+        for (k, curve) in self.curves.iter().enumerate() {
+            let key = self.key(k, curve);
+            let points = LinePlot::points(&frame, curve);
+            drawing.polyline(&points, key.stroke.clone(), Some(frame.area));
+            if let Some(marker) = key.marker {
+                for point in points.into_iter().filter(|point| frame.area.contains(*point)) {
+                    let edge = Stroke::solid(Colour::WHITE, 0.5);
+                    drawing.path(marker.outline(point, 3.0), Some(key.stroke.colour), Some(edge));
+                }
+            }
+            for triangle in &curve.triangles {
+                self.draw_triangle(&mut drawing, &frame, curve, *triangle)?;
+            }
+        }
+        frame.draw(&mut drawing);
+        if let Some(at) = legend_at {
+            legend.draw(&mut drawing, at);
+        }
+        let middle = frame.area.left + frame.area.width / 2.0;
+        drawing.text(&self.title, TITLE_TEXT, [middle, GAP + TITLE_TEXT], Anchor::at(0.5, 0.0));
+        Ok(drawing)
+    }
+}
+
+impl LinePlot {
+    fn draw_triangle(
+        &self,
+        drawing: &mut Drawing,
+        frame: &Frame,
+        curve: &Curve,
+        triangle: SlopeTriangle,
+    ) -> Result<(), PictureError> {
+        let mut points: Vec<Point> = curve.x.iter().zip(&curve.y).map(|(&x, &y)| [x, y]).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let [[x0, y0], [x1, y1]] = match points[..] {
+            [first, second, ..] if first[0] < second[0] && self.scales == [Scale::Logarithmic; 2] => [first, second],
+            _ => {
+                let picture = format!("the slope triangle of \"{}\" (two points, logarithmic axes)", curve.name);
+                return Err(PictureError::Empty { picture });
+            }
+        };
+        let ratio = x1 / x0;
+        let (left, right) = (x0 * ratio.powf(0.2), x0 * ratio.powf(0.8));
+        let on_curve = |x: f64| y0 * (y1 / y0).powf((x / x0).ln() / ratio.ln());
+        // The hypotenuse keeps a distance from the curve at both of its ends.
+        let side = if triangle.above { -1.0 } else { 1.0 };
+        let slope = |x: f64| (x / left).powf(triangle.order);
+        let factor = [left, right].map(|x| on_curve(x) / slope(x));
+        let factor = if triangle.above { factor[0].max(factor[1]) } else { factor[0].min(factor[1]) };
+        let shift = |[x, y]: Point| [x, y + side * 9.0];
+        let start = shift(frame.place([left, factor]));
+        let end = shift(frame.place([right, factor * slope(right)]));
+        // The right angle lies on the side away from the curve.
+        let corner_right = (triangle.order > 0.0) != triangle.above;
+        let corner = if corner_right { [end[0], start[1]] } else { [start[0], end[1]] };
+        let mut segments = polyline(&[start, corner, end]);
+        segments.push(Segment::Close);
+        drawing.path(segments, Some(Colour::grey(235)), Some(Stroke::solid(Colour::grey(60), AXIS_LINE)));
+        let middle = [(start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0];
+        let above = if triangle.above { 0.0 } else { 1.0 };
+        drawing.text("1", TICK_TEXT, [middle[0], corner[1] + side * 3.0], Anchor::at(0.5, above));
+        let order = triangle.order.abs();
+        let decimals = (0..3).find(|&d| (order * 10_f64.powi(d)).fract().abs() < 1e-9).unwrap_or(2) as usize;
+        let (offset, along) = if corner_right { (3.0, 0.0) } else { (-3.0, 1.0) };
+        let text = super::axes::number(order, decimals);
+        drawing.text(&text, TICK_TEXT, [corner[0] + offset, middle[1]], Anchor::at(along, 0.5));
+        Ok(())
+    }
+}
+
+fn draw_reference(drawing: &mut Drawing, frame: &Frame, k: usize, value: f64, label: &str) {
+    let at = frame.place(if k == 0 { [value, frame.y.range[0]] } else { [frame.x.range[0], value] });
+    let stroke = Stroke::dashed(Colour::grey(90), 0.9, &[1.5, 2.0]);
+    let Rectangle { left, top, .. } = frame.area;
+    let (right, bottom) = (frame.area.right(), frame.area.bottom());
+    if !frame.area.contains(at) {
+        return;
+    }
+    if k == 0 {
+        drawing.polyline(&[[at[0], top], [at[0], bottom]], stroke, None);
+        let upwards = Anchor { along: 1.0, above: 0.0, upwards: true };
+        drawing.text(label, TICK_TEXT, [at[0] - 2.5, top + 2.0 * GAP], upwards);
+    } else {
+        drawing.polyline(&[[left, at[1]], [right, at[1]]], stroke, None);
+        let room = LABEL_TEXT * CAPITAL_HEIGHT;
+        let above = if at[1] - top > room + 2.0 * GAP { [0.0, -3.0] } else { [1.0, 3.0] };
+        drawing.text(label, TICK_TEXT, [right - 2.0 * GAP, at[1] + above[1]], Anchor::at(1.0, above[0]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn convergence() -> LinePlot {
+        let h = [0.4, 0.2, 0.1, 0.05];
+        let squared = h.map(|h| 0.3 * h * h);
+        LinePlot::new()
+            .x_axis("h [mm]", Scale::Logarithmic)
+            .y_axis("error", Scale::Logarithmic)
+            .curve(Curve::new("k = 2", &h, &squared).fitted_order(4).slope_triangle(2.0))
+    }
+
+    /// y = 0.3 x² has order 2.
+    #[test]
+    fn fitted_order_is_the_exponent() {
+        assert_eq!(convergence().keys()[0].text, "k = 2, order 2.00");
+    }
+
+    #[test]
+    fn bad_data_are_named() {
+        let plot = LinePlot::new().curve(Curve::new("pressure", &[0.0, 1.0], &[1.0, f64::NAN]));
+        assert!(plot.draw().err().unwrap().to_string().contains("value 1 of \"pressure\" is NaN"));
+        let plot = LinePlot::new().curve(Curve::new("pressure", &[0.0, 1.0], &[1.0]));
+        assert!(matches!(plot.draw(), Err(PictureError::Length { expected: 2, found: 1, .. })));
+        let plot = convergence().curve(Curve::new("k = 1", &[0.1], &[0.0]));
+        assert!(matches!(plot.draw(), Err(PictureError::NotPositive { .. })));
+        assert!(matches!(LinePlot::new().draw(), Err(PictureError::Empty { .. })));
+        assert!(convergence().size(f64::NAN, 3.0).draw().is_err());
+    }
+}
