@@ -1,1 +1,249 @@
-//! VTK files.
+//! `.vtu` files (VTK unstructured grid, XML), which ParaView and VisIt read.
+
+use std::io::{Error, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer,
+    UnstructuredGridPiece, Version, VertexNumbers, Vtk,
+};
+
+use super::atomic::write_whole;
+use crate::element::CellShape;
+use crate::field::Field;
+use crate::mesh::Mesh;
+
+/// Why a `.vtu` file could not be written.
+#[derive(Debug, Error)]
+pub enum VtuError {
+    /// A mesh without cells.
+    #[error("the mesh has no cells")]
+    Empty,
+    /// Data of the wrong length.
+    #[error("\"{name}\" has {found} values where {expected} are needed")]
+    Length {
+        /// Name of the data array.
+        name: String,
+        /// Number of values needed.
+        expected: usize,
+        /// Number of values given.
+        found: usize,
+    },
+    /// Components that are neither a scalar nor a vector nor a tensor of the mesh's dimension.
+    #[error("\"{name}\" has {components} components: a scalar, a vector or a tensor is needed")]
+    Components {
+        /// Name of the data array.
+        name: String,
+        /// Number of components.
+        components: usize,
+    },
+    /// A value or a coordinate that is not a finite number.
+    #[error("value {index} of \"{name}\" is {value}")]
+    NotFinite {
+        /// Name of the data array.
+        name: String,
+        /// Number of the point or cell.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// Two arrays of the same name at the points or at the cells.
+    #[error("there are two data arrays \"{name}\"")]
+    Twice {
+        /// Name of the data arrays.
+        name: String,
+    },
+    /// A field on another mesh.
+    #[error("the field \"{name}\" lives on another mesh")]
+    OtherMesh {
+        /// Name of the data array.
+        name: String,
+    },
+    /// The file cannot be written.
+    #[error("{} cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: Error,
+    },
+}
+
+/// A mesh and data on it, to be written as a `.vtu` file.
+///
+/// Cells keep their degree: quadratic cells are written as VTK's quadratic cells. Vectors get three
+/// components and tensors nine (row-major); the missing ones are zero.
+#[derive(Clone, Debug)]
+pub struct VtuFile<'a, const D: usize> {
+    mesh: &'a Mesh<D>,
+    points: Vec<Array>,
+    cells: Vec<Array>,
+}
+
+/// A data array with 1, 3 or 9 components.
+#[derive(Clone, Debug)]
+struct Array {
+    name: String,
+    components: usize,
+    values: Vec<f64>,
+}
+
+impl<'a, const D: usize> VtuFile<'a, D> {
+    /// A file with the mesh and no data yet.
+    pub fn new(mesh: &'a Mesh<D>) -> Self {
+        VtuFile { mesh, points: Vec::new(), cells: Vec::new() }
+    }
+
+    /// Adds the values of a field at the mesh's nodes. The field's degree need not be the mesh's: the
+    /// field is evaluated at the nodes.
+    ///
+    /// # Errors
+    /// [`VtuError`] if the field lives on another mesh, is not finite, or the name is taken.
+    pub fn point_data(self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
+        let values = super::nodal_values(self.mesh, field)
+            .ok_or_else(|| VtuError::OtherMesh { name: name.into() })?;
+        let components = field.space.shape.iter().product();
+        self.point_values(name, components, &values)
+    }
+
+    /// Adds values at the mesh's nodes, `values[node * components + component]`.
+    ///
+    /// # Errors
+    /// [`VtuError`] if there is not one value per node and component, a value is not finite, or the
+    /// name is taken.
+    pub fn point_values(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
+        let array = Array::new::<D>(name, components, values, self.mesh.nodes().len(), &self.points)?;
+        self.points.push(array);
+        Ok(self)
+    }
+
+    /// Adds values of the cells, `values[cell * components + component]`.
+    ///
+    /// # Errors
+    /// [`VtuError`] if there is not one value per cell and component, a value is not finite, or the
+    /// name is taken.
+    pub fn cell_data(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
+        let array = Array::new::<D>(name, components, values, self.mesh.cell_count(), &self.cells)?;
+        self.cells.push(array);
+        Ok(self)
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`VtuError`] if the mesh is empty, a coordinate is not finite, or the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
+        let path = path.as_ref();
+        let vtk = self.model()?;
+        let write = |source: Error| VtuError::Write { path: path.to_path_buf(), source };
+        // The encoder reports its own errors, which the system's error carries on.
+        let mut bytes = Vec::new();
+        vtk.write_xml(&mut bytes).map_err(|error| write(Error::other(error.to_string())))?;
+        write_whole(path, |writer| writer.write_all(&bytes)).map_err(write)
+    }
+
+    fn model(&self) -> Result<Vtk, VtuError> {
+        let cell_count = self.mesh.cell_count();
+        if cell_count == 0 {
+            return Err(VtuError::Empty);
+        }
+        let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
+        let points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), &[])?;
+        let (cell_type, order) = cell_type(self.mesh.shape(), self.mesh.degree());
+        let mut connectivity = Vec::with_capacity(cell_count * order.len());
+        for cell in 0..cell_count {
+            let nodes = self.mesh.cell(cell);
+            connectivity.extend(order.iter().map(|&node| u64::from(nodes[node])));
+        }
+        let offsets = (1..=cell_count).map(|cell| (cell * order.len()) as u64).collect();
+        let attributes = |arrays: &[Array]| arrays.iter().map(Array::attribute).collect();
+        Ok(Vtk {
+            // Version 1.0 is the one whose headers (64 bits) this crate writes as readers expect them.
+            version: Version::new_xml(1, 0),
+            title: String::new(),
+            byte_order: ByteOrder::LittleEndian,
+            file_path: None,
+            data: DataSet::inline(UnstructuredGridPiece {
+                points: IOBuffer::F64(points.values),
+                cells: Cells {
+                    cell_verts: VertexNumbers::XML { connectivity, offsets },
+                    types: vec![cell_type; cell_count],
+                },
+                data: Attributes { point: attributes(&self.points), cell: attributes(&self.cells) },
+            }),
+        })
+    }
+}
+
+impl Array {
+    /// Checks the values and pads vectors to 3 and tensors to 9 components.
+    fn new<const D: usize>(
+        name: &str,
+        components: usize,
+        values: &[f64],
+        count: usize,
+        others: &[Array],
+    ) -> Result<Array, VtuError> {
+        let padded = match components {
+            1 => 1,
+            _ if components == D => 3,
+            _ if components == D * D => 9,
+            _ => return Err(VtuError::Components { name: name.into(), components }),
+        };
+        if values.len() != count * components {
+            return Err(VtuError::Length {
+                name: name.into(),
+                expected: count * components,
+                found: values.len(),
+            });
+        }
+        if others.iter().any(|other| other.name == name) {
+            return Err(VtuError::Twice { name: name.into() });
+        }
+        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+            let index = place / components;
+            return Err(VtuError::NotFinite { name: name.into(), index, value: values[place] });
+        }
+        let mut all = vec![0.0; count * padded];
+        for (source, target) in values.chunks(components).zip(all.chunks_mut(padded)) {
+            for (k, &value) in source.iter().enumerate() {
+                let place = if padded == 9 { 3 * (k / D) + k % D } else { k };
+                target[place] = value;
+            }
+        }
+        Ok(Array { name: name.into(), components: padded, values: all })
+    }
+
+    fn attribute(&self) -> Attribute {
+        Attribute::DataArray(DataArray {
+            name: self.name.clone(),
+            elem: match self.components {
+                1 => ElementType::Scalars { num_comp: 1, lookup_table: None },
+                3 => ElementType::Vectors,
+                _ => ElementType::Tensors,
+            },
+            data: IOBuffer::F64(self.values.clone()),
+        })
+    }
+}
+
+/// VTK's cell, and for each of its nodes the number of our node.
+///
+/// Vertices, edges and the centre stand in the same order; VTK's faces of the hexahedron are x = 0,
+/// x = 1, y = 0, y = 1, z = 0, z = 1 and ours z = 0, z = 1, y = 0, x = 1, y = 1, x = 0.
+fn cell_type(shape: CellShape, degree: usize) -> (CellType, Vec<usize>) {
+    match (shape, degree) {
+        (CellShape::Triangle, 1) => (CellType::Triangle, (0..3).collect()),
+        (CellShape::Triangle, _) => (CellType::QuadraticTriangle, (0..6).collect()),
+        (CellShape::Quadrilateral, 1) => (CellType::Quad, (0..4).collect()),
+        (CellShape::Quadrilateral, _) => (CellType::BiquadraticQuad, (0..9).collect()),
+        (CellShape::Tetrahedron, 1) => (CellType::Tetra, (0..4).collect()),
+        (CellShape::Tetrahedron, _) => (CellType::QuadraticTetra, (0..10).collect()),
+        (CellShape::Hexahedron, 1) => (CellType::Hexahedron, (0..8).collect()),
+        (CellShape::Hexahedron, _) => {
+            let faces = [25, 23, 22, 24, 20, 21];
+            (CellType::TriquadraticHexahedron, (0..20).chain(faces).chain([26]).collect())
+        }
+    }
+}

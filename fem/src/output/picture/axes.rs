@@ -175,6 +175,11 @@ impl Frame {
         ]
     }
 
+    /// The horizontal and the vertical axis.
+    pub fn axes(&self) -> [&Axis; 2] {
+        [&self.x, &self.y]
+    }
+
     fn x_ticks(&self) -> Ticks {
         self.x.ticks((self.area.width / 48.0) as usize)
     }

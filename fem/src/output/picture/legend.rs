@@ -32,13 +32,24 @@ impl Legend {
         Legend { keys }
     }
 
-    /// Width and height \[pt\]; zero without entries.
-    pub fn size(&self, drawing: &Drawing) -> [f64; 2] {
+    /// Width of an entry \[pt\].
+    fn entry(&self, drawing: &Drawing) -> f64 {
+        let widest = self.keys.iter().map(|key| drawing.text_width(&key.text, TEXT)).fold(0.0, f64::max);
+        SAMPLE + 4.0 * GAP + widest
+    }
+
+    /// The number of columns that fit a width \[pt\].
+    pub fn columns(&self, drawing: &Drawing, width: f64) -> usize {
+        ((width / self.entry(drawing)) as usize).clamp(1, self.keys.len().max(1))
+    }
+
+    /// Width and height \[pt\] with a number of columns; zero without entries.
+    pub fn size(&self, drawing: &Drawing, columns: usize) -> [f64; 2] {
         if self.keys.is_empty() {
             return [0.0; 2];
         }
-        let widest = self.keys.iter().map(|key| drawing.text_width(&key.text, TEXT)).fold(0.0, f64::max);
-        [SAMPLE + 3.5 * GAP + widest, LEADING * self.keys.len() as f64 + GAP]
+        let rows = self.keys.len().div_ceil(columns);
+        [self.entry(drawing) * columns as f64, LEADING * rows as f64 + GAP]
     }
 
     /// The upper left point for the legend inside an area, in a corner where no curve passes.
@@ -52,27 +63,28 @@ impl Legend {
         let corners = [[left[1], top[0]], [left[0], top[0]], [left[1], top[1]], [left[0], top[1]]];
         corners.into_iter().find(|corner| {
             let room = Rectangle {
-                left: corner[0] - inset,
-                top: corner[1] - inset,
-                width: width + 2.0 * inset,
-                height: height + 2.0 * inset,
+                left: corner[0] - GAP,
+                top: corner[1] - GAP,
+                width: width + 2.0 * GAP,
+                height: height + 2.0 * GAP,
             };
             !curves.iter().any(|curve| passes(curve, &room))
         })
     }
 
-    /// Draws the legend with its upper left corner at a point.
-    pub fn draw(&self, drawing: &mut Drawing, at: Point) {
+    /// Draws the legend with its upper left corner at a point, in a number of columns.
+    pub fn draw(&self, drawing: &mut Drawing, at: Point, columns: usize) {
         if self.keys.is_empty() {
             return;
         }
-        let [width, height] = self.size(drawing);
+        let [width, height] = self.size(drawing, columns);
         let area = Rectangle { left: at[0], top: at[1], width, height };
         let edge = Stroke::solid(Colour::grey(180), AXIS_LINE);
         drawing.rectangle(area, Some(Colour::WHITE.with_opacity(0.9)), Some(edge));
+        let entry = self.entry(drawing);
         for (k, key) in self.keys.iter().enumerate() {
-            let y = at[1] + GAP / 2.0 + LEADING * (k as f64 + 0.5);
-            let x = at[0] + GAP;
+            let y = at[1] + GAP / 2.0 + LEADING * ((k / columns) as f64 + 0.5);
+            let x = at[0] + GAP + entry * (k % columns) as f64;
             drawing.polyline(&[[x, y], [x + SAMPLE, y]], key.stroke.clone(), None);
             if let Some(marker) = key.marker {
                 let edge = Stroke::solid(Colour::WHITE, 0.5);
@@ -85,7 +97,7 @@ impl Legend {
 }
 
 /// Whether a polyline passes through a rectangle, looked at every two points of length.
-fn passes(curve: &[Point], room: &Rectangle) -> bool {
+pub(super) fn passes(curve: &[Point], room: &Rectangle) -> bool {
     let alone = curve.len() == 1 && room.contains(curve[0]);
     alone
         || curve.windows(2).any(|pair| {

@@ -1,9 +1,9 @@
 //! Curves over axes: convergence plots, pressure along a boundary, iteration histories.
 
-use super::axes::{AXIS_LINE, Axis, Frame, GAP, LABEL_TEXT, Scale, TICK_TEXT, TITLE_TEXT};
+use super::axes::{AXIS_LINE, Axis, Frame, GAP, Scale, TICK_TEXT, TITLE_TEXT};
 use super::colour_map::Colour;
 use super::drawing::{Drawing, Point, Rectangle, Segment, Stroke, polyline};
-use super::legend::{Key, Legend};
+use super::legend::{Key, Legend, passes};
 use super::text::{Anchor, CAPITAL_HEIGHT};
 use super::{Picture, PictureError};
 
@@ -121,13 +121,13 @@ impl Curve {
         self
     }
 
-    /// Draws a triangle of a slope below the two points of smallest x. Both axes must be logarithmic.
+    /// Draws a triangle of a slope below the curve, at its smallest x. Both axes must be logarithmic.
     pub fn slope_triangle(mut self, order: f64) -> Curve {
         self.triangles.push(SlopeTriangle { order, above: false });
         self
     }
 
-    /// Draws a triangle of a slope above the two points of smallest x. Both axes must be logarithmic.
+    /// Draws a triangle of a slope above the curve, at its smallest x. Both axes must be logarithmic.
     pub fn slope_triangle_above(mut self, order: f64) -> Curve {
         self.triangles.push(SlopeTriangle { order, above: true });
         self
@@ -334,18 +334,28 @@ impl Picture for LinePlot {
             x: axis(0)?,
             y: axis(1)?,
         };
-        let [left, below] = frame.margins(&drawing);
-        frame.area.left = left + GAP;
-        frame.area.width = width - frame.area.left - 3.5 * GAP;
-        frame.area.height = height - top - below - GAP;
         let legend = Legend::new(self.keys());
-        let legend_size = legend.size(&drawing);
-        let obstacles: Vec<Vec<Point>> =
+        let outside = |frame: &mut Frame, foot: f64| {
+            // The labels depend on the ticks, and these on the area: the second round settles it.
+            for _ in 0..2 {
+                let [left, below] = frame.margins(&drawing);
+                frame.area.left = left + GAP;
+                frame.area.width = width - frame.area.left - 3.5 * GAP;
+                frame.area.height = height - top - below - foot - GAP;
+            }
+        };
+        outside(&mut frame, 0.0);
+        let mut obstacles: Vec<Vec<Point>> =
             self.curves.iter().map(|curve| LinePlot::points(&frame, curve)).collect();
-        let mut legend_at = legend.corner(&frame.area, legend_size, &obstacles);
+        obstacles.extend(self.references.iter().map(|(k, value, _)| reference_line(&frame, *k, *value).to_vec()));
+        let columns = legend.columns(&drawing, width - 4.0 * GAP);
+        let mut legend_at = legend.corner(&frame.area, legend.size(&drawing, 1), &obstacles).map(|at| (at, 1));
         if legend_at.is_none() {
-            frame.area.width -= legend_size[0] + 2.0 * GAP;
-            legend_at = Some([frame.area.right() + 2.0 * GAP, frame.area.top]);
+            let [legend_width, legend_height] = legend.size(&drawing, columns);
+            outside(&mut frame, legend_height + 2.0 * GAP);
+            let left = frame.area.left + (frame.area.width - legend_width) / 2.0;
+            let left = left.min(width - legend_width - GAP).max(GAP);
+            legend_at = Some(([left, height - legend_height - GAP], columns));
         }
         if frame.area.width < 20.0 || frame.area.height < 20.0 {
             return Err(PictureError::Size { width, height });
@@ -354,7 +364,8 @@ impl Picture for LinePlot {
             frame.draw_grid(&mut drawing);
         }
         for (k, value, label) in &self.references {
-            draw_reference(&mut drawing, &frame, *k, *value, label);
+            let curves: Vec<Vec<Point>> = self.curves.iter().map(|c| LinePlot::points(&frame, c)).collect();
+            draw_reference(&mut drawing, &frame, (*k, *value), label, &curves);
         }
         for (k, curve) in self.curves.iter().enumerate() {
             let key = self.key(k, curve);
@@ -371,8 +382,8 @@ impl Picture for LinePlot {
             }
         }
         frame.draw(&mut drawing);
-        if let Some(at) = legend_at {
-            legend.draw(&mut drawing, at);
+        if let Some((at, columns)) = legend_at {
+            legend.draw(&mut drawing, at, columns);
         }
         let middle = frame.area.left + frame.area.width / 2.0;
         drawing.text(&self.title, TITLE_TEXT, [middle, GAP + TITLE_TEXT], Anchor::at(0.5, 0.0));
@@ -390,8 +401,13 @@ impl LinePlot {
     ) -> Result<(), PictureError> {
         let mut points: Vec<Point> = curve.x.iter().zip(&curve.y).map(|(&x, &y)| [x, y]).collect();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let [[x0, y0], [x1, y1]] = match points[..] {
-            [first, second, ..] if first[0] < second[0] && self.scales == [Scale::Logarithmic; 2] => [first, second],
+        // Long enough to be read, if the curve is.
+        let along = |point: &Point| frame.place(*point)[0] - frame.place(points[0])[0];
+        let second = points.iter().find(|point| along(point) >= 40.0).or(points.last()).copied();
+        let [[x0, y0], [x1, y1]] = match (points[0], second) {
+            (first, Some(second)) if first[0] < second[0] && self.scales == [Scale::Logarithmic; 2] => {
+                [first, second]
+            }
             _ => {
                 let picture = format!("the slope triangle of \"{}\" (two points, logarithmic axes)", curve.name);
                 return Err(PictureError::Empty { picture });
@@ -426,24 +442,44 @@ impl LinePlot {
     }
 }
 
-fn draw_reference(drawing: &mut Drawing, frame: &Frame, k: usize, value: f64, label: &str) {
-    let at = frame.place(if k == 0 { [value, frame.y.range[0]] } else { [frame.x.range[0], value] });
-    let stroke = Stroke::dashed(Colour::grey(90), 0.9, &[1.5, 2.0]);
-    let Rectangle { left, top, .. } = frame.area;
-    let (right, bottom) = (frame.area.right(), frame.area.bottom());
-    if !frame.area.contains(at) {
+/// The ends of a vertical (k = 0) or horizontal (k = 1) line through the frame.
+fn reference_line(frame: &Frame, k: usize, value: f64) -> [Point; 2] {
+    frame.axes()[1 - k].range.map(|end| frame.place(if k == 0 { [value, end] } else { [end, value] }))
+}
+
+/// Draws a line across the frame, with its label where no curve passes if there is such a place.
+fn draw_reference(
+    drawing: &mut Drawing,
+    frame: &Frame,
+    (k, value): (usize, f64),
+    label: &str,
+    curves: &[Vec<Point>],
+) {
+    let [start, end] = reference_line(frame, k, value);
+    if !frame.area.contains(start) {
         return;
     }
-    if k == 0 {
-        drawing.polyline(&[[at[0], top], [at[0], bottom]], stroke, None);
-        let upwards = Anchor { along: 1.0, above: 0.0, upwards: true };
-        drawing.text(label, TICK_TEXT, [at[0] - 2.5, top + 2.0 * GAP], upwards);
+    drawing.polyline(&[start, end], Stroke::dashed(Colour::grey(90), 0.9, &[1.5, 2.0]), None);
+    let (width, height) = (drawing.text_width(label, TICK_TEXT), TICK_TEXT * CAPITAL_HEIGHT);
+    let (near, far) = (3.0, 2.0 * GAP);
+    let Rectangle { left, top, .. } = frame.area;
+    let (right, bottom) = (frame.area.right(), frame.area.bottom());
+    // Upper left points of the label's box: beside a vertical line, above or below a horizontal one.
+    let places: [Point; 4] = if k == 0 {
+        let (before, after) = (start[0] - near - width, start[0] + near);
+        [[after, top + far], [before, top + far], [after, bottom - far - height], [before, bottom - far - height]]
     } else {
-        drawing.polyline(&[[left, at[1]], [right, at[1]]], stroke, None);
-        let room = LABEL_TEXT * CAPITAL_HEIGHT;
-        let above = if at[1] - top > room + 2.0 * GAP { [0.0, -3.0] } else { [1.0, 3.0] };
-        drawing.text(label, TICK_TEXT, [right - 2.0 * GAP, at[1] + above[1]], Anchor::at(1.0, above[0]));
-    }
+        let (above, below) = (start[1] - near - height, start[1] + near);
+        let at_right = right - far - width;
+        [[at_right, above], [at_right, below], [left + far, above], [left + far, below]]
+    };
+    let free = |at: &&Point| {
+        let room = Rectangle { left: at[0] - near, top: at[1] - near, width: width + 2.0 * near, height: height + 2.0 * near };
+        let inside = frame.area.contains(**at) && frame.area.contains([at[0] + width, at[1] + height]);
+        inside && !curves.iter().any(|curve| passes(curve, &room))
+    };
+    let at = places.iter().find(free).unwrap_or(&places[0]);
+    drawing.text(label, TICK_TEXT, *at, Anchor::at(0.0, 1.0));
 }
 
 #[cfg(test)]

@@ -4,17 +4,20 @@
 //! superscripts. Everything needed is compiled in: no system font, no system library.
 
 mod axes;
+mod body;
 mod colour_map;
 mod drawing;
+mod field_map;
+mod layout;
 mod legend;
 mod line_plot;
+mod mesh_drawing;
 mod panel;
 mod png_file;
 mod shading;
 mod svg_file;
 mod text;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -24,7 +27,9 @@ use super::atomic::write_whole;
 pub use axes::Scale;
 pub use colour_map::{Colour, ColourMap};
 pub use drawing::Drawing;
+pub use field_map::{FieldMap, Shown};
 pub use line_plot::{Curve, LinePlot, Marker};
+pub use mesh_drawing::MeshDrawing;
 pub use panel::Panel;
 
 /// Resolution of PNG files unless another one is asked for.
@@ -49,6 +54,25 @@ pub enum PictureError {
         /// The value.
         value: f64,
     },
+    /// A value in a cell is not a finite number.
+    #[error("\"{name}\" is {value} in cell {cell}, which cannot be drawn")]
+    CellNotFinite {
+        /// Name of the data.
+        name: String,
+        /// Number of the cell.
+        cell: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A field on another mesh than the picture's.
+    #[error("the field \"{name}\" lives on another mesh")]
+    OtherMesh {
+        /// Name of the field.
+        name: String,
+    },
+    /// The mesh has no such region.
+    #[error(transparent)]
+    Mesh(#[from] crate::mesh::MeshError),
     /// A logarithmic axis got a value that has no logarithm.
     #[error("value {index} of \"{name}\" is {value}, which cannot stand on a logarithmic axis")]
     NotPositive {

@@ -56,6 +56,9 @@ impl Picture for Panel {
             heights[k / columns] = heights[k / columns].max(height);
         }
         let gap = 2.0 * GAP;
+        // The letters have a strip of their own above each row.
+        let strip = if self.letters { TITLE_TEXT + GAP } else { 0.0 };
+        heights.iter_mut().for_each(|height| *height += strip);
         let header = if self.title.is_empty() { 0.0 } else { TITLE_TEXT + 3.0 * GAP };
         let total = |lengths: &[f64]| lengths.iter().sum::<f64>() + gap * (lengths.len() - 1) as f64;
         let size = [total(&widths), header + total(&heights)];
@@ -67,7 +70,7 @@ impl Picture for Panel {
             let top = header + heights[..row].iter().sum::<f64>() + gap * row as f64;
             // A smaller picture stands in the middle of its column, at the top of its row.
             let inset = (widths[column] - drawing.size()[0]) / 2.0;
-            page.place(drawing.clone(), [left + inset, top]);
+            page.place(drawing.clone(), [left + inset, top + strip]);
             if self.letters {
                 let letter = char::from(b'a' + (k % 26) as u8);
                 page.text(&format!("({letter})"), TITLE_TEXT, [left + GAP, top + GAP], Anchor::at(0.0, 1.0));

@@ -20,11 +20,16 @@ pub(super) struct Shading {
     pub range: [f64; 2],
     /// Number of bands of equal colour; `None` for a continuous map.
     pub levels: Option<usize>,
+    /// One colour for all values.
+    pub flat: Option<Colour>,
 }
 
 impl Shading {
     /// The colour of a value.
     pub fn colour(&self, value: f64) -> Colour {
+        if let Some(colour) = self.flat {
+            return colour;
+        }
         let [low, high] = self.range;
         let t = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
         self.map.at(match self.levels {
@@ -204,7 +209,7 @@ mod tests {
             points: vec![[2.0, 3.0], [12.0, 3.0], [12.0, 13.0], [2.0, 13.0]],
             values: values.to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
-            shading: Shading { map: ColourMap::Viridis, range: [0.0, 1.0], levels: None },
+            shading: Shading { map: ColourMap::Viridis, range: [0.0, 1.0], levels: None, flat: None },
         }
     }
 
@@ -242,7 +247,7 @@ mod tests {
 
     #[test]
     fn levels_are_even() {
-        let shading = Shading { map: ColourMap::Viridis, range: [0.0, 4.0], levels: Some(4) };
+        let shading = Shading { map: ColourMap::Viridis, range: [0.0, 4.0], levels: Some(4), flat: None };
         assert_eq!(shading.colour(0.9), shading.colour(0.1));
         assert_eq!(shading.colour(4.0), ColourMap::Viridis.at(1.0));
         assert_eq!(shading.colour(0.0), ColourMap::Viridis.at(0.0));
