@@ -3,5 +3,5 @@
 pub mod lagrange;
 pub mod shape;
 
-pub use lagrange::{Lagrange, Tables};
+pub use lagrange::{ElementError, Lagrange, MAXIMUM_NODES, Tables};
 pub use shape::CellShape;
