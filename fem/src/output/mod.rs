@@ -5,6 +5,9 @@ pub mod atomic;
 pub mod picture;
 pub mod vtu;
 
+#[cfg(test)]
+mod sample;
+
 use crate::field::Field;
 use crate::mesh::Mesh;
 

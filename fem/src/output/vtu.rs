@@ -1,6 +1,6 @@
 //! `.vtu` files (VTK unstructured grid, XML), which ParaView and VisIt read.
 
-use std::io::{Error, Write};
+use std::io::Error;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -101,8 +101,8 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError`] if the field lives on another mesh, is not finite, or the name is taken.
     pub fn point_data(self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
-        let values = super::nodal_values(self.mesh, field)
-            .ok_or_else(|| VtuError::OtherMesh { name: name.into() })?;
+        let values =
+            super::nodal_values(self.mesh, field).ok_or_else(|| VtuError::OtherMesh { name: name.into() })?;
         let components = field.space.shape.iter().product();
         self.point_values(name, components, &values)
     }

@@ -180,12 +180,17 @@ impl Frame {
         [&self.x, &self.y]
     }
 
+    /// Whether a power of ten stands above the vertical axis.
+    pub fn has_vertical_exponent(&self) -> bool {
+        self.y_ticks().exponent != 0
+    }
+
     fn x_ticks(&self) -> Ticks {
-        self.x.ticks((self.area.width / 48.0) as usize)
+        self.x.ticks(((self.area.width / 48.0) as usize).max(3))
     }
 
     fn y_ticks(&self) -> Ticks {
-        self.y.ticks((self.area.height / 32.0) as usize)
+        self.y.ticks(((self.area.height / 32.0) as usize).max(3))
     }
 
     /// Draws a faint line at each labelled tick.

@@ -77,9 +77,9 @@ impl<'a> Body<'a> {
     /// Positions of reference points in each of the cells, cell after cell.
     pub fn positions(&self, reference: &[[f64; 2]], cells: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
         let geometry = self.mesh.element().tabulate::<2>(reference);
-        let shift = self.displacement.map(|(field, factor)| {
-            (field, factor, field.space.element.tabulate::<2>(reference))
-        });
+        let shift = self
+            .displacement
+            .map(|(field, factor)| (field, factor, field.space.element.tabulate::<2>(reference)));
         let mut positions = Vec::new();
         for cell in cells {
             let nodes = self.mesh.cell(cell);
@@ -181,7 +181,8 @@ pub(super) fn joined(polylines: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
     let followed: BTreeSet<[u64; 2]> = polylines.iter().filter_map(|line| line.last().map(key)).collect();
     // Lines that nothing leads to come first; what is left then are closed curves.
     let mut order: Vec<usize> = (0..polylines.len()).collect();
-    order.sort_by_key(|&number| polylines[number].first().is_some_and(|point| followed.contains(&key(point))));
+    order
+        .sort_by_key(|&number| polylines[number].first().is_some_and(|point| followed.contains(&key(point))));
     let mut used = vec![false; polylines.len()];
     let mut lines = Vec::new();
     for first in order {

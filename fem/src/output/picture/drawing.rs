@@ -2,10 +2,10 @@
 
 use ttf_parser::Face;
 
+use super::PictureError;
 use super::colour_map::Colour;
 use super::shading::ShadedSurface;
 use super::text::{self, Anchor};
-use super::PictureError;
 
 /// A point of the page \[pt\], x to the right and y downwards.
 pub(super) type Point = [f64; 2];

@@ -196,7 +196,11 @@ impl<'a> FieldMap<'a> {
         match samples.iter().position(|value| !value.is_finite()) {
             Some(place) => {
                 let index = place / lattice.points.len();
-                Err(PictureError::CellNotFinite { name: self.label.clone(), cell: index, value: samples[place] })
+                Err(PictureError::CellNotFinite {
+                    name: self.label.clone(),
+                    cell: index,
+                    value: samples[place],
+                })
             }
             None => Ok(samples),
         }
@@ -241,7 +245,8 @@ impl<'a> FieldMap<'a> {
     }
 
     fn keys(&self, longest: Option<f64>) -> Vec<Key> {
-        let key = |text: &str, stroke: &Stroke| Key { text: text.into(), stroke: stroke.clone(), marker: None };
+        let key =
+            |text: &str, stroke: &Stroke| Key { text: text.into(), stroke: stroke.clone(), marker: None };
         let mut keys: Vec<Key> = self.lines.iter().map(|(_, name, stroke)| key(name, stroke)).collect();
         if let Some(name) = &self.undeformed {
             keys.push(key(name, &undeformed_stroke()));
@@ -300,9 +305,8 @@ impl Picture for FieldMap<'_> {
             }
             None => None,
         };
-        let longest = arrows.as_ref().map(|arrows| {
-            arrows.iter().map(|(_, u)| u[0].hypot(u[1])).fold(0.0, f64::max)
-        });
+        let longest =
+            arrows.as_ref().map(|arrows| arrows.iter().map(|(_, u)| u[0].hypot(u[1])).fold(0.0, f64::max));
         let layout = Layout {
             title: &self.title,
             unit: self.unit.as_deref(),
@@ -416,7 +420,8 @@ fn draw_arrows(
         let (start, end) = (-length / 2.0, length / 2.0);
         let head = (0.35 * length).min(4.0);
         drawing.polyline(&[along(start, 0.0), along(end - head / 2.0, 0.0)], arrow_stroke(), Some(area));
-        let mut segments = polyline(&[along(end, 0.0), along(end - head, head * 0.4), along(end - head, -head * 0.4)]);
+        let mut segments =
+            polyline(&[along(end, 0.0), along(end - head, head * 0.4), along(end - head, -head * 0.4)]);
         segments.push(Segment::Close);
         drawing.clipped_path(segments, Some(arrow_stroke().colour), None, Some(area));
     }

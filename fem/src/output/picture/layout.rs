@@ -1,9 +1,7 @@
 //! The layout that pictures of bodies share: title, axes of equal scale, colour bar, legend.
 
 use super::PictureError;
-use super::axes::{
-    AXIS_LINE, Axis, Frame, GAP, LABEL_TEXT, Scale, TICK, TICK_TEXT, TITLE_TEXT, multiplier,
-};
+use super::axes::{AXIS_LINE, Axis, Frame, GAP, LABEL_TEXT, Scale, TICK, TICK_TEXT, TITLE_TEXT, multiplier};
 use super::colour_map::Colour;
 use super::drawing::{Drawing, Point, Rectangle, Stroke, polyline};
 use super::legend::Legend;
@@ -41,16 +39,23 @@ impl Layout<'_> {
         let mut frame = Frame { area: Rectangle { left: 0.0, top: 0.0, width, height }, x, y };
         let probe = Drawing::new([100.0, 100.0])?;
         let [left, below] = if self.unit.is_some() { frame.margins(&probe) } else { [0.0; 2] };
-        let right = self.bar.as_ref().map_or(0.0, |(shading, label)| bar_width(&probe, shading, label, height));
+        let right =
+            self.bar.as_ref().map_or(0.0, |(shading, label)| bar_width(&probe, shading, label, height));
         let title = if self.title.is_empty() { 0.0 } else { TITLE_TEXT + 2.0 * GAP };
-        let exponent = TICK_TEXT * CAPITAL_HEIGHT + GAP;
+        let bar_exponent = self.bar.as_ref().is_some_and(|(shading, label)| {
+            bar_axis(shading, label).is_ok_and(|axis| axis.ticks(bar_ticks_count(height)).exponent != 0)
+        });
+        let has_exponent = bar_exponent || (self.unit.is_some() && frame.has_vertical_exponent());
+        let exponent = if has_exponent { TICK_TEXT * CAPITAL_HEIGHT + GAP } else { 0.0 };
         let mut page_width = left + width + right + 3.0 * GAP;
         let columns = self.legend.columns(&probe, page_width - 2.0 * GAP);
         let [legend_width, legend_height] = self.legend.size(&probe, columns);
-        page_width = page_width.max(legend_width + 2.0 * GAP).max(probe.text_width(self.title, TITLE_TEXT) + 2.0 * GAP);
+        page_width = page_width
+            .max(legend_width + 2.0 * GAP)
+            .max(probe.text_width(self.title, TITLE_TEXT) + 2.0 * GAP);
         let body_height = if self.bar.is_some() { height.max(BAR_HEIGHT) } else { height };
         let foot = if legend_height > 0.0 { legend_height + 2.0 * GAP } else { 0.0 };
-        let top = title + exponent + GAP;
+        let top = title + exponent + 1.5 * GAP;
         let mut drawing = Drawing::new([page_width, top + body_height + below + foot + GAP])?;
         let spare = (page_width - (left + width + right + 3.0 * GAP)) / 2.0;
         frame.area.left = left + GAP + spare;
@@ -61,12 +66,12 @@ impl Layout<'_> {
         drawing.text(self.title, TITLE_TEXT, [centre, GAP + TITLE_TEXT], Anchor::at(0.5, 0.0));
         if let Some((shading, label)) = &self.bar {
             let bar_height = height.max(BAR_HEIGHT);
-            let area = Rectangle { left: frame.area.right() + 3.0 * GAP, top, width: BAR, height: bar_height };
+            let area =
+                Rectangle { left: frame.area.right() + 3.0 * GAP, top, width: BAR, height: bar_height };
             draw_bar(&mut drawing, area, shading, label)?;
         }
-        let foot_left = (frame.area.left + (width - legend_width) / 2.0)
-            .min(page_width - legend_width - GAP)
-            .max(GAP);
+        let foot_left =
+            (frame.area.left + (width - legend_width) / 2.0).min(page_width - legend_width - GAP).max(GAP);
         let foot_top = drawing.size()[1] - legend_height - GAP;
         self.legend.draw(&mut drawing, [foot_left, foot_top], columns);
         Ok((drawing, frame))
@@ -98,7 +103,12 @@ fn bar_width(drawing: &Drawing, shading: &Shading, label: &str, height: f64) -> 
     3.0 * GAP + BAR + TICK + GAP + widths.fold(0.0, f64::max) + room
 }
 
-fn draw_bar(drawing: &mut Drawing, area: Rectangle, shading: &Shading, label: &str) -> Result<(), PictureError> {
+fn draw_bar(
+    drawing: &mut Drawing,
+    area: Rectangle,
+    shading: &Shading,
+    label: &str,
+) -> Result<(), PictureError> {
     let axis = bar_axis(shading, label)?;
     let [low, high] = shading.range.map(|value| value as f32);
     let corners: Vec<Point> = vec![
@@ -130,7 +140,7 @@ fn draw_bar(drawing: &mut Drawing, area: Rectangle, shading: &Shading, label: &s
         drawing.text(&text, TICK_TEXT, [area.left, area.top - GAP], Anchor::at(0.0, 0.0));
     }
     let beside = area.right() + TICK + GAP / 2.0 + widest + 1.5 * GAP;
-    let upwards = Anchor { along: 0.5, above: -1.0, upwards: true };
+    let upwards = Anchor { along: 0.5, above: 1.0, upwards: true };
     drawing.text(label, LABEL_TEXT, [beside, area.top + area.height / 2.0], upwards);
     Ok(())
 }

@@ -53,7 +53,12 @@ impl Legend {
     }
 
     /// The upper left point for the legend inside an area, in a corner where no curve passes.
-    pub fn corner(&self, area: &Rectangle, [width, height]: [f64; 2], curves: &[Vec<Point>]) -> Option<Point> {
+    pub fn corner(
+        &self,
+        area: &Rectangle,
+        [width, height]: [f64; 2],
+        curves: &[Vec<Point>],
+    ) -> Option<Point> {
         let inset = 2.0 * GAP;
         let left = [area.left + inset, area.right() - inset - width];
         let top = [area.top + inset, area.bottom() - inset - height];

@@ -276,9 +276,10 @@ impl LinePlot {
         }
         let curves = self.curves.iter().flat_map(|curve| if k == 0 { &curve.x } else { &curve.y });
         let lines = self.references.iter().filter(|line| line.0 == k).map(|line| &line.1);
-        let (mut low, mut high) = curves
-            .chain(lines)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
+        let (mut low, mut high) =
+            curves.chain(lines).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
+                (low.min(value), high.max(value))
+            });
         let triangles = |above: bool| {
             k == 1 && self.curves.iter().flat_map(|curve| &curve.triangles).any(|t| t.above == above)
         };
@@ -327,13 +328,15 @@ impl Picture for LinePlot {
         }
         let [width, height] = self.size.unwrap_or([330.0, 250.0]);
         let mut drawing = Drawing::new([width, height])?;
-        let top = if self.title.is_empty() { 0.0 } else { TITLE_TEXT + GAP } + TICK_TEXT + GAP;
+        let title = if self.title.is_empty() { 0.0 } else { TITLE_TEXT + 2.0 * GAP };
         let axis = |k: usize| Axis::new(&self.labels[k], self.scales[k], self.range(k));
         let mut frame = Frame {
-            area: Rectangle { left: 50.0, top, width: width - 70.0, height: height - 60.0 },
+            area: Rectangle { left: 50.0, top: title, width: width - 70.0, height: height - 60.0 },
             x: axis(0)?,
             y: axis(1)?,
         };
+        let top = title + if frame.has_vertical_exponent() { TICK_TEXT + GAP } else { 1.5 * GAP };
+        frame.area.top = top;
         let legend = Legend::new(self.keys());
         let outside = |frame: &mut Frame, foot: f64| {
             // The labels depend on the ticks, and these on the area: the second round settles it.
@@ -347,9 +350,11 @@ impl Picture for LinePlot {
         outside(&mut frame, 0.0);
         let mut obstacles: Vec<Vec<Point>> =
             self.curves.iter().map(|curve| LinePlot::points(&frame, curve)).collect();
-        obstacles.extend(self.references.iter().map(|(k, value, _)| reference_line(&frame, *k, *value).to_vec()));
+        obstacles
+            .extend(self.references.iter().map(|(k, value, _)| reference_line(&frame, *k, *value).to_vec()));
         let columns = legend.columns(&drawing, width - 4.0 * GAP);
-        let mut legend_at = legend.corner(&frame.area, legend.size(&drawing, 1), &obstacles).map(|at| (at, 1));
+        let mut legend_at =
+            legend.corner(&frame.area, legend.size(&drawing, 1), &obstacles).map(|at| (at, 1));
         if legend_at.is_none() {
             let [legend_width, legend_height] = legend.size(&drawing, columns);
             outside(&mut frame, legend_height + 2.0 * GAP);
@@ -363,9 +368,15 @@ impl Picture for LinePlot {
         if self.grid {
             frame.draw_grid(&mut drawing);
         }
-        for (k, value, label) in &self.references {
-            let curves: Vec<Vec<Point>> = self.curves.iter().map(|c| LinePlot::points(&frame, c)).collect();
-            draw_reference(&mut drawing, &frame, (*k, *value), label, &curves);
+        let mut taken: Vec<Vec<Point>> = self.curves.iter().map(|c| LinePlot::points(&frame, c)).collect();
+        for (number, (k, value, label)) in self.references.iter().enumerate() {
+            let others = self.references.iter().enumerate().filter(|(other, _)| *other != number);
+            let lines = others.map(|(_, (k, value, _))| reference_line(&frame, *k, *value).to_vec());
+            let count = taken.len();
+            taken.extend(lines);
+            let label = draw_reference(&mut drawing, &frame, (*k, *value), label, &taken);
+            taken.truncate(count);
+            taken.extend(label);
         }
         for (k, curve) in self.curves.iter().enumerate() {
             let key = self.key(k, curve);
@@ -409,7 +420,8 @@ impl LinePlot {
                 [first, second]
             }
             _ => {
-                let picture = format!("the slope triangle of \"{}\" (two points, logarithmic axes)", curve.name);
+                let picture =
+                    format!("the slope triangle of \"{}\" (two points, logarithmic axes)", curve.name);
                 return Err(PictureError::Empty { picture });
             }
         };
@@ -447,17 +459,18 @@ fn reference_line(frame: &Frame, k: usize, value: f64) -> [Point; 2] {
     frame.axes()[1 - k].range.map(|end| frame.place(if k == 0 { [value, end] } else { [end, value] }))
 }
 
-/// Draws a line across the frame, with its label where no curve passes if there is such a place.
+/// Draws a line across the frame, with its label where nothing passes if there is such a place, and
+/// returns the diagonal of the label.
 fn draw_reference(
     drawing: &mut Drawing,
     frame: &Frame,
     (k, value): (usize, f64),
     label: &str,
-    curves: &[Vec<Point>],
-) {
+    taken: &[Vec<Point>],
+) -> Option<Vec<Point>> {
     let [start, end] = reference_line(frame, k, value);
     if !frame.area.contains(start) {
-        return;
+        return None;
     }
     drawing.polyline(&[start, end], Stroke::dashed(Colour::grey(90), 0.9, &[1.5, 2.0]), None);
     let (width, height) = (drawing.text_width(label, TICK_TEXT), TICK_TEXT * CAPITAL_HEIGHT);
@@ -467,19 +480,30 @@ fn draw_reference(
     // Upper left points of the label's box: beside a vertical line, above or below a horizontal one.
     let places: [Point; 4] = if k == 0 {
         let (before, after) = (start[0] - near - width, start[0] + near);
-        [[after, top + far], [before, top + far], [after, bottom - far - height], [before, bottom - far - height]]
+        [
+            [after, top + far],
+            [before, top + far],
+            [after, bottom - far - height],
+            [before, bottom - far - height],
+        ]
     } else {
         let (above, below) = (start[1] - near - height, start[1] + near);
         let at_right = right - far - width;
         [[at_right, above], [at_right, below], [left + far, above], [left + far, below]]
     };
     let free = |at: &&Point| {
-        let room = Rectangle { left: at[0] - near, top: at[1] - near, width: width + 2.0 * near, height: height + 2.0 * near };
+        let room = Rectangle {
+            left: at[0] - near,
+            top: at[1] - near,
+            width: width + 2.0 * near,
+            height: height + 2.0 * near,
+        };
         let inside = frame.area.contains(**at) && frame.area.contains([at[0] + width, at[1] + height]);
-        inside && !curves.iter().any(|curve| passes(curve, &room))
+        inside && !taken.iter().any(|curve| passes(curve, &room))
     };
     let at = places.iter().find(free).unwrap_or(&places[0]);
     drawing.text(label, TICK_TEXT, *at, Anchor::at(0.0, 1.0));
+    Some(vec![*at, [at[0] + width, at[1] + height]])
 }
 
 #[cfg(test)]

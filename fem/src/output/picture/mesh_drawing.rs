@@ -56,7 +56,7 @@ impl<'a> MeshDrawing<'a> {
         Ok(self)
     }
 
-    /// Draws all regions of facets but the whole boundary.
+    /// Draws all regions of facets but the whole boundary, smaller ones over larger ones.
     pub fn all_regions(mut self) -> Self {
         let names = self.mesh.facet_region_names().filter(|&name| name != "boundary");
         for name in names {
@@ -64,6 +64,7 @@ impl<'a> MeshDrawing<'a> {
                 self.regions.push((name.into(), facets.to_vec()));
             }
         }
+        self.regions.sort_by_key(|(_, facets)| std::cmp::Reverse(facets.len()));
         self
     }
 
@@ -97,13 +98,11 @@ impl<'a> MeshDrawing<'a> {
         self
     }
 
-    /// The line of a region: of regions that share a facet the later one is thinner, so both are seen.
+    /// The line of a region: it is thinner where it would hide an earlier region altogether.
     fn stroke(&self, number: usize) -> Stroke {
         let facets = &self.regions[number].1;
-        let below = self.regions[..number]
-            .iter()
-            .filter(|(_, other)| other.iter().any(|facet| facets.contains(facet)))
-            .count();
+        let hidden = |other: &[Facet]| other.iter().all(|facet| facets.contains(facet));
+        let below = self.regions[..number].iter().filter(|(_, other)| hidden(other)).count();
         Stroke::solid(Colour::of_series(number), REGION_LINE / (1.0 + 0.9 * below as f64))
     }
 

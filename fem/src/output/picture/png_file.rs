@@ -82,7 +82,10 @@ fn draw_path(
         let style = tiny_skia::Stroke {
             width: stroke.width as f32,
             line_join: tiny_skia::LineJoin::Round,
-            dash: tiny_skia::StrokeDash::new(stroke.dashes.iter().map(|&length| length as f32).collect(), 0.0),
+            dash: tiny_skia::StrokeDash::new(
+                stroke.dashes.iter().map(|&length| length as f32).collect(),
+                0.0,
+            ),
             ..tiny_skia::Stroke::default()
         };
         page.stroke_path(path, &paint(stroke.colour), &style, transform, mask);

@@ -51,7 +51,8 @@ fn write_elements(text: &mut String, drawing: &Drawing) -> Result<(), PictureErr
                         if dashes.is_empty() { "none".into() } else { dashes.join(" ") },
                     )
                 });
-                writeln!(text, "<path{clipped} {fill}{stroke} d=\"{}\"/>", path_data(segments)).map_err(encoding)?;
+                writeln!(text, "<path{clipped} {fill}{stroke} d=\"{}\"/>", path_data(segments))
+                    .map_err(encoding)?;
             }
             Item::Surface { surface, .. } => {
                 let page = drawing.size.map(|length| (length * SURFACE_SCALE).ceil() as usize);

@@ -4,8 +4,8 @@
 
 use ttf_parser::{Face, OutlineBuilder};
 
-use super::drawing::{Point, Segment};
 use super::PictureError;
+use super::drawing::{Point, Segment};
 
 /// The embedded font.
 pub(super) fn typeface() -> Result<Face<'static>, PictureError> {
