@@ -1,10 +1,22 @@
 //! Meshes with named regions.
 
+mod connectivity;
+mod error;
+mod generators;
+mod geometry;
+mod regions;
+mod structured;
+
 use std::collections::BTreeMap;
 
-use crate::element::CellShape;
+use crate::element::{CellShape, Lagrange};
 
-/// An exterior facet: the cell that owns it and its local number there.
+pub use error::MeshError;
+pub use generators::{annulus, cuboid, rectangle};
+pub use regions::{BOUNDARY, EVERYWHERE};
+pub use structured::{Grid, structured};
+
+/// A facet of a cell: the cell that owns it and its local number there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Facet {
     /// Cell index.
@@ -15,6 +27,8 @@ pub struct Facet {
 
 /// A mesh of cells of one shape in D dimensions, with isoparametric geometry of degree 1 or 2.
 /// Geometry nodes of a cell stand in the order of [`crate::element::Lagrange`].
+///
+/// The cell region "all" and the facet region "boundary" always exist.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     /// Shape of every cell.
@@ -29,4 +43,107 @@ pub struct Mesh<const D: usize> {
     pub(crate) cell_regions: BTreeMap<String, Vec<u32>>,
     /// Named sets of facets.
     pub(crate) facet_regions: BTreeMap<String, Vec<Facet>>,
+    // The two sides of each interior facet, the cell with the smaller index first.
+    interior_facets: Vec<[Facet; 2]>,
+}
+
+impl<const D: usize> Mesh<D> {
+    /// A mesh from node coordinates \[length\] and the node numbers of its cells, cell after cell, each
+    /// cell's in the order of [`Lagrange`].
+    ///
+    /// # Errors
+    /// A [`MeshError`] that names the cell or node: a degree other than 1 and 2, a shape that does not
+    /// live in D dimensions, no cells, a list of cells that breaks off, a node number out of range or twice
+    /// in a cell, a coordinate that is not finite, a cell that is inverted or degenerate (at one of its
+    /// nodes or inside), a facet that more than two cells share.
+    pub fn from_parts(
+        shape: CellShape,
+        degree: usize,
+        nodes: Vec<[f64; D]>,
+        cells: Vec<u32>,
+    ) -> Result<Self, MeshError> {
+        let element = Lagrange::new(shape, degree)?;
+        if shape.dimension() != D {
+            return Err(MeshError::Dimension { shape, dimension: D });
+        }
+        connectivity::check_nodes(&nodes)?;
+        connectivity::check_cells(&element, nodes.len(), &cells)?;
+        let (boundary, interior_facets) = connectivity::match_facets(&element, &cells)?;
+        let all = (0..(cells.len() / element.nodes()) as u32).collect();
+        let mesh = Mesh {
+            shape,
+            degree,
+            nodes,
+            cells,
+            cell_regions: BTreeMap::from([(EVERYWHERE.to_owned(), all)]),
+            facet_regions: BTreeMap::from([(BOUNDARY.to_owned(), boundary)]),
+            interior_facets,
+        };
+        mesh.check_jacobians()?;
+        Ok(mesh)
+    }
+
+    /// Shape of every cell.
+    pub fn shape(&self) -> CellShape {
+        self.shape
+    }
+
+    /// Degree of the geometry map.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The element of the geometry map.
+    pub fn element(&self) -> Lagrange {
+        Lagrange { shape: self.shape, degree: self.degree }
+    }
+
+    /// Whether the Jacobian of every cell is constant: simplices of degree 1.
+    pub fn is_affine(&self) -> bool {
+        self.degree == 1 && self.shape.is_simplex()
+    }
+
+    /// Node coordinates \[length\].
+    pub fn nodes(&self) -> &[[f64; D]] {
+        &self.nodes
+    }
+
+    /// Number of geometry nodes.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Node numbers, cell after cell.
+    pub fn cells(&self) -> &[u32] {
+        &self.cells
+    }
+
+    /// Number of cells.
+    pub fn cell_count(&self) -> usize {
+        self.cells.len() / self.element().nodes()
+    }
+
+    /// Node numbers of a cell, its vertices first.
+    ///
+    /// # Panics
+    /// When `cell` is not below [`Mesh::cell_count`].
+    pub fn cell(&self, cell: usize) -> &[u32] {
+        let count = self.element().nodes();
+        &self.cells[cell * count..(cell + 1) * count]
+    }
+
+    /// The facets that belong to one cell only, in order of cell and local number.
+    pub fn boundary_facets(&self) -> &[Facet] {
+        self.facet_regions.get(BOUNDARY).map_or(&[], Vec::as_slice)
+    }
+
+    /// The two sides of each facet between two cells, the cell with the smaller index first.
+    pub fn interior_facets(&self) -> &[[Facet; 2]] {
+        &self.interior_facets
+    }
+
+    /// Number of facets, those between two cells counted once.
+    pub fn facet_count(&self) -> usize {
+        self.boundary_facets().len() + self.interior_facets.len()
+    }
 }

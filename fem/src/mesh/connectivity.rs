@@ -1,0 +1,157 @@
+//! Checks of node numbers, and which facets are interior or exterior.
+
+use super::{Facet, MeshError};
+use crate::element::Lagrange;
+
+pub(super) fn check_nodes<const D: usize>(nodes: &[[f64; D]]) -> Result<(), MeshError> {
+    if u32::try_from(nodes.len()).is_err() {
+        return Err(MeshError::TooLarge { what: "nodes" });
+    }
+    match nodes.iter().position(|position| position.iter().any(|x| !x.is_finite())) {
+        Some(node) => Err(MeshError::NotFinite { node, position: nodes[node].to_vec() }),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn check_cells(element: &Lagrange, count: usize, cells: &[u32]) -> Result<(), MeshError> {
+    let per_cell = element.nodes();
+    if cells.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    if !cells.len().is_multiple_of(per_cell) {
+        return Err(MeshError::CellLength { length: cells.len(), per_cell });
+    }
+    if u32::try_from(cells.len() / per_cell).is_err() {
+        return Err(MeshError::TooLarge { what: "cells" });
+    }
+    for (cell, nodes) in cells.chunks(per_cell).enumerate() {
+        for (position, &node) in nodes.iter().enumerate() {
+            if node as usize >= count {
+                return Err(MeshError::NodeRange { cell, node, count });
+            }
+            if nodes[..position].contains(&node) {
+                return Err(MeshError::RepeatedNode { cell, node });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The sorted vertices of a facet, filled up with the largest number: equal for the two sides.
+fn key(vertices: &[usize], nodes: &[u32]) -> [u32; 4] {
+    let mut key = [u32::MAX; 4];
+    for (entry, &vertex) in key.iter_mut().zip(vertices) {
+        *entry = nodes[vertex];
+    }
+    key.sort_unstable();
+    key
+}
+
+type Facets = (Vec<Facet>, Vec<[Facet; 2]>);
+
+/// Exterior facets, and pairs of the two sides of interior ones.
+pub(super) fn match_facets(element: &Lagrange, cells: &[u32]) -> Result<Facets, MeshError> {
+    let shape = element.shape;
+    let mut sides: Vec<([u32; 4], Facet)> =
+        Vec::with_capacity(cells.len() / element.nodes() * shape.facets());
+    for (cell, nodes) in cells.chunks(element.nodes()).enumerate() {
+        for local in 0..shape.facets() {
+            let facet = Facet { cell: cell as u32, local: local as u8 };
+            sides.push((key(shape.facet_vertices(local), nodes), facet));
+        }
+    }
+    sides.sort_unstable();
+    let (mut exterior, mut interior) = (Vec::new(), Vec::new());
+    for same in sides.chunk_by(|a, b| a.0 == b.0) {
+        match same {
+            [(_, facet)] => exterior.push(*facet),
+            [(_, first), (_, second)] => interior.push([*first, *second]),
+            _ => {
+                return Err(MeshError::SharedFacet {
+                    vertices: same[0].0[..shape.vertices_per_facet()].to_vec(),
+                    cells: same.iter().map(|(_, facet)| facet.cell).collect(),
+                });
+            }
+        }
+    }
+    exterior.sort_unstable();
+    interior.sort_unstable();
+    Ok((exterior, interior))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::element::CellShape;
+    use crate::mesh::{Facet, Mesh};
+
+    const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+    fn triangles(nodes: &[[f64; 2]], cells: &[u32]) -> Result<Mesh<2>, String> {
+        Mesh::from_parts(CellShape::Triangle, 1, nodes.to_vec(), cells.to_vec())
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn two_triangles_share_one_facet() -> Result<(), String> {
+        let mesh = triangles(&SQUARE, &[0, 1, 2, 0, 2, 3])?;
+        let facet = |cell, local| Facet { cell, local };
+        assert_eq!(mesh.boundary_facets(), [facet(0, 0), facet(0, 1), facet(1, 1), facet(1, 2)]);
+        assert_eq!(mesh.interior_facets(), [[facet(0, 2), facet(1, 0)]]);
+        assert_eq!((mesh.facet_count(), mesh.cell_count(), mesh.node_count()), (5, 2, 4));
+        Ok(())
+    }
+
+    #[test]
+    fn wrong_cells_are_named() {
+        let error = |nodes: &[[f64; 2]], cells: &[u32]| triangles(nodes, cells).err().unwrap_or_default();
+        assert_eq!(
+            error(&SQUARE, &[0, 1, 2, 0, 2, 4]),
+            "cell 1 names node 4, but the mesh has 4 nodes (numbered from 0)"
+        );
+        assert_eq!(error(&SQUARE, &[0, 1, 2, 2, 2, 3]), "cell 1 names node 2 twice");
+        assert_eq!(
+            error(&SQUARE, &[0, 1, 2, 3]),
+            "the cells list 4 node numbers, which is not a multiple of 3, the nodes of a cell"
+        );
+        assert_eq!(error(&SQUARE, &[]), "the mesh has no cells");
+        assert_eq!(
+            error(&[[0.0, 0.0], [1.0, f64::NAN]], &[0, 1, 1]),
+            "node 1 has a coordinate that is not finite: [1.0, NaN]"
+        );
+        assert!(error(&SQUARE, &[0, 1, 2, 0, 3, 2]).starts_with("cell 1 is inverted or degenerate"));
+        let five = [SQUARE.as_slice(), &[[2.0, 2.0]]].concat();
+        assert!(error(&five, &[0, 2, 4]).starts_with("cell 0 is inverted or degenerate"));
+        let fan = [SQUARE.as_slice(), &[[0.2, 0.9]]].concat();
+        assert_eq!(
+            error(&fan, &[0, 1, 2, 0, 2, 3, 0, 2, 4]),
+            "the facet with vertices [0, 2] belongs to more than two cells: [0, 1, 2]"
+        );
+    }
+
+    #[test]
+    fn dimension_and_degree_must_fit() {
+        let error = |shape, degree| {
+            Mesh::from_parts(shape, degree, SQUARE.to_vec(), vec![0, 1, 2, 3])
+                .map(|_| ())
+                .map_err(|error| error.to_string())
+        };
+        assert_eq!(
+            error(CellShape::Tetrahedron, 1),
+            Err("a mesh of tetrahedron cells has 3 dimensions, not 2".into())
+        );
+        assert!(error(CellShape::Quadrilateral, 3).is_err());
+        assert_eq!(error(CellShape::Quadrilateral, 1), Ok(()));
+    }
+
+    #[test]
+    fn a_folded_quadratic_cell_is_found() {
+        let mut nodes = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
+        let mesh = |nodes: &Vec<[f64; 2]>| {
+            Mesh::from_parts(CellShape::Triangle, 2, nodes.clone(), (0..6).collect()).is_ok()
+        };
+        assert!(mesh(&nodes));
+        // A midpoint beyond a quarter of its edge folds the map at the vertex.
+        nodes[3] = [0.2, 0.0];
+        assert!(!mesh(&nodes));
+    }
+}

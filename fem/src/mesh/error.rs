@@ -1,0 +1,147 @@
+//! What can be wrong with a mesh.
+
+use thiserror::Error;
+
+use crate::element::{CellShape, ElementError};
+
+/// Why a mesh or a region of it does not exist.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum MeshError {
+    /// The geometry map has no such degree.
+    #[error(transparent)]
+    Element(#[from] ElementError),
+    /// The shape does not live in D dimensions.
+    #[error("a mesh of {} cells has {} dimensions, not {dimension}", shape.name(), shape.dimension())]
+    Dimension {
+        /// The shape.
+        shape: CellShape,
+        /// The D asked for.
+        dimension: usize,
+    },
+    /// No cells.
+    #[error("the mesh has no cells")]
+    Empty,
+    /// The list of node numbers is not a whole number of cells.
+    #[error(
+        "the cells list {length} node numbers, which is not a multiple of {per_cell}, the nodes of a cell"
+    )]
+    CellLength {
+        /// Length of the list.
+        length: usize,
+        /// Nodes of a cell.
+        per_cell: usize,
+    },
+    /// More nodes or cells than `u32` counts.
+    #[error("the mesh has more {what} than 4294967295")]
+    TooLarge {
+        /// "nodes" or "cells".
+        what: &'static str,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("node {node} has a coordinate that is not finite: {position:?}")]
+    NotFinite {
+        /// Node number.
+        node: usize,
+        /// Its coordinates.
+        position: Vec<f64>,
+    },
+    /// A cell names a node that does not exist.
+    #[error("cell {cell} names node {node}, but the mesh has {count} nodes (numbered from 0)")]
+    NodeRange {
+        /// Cell index.
+        cell: usize,
+        /// The node number.
+        node: u32,
+        /// Number of nodes.
+        count: usize,
+    },
+    /// A cell names a node twice.
+    #[error("cell {cell} names node {node} twice")]
+    RepeatedNode {
+        /// Cell index.
+        cell: usize,
+        /// The node number.
+        node: u32,
+    },
+    /// The Jacobian determinant is not positive.
+    #[error(
+        "cell {cell} is inverted or degenerate: its Jacobian determinant is {determinant:e} near {position:?}"
+    )]
+    Inverted {
+        /// Cell index.
+        cell: usize,
+        /// The determinant \[length^D\].
+        determinant: f64,
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// More than two cells share a facet.
+    #[error("the facet with vertices {vertices:?} belongs to more than two cells: {cells:?}")]
+    SharedFacet {
+        /// Its node numbers.
+        vertices: Vec<u32>,
+        /// The cells.
+        cells: Vec<u32>,
+    },
+    /// No such cell region.
+    #[error("there is no cell region \"{name}\"; the mesh has {}", quoted(existing))]
+    UnknownCellRegion {
+        /// The name asked for.
+        name: String,
+        /// The names that exist.
+        existing: Vec<String>,
+    },
+    /// No such facet region.
+    #[error("there is no facet region \"{name}\"; the mesh has {}", quoted(existing))]
+    UnknownFacetRegion {
+        /// The name asked for.
+        name: String,
+        /// The names that exist.
+        existing: Vec<String>,
+    },
+    /// Neither a cell region nor a facet region.
+    #[error(
+        "there is no region \"{name}\"; the mesh has the cell regions {} and the facet regions {}",
+        quoted(cells),
+        quoted(facets)
+    )]
+    UnknownRegion {
+        /// The name asked for.
+        name: String,
+        /// The cell regions that exist.
+        cells: Vec<String>,
+        /// The facet regions that exist.
+        facets: Vec<String>,
+    },
+    /// The name is taken.
+    #[error("the mesh already has a region \"{name}\"")]
+    RegionExists {
+        /// The name.
+        name: String,
+    },
+    /// The new region would have no member.
+    #[error("the region \"{name}\" would be empty: no {entity} satisfies its condition")]
+    EmptyRegion {
+        /// The name.
+        name: String,
+        /// "cell" or "facet".
+        entity: &'static str,
+    },
+    /// A generator's parameter is out of range.
+    #[error("{parameter} = {value} is not possible: {requirement}")]
+    Parameter {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value.
+        value: String,
+        /// What it should be.
+        requirement: &'static str,
+    },
+}
+
+fn quoted(names: &[String]) -> String {
+    if names.is_empty() {
+        return "none".to_owned();
+    }
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}

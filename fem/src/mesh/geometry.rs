@@ -1,0 +1,174 @@
+//! The geometry map of a cell: positions, Jacobians, centres, diameters.
+
+use super::{Facet, Mesh, MeshError};
+use crate::element::MAXIMUM_NODES;
+use crate::quadrature::cell_rule;
+
+impl<const D: usize> Mesh<D> {
+    /// The position x \[length\] of a reference point of a cell, and the Jacobian
+    /// `jacobian[i][j]` = ∂x_i/∂ξ_j there.
+    ///
+    /// # Panics
+    /// When `cell` is not below [`Mesh::cell_count`].
+    pub fn map(&self, cell: usize, reference: &[f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        let mut value = [0.0; MAXIMUM_NODES];
+        let mut gradient = [[0.0; D]; MAXIMUM_NODES];
+        self.element().evaluate(reference, &mut value, &mut gradient);
+        let (mut position, mut jacobian) = ([0.0; D], [[0.0; D]; D]);
+        for ((node, phi), slope) in self.cell(cell).iter().zip(value).zip(gradient) {
+            let x = &self.nodes[*node as usize];
+            for i in 0..D {
+                position[i] += phi * x[i];
+                for j in 0..D {
+                    jacobian[i][j] += slope[j] * x[i];
+                }
+            }
+        }
+        (position, jacobian)
+    }
+
+    /// The image of the reference cell's centre \[length\].
+    ///
+    /// # Panics
+    /// When `cell` is not below [`Mesh::cell_count`].
+    pub fn cell_centre(&self, cell: usize) -> [f64; D] {
+        self.map(cell, &self.shape.centre()).0
+    }
+
+    /// The image of the centre of the facet's reference cell \[length\].
+    ///
+    /// # Panics
+    /// When the mesh has no such facet.
+    pub fn facet_centre(&self, facet: Facet) -> [f64; D] {
+        self.map(facet.cell as usize, &self.shape.facet_centre(usize::from(facet.local))).0
+    }
+
+    /// h, the largest distance between two vertices of a cell \[length\].
+    ///
+    /// # Panics
+    /// When `cell` is not below [`Mesh::cell_count`].
+    pub fn diameter(&self, cell: usize) -> f64 {
+        let vertices = &self.cell(cell)[..self.shape.vertices()];
+        let mut largest = 0.0_f64;
+        for (index, &a) in vertices.iter().enumerate() {
+            for &b in &vertices[..index] {
+                let (a, b) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+                largest = largest.max(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum());
+            }
+        }
+        largest.sqrt()
+    }
+
+    /// The smallest box \[length\] that contains all nodes: its lower and its upper corner.
+    pub fn bounds(&self) -> ([f64; D], [f64; D]) {
+        let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        for node in &self.nodes {
+            for k in 0..D {
+                lower[k] = lower[k].min(node[k]);
+                upper[k] = upper[k].max(node[k]);
+            }
+        }
+        (lower, upper)
+    }
+
+    // The determinant of a quadratic map has degree up to 2 per direction and factor: nodes and a few
+    // interior points see a fold.
+    pub(super) fn check_jacobians(&self) -> Result<(), MeshError> {
+        let mut points = vec![self.shape.centre::<D>()];
+        if !self.is_affine() {
+            points.extend(self.element().node_points::<D>());
+            if self.degree == 2 {
+                // Degree 4 exists on every shape.
+                points.extend(cell_rule::<D>(self.shape, 4).map(|rule| rule.points).unwrap_or_default());
+            }
+        }
+        let tables = self.element().tabulate(&points);
+        for (cell, nodes) in self.cells.chunks(tables.nodes).enumerate() {
+            for (q, slopes) in tables.gradient.chunks(tables.nodes).enumerate() {
+                let mut jacobian = [[0.0; D]; D];
+                for (node, slope) in nodes.iter().zip(slopes) {
+                    let x = &self.nodes[*node as usize];
+                    for i in 0..D {
+                        for j in 0..D {
+                            jacobian[i][j] += slope[j] * x[i];
+                        }
+                    }
+                }
+                let determinant = determinant(&jacobian);
+                // Round-off of a degenerate cell is of this size relative to its edges.
+                let scale: f64 =
+                    (0..D).map(|j| jacobian.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt()).product();
+                if determinant.is_nan() || determinant <= 1e-14 * scale {
+                    let position = self.map(cell, &points[q]).0.to_vec();
+                    return Err(MeshError::Inverted { cell, determinant, position });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The determinant of a 2 × 2 or 3 × 3 matrix.
+pub(crate) fn determinant<const D: usize>(a: &[[f64; D]; D]) -> f64 {
+    if D == 2 {
+        a[0][0] * a[1][1] - a[0][1] * a[1][0]
+    } else {
+        (0..D)
+            .map(|k| {
+                let (i, j) = ((k + 1) % D, (k + 2) % D);
+                a[0][k] * (a[1][i] * a[2][j] - a[1][j] * a[2][i])
+            })
+            .sum()
+    }
+}
+
+/// Solves a 2 × 2 or 3 × 3 system by Cramer's rule; `None` when the matrix is singular.
+pub(crate) fn solve<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> Option<[f64; D]> {
+    let whole = determinant(a);
+    let x = std::array::from_fn(|k| {
+        let mut replaced = *a;
+        for (row, entry) in replaced.iter_mut().zip(b) {
+            row[k] = *entry;
+        }
+        determinant(&replaced) / whole
+    });
+    x.iter().all(|entry: &f64| entry.is_finite()).then_some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+
+    #[test]
+    fn the_map_of_a_quadratic_triangle() -> Result<(), MeshError> {
+        // x = ξ + 0.4 ξ η, y = η: a quadratic map, so it is reproduced with its derivative.
+        let map = |p: [f64; 2]| [p[0] + 0.4 * p[0] * p[1], p[1]];
+        let points = crate::element::Lagrange { shape: CellShape::Triangle, degree: 2 }.node_points::<2>();
+        let nodes = points.into_iter().map(map).collect();
+        let mesh = Mesh::from_parts(CellShape::Triangle, 2, nodes, (0..6).collect())?;
+        let p = [0.3, 0.2];
+        let (x, jacobian) = mesh.map(0, &p);
+        let expected = [[1.0 + 0.4 * p[1], 0.4 * p[0]], [0.0, 1.0]];
+        for i in 0..2 {
+            assert!((x[i] - map(p)[i]).abs() < 1e-15);
+            for j in 0..2 {
+                assert!((jacobian[i][j] - expected[i][j]).abs() < 1e-15);
+            }
+        }
+        assert_eq!(mesh.diameter(0), 2f64.sqrt());
+        let centre = mesh.facet_centre(Facet { cell: 0, local: 1 });
+        assert!((centre[0] - 0.6).abs() < 1e-15 && (centre[1] - 0.5).abs() < 1e-15);
+        assert_eq!(mesh.bounds(), ([0.0, 0.0], [1.0, 1.0]));
+        Ok(())
+    }
+
+    #[test]
+    fn small_systems() {
+        let a = [[2.0, 1.0, 0.0], [0.0, 3.0, 1.0], [1.0, 0.0, 1.0]];
+        assert_eq!(determinant(&a), 7.0);
+        let x = solve(&a, &[4.0, 9.0, 4.0]);
+        assert_eq!(x, Some([1.0, 2.0, 3.0]));
+        assert_eq!(solve(&[[1.0, 2.0], [2.0, 4.0]], &[1.0, 1.0]), None);
+    }
+}

@@ -1,0 +1,145 @@
+//! Named sets of cells and facets.
+
+use super::{Facet, Mesh, MeshError};
+
+/// The cell region that consists of all cells.
+pub const EVERYWHERE: &str = "all";
+/// The facet region that consists of all exterior facets.
+pub const BOUNDARY: &str = "boundary";
+
+impl<const D: usize> Mesh<D> {
+    /// The cells of a region, in ascending order.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownCellRegion`], which lists the names that exist.
+    pub fn cell_region(&self, name: &str) -> Result<&[u32], MeshError> {
+        self.cell_regions.get(name).map(Vec::as_slice).ok_or_else(|| MeshError::UnknownCellRegion {
+            name: name.to_owned(),
+            existing: self.cell_regions.keys().cloned().collect(),
+        })
+    }
+
+    /// The facets of a region, in ascending order.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownFacetRegion`], which lists the names that exist.
+    pub fn facet_region(&self, name: &str) -> Result<&[Facet], MeshError> {
+        self.facet_regions.get(name).map(Vec::as_slice).ok_or_else(|| MeshError::UnknownFacetRegion {
+            name: name.to_owned(),
+            existing: self.facet_regions.keys().cloned().collect(),
+        })
+    }
+
+    /// Names of the cell regions, sorted.
+    pub fn cell_region_names(&self) -> impl Iterator<Item = &str> {
+        self.cell_regions.keys().map(String::as_str)
+    }
+
+    /// Names of the facet regions, sorted.
+    pub fn facet_region_names(&self) -> impl Iterator<Item = &str> {
+        self.facet_regions.keys().map(String::as_str)
+    }
+
+    /// Names the cells whose centre satisfies a condition.
+    ///
+    /// # Errors
+    /// [`MeshError::RegionExists`] when a cell or facet region has this name,
+    /// [`MeshError::EmptyRegion`] when no cell satisfies the condition.
+    pub fn name_cells(&mut self, name: &str, condition: impl Fn(&[f64; D]) -> bool) -> Result<(), MeshError> {
+        let cells = (0..self.cell_count()).filter(|&cell| condition(&self.cell_centre(cell)));
+        let cells: Vec<u32> = cells.map(|cell| cell as u32).collect();
+        self.check_name(name, "cell", cells.is_empty())?;
+        self.cell_regions.insert(name.to_owned(), cells);
+        Ok(())
+    }
+
+    /// Names the facets of the region `within` whose centre satisfies a condition.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownFacetRegion`] for `within`, [`MeshError::RegionExists`] when a cell or facet
+    /// region has this name, [`MeshError::EmptyRegion`] when no facet satisfies the condition.
+    pub fn name_facets(
+        &mut self,
+        name: &str,
+        within: &str,
+        condition: impl Fn(&[f64; D]) -> bool,
+    ) -> Result<(), MeshError> {
+        let facets = self.facet_region(within)?.iter().copied();
+        let facets = facets.filter(|&facet| condition(&self.facet_centre(facet))).collect();
+        self.insert_facets(name, facets)
+    }
+
+    pub(super) fn insert_facets(&mut self, name: &str, facets: Vec<Facet>) -> Result<(), MeshError> {
+        self.check_name(name, "facet", facets.is_empty())?;
+        self.facet_regions.insert(name.to_owned(), facets);
+        Ok(())
+    }
+
+    // One name, one region: boundary conditions accept regions of either kind.
+    fn check_name(&self, name: &str, entity: &'static str, empty: bool) -> Result<(), MeshError> {
+        if self.cell_regions.contains_key(name) || self.facet_regions.contains_key(name) {
+            return Err(MeshError::RegionExists { name: name.to_owned() });
+        }
+        if empty {
+            return Err(MeshError::EmptyRegion { name: name.to_owned(), entity });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+    use crate::mesh::rectangle;
+
+    #[test]
+    fn regions_by_condition() -> Result<(), MeshError> {
+        let mut mesh = rectangle([0.0, 0.0], [4.0, 2.0], [4, 2], CellShape::Quadrilateral, 1)?;
+        mesh.name_cells("first", |centre| centre[0] < 2.0)?;
+        assert_eq!(mesh.cell_region("first")?, [0, 1, 4, 5]);
+        mesh.name_facets("contact", "bottom", |centre| centre[0] > 1.0)?;
+        let contact = mesh.facet_region("contact")?;
+        assert_eq!(contact.iter().map(|facet| facet.cell).collect::<Vec<_>>(), [1, 2, 3]);
+        assert_eq!(mesh.cell_region(EVERYWHERE)?.len(), 8);
+        assert_eq!(mesh.facet_region(BOUNDARY)?.len(), 12);
+        Ok(())
+    }
+
+    #[test]
+    fn errors_name_the_regions() -> Result<(), MeshError> {
+        let mut mesh = rectangle([0.0, 0.0], [4.0, 2.0], [4, 2], CellShape::Quadrilateral, 1)?;
+        let message = |result: Result<(), MeshError>| result.err().map(|error| error.to_string());
+        assert_eq!(
+            message(mesh.facet_region("lid").map(|_| ())).as_deref(),
+            Some(
+                "there is no facet region \"lid\"; \
+                 the mesh has \"bottom\", \"boundary\", \"left\", \"right\", \"top\""
+            )
+        );
+        assert_eq!(
+            message(mesh.cell_region("steel").map(|_| ())).as_deref(),
+            Some("there is no cell region \"steel\"; the mesh has \"all\"")
+        );
+        assert_eq!(
+            message(mesh.name_facets("contact", "outer", |_| true)).as_deref(),
+            Some(
+                "there is no facet region \"outer\"; \
+                 the mesh has \"bottom\", \"boundary\", \"left\", \"right\", \"top\""
+            )
+        );
+        assert_eq!(
+            message(mesh.name_facets("contact", "top", |centre| centre[1] < 0.0)).as_deref(),
+            Some("the region \"contact\" would be empty: no facet satisfies its condition")
+        );
+        assert_eq!(
+            message(mesh.name_cells("steel", |_| false)).as_deref(),
+            Some("the region \"steel\" would be empty: no cell satisfies its condition")
+        );
+        assert_eq!(
+            message(mesh.name_cells("left", |_| true)).as_deref(),
+            Some("the mesh already has a region \"left\"")
+        );
+        Ok(())
+    }
+}

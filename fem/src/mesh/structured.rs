@@ -1,0 +1,175 @@
+//! Structured meshes: a grid of logical coordinates on \[0,1\]^D, mapped by a closure.
+
+use super::{Facet, Mesh, MeshError};
+use crate::element::{CellShape, Lagrange};
+
+/// A structured grid. Its blocks are squares or cubes; triangles split each square along the diagonal
+/// from (0,0) to (1,1), tetrahedra each cube into the six around the diagonal from (0,0,0) to (1,1,1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid<const D: usize> {
+    /// Number of blocks per direction.
+    pub divisions: [usize; D],
+    /// Directions in which the grid closes on itself; these need at least three blocks.
+    pub periodic: [bool; D],
+    /// Names of the facet regions at the lower and upper end of each direction that is not periodic.
+    pub sides: [[&'static str; 2]; D],
+    /// Shape of the cells.
+    pub shape: CellShape,
+    /// Degree of the geometry, 1 or 2.
+    pub degree: usize,
+}
+
+/// A structured mesh of the unit square or cube, mapped: `map` takes logical coordinates on \[0,1\]^D to
+/// positions. Facet regions: left and right (first coordinate), bottom and top (last), in three dimensions
+/// also front and back (second).
+///
+/// # Errors
+/// [`MeshError::Parameter`] names a count of divisions that is zero; a map that folds or turns cells gives
+/// [`MeshError::Inverted`]; further those of [`Mesh::from_parts`].
+pub fn structured<const D: usize>(
+    divisions: [usize; D],
+    shape: CellShape,
+    degree: usize,
+    map: impl Fn([f64; D]) -> [f64; D],
+) -> Result<Mesh<D>, MeshError> {
+    let sides = std::array::from_fn(|k| match k {
+        0 => ["left", "right"],
+        _ if k + 1 == D => ["bottom", "top"],
+        _ => ["front", "back"],
+    });
+    Grid { divisions, periodic: [false; D], sides, shape, degree }.mesh(map)
+}
+
+impl<const D: usize> Grid<D> {
+    /// The mesh. Cells and nodes are numbered with the first direction fastest. Node i of n in a direction
+    /// has the logical coordinate i/n.
+    ///
+    /// # Errors
+    /// As [`structured`].
+    pub fn mesh(&self, map: impl Fn([f64; D]) -> [f64; D]) -> Result<Mesh<D>, MeshError> {
+        let element = Lagrange::new(self.shape, self.degree)?;
+        if self.shape.dimension() != D {
+            return Err(MeshError::Dimension { shape: self.shape, dimension: D });
+        }
+        let counts = self.node_counts()?;
+        let total: usize = counts.iter().product();
+        let nodes = (0..total).map(|node| map(self.logical(self.unpack(node, &counts)))).collect();
+        let cells = self.cells(&element, &counts);
+        let mut mesh = Mesh::from_parts(self.shape, self.degree, nodes, cells)?;
+        for direction in (0..D).filter(|&direction| !self.periodic[direction]) {
+            for (end, name) in self.sides[direction].into_iter().enumerate() {
+                let place = if end == 0 { 0 } else { counts[direction] - 1 };
+                let facets = mesh.boundary_facets().iter().copied();
+                let facets = facets.filter(|&facet| self.lies_at(&mesh, facet, &counts, direction, place));
+                let facets = facets.collect();
+                mesh.insert_facets(name, facets)?;
+            }
+        }
+        Ok(mesh)
+    }
+
+    // Number of different nodes per direction.
+    fn node_counts(&self) -> Result<[usize; D], MeshError> {
+        let mut total = 1_usize;
+        let mut counts = [0; D];
+        for k in 0..D {
+            let (divisions, least) = (self.divisions[k], if self.periodic[k] { 3 } else { 1 });
+            if divisions < least {
+                return Err(MeshError::Parameter {
+                    parameter: "divisions",
+                    value: format!("{:?}", self.divisions),
+                    requirement: "each direction needs at least 1, a periodic one at least 3",
+                });
+            }
+            let too_large = MeshError::TooLarge { what: "nodes" };
+            let steps = divisions.checked_mul(self.degree).ok_or(too_large.clone())?;
+            counts[k] = steps.checked_add(usize::from(!self.periodic[k])).ok_or(too_large.clone())?;
+            total = total.checked_mul(counts[k]).ok_or(too_large.clone())?;
+            if u32::try_from(total).is_err() {
+                return Err(too_large);
+            }
+        }
+        Ok(counts)
+    }
+
+    fn unpack(&self, mut index: usize, counts: &[usize; D]) -> [usize; D] {
+        counts.map(|count| {
+            let digit = index % count;
+            index /= count;
+            digit
+        })
+    }
+
+    fn logical(&self, place: [usize; D]) -> [f64; D] {
+        std::array::from_fn(|k| place[k] as f64 / (self.divisions[k] * self.degree) as f64)
+    }
+
+    fn cells(&self, element: &Lagrange, counts: &[usize; D]) -> Vec<u32> {
+        let templates = self.templates(element);
+        let blocks: usize = self.divisions.iter().product();
+        let mut cells = Vec::with_capacity(blocks * templates.len() * element.nodes());
+        for block in 0..blocks {
+            let corner = self.unpack(block, &self.divisions).map(|place| place * self.degree);
+            for template in &templates {
+                for steps in template {
+                    let node = (0..D).rev().fold(0, |node, k| {
+                        // Only a periodic direction wraps.
+                        node * counts[k] + (corner[k] + steps[k]) % counts[k]
+                    });
+                    cells.push(node as u32);
+                }
+            }
+        }
+        cells
+    }
+
+    // For each cell of a block: the places of its nodes, in steps of 1/degree block.
+    fn templates(&self, element: &Lagrange) -> Vec<Vec<[usize; D]>> {
+        let points = element.node_points::<D>();
+        let degree = self.degree as f64;
+        // Half steps are exact in floating point.
+        let steps = |x: [f64; D]| x.map(|coordinate| (degree * coordinate).round() as usize);
+        if !self.shape.is_simplex() {
+            return vec![points.into_iter().map(steps).collect()];
+        }
+        // A path from corner 0 to the opposite one per order of the directions; every second one has its
+        // last two vertices swapped, so that all are positively oriented.
+        let paths: &[[usize; 3]] = if D == 2 {
+            &[[0, 1, 2], [1, 0, 2]]
+        } else {
+            &[[0, 1, 2], [1, 2, 0], [2, 0, 1], [1, 0, 2], [0, 2, 1], [2, 1, 0]]
+        };
+        let simplex = |(index, path): (usize, &[usize; 3])| {
+            let mut vertices = vec![[0.0; D]];
+            let mut vertex = [0.0; D];
+            for &direction in &path[..D] {
+                vertex[direction] = 1.0;
+                vertices.push(vertex);
+            }
+            if index >= paths.len() / 2 {
+                vertices.swap(D - 1, D);
+            }
+            let place = |point: &[f64; D]| {
+                let first = 1.0 - point.iter().sum::<f64>();
+                steps(std::array::from_fn(|k| {
+                    first * vertices[0][k] + (0..D).map(|v| point[v] * vertices[v + 1][k]).sum::<f64>()
+                }))
+            };
+            points.iter().map(place).collect()
+        };
+        paths.iter().enumerate().map(simplex).collect()
+    }
+
+    fn lies_at(
+        &self,
+        mesh: &Mesh<D>,
+        facet: Facet,
+        counts: &[usize; D],
+        direction: usize,
+        place: usize,
+    ) -> bool {
+        let nodes = mesh.cell(facet.cell as usize);
+        let vertices = self.shape.facet_vertices(usize::from(facet.local));
+        vertices.iter().all(|&v| self.unpack(nodes[v] as usize, counts)[direction] == place)
+    }
+}
