@@ -7,6 +7,8 @@ pub mod vtu;
 
 #[cfg(test)]
 mod sample;
+#[cfg(test)]
+mod scratch;
 
 use crate::field::Field;
 use crate::mesh::Mesh;

@@ -247,3 +247,108 @@ fn cell_type(shape: CellShape, degree: usize) -> (CellType, Vec<usize>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::element::Lagrange;
+    use crate::mesh;
+    use crate::output::sample;
+    use crate::space::Space;
+
+    fn grid(file: &VtuFile<'_, 2>) -> UnstructuredGridPiece {
+        let mut bytes = Vec::new();
+        file.model().unwrap().write_xml(&mut bytes).unwrap();
+        let vtk = Vtk::parse_xml(bytes.as_slice()).unwrap();
+        let DataSet::UnstructuredGrid { mut pieces, .. } = vtk.data else { panic!("{:?}", vtk.data) };
+        pieces.remove(0).into_loaded_piece_data(None).unwrap()
+    }
+
+    fn array(attribute: &Attribute) -> (String, usize, Vec<f64>) {
+        let Attribute::DataArray(array) = attribute else { panic!("{attribute:?}") };
+        (array.name.clone(), array.elem.num_comp() as usize, array.data.cast_into().unwrap())
+    }
+
+    #[test]
+    fn arrays_come_back() {
+        let mesh = Arc::new(mesh::annulus(1.0, 2.0, 1, 4, CellShape::Quadrilateral, 2).unwrap());
+        let tensor = sample::field(&mesh, &[2, 2], |x| vec![x[0], x[1], 3.0, 4.0]);
+        let numbers: Vec<f64> = (0..4).map(f64::from).collect();
+        let file = VtuFile::new(&mesh).point_data("σ", &tensor).unwrap();
+        let file = file.point_values("x", 2, mesh.nodes().as_flattened()).unwrap();
+        let grid = grid(&file.cell_data("number", 1, &numbers).unwrap());
+        assert_eq!(grid.cells.types, vec![CellType::BiquadraticQuad; 4]);
+        let (connectivity, _) = grid.cells.cell_verts.into_xml();
+        assert_eq!(connectivity, mesh.cells().iter().map(|&n| u64::from(n)).collect::<Vec<_>>());
+        let padded: Vec<f64> = mesh.nodes().iter().flat_map(|x| [x[0], x[1], 0.0]).collect();
+        assert_eq!(grid.points.cast_into::<f64>().unwrap(), padded);
+        let tensors: Vec<f64> =
+            mesh.nodes().iter().flat_map(|x| [x[0], x[1], 0.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0]).collect();
+        assert_eq!(array(&grid.data.point[0]), ("σ".into(), 9, tensors));
+        assert_eq!(array(&grid.data.point[1]), ("x".into(), 3, padded));
+        assert_eq!(array(&grid.data.cell[0]), ("number".into(), 1, numbers));
+    }
+
+    /// A field of degree 2 with nodes of its own on a mesh of degree 1: x² at the mesh's nodes.
+    #[test]
+    fn fields_of_another_degree_are_evaluated() {
+        let mesh = Arc::new(mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());
+        let element = Lagrange::new(CellShape::Triangle, 2).unwrap();
+        let points = element.node_points::<2>();
+        let positions: Vec<[f64; 2]> = (0..mesh.cell_count())
+            .flat_map(|c| points.iter().map(move |p| (c, *p)))
+            .map(|(c, p)| mesh.map(c, &p).0)
+            .collect();
+        // Each cell has its own nodes, in the reverse order.
+        let count = positions.len() as u32;
+        let values: Vec<f64> = positions.iter().rev().map(|x| x[0] * x[0]).collect();
+        let space = Space {
+            mesh: mesh.clone(),
+            element,
+            shape: vec![],
+            cell_nodes: (0..count).rev().collect(),
+            positions: positions.into_iter().rev().collect(),
+        };
+        let field = Field { space: Arc::new(space), values: Arc::new(values) };
+        let file = VtuFile::new(&mesh).point_data("square", &field).unwrap();
+        for (value, x) in array(&grid(&file).data.point[0]).2.iter().zip(mesh.nodes()) {
+            assert!((value - x[0] * x[0]).abs() < 1e-14);
+        }
+        let other = mesh::rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Triangle, 1).unwrap();
+        assert!(matches!(VtuFile::new(&other).point_data("u", &field), Err(VtuError::OtherMesh { .. })));
+    }
+
+    /// VTK states the parametric coordinates of the face nodes: x = 0, x = 1, y = 0, y = 1, z = 0, z = 1.
+    #[test]
+    fn faces_of_hexahedra_stand_in_the_order_of_vtk() {
+        let (_, order) = cell_type(CellShape::Hexahedron, 2);
+        let points = Lagrange::new(CellShape::Hexahedron, 2).unwrap().node_points::<3>();
+        let faces: Vec<[f64; 3]> = order[20..].iter().map(|&node| points[node]).collect();
+        let expected = [
+            [0.0, 0.5, 0.5],
+            [1.0, 0.5, 0.5],
+            [0.5, 0.0, 0.5],
+            [0.5, 1.0, 0.5],
+            [0.5, 0.5, 0.0],
+            [0.5, 0.5, 1.0],
+            [0.5, 0.5, 0.5],
+        ];
+        assert_eq!(faces, expected);
+    }
+
+    #[test]
+    fn bad_data_are_named() {
+        let mesh = mesh::rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Quadrilateral, 1).unwrap();
+        let error = VtuFile::new(&mesh).point_values("u", 2, &[0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(error.unwrap_err().to_string(), "value 1 of \"u\" is NaN");
+        let file = VtuFile::new(&mesh);
+        assert!(matches!(file.clone().cell_data("p", 1, &[]), Err(VtuError::Length { expected: 1, .. })));
+        assert!(matches!(file.clone().cell_data("p", 3, &[0.0; 3]), Err(VtuError::Components { .. })));
+        let twice = file.clone().cell_data("p", 1, &[0.0]).unwrap().cell_data("p", 1, &[0.0]);
+        assert!(matches!(twice, Err(VtuError::Twice { .. })));
+        let path = std::env::temp_dir().join("no such directory of forms-fem").join("mesh.vtu");
+        assert!(file.write(&path).unwrap_err().to_string().contains("mesh.vtu"));
+    }
+}

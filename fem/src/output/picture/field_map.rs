@@ -2,8 +2,11 @@
 
 use super::axes::number;
 use super::body::{Body, Lattice, bounds, field_values};
+use super::body_lines::{
+    arrow_samples, arrow_stroke, draw_arrows, draw_mesh_lines, draw_polylines, with_margin,
+};
 use super::colour_map::{Colour, ColourMap};
-use super::drawing::{Drawing, Point, Rectangle, Segment, Stroke, polyline};
+use super::drawing::{Drawing, Point, Stroke};
 use super::layout::Layout;
 use super::legend::{Key, Legend};
 use super::shading::Shading;
@@ -44,7 +47,7 @@ pub struct FieldMap<'a> {
     mesh_lines: bool,
     undeformed: Option<String>,
     lines: Vec<(Vec<[f64; 2]>, String, Stroke)>,
-    arrows: Option<(&'a Field<2>, String)>,
+    arrows: Option<(&'a Field<2>, String, String)>,
 }
 
 impl<'a> FieldMap<'a> {
@@ -155,10 +158,10 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// Draws arrows of a vector field; the legend says how long the longest one is. The label has two
-    /// parts, the name and the unit.
+    /// Draws arrows of a vector field; the legend says how long the longest one is, in the
+    /// unit given.
     pub fn arrows(mut self, field: &'a Field<2>, name: &str, unit: &str) -> Self {
-        self.arrows = Some((field, format!("{name}\n{unit}")));
+        self.arrows = Some((field, name.into(), unit.into()));
         self
     }
 
@@ -251,8 +254,7 @@ impl<'a> FieldMap<'a> {
         if let Some(name) = &self.undeformed {
             keys.push(key(name, &undeformed_stroke()));
         }
-        if let (Some((_, label)), Some(longest)) = (&self.arrows, longest) {
-            let (name, unit) = label.split_once('\n').unwrap_or((label, ""));
+        if let (Some((_, name, unit)), Some(longest)) = (&self.arrows, longest) {
             let decimals = (2.0 - longest.log10().floor()).clamp(0.0, 9.0) as usize;
             let text = format!("{name}, up to {} {unit}", number(longest, decimals));
             keys.push(key(&text, &arrow_stroke()));
@@ -264,10 +266,6 @@ impl<'a> FieldMap<'a> {
 
 fn undeformed_stroke() -> Stroke {
     Stroke::dashed(Colour::grey(90), 0.8, &[3.0, 2.0])
-}
-
-fn arrow_stroke() -> Stroke {
-    Stroke::solid(Colour::grey(20), 0.8)
 }
 
 impl Picture for FieldMap<'_> {
@@ -299,8 +297,8 @@ impl Picture for FieldMap<'_> {
         let shown = bounds(outline.iter().chain(before.iter().flatten()).chain(lines));
         let window = self.window.unwrap_or_else(|| with_margin(shown, 0.04));
         let arrows = match &self.arrows {
-            Some((field, label)) => {
-                self.check_vector(field, label.split('\n').next().unwrap_or_default())?;
+            Some((field, name, _)) => {
+                self.check_vector(field, name)?;
                 Some(arrow_samples(&body, field))
             }
             None => None,
@@ -337,92 +335,5 @@ impl Picture for FieldMap<'_> {
         }
         layout.finish(&mut drawing, &frame);
         Ok(drawing)
-    }
-}
-
-/// A window with a margin about two corners, as a part of the larger side.
-pub(super) fn with_margin([low, high]: [[f64; 2]; 2], part: f64) -> [[f64; 2]; 2] {
-    let margin = part * (high[0] - low[0]).max(high[1] - low[1]);
-    [low.map(|x| x - margin), high.map(|x| x + margin)]
-}
-
-/// Draws the edges of all cells, thinner and fainter the smaller the cells are.
-pub(super) fn draw_mesh_lines(
-    drawing: &mut Drawing,
-    body: &Body<'_>,
-    place: impl Fn([f64; 2]) -> Point,
-    clip: Option<Rectangle>,
-) {
-    let edges: Vec<Vec<Point>> =
-        body.edges().iter().map(|edge| edge.iter().map(|&x| place(x)).collect()).collect();
-    let length = |edge: &Vec<Point>| {
-        edge.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum::<f64>()
-    };
-    let mut lengths: Vec<f64> = edges.iter().map(length).collect();
-    lengths.sort_by(f64::total_cmp);
-    let short = lengths.get(lengths.len() / 4).copied().unwrap_or(0.0);
-    let colour = Colour::BLACK.with_opacity((0.12 * short).clamp(0.2, 0.6) as f32);
-    let stroke = Stroke::solid(colour, (0.08 * short).clamp(0.12, 0.4));
-    let segments = edges.iter().flat_map(|edge| polyline(edge)).collect();
-    drawing.clipped_path(segments, None, Some(stroke), clip);
-}
-
-/// Draws polylines that follow each other as one line where their ends meet.
-pub(super) fn draw_polylines(
-    drawing: &mut Drawing,
-    polylines: &[Vec<[f64; 2]>],
-    place: impl Fn([f64; 2]) -> Point,
-    stroke: Stroke,
-    clip: Option<Rectangle>,
-) {
-    let segments: Vec<Segment> = super::body::joined(polylines)
-        .iter()
-        .flat_map(|line| polyline(&line.iter().map(|&x| place(x)).collect::<Vec<Point>>()))
-        .collect();
-    drawing.clipped_path(segments, None, Some(stroke), clip);
-}
-
-/// Positions and values of a vector field at the centres of the cells.
-fn arrow_samples(body: &Body<'_>, field: &Field<2>) -> Vec<([f64; 2], [f64; 2])> {
-    let centre = [body.mesh.shape().centre::<2>()];
-    let basis = field.space.element.tabulate::<2>(&centre).value;
-    let cells = 0..body.mesh.cell_count();
-    let positions = body.positions(&centre, cells.clone());
-    let value = |cell| {
-        let u = field_values(field, cell, &basis);
-        [u[0], u[1]]
-    };
-    positions.into_iter().zip(cells.map(value)).collect()
-}
-
-/// Draws at most one arrow in each square of a grid on the page.
-fn draw_arrows(
-    drawing: &mut Drawing,
-    arrows: &[([f64; 2], [f64; 2])],
-    longest: f64,
-    place: impl Fn([f64; 2]) -> Point,
-    area: Rectangle,
-) {
-    const SPACING: f64 = 18.0;
-    let mut taken = std::collections::BTreeSet::new();
-    for (position, u) in arrows {
-        let at = place(*position);
-        let square = ((at[0] / SPACING).floor() as i64, (at[1] / SPACING).floor() as i64);
-        let length = SPACING * 1.1 * u[0].hypot(u[1]) / longest;
-        if !area.contains(at) || !taken.insert(square) || length.is_nan() || length < 1.0 {
-            continue;
-        }
-        let size = u[0].hypot(u[1]);
-        let direction = [u[0] / size, -u[1] / size];
-        let along = |t: f64, side: f64| {
-            [at[0] + t * direction[0] - side * direction[1], at[1] + t * direction[1] + side * direction[0]]
-        };
-        let (start, end) = (-length / 2.0, length / 2.0);
-        let head = (0.35 * length).min(4.0);
-        drawing.polyline(&[along(start, 0.0), along(end - head / 2.0, 0.0)], arrow_stroke(), Some(area));
-        let mut segments =
-            polyline(&[along(end, 0.0), along(end - head, head * 0.4), along(end - head, -head * 0.4)]);
-        segments.push(Segment::Close);
-        drawing.clipped_path(segments, Some(arrow_stroke().colour), None, Some(area));
     }
 }

@@ -1,9 +1,9 @@
 //! Meshes with their named regions in different colours.
 
 use super::body::{Body, Lattice, bounds};
+use super::body_lines::{draw_mesh_lines, draw_polylines, with_margin};
 use super::colour_map::{Colour, ColourMap};
 use super::drawing::{Drawing, Stroke};
-use super::field_map::{draw_mesh_lines, draw_polylines, with_margin};
 use super::layout::Layout;
 use super::legend::{Key, Legend};
 use super::shading::Shading;

@@ -5,7 +5,9 @@
 
 mod axes;
 mod body;
+mod body_lines;
 mod colour_map;
+mod curve;
 mod drawing;
 mod field_map;
 mod layout;
@@ -26,9 +28,10 @@ use super::atomic::write_whole;
 
 pub use axes::Scale;
 pub use colour_map::{Colour, ColourMap};
+pub use curve::{Curve, Marker};
 pub use drawing::Drawing;
 pub use field_map::{FieldMap, Shown};
-pub use line_plot::{Curve, LinePlot, Marker};
+pub use line_plot::LinePlot;
 pub use mesh_drawing::MeshDrawing;
 pub use panel::Panel;
 
@@ -185,3 +188,6 @@ fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {
     write_whole(path, |writer| writer.write_all(bytes))
         .map_err(|source| PictureError::Write { path: path.to_path_buf(), source })
 }
+
+#[cfg(test)]
+mod tests;

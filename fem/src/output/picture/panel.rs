@@ -24,7 +24,7 @@ impl Panel {
     ///
     /// # Errors
     /// [`PictureError`] if the picture cannot be drawn.
-    pub fn add(mut self, picture: &impl Picture) -> Result<Panel, PictureError> {
+    pub fn picture(mut self, picture: &impl Picture) -> Result<Panel, PictureError> {
         self.drawings.push(picture.draw()?);
         Ok(self)
     }

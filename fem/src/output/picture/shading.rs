@@ -244,9 +244,8 @@ mod tests {
                 (0..100).map(|k| ColourMap::Viridis.at((column as f64 + f64::from(k) / 100.0) / 10.0).rgb);
             let mut mean = [0.0; 3];
             colours.for_each(|rgb| (0..3).for_each(|k| mean[k] += f64::from(rgb[k]) / 100.0));
-            for k in 0..3 {
-                let found = f64::from(pixels.rgba[4 * column + k]);
-                assert!((found - mean[k]).abs() < 2.0, "column {column}: {found} and {}", mean[k]);
+            for (mean, found) in mean.into_iter().zip(&pixels.rgba[4 * column..]) {
+                assert!((f64::from(*found) - mean).abs() < 2.0, "column {column}: {found} and {mean}");
             }
         }
     }
