@@ -7,9 +7,11 @@
 extern crate self as forms_fem;
 
 pub mod assemble;
+pub mod constraints;
 pub mod element;
 pub mod field;
 pub mod linear_algebra;
+pub mod locate;
 pub mod mesh;
 pub mod output;
 pub mod quadrature;

@@ -122,17 +122,20 @@ pub(crate) fn determinant<const D: usize>(a: &[[f64; D]; D]) -> f64 {
     }
 }
 
-/// Solves a 2 × 2 or 3 × 3 system by Cramer's rule; `None` when the matrix is singular.
-pub(crate) fn solve<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> Option<[f64; D]> {
+/// The inverse of a 2 × 2 or 3 × 3 matrix; `None` when it is singular.
+pub(crate) fn inverse<const D: usize>(a: &[[f64; D]; D]) -> Option<[[f64; D]; D]> {
     let whole = determinant(a);
-    let x = std::array::from_fn(|k| {
-        let mut replaced = *a;
-        for (row, entry) in replaced.iter_mut().zip(b) {
-            row[k] = *entry;
+    let cofactor = |i: usize, j: usize| {
+        if D == 2 {
+            let sign = if i == j { 1.0 } else { -1.0 };
+            sign * a[1 - i][1 - j]
+        } else {
+            let ([i1, i2], [j1, j2]) = ([(i + 1) % D, (i + 2) % D], [(j + 1) % D, (j + 2) % D]);
+            a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1]
         }
-        determinant(&replaced) / whole
-    });
-    x.iter().all(|entry: &f64| entry.is_finite()).then_some(x)
+    };
+    let inverse: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) / whole));
+    inverse.iter().flatten().all(|entry| entry.is_finite()).then_some(inverse)
 }
 
 #[cfg(test)]
@@ -164,11 +167,12 @@ mod tests {
     }
 
     #[test]
-    fn small_systems() {
+    fn small_inverses() {
         let a = [[2.0, 1.0, 0.0], [0.0, 3.0, 1.0], [1.0, 0.0, 1.0]];
         assert_eq!(determinant(&a), 7.0);
-        let x = solve(&a, &[4.0, 9.0, 4.0]);
-        assert_eq!(x, Some([1.0, 2.0, 3.0]));
-        assert_eq!(solve(&[[1.0, 2.0], [2.0, 4.0]], &[1.0, 1.0]), None);
+        let scaled = inverse(&a).map(|inverse| inverse.map(|row| row.map(|entry| (7.0 * entry).round())));
+        assert_eq!(scaled, Some([[3.0, -1.0, 1.0], [1.0, 2.0, -2.0], [-3.0, 1.0, 6.0]]));
+        assert_eq!(inverse(&[[1.0, 2.0], [3.0, 5.0]]), Some([[-5.0, 2.0], [3.0, -1.0]]));
+        assert_eq!(inverse(&[[1.0, 2.0], [2.0, 4.0]]), None);
     }
 }

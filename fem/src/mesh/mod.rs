@@ -3,7 +3,7 @@
 mod connectivity;
 mod error;
 mod generators;
-mod geometry;
+pub(crate) mod geometry;
 mod regions;
 mod structured;
 

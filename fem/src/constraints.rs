@@ -1,0 +1,292 @@
+//! Dirichlet conditions: which unknowns are prescribed, and their values.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use forms_core::contract::FieldValue;
+use thiserror::Error;
+
+use crate::mesh::MeshError;
+use crate::space::Space;
+
+/// Prescribed unknowns of a space. Solvers eliminate them: their rows and columns do not enter the system.
+#[derive(Clone, Debug)]
+pub struct Constraints<const D: usize> {
+    space: Arc<Space<D>>,
+    prescribed: BTreeMap<usize, f64>,
+}
+
+/// Why a condition is refused. The constraints stay as they were.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ConstraintsError {
+    /// No such region.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The value has another number of components than the space.
+    #[error("{place}: the space has {space} components, but the prescribed value has {value}")]
+    Components {
+        /// The region.
+        place: String,
+        /// Components of the space.
+        space: usize,
+        /// Components of the value.
+        value: usize,
+    },
+    /// No such component.
+    #[error("{place}: there is no component {component}; the space has {components} (numbered from 0)")]
+    Component {
+        /// The region or node.
+        place: String,
+        /// The component asked for.
+        component: usize,
+        /// Components of the space.
+        components: usize,
+    },
+    /// No such node.
+    #[error("there is no node {node}; the space has {count} (numbered from 0)")]
+    Node {
+        /// The node asked for.
+        node: usize,
+        /// Nodes of the space.
+        count: usize,
+    },
+    /// A prescribed value is NaN or infinite.
+    #[error("{place}: the value prescribed for component {component} at {position:?} is not finite: {value}")]
+    NotFinite {
+        /// The region or node.
+        place: String,
+        /// Component.
+        component: usize,
+        /// Position of the node.
+        position: Vec<f64>,
+        /// The value.
+        value: f64,
+    },
+    /// The unknown is prescribed already, with another value.
+    #[error(
+        "{place}: component {component} at {position:?} is prescribed as {value}, but as {earlier} before"
+    )]
+    Conflict {
+        /// The region or node.
+        place: String,
+        /// Component.
+        component: usize,
+        /// Position of the node.
+        position: Vec<f64>,
+        /// The new value.
+        value: f64,
+        /// The earlier value.
+        earlier: f64,
+    },
+}
+
+// Two formulas for one value may differ by round-off, relative to the largest value prescribed.
+const SAME: f64 = 1e-13;
+
+impl<const D: usize> Constraints<D> {
+    /// No condition at all.
+    pub fn new(space: &Arc<Space<D>>) -> Self {
+        Constraints { space: Arc::clone(space), prescribed: BTreeMap::new() }
+    }
+
+    /// The space.
+    pub fn space(&self) -> &Arc<Space<D>> {
+        &self.space
+    }
+
+    /// Prescribes all components on a facet or cell region.
+    ///
+    /// # Errors
+    /// An unknown region, a value that does not fit the space, is not finite, or contradicts an earlier one.
+    pub fn fix<V: FieldValue>(
+        &mut self,
+        region: &str,
+        value: impl Fn(&[f64; D]) -> V,
+    ) -> Result<(), ConstraintsError> {
+        let place = format!("region \"{region}\"");
+        let components = self.space.components();
+        if V::COMPONENTS != components {
+            return Err(ConstraintsError::Components { place, space: components, value: V::COMPONENTS });
+        }
+        let nodes = self.space.nodes_on(region)?;
+        let mut written = vec![0.0; components];
+        let mut entries = Vec::with_capacity(nodes.len() * components);
+        for node in nodes {
+            value(&self.space.positions()[node as usize]).write(&mut written);
+            let first = node as usize * components;
+            entries.extend(written.iter().enumerate().map(|(component, &value)| (first + component, value)));
+        }
+        self.insert(&place, &entries)
+    }
+
+    /// Prescribes one component (counted from 0, row-major) on a facet or cell region.
+    ///
+    /// # Errors
+    /// As [`Constraints::fix`], or a component that the space does not have.
+    pub fn fix_component(
+        &mut self,
+        region: &str,
+        component: usize,
+        value: impl Fn(&[f64; D]) -> f64,
+    ) -> Result<(), ConstraintsError> {
+        let place = format!("region \"{region}\"");
+        let components = self.check_component(&place, component)?;
+        let entry = |node: u32| {
+            let node = node as usize;
+            (node * components + component, value(&self.space.positions()[node]))
+        };
+        let entries: Vec<_> = self.space.nodes_on(region)?.into_iter().map(entry).collect();
+        self.insert(&place, &entries)
+    }
+
+    /// Prescribes one component at one node.
+    ///
+    /// # Errors
+    /// A node or component that the space does not have, a value that is not finite or contradicts an
+    /// earlier one.
+    pub fn fix_node(&mut self, node: usize, component: usize, value: f64) -> Result<(), ConstraintsError> {
+        let place = format!("node {node}");
+        let components = self.check_component(&place, component)?;
+        let count = self.space.node_count();
+        if node >= count {
+            return Err(ConstraintsError::Node { node, count });
+        }
+        self.insert(&place, &[(node * components + component, value)])
+    }
+
+    /// Prescribed unknowns and their values.
+    pub fn prescribed(&self) -> &BTreeMap<usize, f64> {
+        &self.prescribed
+    }
+
+    /// Whether an unknown is prescribed.
+    pub fn is_prescribed(&self, unknown: usize) -> bool {
+        self.prescribed.contains_key(&unknown)
+    }
+
+    /// The other unknowns, ascending.
+    pub fn free(&self) -> Vec<usize> {
+        let mut prescribed = self.prescribed.keys().copied().peekable();
+        (0..self.space.unknowns()).filter(|unknown| prescribed.next_if_eq(unknown).is_none()).collect()
+    }
+
+    /// Writes the prescribed values into a vector of all unknowns.
+    ///
+    /// # Panics
+    /// When the vector is shorter than the space has unknowns.
+    pub fn apply(&self, values: &mut [f64]) {
+        for (&unknown, &value) in &self.prescribed {
+            values[unknown] = value;
+        }
+    }
+
+    /// The same unknowns with zero values: for increments and adjoint states.
+    pub fn homogeneous(&self) -> Self {
+        let prescribed = self.prescribed.keys().map(|&unknown| (unknown, 0.0)).collect();
+        Constraints { space: Arc::clone(&self.space), prescribed }
+    }
+
+    fn check_component(&self, place: &str, component: usize) -> Result<usize, ConstraintsError> {
+        let components = self.space.components();
+        if component < components {
+            return Ok(components);
+        }
+        Err(ConstraintsError::Component { place: place.to_owned(), component, components })
+    }
+
+    // All or nothing.
+    fn insert(&mut self, place: &str, entries: &[(usize, f64)]) -> Result<(), ConstraintsError> {
+        let components = self.space.components();
+        let node = |unknown: usize| self.space.positions()[unknown / components].to_vec();
+        let values = self.prescribed.values().chain(entries.iter().map(|(_, value)| value));
+        let scale = values.fold(0.0_f64, |scale, value| scale.max(value.abs()));
+        for &(unknown, value) in entries {
+            let (place, component) = (place.to_owned(), unknown % components);
+            if !value.is_finite() {
+                let position = node(unknown);
+                return Err(ConstraintsError::NotFinite { place, component, position, value });
+            }
+            if let Some(&earlier) = self.prescribed.get(&unknown)
+                && (earlier - value).abs() > SAME * scale
+            {
+                let position = node(unknown);
+                return Err(ConstraintsError::Conflict { place, component, position, value, earlier });
+            }
+        }
+        for &(unknown, value) in entries {
+            self.prescribed.entry(unknown).or_insert(value);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+    use crate::mesh::rectangle;
+
+    type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+    fn space() -> Result<Arc<Space<2>>, Box<dyn std::error::Error>> {
+        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?);
+        Ok(Space::vector(&mesh, 2)?)
+    }
+
+    #[test]
+    fn prescribed_and_free_unknowns_are_complementary() -> Outcome {
+        let space = space()?;
+        let mut constraints = Constraints::new(&space);
+        constraints.fix("left", |x| [x[1], 0.0])?;
+        constraints.fix_component("bottom", 1, |_| 0.0)?;
+        // 5 nodes with two components, 4 more with one.
+        assert_eq!(constraints.prescribed().len(), 14);
+        let free = constraints.free();
+        assert_eq!(free.len() + 14, space.unknowns());
+        assert!(free.iter().all(|&unknown| !constraints.is_prescribed(unknown)));
+        let mut values = vec![7.0; space.unknowns()];
+        constraints.apply(&mut values);
+        for (node, x) in space.positions().iter().enumerate() {
+            let expected =
+                [if x[0] == 0.0 { x[1] } else { 7.0 }, if x[0] == 0.0 || x[1] == 0.0 { 0.0 } else { 7.0 }];
+            assert_eq!(values[2 * node..2 * node + 2], expected);
+        }
+        constraints.homogeneous().apply(&mut values);
+        assert!(constraints.prescribed().keys().all(|&unknown| values[unknown] == 0.0));
+        Ok(())
+    }
+
+    #[test]
+    fn conditions_may_meet_but_not_conflict() -> Outcome {
+        let mut constraints = Constraints::new(&space()?);
+        constraints.fix("left", |x| [x[0] + x[1], 1.0])?;
+        constraints.fix("bottom", |x| [x[0] + x[1], 1.0])?;
+        let before = constraints.prescribed().clone();
+        let message = |outcome: Result<(), ConstraintsError>| outcome.err().map(|error| error.to_string());
+        assert_eq!(
+            message(constraints.fix_component("right", 0, |x| 2.0 * x[0])).as_deref(),
+            Some("region \"right\": component 0 at [1.0, 0.0] is prescribed as 2, but as 1 before")
+        );
+        assert_eq!(constraints.prescribed(), &before);
+        assert_eq!(
+            message(constraints.fix_component("right", 1, |x| 0.0 / x[1])).as_deref(),
+            Some("region \"right\": the value prescribed for component 1 at [1.0, 0.0] is not finite: NaN")
+        );
+        assert_eq!(
+            message(constraints.fix_component("right", 2, |_| 0.0)).as_deref(),
+            Some("region \"right\": there is no component 2; the space has 2 (numbered from 0)")
+        );
+        assert_eq!(
+            message(constraints.fix("right", |x| x[0])).as_deref(),
+            Some("region \"right\": the space has 2 components, but the prescribed value has 1")
+        );
+        assert_eq!(
+            message(constraints.fix_node(25, 0, 1.0)).as_deref(),
+            Some("there is no node 25; the space has 25 (numbered from 0)")
+        );
+        assert!(message(constraints.fix("lid", |x| *x)).is_some_and(|m| m.starts_with("there is no region")));
+        constraints.fix_node(24, 0, 3.0)?;
+        assert_eq!(constraints.prescribed().get(&48), Some(&3.0));
+        Ok(())
+    }
+}

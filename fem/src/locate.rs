@@ -1,0 +1,333 @@
+//! Which cell contains a point, and where: a grid of bounding boxes and Newton's method on the geometry map.
+
+mod project;
+
+use std::sync::Arc;
+
+use crate::mesh::Mesh;
+use crate::mesh::geometry::inverse;
+
+/// Points this far outside a cell, in reference coordinates, still belong to it.
+pub const INSIDE: f64 = 1e-10;
+
+/// Finds cells by position.
+#[derive(Clone, Debug)]
+pub struct Locator<const D: usize> {
+    mesh: Arc<Mesh<D>>,
+    /// A box around each cell: lower and upper corner.
+    boxes: Vec<([f64; D], [f64; D])>,
+    lower: [f64; D],
+    /// Edge lengths of a bin.
+    bin: [f64; D],
+    /// Number of bins per direction.
+    bins: [usize; D],
+    /// `members[starts[b]..starts[b + 1]]` are the cells whose boxes meet bin b, ascending.
+    starts: Vec<usize>,
+    members: Vec<u32>,
+}
+
+/// The cell nearest to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest<const D: usize> {
+    /// Cell index.
+    pub cell: usize,
+    /// The point's reference coordinates in that cell; outside the reference cell when the point is outside
+    /// the mesh. Use these to extrapolate.
+    pub reference: [f64; D],
+    /// The point of the reference cell whose image is nearest; `reference` itself where that lies inside.
+    pub clamped: [f64; D],
+    /// Distance from the point to the image of `clamped` \[length\].
+    pub distance: f64,
+}
+
+impl<const D: usize> Locator<D> {
+    /// A locator for a mesh; linear in the number of cells.
+    pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
+        let boxes: Vec<_> = (0..mesh.cell_count()).map(|cell| cell_box(mesh, cell)).collect();
+        let lower = std::array::from_fn(|k| boxes.iter().map(|b| b.0[k]).fold(f64::INFINITY, f64::min));
+        let upper: [f64; D] =
+            std::array::from_fn(|k| boxes.iter().map(|b| b.1[k]).fold(f64::NEG_INFINITY, f64::max));
+        let extent: [f64; D] = std::array::from_fn(|k| upper[k] - lower[k]);
+        // About one bin per cell, as cubic as the extents allow.
+        let size = (extent.iter().product::<f64>() / boxes.len() as f64).powf(1.0 / D as f64);
+        let bins = extent.map(|extent| ((extent / size).round() as usize).clamp(1, boxes.len()));
+        let bin = std::array::from_fn(|k| extent[k] / bins[k] as f64);
+        let mut locator =
+            Locator { mesh: Arc::clone(mesh), boxes, lower, bin, bins, starts: vec![], members: vec![] };
+        locator.fill();
+        locator
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+        &self.mesh
+    }
+
+    /// The cell that contains a point, and the point's reference coordinates; the cell with the lowest index
+    /// where several do. A point is inside up to [`INSIDE`] in reference coordinates. `None` outside the
+    /// mesh, and for NaN.
+    pub fn find(&self, point: &[f64; D]) -> Option<(usize, [f64; D])> {
+        let shape = self.mesh.shape();
+        let bin = self.bin_of(point);
+        self.members_of(bin).iter().map(|&cell| cell as usize).find_map(|cell| {
+            let (lower, upper) = &self.boxes[cell];
+            let in_box = (0..D).all(|k| lower[k] <= point[k] && point[k] <= upper[k]);
+            let reference = if in_box { self.invert(cell, point) } else { None }?;
+            shape.contains(&reference, INSIDE).then_some((cell, reference))
+        })
+    }
+
+    /// The cell nearest to a point, among those within `tolerance` \[length\]: for points slightly outside,
+    /// as between nested meshes of a curved body. `None` when every cell is further away.
+    pub fn find_nearest(&self, point: &[f64; D], tolerance: f64) -> Option<Nearest<D>> {
+        if let Some((cell, reference)) = self.find(point) {
+            let clamped = self.mesh.shape().clamp(&reference);
+            let distance = distance(point, &self.mesh.map(cell, &clamped).0);
+            return Some(Nearest { cell, reference, clamped, distance });
+        }
+        if point.iter().any(|x| !x.is_finite()) || tolerance.is_nan() {
+            return None;
+        }
+        let mut best: Option<Nearest<D>> = None;
+        for cell in self.cells_within(point, tolerance) {
+            let (clamped, distance) = project::project(&self.mesh, cell, point);
+            // Where the map has no inverse at the point, there is nothing to extrapolate to.
+            let reference = self.invert(cell, point).unwrap_or(clamped);
+            if distance <= tolerance && best.is_none_or(|best| distance < best.distance) {
+                best = Some(Nearest { cell, reference, clamped, distance });
+            }
+        }
+        best
+    }
+
+    // Newton's method with a step bound; the geometry map of a valid cell is close to affine, so it takes
+    // few steps. Other starts than the centre serve strongly curved cells.
+    fn invert(&self, cell: usize, point: &[f64; D]) -> Option<[f64; D]> {
+        let shape = self.mesh.shape();
+        let vertices = shape.vertex_points().iter().map(|vertex| std::array::from_fn(|k| vertex[k]));
+        let converged = |start| self.newton(cell, point, start);
+        let mut outside = None;
+        for start in std::iter::once(shape.centre()).chain(vertices) {
+            match converged(start) {
+                Some(reference) if shape.contains(&reference, INSIDE) => return Some(reference),
+                // A quadratic map can take a point outside the cell there too: look on for one inside.
+                Some(reference) => outside = outside.or(Some(reference)),
+                None => {}
+            }
+            if self.mesh.is_affine() {
+                break;
+            }
+        }
+        outside
+    }
+
+    fn newton(&self, cell: usize, point: &[f64; D], start: [f64; D]) -> Option<[f64; D]> {
+        let mut reference: [f64; D] = start;
+        for _ in 0..40 {
+            let (x, jacobian) = self.mesh.map(cell, &reference);
+            let inverse = inverse(&jacobian)?;
+            let step: [f64; D] =
+                std::array::from_fn(|i| (0..D).map(|j| inverse[i][j] * (point[j] - x[j])).sum());
+            let length = step.iter().fold(0.0_f64, |length, s| length.max(s.abs()));
+            // An affine map is inverted by one step of any length.
+            let factor = if self.mesh.is_affine() { 1.0 } else { 1.0 / length.max(1.0) };
+            for (coordinate, step) in reference.iter_mut().zip(step) {
+                *coordinate += factor * step;
+            }
+            if length < 1e-12 {
+                return Some(reference);
+            }
+            if self.mesh.is_affine() && reference.iter().all(|coordinate| coordinate.is_finite()) {
+                return Some(reference);
+            }
+        }
+        None
+    }
+
+    fn cells_within(&self, point: &[f64; D], tolerance: f64) -> Vec<usize> {
+        let first = self.bin_of(&point.map(|x| x - tolerance));
+        let last = self.bin_of(&point.map(|x| x + tolerance));
+        let mut cells = Vec::new();
+        for_each_bin(first, last, |bin| {
+            let near = |cell: &usize| {
+                let (lower, upper) = &self.boxes[*cell];
+                (0..D).all(|k| lower[k] - tolerance <= point[k] && point[k] <= upper[k] + tolerance)
+            };
+            cells.extend(self.members_of(bin).iter().map(|&cell| cell as usize).filter(near));
+        });
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
+
+    fn fill(&mut self) {
+        let count = self.bins.iter().product::<usize>();
+        let mut bins = vec![Vec::new(); count];
+        for (cell, (lower, upper)) in self.boxes.iter().enumerate() {
+            for_each_bin(self.bin_of(lower), self.bin_of(upper), |bin| {
+                bins[self.index(bin)].push(cell as u32);
+            });
+        }
+        self.starts.push(0);
+        for bin in bins {
+            self.members.extend(bin);
+            self.starts.push(self.members.len());
+        }
+    }
+
+    // Points outside the grid go to its nearest bin.
+    fn bin_of(&self, point: &[f64; D]) -> [usize; D] {
+        // The conversion of a negative number or NaN gives 0.
+        std::array::from_fn(|k| (((point[k] - self.lower[k]) / self.bin[k]) as usize).min(self.bins[k] - 1))
+    }
+
+    fn index(&self, bin: [usize; D]) -> usize {
+        (0..D).rev().fold(0, |index, k| index * self.bins[k] + bin[k])
+    }
+
+    fn members_of(&self, bin: [usize; D]) -> &[u32] {
+        let index = self.index(bin);
+        &self.members[self.starts[index]..self.starts[index + 1]]
+    }
+}
+
+// A quadratic cell can bulge beyond its nodes: by an eighth of their spread per direction of the map.
+fn cell_box<const D: usize>(mesh: &Mesh<D>, cell: usize) -> ([f64; D], [f64; D]) {
+    let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for &node in mesh.cell(cell) {
+        let x = mesh.nodes()[node as usize];
+        for k in 0..D {
+            lower[k] = lower[k].min(x[k]);
+            upper[k] = upper[k].max(x[k]);
+        }
+    }
+    let bulge = if mesh.degree() == 2 { 0.5 } else { 0.0 };
+    let diagonal = distance(&lower, &upper);
+    for k in 0..D {
+        let margin = bulge * (upper[k] - lower[k]) + 2.0 * INSIDE * diagonal;
+        lower[k] -= margin;
+        upper[k] += margin;
+    }
+    (lower, upper)
+}
+
+fn for_each_bin<const D: usize>(first: [usize; D], last: [usize; D], mut visit: impl FnMut([usize; D])) {
+    let mut bin = first;
+    loop {
+        visit(bin);
+        let Some(k) = (0..D).find(|&k| bin[k] < last[k]) else { return };
+        bin[k] += 1;
+        bin[..k].copy_from_slice(&first[..k]);
+    }
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+    use crate::mesh::{MeshError, annulus, cuboid, structured};
+    use crate::quadrature::cell_rule;
+
+    // Every point of every cell is found, at its own place.
+    fn check_all<const D: usize>(mesh: Mesh<D>) {
+        let mesh = Arc::new(mesh);
+        let locator = Locator::new(&mesh);
+        let mut points = cell_rule::<D>(mesh.shape(), 6).expect("degree 6 exists").points;
+        let interior = points.len();
+        points.extend(mesh.element().node_points::<D>());
+        for cell in 0..mesh.cell_count() {
+            for (index, point) in points.iter().enumerate() {
+                let (x, _) = mesh.map(cell, point);
+                let (found, reference) = locator.find(&x).expect("the point is in the mesh");
+                assert!(
+                    distance(&mesh.map(found, &reference).0, &x) < 1e-13 * (1.0 + distance(&x, &[0.0; D]))
+                );
+                if index < interior {
+                    assert_eq!(found, cell);
+                    assert!(distance(&reference, point) < 1e-11);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_of_all_cells_are_found() -> Result<(), MeshError> {
+        for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+            check_all(annulus(20.0, 25.0, 2, 10, shape, 1)?);
+            check_all(annulus(20.0, 25.0, 2, 10, shape, 2)?);
+            // Strongly curved, and with a hole that the boxes cover.
+            check_all(annulus(0.2, 1.0, 3, 4, shape, 2)?);
+            let wavy = |[s, t]: [f64; 2]| [10.0 * s, 0.01 * t + 0.3 * (6.0 * s).sin()];
+            check_all(structured([12, 2], shape, 2, wavy)?);
+        }
+        for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+            check_all(cuboid([0.0; 3], [1.0, 2.0, 30.0], [2, 3, 2], shape, 1)?);
+            let twist = |[r, s, t]: [f64; 3]| {
+                let (sine, cosine) = (0.5 * t).sin_cos();
+                [cosine * r - sine * s, sine * r + cosine * s, t + 0.1 * r * s]
+            };
+            check_all(structured([2, 2, 3], shape, 2, twist)?);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn the_boundary_belongs_to_the_mesh() -> Result<(), MeshError> {
+        let mesh = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
+        let locator = Locator::new(&mesh);
+        assert!(locator.find(&[25.0, 0.0]).is_some());
+        // The radial size of a cell is 2.5.
+        assert!(locator.find(&[25.0 + 2e-10, 0.0]).is_some());
+        assert!(locator.find(&[25.0 + 1e-9, 0.0]).is_none());
+        assert!(locator.find(&[19.9, 0.0]).is_none());
+        assert!(locator.find(&[0.0, 0.0]).is_none());
+        assert!(locator.find(&[1e9, 0.0]).is_none());
+        assert!(locator.find(&[f64::NAN, 0.0]).is_none());
+        Ok(())
+    }
+
+    // Between the parabola through three points of the circle and the circle itself.
+    #[test]
+    fn nested_curved_meshes_find_each_other() -> Result<(), MeshError> {
+        let coarse = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
+        let fine = annulus(20.0, 25.0, 8, 64, CellShape::Quadrilateral, 2)?;
+        let locator = Locator::new(&coarse);
+        let mut outside = 0;
+        for node in fine.nodes() {
+            let nearest = locator.find_nearest(node, 0.01).expect("the meshes differ by less");
+            let (x, _) = coarse.map(nearest.cell, &nearest.reference);
+            assert!(distance(&x, node) < 1e-12);
+            let (inside, _) = coarse.map(nearest.cell, &nearest.clamped);
+            assert!((distance(&inside, node) - nearest.distance).abs() < 1e-15);
+            assert!(coarse.shape().contains(&nearest.clamped, 0.0));
+            outside += usize::from(nearest.distance > 1e-6);
+        }
+        assert!(outside > 0);
+        assert_eq!(locator.find_nearest(&[26.0, 0.0], 0.99), None);
+        let near = locator.find_nearest(&[26.0, 0.0], 1.01).expect("it is 1 away");
+        assert!((near.distance - 1.0).abs() < 1e-12);
+        assert!((near.clamped[0] - 1.0).abs() < 1e-15 && (near.reference[0] - 1.4).abs() < 1e-12);
+        assert_eq!(locator.find_nearest(&[f64::NAN, 0.0], 1.0), None);
+        Ok(())
+    }
+
+    #[test]
+    fn distances_are_those_to_the_cell() -> Result<(), MeshError> {
+        for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+            let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 30.0], [2, 3, 2], shape, 1)?);
+            let locator = Locator::new(&mesh);
+            for (point, distance) in
+                [([1.5, 1.0, 7.0], 0.5), ([0.3, 2.25, 30.0], 0.25), ([-0.3, -0.4, 3.0], 0.5)]
+            {
+                let nearest = locator.find_nearest(&point, 0.6).expect("all are within 0.6");
+                assert!((nearest.distance - distance).abs() < 1e-14, "{shape:?} {nearest:?}");
+                assert_eq!(locator.find_nearest(&point, 0.2), None);
+            }
+        }
+        Ok(())
+    }
+}
