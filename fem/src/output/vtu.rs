@@ -1,7 +1,7 @@
 //! `.vtu` files (VTK unstructured grid, XML), which ParaView and VisIt read.
 
-use std::io::Error;
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
 use thiserror::Error;
 use vtkio::model::{
@@ -17,9 +17,6 @@ use crate::mesh::Mesh;
 /// Why a `.vtu` file could not be written.
 #[derive(Debug, Error)]
 pub enum VtuError {
-    /// A mesh without cells.
-    #[error("the mesh has no cells")]
-    Empty,
     /// Data of the wrong length.
     #[error("\"{name}\" has {found} values where {expected} are needed")]
     Length {
@@ -60,13 +57,17 @@ pub enum VtuError {
         /// Name of the data array.
         name: String,
     },
+    /// The data cannot be encoded.
+    #[error("the data cannot be encoded as .vtu: {reason}")]
+    Encoding {
+        /// What the encoder says.
+        reason: String,
+    },
     /// The file cannot be written.
-    #[error("{} cannot be written: {source}", path.display())]
+    #[error("the .vtu file cannot be written: {source}")]
     Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: Error,
+        /// What the system says, with the name of the file.
+        source: std::io::Error,
     },
 }
 
@@ -103,8 +104,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     pub fn point_data(self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
         let values =
             super::nodal_values(self.mesh, field).ok_or_else(|| VtuError::OtherMesh { name: name.into() })?;
-        let components = field.space.shape.iter().product();
-        self.point_values(name, components, &values)
+        self.point_values(name, field.space().components(), &values)
     }
 
     /// Adds values at the mesh's nodes, `values[node * components + component]`.
@@ -132,22 +132,16 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// Writes the file, whole or not at all.
     ///
     /// # Errors
-    /// [`VtuError`] if the mesh is empty, a coordinate is not finite, or the file cannot be written.
+    /// [`VtuError`] if the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
-        let path = path.as_ref();
-        let vtk = self.model()?;
-        let write = |source: Error| VtuError::Write { path: path.to_path_buf(), source };
-        // The encoder reports its own errors, which the system's error carries on.
         let mut bytes = Vec::new();
-        vtk.write_xml(&mut bytes).map_err(|error| write(Error::other(error.to_string())))?;
-        write_whole(path, |writer| writer.write_all(&bytes)).map_err(write)
+        let encoded = self.model()?.write_xml(&mut bytes);
+        encoded.map_err(|error| VtuError::Encoding { reason: error.to_string() })?;
+        write_whole(path, |writer| writer.write_all(&bytes)).map_err(|source| VtuError::Write { source })
     }
 
     fn model(&self) -> Result<Vtk, VtuError> {
         let cell_count = self.mesh.cell_count();
-        if cell_count == 0 {
-            return Err(VtuError::Empty);
-        }
         let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
         let points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), &[])?;
         let (cell_type, order) = cell_type(self.mesh.shape(), self.mesh.degree());
@@ -255,7 +249,6 @@ mod tests {
     use super::*;
     use crate::element::Lagrange;
     use crate::mesh;
-    use crate::output::sample;
     use crate::space::Space;
 
     fn grid(file: &VtuFile<'_, 2>) -> UnstructuredGridPiece {
@@ -274,7 +267,8 @@ mod tests {
     #[test]
     fn arrays_come_back() {
         let mesh = Arc::new(mesh::annulus(1.0, 2.0, 1, 4, CellShape::Quadrilateral, 2).unwrap());
-        let tensor = sample::field(&mesh, &[2, 2], |x| vec![x[0], x[1], 3.0, 4.0]);
+        let space = Space::tensor(&mesh, 2).unwrap();
+        let tensor = Field::interpolate(&space, |x| [[x[0], x[1]], [3.0, 4.0]]).unwrap();
         let numbers: Vec<f64> = (0..4).map(f64::from).collect();
         let file = VtuFile::new(&mesh).point_data("σ", &tensor).unwrap();
         let file = file.point_values("x", 2, mesh.nodes().as_flattened()).unwrap();
@@ -291,27 +285,11 @@ mod tests {
         assert_eq!(array(&grid.data.cell[0]), ("number".into(), 1, numbers));
     }
 
-    /// A field of degree 2 with nodes of its own on a mesh of degree 1: x² at the mesh's nodes.
+    /// A field of degree 2 on a mesh of degree 1: x² at the mesh's nodes.
     #[test]
     fn fields_of_another_degree_are_evaluated() {
         let mesh = Arc::new(mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());
-        let element = Lagrange::new(CellShape::Triangle, 2).unwrap();
-        let points = element.node_points::<2>();
-        let positions: Vec<[f64; 2]> = (0..mesh.cell_count())
-            .flat_map(|c| points.iter().map(move |p| (c, *p)))
-            .map(|(c, p)| mesh.map(c, &p).0)
-            .collect();
-        // Each cell has its own nodes, in the reverse order.
-        let count = positions.len() as u32;
-        let values: Vec<f64> = positions.iter().rev().map(|x| x[0] * x[0]).collect();
-        let space = Space {
-            mesh: mesh.clone(),
-            element,
-            shape: vec![],
-            cell_nodes: (0..count).rev().collect(),
-            positions: positions.into_iter().rev().collect(),
-        };
-        let field = Field { space: Arc::new(space), values: Arc::new(values) };
+        let field = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), |x| x[0] * x[0]).unwrap();
         let file = VtuFile::new(&mesh).point_data("square", &field).unwrap();
         for (value, x) in array(&grid(&file).data.point[0]).2.iter().zip(mesh.nodes()) {
             assert!((value - x[0] * x[0]).abs() < 1e-14);

@@ -59,15 +59,16 @@ impl Lattice {
 
 /// Values of a field's components at given reference points of a cell, point after point.
 pub(super) fn field_values(field: &Field<2>, cell: usize, basis: &[f64]) -> Vec<f64> {
-    let space = &field.space;
-    let components: usize = space.shape.iter().product();
-    let per_cell = space.element.nodes();
-    let unknowns = &space.cell_nodes[cell * per_cell..(cell + 1) * per_cell];
+    let space = field.space();
+    let components = space.components();
+    let per_cell = space.element().nodes();
+    let unknowns = space.cell_nodes(cell);
     let mut values = Vec::with_capacity(basis.len() / per_cell * components);
     for at_point in basis.chunks(per_cell) {
         for component in 0..components {
             let terms = at_point.iter().zip(unknowns);
-            values.push(terms.map(|(phi, &n)| phi * field.values[n as usize * components + component]).sum());
+            values
+                .push(terms.map(|(phi, &n)| phi * field.values()[n as usize * components + component]).sum());
         }
     }
     values
@@ -79,7 +80,7 @@ impl<'a> Body<'a> {
         let geometry = self.mesh.element().tabulate::<2>(reference);
         let shift = self
             .displacement
-            .map(|(field, factor)| (field, factor, field.space.element.tabulate::<2>(reference)));
+            .map(|(field, factor)| (field, factor, field.space().element().tabulate::<2>(reference)));
         let mut positions = Vec::new();
         for cell in cells {
             let nodes = self.mesh.cell(cell);

@@ -57,7 +57,7 @@ pub(super) fn draw_polylines(
 /// Positions and values of a vector field at the centres of the cells.
 pub(super) fn arrow_samples(body: &Body<'_>, field: &Field<2>) -> Vec<([f64; 2], [f64; 2])> {
     let centre = [body.mesh.shape().centre::<2>()];
-    let basis = field.space.element.tabulate::<2>(&centre).value;
+    let basis = field.space().element().tabulate::<2>(&centre).value;
     let cells = 0..body.mesh.cell_count();
     let positions = body.positions(&centre, cells.clone());
     let value = |cell| {

@@ -13,6 +13,7 @@ use super::shading::Shading;
 use super::{Picture, PictureError};
 use crate::field::Field;
 use crate::mesh::Mesh;
+use crate::output::lives_on;
 
 /// Which scalar of a field is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +54,7 @@ pub struct FieldMap<'a> {
 impl<'a> FieldMap<'a> {
     /// A picture of a field; the label, with the unit, stands at the colour bar.
     pub fn of(field: &'a Field<2>, shown: Shown, label: &str) -> FieldMap<'a> {
-        FieldMap::new(&field.space.mesh, Values::Field(field, shown), label)
+        FieldMap::new(field.space().mesh(), Values::Field(field, shown), label)
     }
 
     /// A picture of a function of the cell's number and the point in its reference cell; it may jump
@@ -176,7 +177,7 @@ impl<'a> FieldMap<'a> {
                 }
             }
             Values::Field(field, shown) => {
-                let components: usize = field.space.shape.iter().product();
+                let components = field.space().components();
                 if let Shown::Component(k) = *shown
                     && k >= components
                 {
@@ -186,7 +187,7 @@ impl<'a> FieldMap<'a> {
                         found: components,
                     });
                 }
-                let basis = field.space.element.tabulate::<2>(&lattice.points).value;
+                let basis = field.space().element().tabulate::<2>(&lattice.points).value;
                 for cell in cells {
                     let values = field_values(field, cell, &basis);
                     samples.extend(values.chunks(components).map(|value| match *shown {
@@ -232,16 +233,16 @@ impl<'a> FieldMap<'a> {
 
     /// Fields that move or decorate the body must be vector fields on its mesh with finite values.
     fn check_vector(&self, field: &Field<2>, name: &str) -> Result<(), PictureError> {
-        if !super::super::lives_on(field, self.mesh) {
+        if !lives_on(field, self.mesh) {
             return Err(PictureError::OtherMesh { name: name.into() });
         }
-        let components: usize = field.space.shape.iter().product();
+        let components = field.space().components();
         if components != 2 {
             return Err(PictureError::Length { name: name.into(), expected: 2, found: components });
         }
-        match field.values.iter().position(|value| !value.is_finite()) {
+        match field.values().iter().position(|value| !value.is_finite()) {
             Some(index) => {
-                Err(PictureError::NotFinite { name: name.into(), index, value: field.values[index] })
+                Err(PictureError::NotFinite { name: name.into(), index, value: field.values()[index] })
             }
             None => Ok(()),
         }
@@ -270,9 +271,6 @@ fn undeformed_stroke() -> Stroke {
 
 impl Picture for FieldMap<'_> {
     fn draw(&self) -> Result<Drawing, PictureError> {
-        if self.mesh.cell_count() == 0 {
-            return Err(PictureError::Empty { picture: format!("the map of \"{}\"", self.label) });
-        }
         if let Some((field, factor)) = self.displacement {
             self.check_vector(field, "displacement")?;
             if !factor.is_finite() {

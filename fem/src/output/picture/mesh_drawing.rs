@@ -128,9 +128,6 @@ fn cell_colour(number: usize) -> Colour {
 
 impl Picture for MeshDrawing<'_> {
     fn draw(&self) -> Result<Drawing, PictureError> {
-        if self.mesh.cell_count() == 0 {
-            return Err(PictureError::Empty { picture: "the drawing of a mesh".into() });
-        }
         let body = Body { mesh: self.mesh, displacement: None };
         let outline = body.facets(self.mesh.boundary_facets());
         let layout = Layout {

@@ -20,7 +20,8 @@ mod shading;
 mod svg_file;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
 use thiserror::Error;
 
@@ -127,11 +128,9 @@ pub enum PictureError {
         reason: String,
     },
     /// The file cannot be written.
-    #[error("the picture {} cannot be written: {source}", path.display())]
+    #[error("the picture cannot be written: {source}")]
     Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
+        /// What the system says, with the name of the file.
         source: std::io::Error,
     },
 }
@@ -185,8 +184,7 @@ impl Picture for Drawing {
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {
-    write_whole(path, |writer| writer.write_all(bytes))
-        .map_err(|source| PictureError::Write { path: path.to_path_buf(), source })
+    write_whole(path, |writer| writer.write_all(bytes)).map_err(|source| PictureError::Write { source })
 }
 
 #[cfg(test)]

@@ -6,12 +6,13 @@ use super::*;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::mesh::{self, Mesh};
-use crate::output::sample;
+use crate::space::Space;
 
 fn annulus() -> (Arc<Mesh<2>>, Field<2>) {
     let mesh = mesh::annulus(20.0, 30.0, 2, 16, CellShape::Quadrilateral, 2).unwrap();
     let mesh = Arc::new(mesh);
-    let field = sample::field(&mesh, &[2], |x| vec![0.05 * x[0], -0.05 * x[1]]);
+    let field =
+        Field::interpolate(&Space::vector(&mesh, 2).unwrap(), |x| [0.05 * x[0], -0.05 * x[1]]).unwrap();
     (mesh, field)
 }
 
@@ -65,7 +66,15 @@ fn pictures_are_deterministic_in_both_formats() {
         let map = FieldMap::of(&field, Shown::Magnitude, "‖u‖ [mm]").deformed(&field, 2.0);
         let map = map.undeformed_outline("before").arrows(&field, "u", "mm").levels(9).title("Annulus");
         let regions = MeshDrawing::new(&mesh).all_regions().cell_region("all").unwrap();
-        Panel::new(2).picture(&map).unwrap().picture(&regions).unwrap().letters().title("Panel").draw().unwrap()
+        Panel::new(2)
+            .picture(&map)
+            .unwrap()
+            .picture(&regions)
+            .unwrap()
+            .letters()
+            .title("Panel")
+            .draw()
+            .unwrap()
     };
     let [first, second] = [panel(), panel()]
         .map(|drawing| (png_file::encode(&drawing, 72.0).unwrap(), svg_file::encode(&drawing).unwrap()));
@@ -109,14 +118,11 @@ fn bad_data_are_named() {
     assert_eq!(map.draw().err().unwrap().to_string(), "\"pressure\" is NaN in cell 7, which cannot be drawn");
     let map = FieldMap::of(&field, Shown::Component(2), "u_{z}");
     assert!(matches!(map.draw(), Err(PictureError::Length { expected: 3, found: 2, .. })));
-    let scalar = sample::field(&mesh, &[], |x| vec![x[0]]);
+    let scalar = Field::interpolate(&Space::scalar(&mesh, 1).unwrap(), |x| x[0]).unwrap();
     let map = FieldMap::of(&field, Shown::Magnitude, "u").deformed(&scalar, 1.0);
     assert!(matches!(map.draw(), Err(PictureError::Length { expected: 2, found: 1, .. })));
-    let (_, other) = {
-        let mesh = Arc::new(mesh::annulus(1.0, 2.0, 1, 8, CellShape::Triangle, 1).unwrap());
-        let field = sample::field(&mesh, &[2], |x| x.to_vec());
-        (mesh, field)
-    };
+    let small = Arc::new(mesh::annulus(1.0, 2.0, 1, 8, CellShape::Triangle, 1).unwrap());
+    let other = Field::zero(&Space::vector(&small, 1).unwrap());
     let map = FieldMap::of(&field, Shown::Magnitude, "u").arrows(&other, "elsewhere", "mm");
     assert!(matches!(map.draw(), Err(PictureError::OtherMesh { name }) if name == "elsewhere"));
     assert!(matches!(MeshDrawing::new(&mesh).region("nowhere"), Err(PictureError::Mesh(_))));
