@@ -7,6 +7,7 @@
 pub mod elimination;
 pub mod linear_solver;
 pub mod newton;
+pub mod problem;
 pub mod tangent_solver;
 
 pub use elimination::{Elimination, solve_linear, solve_linear_transposed};
@@ -15,4 +16,5 @@ pub use newton::{
     ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
     newton,
 };
+pub use problem::{FormProblem, LinearProblemError, Solved};
 pub use tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};

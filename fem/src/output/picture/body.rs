@@ -1,0 +1,236 @@
+//! A plane mesh on the page: curved cells cut into small triangles, curved edges into polylines.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::drawing::Point;
+use super::shading::{ShadedSurface, Shading};
+use crate::element::CellShape;
+use crate::field::Field;
+use crate::mesh::{Facet, Mesh};
+
+/// A mesh in its reference position or displaced by a multiple of a field.
+#[derive(Clone, Copy)]
+pub(super) struct Body<'a> {
+    pub mesh: &'a Mesh<2>,
+    pub displacement: Option<(&'a Field<2>, f64)>,
+}
+
+/// How the reference cell is cut.
+pub(super) struct Lattice {
+    pub points: Vec<[f64; 2]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// Pieces of a curved edge.
+const EDGE_PIECES: usize = 8;
+
+impl Lattice {
+    /// Cuts the reference cell into `parts` along each edge.
+    fn new(shape: CellShape, parts: usize) -> Lattice {
+        let simplex = shape == CellShape::Triangle;
+        let mut points = Vec::new();
+        let mut triangles = Vec::new();
+        let step = 1.0 / parts as f64;
+        // Row j has parts + 1 points in a square, parts + 1 − j in a triangle.
+        let columns = |j: usize| if simplex { parts + 1 - j } else { parts + 1 };
+        let mut starts = vec![0];
+        for j in 0..=parts {
+            points.extend((0..columns(j)).map(|i| [i as f64 * step, j as f64 * step]));
+            starts.push(points.len());
+        }
+        for j in 0..parts {
+            let number = |i: usize, j: usize| (starts[j] + i) as u32;
+            for i in 0..columns(j) - 1 {
+                triangles.push([number(i, j), number(i + 1, j), number(i, j + 1)]);
+                if i + 1 < columns(j + 1) {
+                    triangles.push([number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)]);
+                }
+            }
+        }
+        Lattice { points, triangles }
+    }
+
+    /// A lattice fine enough for the mesh, with a bounded number of triangles in all.
+    pub fn of(mesh: &Mesh<2>) -> Lattice {
+        let parts = (200_000.0 / mesh.cell_count().max(1) as f64).sqrt() as usize;
+        Lattice::new(mesh.shape(), parts.clamp(2, 8))
+    }
+}
+
+/// Values of a field's components at given reference points of a cell, point after point.
+pub(super) fn field_values(field: &Field<2>, cell: usize, basis: &[f64]) -> Vec<f64> {
+    let space = field.space();
+    let components = space.components();
+    let per_cell = space.element().nodes();
+    let unknowns = space.cell_nodes(cell);
+    let mut values = Vec::with_capacity(basis.len() / per_cell * components);
+    for at_point in basis.chunks(per_cell) {
+        for component in 0..components {
+            let terms = at_point.iter().zip(unknowns);
+            values
+                .push(terms.map(|(phi, &n)| phi * field.values()[n as usize * components + component]).sum());
+        }
+    }
+    values
+}
+
+impl<'a> Body<'a> {
+    /// Positions of reference points in each of the cells, cell after cell.
+    pub fn positions(&self, reference: &[[f64; 2]], cells: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
+        let geometry = self.mesh.element().tabulate::<2>(reference);
+        let shift = self
+            .displacement
+            .map(|(field, factor)| (field, factor, field.space().element().tabulate::<2>(reference)));
+        let mut positions = Vec::new();
+        for cell in cells {
+            let nodes = self.mesh.cell(cell);
+            let start = positions.len();
+            for basis in geometry.value.chunks(nodes.len()) {
+                let mut position = [0.0; 2];
+                for (phi, &node) in basis.iter().zip(nodes) {
+                    let x = self.mesh.nodes()[node as usize];
+                    position = [position[0] + phi * x[0], position[1] + phi * x[1]];
+                }
+                positions.push(position);
+            }
+            if let Some((field, factor, tables)) = &shift {
+                let values = field_values(field, cell, &tables.value);
+                for (position, u) in positions[start..].iter_mut().zip(values.chunks(2)) {
+                    *position = [position[0] + factor * u[0], position[1] + factor * u[1]];
+                }
+            }
+        }
+        positions
+    }
+
+    /// The polyline of a cell's edge.
+    fn edge(&self, cell: usize, local: usize) -> Vec<[f64; 2]> {
+        let shape = self.mesh.shape();
+        let [a, b] = shape.edges()[local].map(|vertex| shape.vertex_points()[vertex]);
+        let curved = self.mesh.degree() > 1 || self.displacement.is_some();
+        let pieces = if curved { EDGE_PIECES } else { 1 };
+        let points: Vec<[f64; 2]> = (0..=pieces)
+            .map(|k| {
+                let t = k as f64 / pieces as f64;
+                [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
+            })
+            .collect();
+        self.positions(&points, std::iter::once(cell))
+    }
+
+    /// All edges of the mesh, each one once.
+    pub fn edges(&self) -> Vec<Vec<[f64; 2]>> {
+        let mut seen = BTreeSet::new();
+        let mut edges = Vec::new();
+        for cell in 0..self.mesh.cell_count() {
+            let nodes = self.mesh.cell(cell);
+            for (local, ends) in self.mesh.shape().edges().iter().enumerate() {
+                let [a, b] = ends.map(|vertex| nodes[vertex]);
+                if seen.insert((a.min(b), a.max(b))) {
+                    edges.push(self.edge(cell, local));
+                }
+            }
+        }
+        edges
+    }
+
+    /// The polylines of facets. In the plane the facets of a cell are its edges, in the same order.
+    pub fn facets(&self, facets: &[Facet]) -> Vec<Vec<[f64; 2]>> {
+        facets.iter().map(|facet| self.edge(facet.cell as usize, usize::from(facet.local))).collect()
+    }
+
+    /// The cells as a surface on the page, with one value per lattice point of each cell.
+    pub fn surface(
+        &self,
+        lattice: &Lattice,
+        cells: impl Iterator<Item = usize> + Clone,
+        values: Vec<f32>,
+        shading: Shading,
+        place: impl Fn([f64; 2]) -> Point,
+    ) -> ShadedSurface {
+        let points: Vec<Point> =
+            self.positions(&lattice.points, cells.clone()).into_iter().map(place).collect();
+        let count = lattice.points.len() as u32;
+        let mut triangles = Vec::with_capacity(points.len() * 2);
+        for cell in 0..cells.count() as u32 {
+            triangles.extend(lattice.triangles.iter().map(|t| t.map(|n| cell * count + n)));
+        }
+        ShadedSurface { points, values, triangles, shading }
+    }
+}
+
+/// The smallest upright rectangle about polylines: lower left and upper right corner.
+pub(super) fn bounds<'p>(polylines: impl IntoIterator<Item = &'p Vec<[f64; 2]>>) -> [[f64; 2]; 2] {
+    let mut corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    for point in polylines.into_iter().flatten() {
+        for k in 0..2 {
+            corners[0][k] = corners[0][k].min(point[k]);
+            corners[1][k] = corners[1][k].max(point[k]);
+        }
+    }
+    corners
+}
+
+/// Joins polylines whose ends meet, so that dashes and corners run on from one facet to the next.
+pub(super) fn joined(polylines: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
+    let key = |point: &[f64; 2]| point.map(|x| (x + 0.0).to_bits());
+    let starts: BTreeMap<[u64; 2], usize> = polylines
+        .iter()
+        .enumerate()
+        .filter_map(|(number, line)| line.first().map(|point| (key(point), number)))
+        .collect();
+    let followed: BTreeSet<[u64; 2]> = polylines.iter().filter_map(|line| line.last().map(key)).collect();
+    // Lines that nothing leads to come first; what is left then are closed curves.
+    let mut order: Vec<usize> = (0..polylines.len()).collect();
+    order
+        .sort_by_key(|&number| polylines[number].first().is_some_and(|point| followed.contains(&key(point))));
+    let mut used = vec![false; polylines.len()];
+    let mut lines = Vec::new();
+    for first in order {
+        if used[first] {
+            continue;
+        }
+        let mut line: Vec<[f64; 2]> = Vec::new();
+        let mut next = Some(first);
+        while let Some(number) = next.filter(|&number| !used[number]) {
+            used[number] = true;
+            line.extend(polylines[number].iter().skip(usize::from(!line.is_empty())));
+            next = line.last().and_then(|end| starts.get(&key(end)).copied());
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The triangles of a lattice fill the reference cell, all with the same orientation.
+    #[test]
+    fn lattices_fill_the_cell() {
+        for (shape, area) in [(CellShape::Triangle, 0.5), (CellShape::Quadrilateral, 1.0)] {
+            let lattice = Lattice::new(shape, 5);
+            let areas = lattice.triangles.iter().map(|t| {
+                let [a, b, c] = t.map(|n| lattice.points[n as usize]);
+                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+            });
+            let areas: Vec<f64> = areas.collect();
+            assert!(areas.iter().all(|&area| area > 0.0));
+            assert!((areas.iter().sum::<f64>() - area).abs() < 1e-12);
+        }
+    }
+
+    /// Four sides of a square, out of order, are one closed line; a lone piece stays alone.
+    #[test]
+    fn facets_are_joined() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let side = |k: usize| vec![corners[k % 4], corners[(k + 1) % 4]];
+        let lines = joined(&[side(2), side(0), side(3), side(1)]);
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].len(), 5);
+        let open = joined(&[side(1), side(0), vec![[5.0, 5.0], [6.0, 5.0]]]);
+        assert!(open.contains(&vec![corners[0], corners[1], corners[2]]));
+        assert_eq!(open.len(), 2);
+    }
+}

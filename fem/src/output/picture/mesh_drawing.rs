@@ -1,0 +1,163 @@
+//! Meshes with their named regions in different colours.
+
+use super::body::{Body, Lattice, bounds};
+use super::body_lines::{draw_mesh_lines, draw_polylines, with_margin};
+use super::colour_map::{Colour, ColourMap};
+use super::drawing::{Drawing, Stroke};
+use super::layout::Layout;
+use super::legend::{Key, Legend};
+use super::shading::Shading;
+use super::{Picture, PictureError};
+use crate::mesh::{Facet, Mesh};
+
+/// Width of the first region's line \[pt\].
+const REGION_LINE: f64 = 3.2;
+
+/// A picture of a mesh; named facets are drawn as thick lines.
+pub struct MeshDrawing<'a> {
+    mesh: &'a Mesh<2>,
+    regions: Vec<(String, Vec<Facet>)>,
+    cells: Vec<(String, Vec<u32>)>,
+    title: String,
+    unit: Option<String>,
+    window: Option<[[f64; 2]; 2]>,
+    largest: [f64; 2],
+}
+
+impl<'a> MeshDrawing<'a> {
+    /// The mesh alone.
+    pub fn new(mesh: &'a Mesh<2>) -> MeshDrawing<'a> {
+        MeshDrawing {
+            mesh,
+            regions: Vec::new(),
+            cells: Vec::new(),
+            title: String::new(),
+            unit: Some("mm".into()),
+            window: None,
+            largest: [300.0, 300.0],
+        }
+    }
+
+    /// Draws a region of facets in a colour of its own, with its name in the legend.
+    ///
+    /// # Errors
+    /// [`PictureError::Mesh`] if there is no such region.
+    pub fn region(mut self, name: &str) -> Result<Self, PictureError> {
+        self.regions.push((name.into(), self.mesh.facet_region(name)?.to_vec()));
+        Ok(self)
+    }
+
+    /// Fills a region of cells in a colour of its own, with its name in the legend.
+    ///
+    /// # Errors
+    /// [`PictureError::Mesh`] if there is no such region.
+    pub fn cell_region(mut self, name: &str) -> Result<Self, PictureError> {
+        self.cells.push((name.into(), self.mesh.cell_region(name)?.to_vec()));
+        Ok(self)
+    }
+
+    /// Draws all regions of facets but the whole boundary, smaller ones over larger ones.
+    pub fn all_regions(mut self) -> Self {
+        let names = self.mesh.facet_region_names().filter(|&name| name != "boundary");
+        for name in names {
+            if let Ok(facets) = self.mesh.facet_region(name) {
+                self.regions.push((name.into(), facets.to_vec()));
+            }
+        }
+        self.regions.sort_by_key(|(_, facets)| std::cmp::Reverse(facets.len()));
+        self
+    }
+
+    /// Writes a title above the picture.
+    pub fn title(mut self, title: &str) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// The unit of length at the axes; millimetres unless another one is given.
+    pub fn length_unit(mut self, unit: &str) -> Self {
+        self.unit = Some(unit.into());
+        self
+    }
+
+    /// Draws no axes.
+    pub fn without_axes(mut self) -> Self {
+        self.unit = None;
+        self
+    }
+
+    /// Shows only a part of the plane.
+    pub fn window(mut self, x: [f64; 2], y: [f64; 2]) -> Self {
+        self.window = Some([[x[0], y[0]], [x[1], y[1]]]);
+        self
+    }
+
+    /// Largest width and height of the body on the page \[pt\]; 300 × 300 unless given.
+    pub fn size(mut self, width: f64, height: f64) -> Self {
+        self.largest = [width, height];
+        self
+    }
+
+    /// The line of a region: it is thinner where it would hide an earlier region altogether.
+    fn stroke(&self, number: usize) -> Stroke {
+        let facets = &self.regions[number].1;
+        let hidden = |other: &[Facet]| other.iter().all(|facet| facets.contains(facet));
+        let below = self.regions[..number].iter().filter(|(_, other)| hidden(other)).count();
+        Stroke::solid(Colour::of_series(number), REGION_LINE / (1.0 + 0.9 * below as f64))
+    }
+
+    fn keys(&self) -> Vec<Key> {
+        let regions = self.regions.iter().enumerate();
+        let mut keys: Vec<Key> = regions
+            .map(|(k, (name, _))| Key { text: name.clone(), stroke: self.stroke(k), marker: None })
+            .collect();
+        keys.extend(self.cells.iter().enumerate().map(|(k, (name, _))| Key {
+            text: name.clone(),
+            stroke: Stroke::solid(cell_colour(k), 8.0),
+            marker: None,
+        }));
+        keys
+    }
+}
+
+/// A pale colour for a region of cells.
+fn cell_colour(number: usize) -> Colour {
+    let rgb = Colour::of_series(number + 2).rgb.map(|channel| ((u16::from(channel) + 2 * 255) / 3) as u8);
+    Colour { rgb, opacity: 1.0 }
+}
+
+impl Picture for MeshDrawing<'_> {
+    fn draw(&self) -> Result<Drawing, PictureError> {
+        let body = Body { mesh: self.mesh, displacement: None };
+        let outline = body.facets(self.mesh.boundary_facets());
+        let layout = Layout {
+            title: &self.title,
+            unit: self.unit.as_deref(),
+            largest: self.largest,
+            window: self.window.unwrap_or_else(|| with_margin(bounds(&outline), 0.04)),
+            bar: None,
+            legend: Legend::new(self.keys()),
+        };
+        let (mut drawing, frame) = layout.begin()?;
+        let place = |x: [f64; 2]| frame.place(x);
+        let clip = Some(frame.area);
+        let lattice = Lattice::of(self.mesh);
+        let mut fill = |cells: Vec<usize>, colour: Colour| {
+            let shading =
+                Shading { map: ColourMap::Viridis, range: [0.0, 1.0], levels: None, flat: Some(colour) };
+            let values = vec![0.0; cells.len() * lattice.points.len()];
+            drawing.surface(body.surface(&lattice, cells.iter().copied(), values, shading, place), clip);
+        };
+        fill((0..self.mesh.cell_count()).collect(), Colour::grey(238));
+        for (number, (_, cells)) in self.cells.iter().enumerate() {
+            fill(cells.iter().map(|&cell| cell as usize).collect(), cell_colour(number));
+        }
+        draw_mesh_lines(&mut drawing, &body, place, clip);
+        draw_polylines(&mut drawing, &outline, place, Stroke::solid(Colour::BLACK, 0.7), clip);
+        for (number, (_, facets)) in self.regions.iter().enumerate() {
+            draw_polylines(&mut drawing, &body.facets(facets), place, self.stroke(number), clip);
+        }
+        layout.finish(&mut drawing, &frame);
+        Ok(drawing)
+    }
+}

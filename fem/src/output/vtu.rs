@@ -1,0 +1,332 @@
+//! `.vtu` files (VTK unstructured grid, XML), which ParaView and VisIt read.
+
+use std::io::Write;
+use std::path::Path;
+
+use thiserror::Error;
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer,
+    UnstructuredGridPiece, Version, VertexNumbers, Vtk,
+};
+
+use super::atomic::write_whole;
+use crate::element::CellShape;
+use crate::field::Field;
+use crate::mesh::Mesh;
+
+/// Why a `.vtu` file could not be written.
+#[derive(Debug, Error)]
+pub enum VtuError {
+    /// Data of the wrong length.
+    #[error("\"{name}\" has {found} values where {expected} are needed")]
+    Length {
+        /// Name of the data array.
+        name: String,
+        /// Number of values needed.
+        expected: usize,
+        /// Number of values given.
+        found: usize,
+    },
+    /// Components that are neither a scalar nor a vector nor a tensor of the mesh's dimension.
+    #[error("\"{name}\" has {components} components: a scalar, a vector or a tensor is needed")]
+    Components {
+        /// Name of the data array.
+        name: String,
+        /// Number of components.
+        components: usize,
+    },
+    /// A value or a coordinate that is not a finite number.
+    #[error("value {index} of \"{name}\" is {value}")]
+    NotFinite {
+        /// Name of the data array.
+        name: String,
+        /// Number of the point or cell.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// Two arrays of the same name at the points or at the cells.
+    #[error("there are two data arrays \"{name}\"")]
+    Twice {
+        /// Name of the data arrays.
+        name: String,
+    },
+    /// A field on another mesh.
+    #[error("the field \"{name}\" lives on another mesh")]
+    OtherMesh {
+        /// Name of the data array.
+        name: String,
+    },
+    /// The data cannot be encoded.
+    #[error("the data cannot be encoded as .vtu: {reason}")]
+    Encoding {
+        /// What the encoder says.
+        reason: String,
+    },
+    /// The file cannot be written.
+    #[error("the .vtu file cannot be written: {source}")]
+    Write {
+        /// What the system says, with the name of the file.
+        source: std::io::Error,
+    },
+}
+
+/// A mesh and data on it, to be written as a `.vtu` file.
+///
+/// Cells keep their degree: quadratic cells are written as VTK's quadratic cells. Vectors get three
+/// components and tensors nine (row-major); the missing ones are zero.
+#[derive(Clone, Debug)]
+pub struct VtuFile<'a, const D: usize> {
+    mesh: &'a Mesh<D>,
+    points: Vec<Array>,
+    cells: Vec<Array>,
+}
+
+/// A data array with 1, 3 or 9 components.
+#[derive(Clone, Debug)]
+struct Array {
+    name: String,
+    components: usize,
+    values: Vec<f64>,
+}
+
+impl<'a, const D: usize> VtuFile<'a, D> {
+    /// A file with the mesh and no data yet.
+    pub fn new(mesh: &'a Mesh<D>) -> Self {
+        VtuFile { mesh, points: Vec::new(), cells: Vec::new() }
+    }
+
+    /// Adds the values of a field at the mesh's nodes. The field's degree need not be the mesh's: the
+    /// field is evaluated at the nodes.
+    ///
+    /// # Errors
+    /// [`VtuError`] if the field lives on another mesh, is not finite, or the name is taken.
+    pub fn point_data(self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
+        let values =
+            super::nodal_values(self.mesh, field).ok_or_else(|| VtuError::OtherMesh { name: name.into() })?;
+        self.point_values(name, field.space().components(), &values)
+    }
+
+    /// Adds values at the mesh's nodes, `values[node * components + component]`.
+    ///
+    /// # Errors
+    /// [`VtuError`] if there is not one value per node and component, a value is not finite, or the
+    /// name is taken.
+    pub fn point_values(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
+        let array = Array::new::<D>(name, components, values, self.mesh.nodes().len(), &self.points)?;
+        self.points.push(array);
+        Ok(self)
+    }
+
+    /// Adds values of the cells, `values[cell * components + component]`.
+    ///
+    /// # Errors
+    /// [`VtuError`] if there is not one value per cell and component, a value is not finite, or the
+    /// name is taken.
+    pub fn cell_data(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
+        let array = Array::new::<D>(name, components, values, self.mesh.cell_count(), &self.cells)?;
+        self.cells.push(array);
+        Ok(self)
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`VtuError`] if the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
+        let mut bytes = Vec::new();
+        let encoded = self.model()?.write_xml(&mut bytes);
+        encoded.map_err(|error| VtuError::Encoding { reason: error.to_string() })?;
+        write_whole(path, |writer| writer.write_all(&bytes)).map_err(|source| VtuError::Write { source })
+    }
+
+    fn model(&self) -> Result<Vtk, VtuError> {
+        let cell_count = self.mesh.cell_count();
+        let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
+        let points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), &[])?;
+        let (cell_type, order) = cell_type(self.mesh.shape(), self.mesh.degree());
+        let mut connectivity = Vec::with_capacity(cell_count * order.len());
+        for cell in 0..cell_count {
+            let nodes = self.mesh.cell(cell);
+            connectivity.extend(order.iter().map(|&node| u64::from(nodes[node])));
+        }
+        let offsets = (1..=cell_count).map(|cell| (cell * order.len()) as u64).collect();
+        let attributes = |arrays: &[Array]| arrays.iter().map(Array::attribute).collect();
+        Ok(Vtk {
+            // Version 1.0 is the one whose headers (64 bits) this crate writes as readers expect them.
+            version: Version::new_xml(1, 0),
+            title: String::new(),
+            byte_order: ByteOrder::LittleEndian,
+            file_path: None,
+            data: DataSet::inline(UnstructuredGridPiece {
+                points: IOBuffer::F64(points.values),
+                cells: Cells {
+                    cell_verts: VertexNumbers::XML { connectivity, offsets },
+                    types: vec![cell_type; cell_count],
+                },
+                data: Attributes { point: attributes(&self.points), cell: attributes(&self.cells) },
+            }),
+        })
+    }
+}
+
+impl Array {
+    /// Checks the values and pads vectors to 3 and tensors to 9 components.
+    fn new<const D: usize>(
+        name: &str,
+        components: usize,
+        values: &[f64],
+        count: usize,
+        others: &[Array],
+    ) -> Result<Array, VtuError> {
+        let padded = match components {
+            1 => 1,
+            _ if components == D => 3,
+            _ if components == D * D => 9,
+            _ => return Err(VtuError::Components { name: name.into(), components }),
+        };
+        if values.len() != count * components {
+            return Err(VtuError::Length {
+                name: name.into(),
+                expected: count * components,
+                found: values.len(),
+            });
+        }
+        if others.iter().any(|other| other.name == name) {
+            return Err(VtuError::Twice { name: name.into() });
+        }
+        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+            let index = place / components;
+            return Err(VtuError::NotFinite { name: name.into(), index, value: values[place] });
+        }
+        let mut all = vec![0.0; count * padded];
+        for (source, target) in values.chunks(components).zip(all.chunks_mut(padded)) {
+            for (k, &value) in source.iter().enumerate() {
+                let place = if padded == 9 { 3 * (k / D) + k % D } else { k };
+                target[place] = value;
+            }
+        }
+        Ok(Array { name: name.into(), components: padded, values: all })
+    }
+
+    fn attribute(&self) -> Attribute {
+        Attribute::DataArray(DataArray {
+            name: self.name.clone(),
+            elem: match self.components {
+                1 => ElementType::Scalars { num_comp: 1, lookup_table: None },
+                3 => ElementType::Vectors,
+                _ => ElementType::Tensors,
+            },
+            data: IOBuffer::F64(self.values.clone()),
+        })
+    }
+}
+
+/// VTK's cell, and for each of its nodes the number of our node.
+///
+/// Vertices, edges and the centre stand in the same order; VTK's faces of the hexahedron are x = 0,
+/// x = 1, y = 0, y = 1, z = 0, z = 1 and ours z = 0, z = 1, y = 0, x = 1, y = 1, x = 0.
+fn cell_type(shape: CellShape, degree: usize) -> (CellType, Vec<usize>) {
+    match (shape, degree) {
+        (CellShape::Triangle, 1) => (CellType::Triangle, (0..3).collect()),
+        (CellShape::Triangle, _) => (CellType::QuadraticTriangle, (0..6).collect()),
+        (CellShape::Quadrilateral, 1) => (CellType::Quad, (0..4).collect()),
+        (CellShape::Quadrilateral, _) => (CellType::BiquadraticQuad, (0..9).collect()),
+        (CellShape::Tetrahedron, 1) => (CellType::Tetra, (0..4).collect()),
+        (CellShape::Tetrahedron, _) => (CellType::QuadraticTetra, (0..10).collect()),
+        (CellShape::Hexahedron, 1) => (CellType::Hexahedron, (0..8).collect()),
+        (CellShape::Hexahedron, _) => {
+            let faces = [25, 23, 22, 24, 20, 21];
+            (CellType::TriquadraticHexahedron, (0..20).chain(faces).chain([26]).collect())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::element::Lagrange;
+    use crate::mesh;
+    use crate::space::Space;
+
+    fn grid(file: &VtuFile<'_, 2>) -> UnstructuredGridPiece {
+        let mut bytes = Vec::new();
+        file.model().unwrap().write_xml(&mut bytes).unwrap();
+        let vtk = Vtk::parse_xml(bytes.as_slice()).unwrap();
+        let DataSet::UnstructuredGrid { mut pieces, .. } = vtk.data else { panic!("{:?}", vtk.data) };
+        pieces.remove(0).into_loaded_piece_data(None).unwrap()
+    }
+
+    fn array(attribute: &Attribute) -> (String, usize, Vec<f64>) {
+        let Attribute::DataArray(array) = attribute else { panic!("{attribute:?}") };
+        (array.name.clone(), array.elem.num_comp() as usize, array.data.cast_into().unwrap())
+    }
+
+    #[test]
+    fn arrays_come_back() {
+        let mesh = Arc::new(mesh::annulus(1.0, 2.0, 1, 4, CellShape::Quadrilateral, 2).unwrap());
+        let space = Space::tensor(&mesh, 2).unwrap();
+        let tensor = Field::interpolate(&space, |x| [[x[0], x[1]], [3.0, 4.0]]).unwrap();
+        let numbers: Vec<f64> = (0..4).map(f64::from).collect();
+        let file = VtuFile::new(&mesh).point_data("σ", &tensor).unwrap();
+        let file = file.point_values("x", 2, mesh.nodes().as_flattened()).unwrap();
+        let grid = grid(&file.cell_data("number", 1, &numbers).unwrap());
+        assert_eq!(grid.cells.types, vec![CellType::BiquadraticQuad; 4]);
+        let (connectivity, _) = grid.cells.cell_verts.into_xml();
+        assert_eq!(connectivity, mesh.cells().iter().map(|&n| u64::from(n)).collect::<Vec<_>>());
+        let padded: Vec<f64> = mesh.nodes().iter().flat_map(|x| [x[0], x[1], 0.0]).collect();
+        assert_eq!(grid.points.cast_into::<f64>().unwrap(), padded);
+        let tensors: Vec<f64> =
+            mesh.nodes().iter().flat_map(|x| [x[0], x[1], 0.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0]).collect();
+        assert_eq!(array(&grid.data.point[0]), ("σ".into(), 9, tensors));
+        assert_eq!(array(&grid.data.point[1]), ("x".into(), 3, padded));
+        assert_eq!(array(&grid.data.cell[0]), ("number".into(), 1, numbers));
+    }
+
+    /// A field of degree 2 on a mesh of degree 1: x² at the mesh's nodes.
+    #[test]
+    fn fields_of_another_degree_are_evaluated() {
+        let mesh = Arc::new(mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());
+        let field = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), |x| x[0] * x[0]).unwrap();
+        let file = VtuFile::new(&mesh).point_data("square", &field).unwrap();
+        for (value, x) in array(&grid(&file).data.point[0]).2.iter().zip(mesh.nodes()) {
+            assert!((value - x[0] * x[0]).abs() < 1e-14);
+        }
+        let other = mesh::rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Triangle, 1).unwrap();
+        assert!(matches!(VtuFile::new(&other).point_data("u", &field), Err(VtuError::OtherMesh { .. })));
+    }
+
+    /// VTK states the parametric coordinates of the face nodes: x = 0, x = 1, y = 0, y = 1, z = 0, z = 1.
+    #[test]
+    fn faces_of_hexahedra_stand_in_the_order_of_vtk() {
+        let (_, order) = cell_type(CellShape::Hexahedron, 2);
+        let points = Lagrange::new(CellShape::Hexahedron, 2).unwrap().node_points::<3>();
+        let faces: Vec<[f64; 3]> = order[20..].iter().map(|&node| points[node]).collect();
+        let expected = [
+            [0.0, 0.5, 0.5],
+            [1.0, 0.5, 0.5],
+            [0.5, 0.0, 0.5],
+            [0.5, 1.0, 0.5],
+            [0.5, 0.5, 0.0],
+            [0.5, 0.5, 1.0],
+            [0.5, 0.5, 0.5],
+        ];
+        assert_eq!(faces, expected);
+    }
+
+    #[test]
+    fn bad_data_are_named() {
+        let mesh = mesh::rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Quadrilateral, 1).unwrap();
+        let error = VtuFile::new(&mesh).point_values("u", 2, &[0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(error.unwrap_err().to_string(), "value 1 of \"u\" is NaN");
+        let file = VtuFile::new(&mesh);
+        assert!(matches!(file.clone().cell_data("p", 1, &[]), Err(VtuError::Length { expected: 1, .. })));
+        assert!(matches!(file.clone().cell_data("p", 3, &[0.0; 3]), Err(VtuError::Components { .. })));
+        let twice = file.clone().cell_data("p", 1, &[0.0]).unwrap().cell_data("p", 1, &[0.0]);
+        assert!(matches!(twice, Err(VtuError::Twice { .. })));
+        let path = std::env::temp_dir().join("no such directory of forms-fem").join("mesh.vtu");
+        assert!(file.write(&path).unwrap_err().to_string().contains("mesh.vtu"));
+    }
+}
