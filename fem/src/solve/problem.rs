@@ -7,8 +7,8 @@ use std::time::Instant;
 use forms_core::contract::Form;
 
 use super::{
-    ActivePoints, Elimination, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem, newton,
-    solve_linear,
+    ActivePoints, Elimination, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem,
+    newton, solve_linear,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::constraints::Constraints;
@@ -61,7 +61,11 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
     ///
     /// # Errors
     /// When the matrix is too large to be numbered.
-    pub fn new(form: &'a F, assembler: &'a Assembler<D>, space: &Arc<Space<D>>) -> Result<Self, AssemblyError> {
+    pub fn new(
+        form: &'a F,
+        assembler: &'a Assembler<D>,
+        space: &Arc<Space<D>>,
+    ) -> Result<Self, AssemblyError> {
         let pattern = BlockPattern::new(&[space], &[space])
             .map_err(|source| AssemblyError::LinearAlgebra { form: form.name(), source })?;
         Ok(Self::with_pattern(form, assembler, space, &Arc::new(pattern)))
