@@ -36,7 +36,8 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        FormProblem, NewtonError, NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
+        CondensedSolver, FormProblem, LinearSolver, NewtonError, NewtonOptions, NewtonStep, TangentSolver,
+        TangentSolverOptions,
     };
     pub use crate::space::Space;
 }
