@@ -221,10 +221,24 @@ impl Graph {
         self.scale(coefficient, product)
     }
 
+    /// The largest exponent of a product, by amount; one for what is no product.
+    fn largest_exponent(&self, a: Scalar) -> f64 {
+        let inner = match self.node(a) {
+            Node::Sum { terms, .. } if terms.len() == 1 => terms[0].1,
+            _ => a,
+        };
+        let Node::Product(factors) = self.node(inner) else { return 1.0 };
+        factors.iter().map(|(_, exponent)| f64::from(exponent.unsigned_abs())).fold(1.0, f64::max)
+    }
+
     pub fn power(&mut self, a: Scalar, b: Scalar) -> Scalar {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.number(a.powf(b)),
-            (_, Some(exponent)) if exponent == exponent.trunc() && exponent.abs() <= 16.0 => {
+            (_, Some(exponent))
+                if exponent == exponent.trunc()
+                    && exponent.abs() <= 16.0
+                    && self.largest_exponent(a) * exponent.abs() <= 4096.0 =>
+            {
                 if exponent == 0.0 { self.number(1.0) } else { self.product(&[(a, exponent as i32)]) }
             }
             (_, Some(0.5)) => self.apply(Function::Sqrt, a),
