@@ -553,11 +553,12 @@ impl<'a> Evaluator<'a> {
         let variable = match self.arena.node(name).operator {
             Operator::Field { field, gradient: false } => Variable::Field(field),
             Operator::Parameter(index) => Variable::Parameter(index),
+            // Even a constant: an argument that is the identity here is something else elsewhere.
+            _ if local => Variable::Node(name),
             Operator::Number(_) | Operator::Identity | Operator::Geometry(_) => {
                 self.diagnostics.error(arguments[1].place, "`diff` by a constant: there is nothing to vary");
                 return None;
             }
-            _ if local => Variable::Node(name),
             _ => {
                 self.diagnostics.error_with_help(
                     arguments[1].place,
@@ -567,6 +568,14 @@ impl<'a> Evaluator<'a> {
                 return None;
             }
         };
+        if matches!(variable, Variable::Node(node) if !self.arena.reachable(&[expression]).contains(&node)) {
+            self.diagnostics.error_with_help(
+                arguments[1].place,
+                "this name does not stand in the expression: the derivative would be zero everywhere",
+                "use the name itself in the expression, not what it stands for: `let w = ..; diff(f(w), w)`",
+            );
+            return None;
+        }
         let shape = [self.arena.shape(expression), self.arena.shape(name)].concat();
         if shape.len() > 4 {
             self.diagnostics.error(place, "`diff` would give a tensor of rank above 4");
