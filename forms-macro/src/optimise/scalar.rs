@@ -239,7 +239,11 @@ impl Graph {
                     && exponent.abs() <= 16.0
                     && self.largest_exponent(a) * exponent.abs() <= 4096.0 =>
             {
-                if exponent == 0.0 { self.number(1.0) } else { self.product(&[(a, exponent as i32)]) }
+                if exponent == 0.0 {
+                    self.number(1.0)
+                } else {
+                    self.product(&[(a, exponent as i32)])
+                }
             }
             (_, Some(0.5)) => self.apply(Function::Sqrt, a),
             _ => self.intern(Node::Power(a, b)),
