@@ -72,11 +72,9 @@ pub fn compile(options: &Options, item: ItemMod) -> TokenStream {
                 }
             }
         }
+        diagnostics.next_dimension();
     }
-    if !diagnostics.is_empty() {
-        optimised.clear();
-    }
-    let code = emit(&module, &options.dimensions, optimised, &options.backend);
-    let errors = diagnostics.into_tokens();
-    quote! { #errors #code }
+    let (first, others) = diagnostics.into_tokens();
+    let code = emit(&module, &options.dimensions, optimised, &options.backend, first);
+    quote! { #others #code }
 }

@@ -118,6 +118,7 @@ impl<'a> Evaluator<'a> {
     fn evaluate(&mut self, expression: &Expression, scope: &Scope) -> Option<Value> {
         let place = expression.place;
         let tensor = match &expression.kind {
+            ExpressionKind::Mistake => return None,
             ExpressionKind::Number(value) => self.arena.push(Operator::Number(*value), vec![], place),
             ExpressionKind::Name(name) => return self.name(name, place, scope),
             ExpressionKind::Call(name, arguments) => return self.call(name, arguments, place, scope),
@@ -255,7 +256,9 @@ impl<'a> Evaluator<'a> {
             };
             return Some(Value::Tensor(self.arena.push(operator, shape, place)));
         }
-        self.unknown_name(name, place, scope);
+        if !self.module.is_mistaken(name) {
+            self.unknown_name(name, place, scope);
+        }
         None
     }
 
@@ -310,7 +313,9 @@ impl<'a> Evaluator<'a> {
             return self.call_function(index, name, arguments, place, scope);
         }
         let Some((builtin, count, usage)) = builtins::builtin(&text) else {
-            self.unknown_function(name);
+            if !self.module.is_mistaken(name) {
+                self.unknown_function(name);
+            }
             return None;
         };
         if builtin == Builtin::Integral && arguments.len() == 1 {
@@ -477,6 +482,9 @@ impl<'a> Evaluator<'a> {
         };
         let density = self.tensor(density, scope, "`integral`")?;
         let density = self.expect_scalar(density, "integral")?;
+        if self.module.is_mistaken(&regions[index].name) {
+            return None;
+        }
         if !regions[index].facets {
             self.check_cell_geometry(density, &regions[index].name);
         }

@@ -19,7 +19,8 @@ pub fn emit_function(
     backend: &syn::Path,
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
-    let used = used_regions(module, &optimised, function);
+    let complete = optimised.len() == dimensions.len();
+    let used = used_regions(&optimised, function);
     let constructor_arguments = constructor_arguments(module, function, &used);
     let inputs = inputs(module, function, &used);
     let mut implementations = TokenStream::new();
@@ -30,13 +31,18 @@ pub fn emit_function(
         let found = found.and_then(Option::take);
         implementations.extend(implementation(module, function, *dimension, found, &used));
     }
-    let nested = nested_visibility(visibility);
+    let constructor = match complete {
+        true => quote! {
+            #(#attributes)*
+            #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
+                #inputs
+                #name::Form::with(inputs)
+            }
+        },
+        false => quote! { #visibility const #name: Mistaken = (); },
+    };
     quote! {
-        #(#attributes)*
-        #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
-            #inputs
-            #name::Form::with(inputs)
-        }
+        #constructor
         #visibility mod #name {
             use #backend::contract;
             #[allow(unused_imports)]
@@ -48,7 +54,7 @@ pub fn emit_function(
                 inputs: contract::Inputs<D>,
             }
             impl<const D: usize> Form<D> {
-                #nested fn with(inputs: contract::Inputs<D>) -> Self {
+                pub(super) fn with(inputs: contract::Inputs<D>) -> Self {
                     Form { inputs }
                 }
             }
@@ -57,13 +63,8 @@ pub fn emit_function(
     }
 }
 
-fn nested_visibility(_outer: &syn::Visibility) -> TokenStream {
-    quote! { pub(super) }
-}
-
-/// Regions of the module that the function integrates over, in the order of their declaration. After a
-/// mistake all of them, so that calls keep their number of arguments most likely.
-fn used_regions(module: &Module, optimised: &[Optimised], function: &Function) -> Vec<usize> {
+/// Regions of the module that the function integrates over, in the order of their declaration.
+fn used_regions(optimised: &[Optimised], function: &Function) -> Vec<usize> {
     if matches!(function.output, Output::Value(_)) {
         return vec![];
     }
@@ -76,7 +77,7 @@ fn used_regions(module: &Module, optimised: &[Optimised], function: &Function) -
         .collect();
     used.sort_unstable();
     used.dedup();
-    if optimised.is_empty() { (0..module.regions.len()).collect() } else { used }
+    used
 }
 
 fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -> Vec<TokenStream> {

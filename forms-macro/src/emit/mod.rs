@@ -12,16 +12,24 @@ use crate::check::is_building_block;
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 
-/// Writes the module. A function without an optimised version (it had a mistake) is written without
-/// integrals, so that what refers to it still compiles.
+/// Writes the module. After a mistake all names still exist, so that what refers to them gives no further
+/// errors: `error` (the first mistake) stands in the place of a type, and what has a mistake is a
+/// constant of that type, which rustc accepts wherever it is used.
 pub fn emit(
     module: &Module,
     dimensions: &[usize],
     optimised: Vec<Optimised>,
     backend: &syn::Path,
+    error: Option<TokenStream>,
 ) -> TokenStream {
     let Module { attributes, visibility, name, .. } = module;
-    let data = module.data.as_ref().map(|data| emit_data(data));
+    let mistaken = error.map(|error| {
+        quote! {
+            #[doc(hidden)]
+            pub type Mistaken = #error;
+        }
+    });
+    let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
     let regions = module.regions.iter().map(emit_region);
     let mut by_function: Vec<Vec<Optimised>> = module.functions.iter().map(|_| Vec::new()).collect();
     for one in optimised {
@@ -31,20 +39,31 @@ pub fn emit(
         module.functions.iter().zip(by_function).filter(|(function, _)| !is_building_block(function)).map(
             |(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend),
         );
+    let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
+        Mistaken::Function(visibility, name) => Some(quote! {
+            #visibility const #name: Mistaken = ();
+            #visibility mod #name {
+                pub struct Form<const D: usize>;
+            }
+        }),
+        Mistaken::Member(_) | Mistaken::Region(_) => None,
+    });
     quote! {
         #(#attributes)*
         #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
         #[allow(clippy::all)]
         #visibility mod #name {
             use #backend::contract;
+            #mistaken
             #data
             #(#regions)*
             #(#functions)*
+            #(#unread)*
         }
     }
 }
 
-fn emit_data(data: &Data) -> TokenStream {
+fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let Data { attributes, visibility, name, members } = data;
     let members = members.iter().map(|member| {
         let Member { attributes, name, kind, rank } = member;
@@ -55,6 +74,11 @@ fn emit_data(data: &Data) -> TokenStream {
         };
         quote! { #(#attributes)* pub #name: #ty }
     });
+    let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
+        Mistaken::Member(name) => Some(quote! { pub #name: Mistaken }),
+        Mistaken::Region(_) | Mistaken::Function(..) => None,
+    });
+    let members = members.chain(unread);
     quote! {
         #(#attributes)*
         #[derive(Clone, Debug)]

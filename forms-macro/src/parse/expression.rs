@@ -60,8 +60,15 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
     Some((name.ident.clone(), read(&init.expr, diagnostics)?))
 }
 
-/// Reads an expression; `None` after a report.
+/// Reads an expression. What cannot be read becomes [`ExpressionKind::Mistake`], after a report, so that
+/// the mistakes in the rest of the body are told in the same run.
 pub fn read(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
+    let mistake = Expression { place: Place::of(expression), kind: ExpressionKind::Mistake };
+    Some(read_expression(expression, diagnostics).unwrap_or(mistake))
+}
+
+/// `None` after a report.
+fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
     let place = Place::of(expression);
     let kind = match expression {
         Expr::Paren(inner) => {
@@ -230,12 +237,13 @@ fn read_indices(index: &Expr, diagnostics: &mut Diagnostics) -> Option<Vec<usize
         Expr::Tuple(tuple) => tuple.elems.iter().map(one).collect(),
         other => one(other).map(|index| vec![index]),
     };
-    if indices.is_none() {
+    if indices.as_ref().is_none_or(Vec::is_empty) {
         diagnostics.error_with_help(
             Place::of(index),
             "an index is a whole number known here",
             "write `u[0]`, `F[0][1]` or `F[(0, 1)]`",
         );
+        return None;
     }
     indices
 }

@@ -19,6 +19,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         data: None,
         regions: Vec::new(),
         functions: Vec::new(),
+        mistaken: Vec::new(),
     };
     let Some((_, items)) = item.content else {
         diagnostics.error_with_help(
@@ -32,8 +33,10 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         match item {
             Item::Struct(item) => read_struct(item, &mut module, diagnostics),
             Item::Fn(item) => {
-                if let Some(function) = read_function(item, diagnostics) {
-                    module.functions.push(function);
+                let (visibility, name) = (item.vis.clone(), item.sig.ident.clone());
+                match read_function(item, diagnostics) {
+                    Some(function) => module.functions.push(function),
+                    None => module.mistaken.push(Mistaken::Function(visibility, name)),
                 }
             }
             // The vocabulary is built in: an import for the editor's sake does no harm.
@@ -61,13 +64,24 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
         Fields::Unit if cells != facets => {
             module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
         }
-        Fields::Unit => diagnostics.error_with_help(
-            Place::of(&item.ident),
-            format!("the region `{}` does not say what it consists of", item.ident),
-            "write `#[cells]` or `#[facets]` (one of the two) before the struct",
-        ),
+        Fields::Unit => {
+            diagnostics.error_with_help(
+                Place::of(&item.ident),
+                format!("the region `{}` does not say what it consists of", item.ident),
+                "write `#[cells]` or `#[facets]` (one of the two) before the struct",
+            );
+            module.mistaken.push(Mistaken::Region(item.ident.clone()));
+            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
+        }
         Fields::Named(fields) if module.data.is_none() => {
-            let members = fields.named.iter().filter_map(|field| read_member(field, diagnostics)).collect();
+            let mut members = Vec::new();
+            for field in &fields.named {
+                match (read_member(field, diagnostics), &field.ident) {
+                    (Some(member), _) => members.push(member),
+                    (None, Some(name)) => module.mistaken.push(Mistaken::Member(name.clone())),
+                    (None, None) => {}
+                }
+            }
             module.data = Some(Data { attributes, visibility: item.vis, name: item.ident, members });
         }
         Fields::Named(_) => diagnostics.error_with_help(

@@ -13,6 +13,26 @@ pub struct Module {
     pub data: Option<Data>,
     pub regions: Vec<Region>,
     pub functions: Vec<Function>,
+    /// What has a mistake in its declaration: the names exist, and their uses are no further mistakes.
+    pub mistaken: Vec<Mistaken>,
+}
+
+impl Module {
+    /// Was the name declared with a mistake, which has been reported?
+    pub fn is_mistaken(&self, name: &Ident) -> bool {
+        let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
+            Mistaken::Member(name) | Mistaken::Region(name) | Mistaken::Function(_, name) => name,
+        });
+        names.any(|other| other == name)
+    }
+}
+
+/// A declaration with a mistake.
+pub enum Mistaken {
+    Member(Ident),
+    /// It stands among the module's regions, too.
+    Region(Ident),
+    Function(Visibility, Ident),
 }
 
 /// The struct whose members are the data of all forms of the module.
@@ -112,6 +132,8 @@ pub struct Expression {
 }
 
 pub enum ExpressionKind {
+    /// What could not be read, and has been reported.
+    Mistake,
     Number(f64),
     Name(Ident),
     Call(Ident, Vec<Expression>),
