@@ -131,7 +131,8 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     let members = module.data.iter().flat_map(|data| &data.members).map(|member| &member.name);
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
-    check_names(members.chain(regions).chain(functions), diagnostics);
+    let data = module.data.iter().map(|data| &data.name);
+    check_names(members.chain(data).chain(regions).chain(functions), diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
     }
@@ -142,11 +143,18 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
     for name in names {
         let text = name.to_string();
         check_not_built_in(name, diagnostics);
+        if RESERVED.contains(&text.as_str()) {
+            let message = format!("the name `{name}` is used by the compiled module itself");
+            diagnostics.error_with_help(Place::of(name), message, "choose another name");
+        }
         if seen.insert(text, ()).is_some() {
             diagnostics.error(Place::of(name), format!("the name `{name}` is declared twice"));
         }
     }
 }
+
+/// What emitted code refers to.
+const RESERVED: &[&str] = &["contract", "f64", "Mistaken"];
 
 /// A built-in name cannot be declared again.
 fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {

@@ -1,6 +1,6 @@
 //! One function: its constructor, its type, and the traits by which a backend walks its kernels.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::kernel::KernelWriter;
@@ -31,12 +31,13 @@ pub fn emit_function(
         let found = found.and_then(Option::take);
         implementations.extend(implementation(module, function, *dimension, found, &used));
     }
+    let own_inputs = own("inputs");
     let constructor = match complete {
         true => quote! {
             #(#attributes)*
             #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
                 #inputs
-                #name::Form::with(inputs)
+                #name::Form::with(#own_inputs)
             }
         },
         false => quote! { #visibility const #name: Mistaken = (); },
@@ -84,7 +85,8 @@ fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -
     let mut arguments = Vec::new();
     if let Some(data) = &module.data {
         let name = &data.name;
-        arguments.push(quote! { data: &#name<D> });
+        let data = own("data");
+        arguments.push(quote! { #data: &#name<D> });
     }
     for region in used {
         let ty = &module.regions[*region].name;
@@ -109,16 +111,22 @@ fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
 /// `GammaC` → `gamma_c_region`.
 fn region_argument(name: &Ident) -> Ident {
     let mut text = String::new();
-    for character in name.to_string().chars() {
+    for character in syn::ext::IdentExt::unraw(name).to_string().chars() {
         if character.is_uppercase() && !text.is_empty() {
             text.push('_');
         }
         text.extend(character.to_lowercase());
     }
-    format_ident!("{text}_region")
+    own(&format!("{text}_region"))
+}
+
+/// A name of the constructor's own, which an argument of the form cannot hide.
+fn own(name: &str) -> Ident {
+    Ident::new(name, Span::mixed_site())
 }
 
 fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
+    let (own_data, own_inputs) = (own("data"), own("inputs"));
     let parameters = module
         .data
         .iter()
@@ -126,7 +134,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         .filter(|member| member.kind == MemberKind::Param)
         .map(|member| {
             let (name, text) = (&member.name, member.name.to_string());
-            quote! { inputs.push_parameter(#text, &data.#name); }
+            quote! { #own_inputs.push_parameter(#text, &#own_data.#name); }
         });
     let arguments = function.arguments.iter().map(|argument| match argument.role {
         ArgumentRole::Unknown | ArgumentRole::Test => quote! { None },
@@ -137,7 +145,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     });
     let given = given_members(module).map(|member| {
         let name = &member.name;
-        quote! { Some(data.#name.source().clone()) }
+        quote! { Some(#own_data.#name.source().clone()) }
     });
     // An energy has a test function per unknown that no argument names.
     let variations = function
@@ -150,10 +158,10 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         quote! { #name.0.clone() }
     });
     quote! {
-        let mut inputs = contract::Inputs::<D>::empty();
+        let mut #own_inputs = contract::Inputs::<D>::empty();
         #(#parameters)*
-        inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
-        inputs.regions = ::std::vec![#(#regions),*];
+        #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
+        #own_inputs.regions = ::std::vec![#(#regions),*];
     }
 }
 
