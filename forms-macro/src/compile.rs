@@ -74,7 +74,7 @@ pub fn compile(options: &Options, item: ItemMod) -> TokenStream {
         }
         diagnostics.next_dimension();
     }
-    let (first, others) = diagnostics.into_tokens();
-    let code = emit(&module, &options.dimensions, optimised, &options.backend, first);
-    quote! { #others #code }
+    let errors = diagnostics.into_tokens();
+    let code = emit(&module, &options.dimensions, optimised, &options.backend);
+    quote! { #errors #code }
 }

@@ -60,10 +60,9 @@ impl Diagnostics {
         self.error(place, format!("{}\nhelp: {}", message.into(), help.as_ref()));
     }
 
-    /// One `compile_error!` per mistake: the first to stand in the place of a type, the others as items.
-    pub fn into_tokens(self) -> (Option<TokenStream>, TokenStream) {
-        let mut errors = self.found.iter().map(compile_error);
-        (errors.next(), errors.collect())
+    /// One `compile_error!` per mistake.
+    pub fn into_tokens(self) -> TokenStream {
+        self.found.iter().map(compile_error).collect()
     }
 }
 

@@ -27,6 +27,8 @@ pub struct Evaluator<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Functions being inlined, outermost first.
     calls: Vec<usize>,
+    /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
+    pub(super) uses: HashMap<Tensor, Place>,
     /// Field index of each `Given` member.
     given: HashMap<String, (usize, Shape)>,
 }
@@ -42,6 +44,7 @@ impl<'a> Evaluator<'a> {
             arena: Arena::default(),
             diagnostics,
             calls: vec![],
+            uses: HashMap::new(),
             given: HashMap::new(),
         }
     }
@@ -130,10 +133,22 @@ impl<'a> Evaluator<'a> {
                     self.arena.push(Operator::Negate(inner), shape, place)
                 }
             },
+            ExpressionKind::Declared(rank, inner) => {
+                let tensor = self.tensor(inner, scope, "`let`")?;
+                if self.arena.shape(tensor) != rank.shape(self.dimension) {
+                    let message =
+                        format!("declared to be a `{}`, this is {}", rank_name(*rank), self.describe(tensor));
+                    self.diagnostics.error(inner.place, message);
+                    return None;
+                }
+                tensor
+            }
             ExpressionKind::Binary(operator, left, right) => {
+                let places = [left.place, right.place];
                 let (left, right) = (self.evaluate(left, scope), self.evaluate(right, scope));
                 match (left?, right?) {
                     (Value::Tensor(left), Value::Tensor(right)) => {
+                        self.uses = [left, right].into_iter().zip(places).collect();
                         self.binary(*operator, left, right, place)?
                     }
                     (left, right) => return self.binary_form(*operator, left, right, place),
@@ -232,6 +247,13 @@ impl<'a> Evaluator<'a> {
     fn name(&mut self, name: &Ident, place: Place, scope: &Scope) -> Option<Value> {
         let text = name.to_string();
         if let Some(value) = scope.get(&text) {
+            // A field is a field wherever it is named: mistakes are told where it is used.
+            if let Some(Value::Tensor(tensor)) = value {
+                let node = self.arena.node(*tensor).clone();
+                if matches!(node.operator, Operator::Field { gradient: false, .. } | Operator::Parameter(_)) {
+                    return Some(Value::Tensor(self.arena.push(node.operator, node.shape, place)));
+                }
+            }
             return value.clone();
         }
         if let Some((field, shape)) = self.given.get(&text).cloned() {
@@ -344,6 +366,7 @@ impl<'a> Evaluator<'a> {
         let values: Vec<_> =
             arguments.iter().map(|argument| self.tensor(argument, scope, &format!("`{text}`"))).collect();
         let values = values.into_iter().collect::<Option<Vec<_>>>()?;
+        self.uses = values.iter().copied().zip(arguments.iter().map(|argument| argument.place)).collect();
         let a = values[0];
         let tensor = match builtin {
             Builtin::Dot => self.dot(a, values[1], place)?,
@@ -408,7 +431,8 @@ impl<'a> Evaluator<'a> {
                 }
                 _ => format!("`{name}` is being computed already: a weak form cannot be recursive"),
             };
-            self.diagnostics.error(place, message);
+            let help = "a function may only call functions that do not lead back to it";
+            self.diagnostics.error_with_help(place, message, help);
             return None;
         }
         let expected = function.arguments.len();
@@ -476,7 +500,11 @@ impl<'a> Evaluator<'a> {
                     "declare `#[cells] pub struct Omega;` or `#[facets] pub struct Gamma;`".into()
                 }
             };
-            self.diagnostics.error_with_help(region.place, "`integral` needs a declared region first", help);
+            self.diagnostics.error_with_help(
+                region.place,
+                "the first argument of `integral` is not a declared region",
+                help,
+            );
             self.tensor(density, scope, "`integral`");
             return None;
         };

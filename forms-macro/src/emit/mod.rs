@@ -13,22 +13,14 @@ use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 
 /// Writes the module. After a mistake all names still exist, so that what refers to them gives no further
-/// errors: `error` (the first mistake) stands in the place of a type, and what has a mistake is a
-/// constant of that type, which rustc accepts wherever it is used.
+/// errors: a function without an optimised version (it had a mistake) is written as `form::placeholder`.
 pub fn emit(
     module: &Module,
     dimensions: &[usize],
     optimised: Vec<Optimised>,
     backend: &syn::Path,
-    error: Option<TokenStream>,
 ) -> TokenStream {
     let Module { attributes, visibility, name, .. } = module;
-    let mistaken = error.map(|error| {
-        quote! {
-            #[doc(hidden)]
-            pub type Mistaken = #error;
-        }
-    });
     let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
     let regions = module.regions.iter().map(emit_region);
     let mut by_function: Vec<Vec<Optimised>> = module.functions.iter().map(|_| Vec::new()).collect();
@@ -40,12 +32,16 @@ pub fn emit(
             |(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend),
         );
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
-        Mistaken::Function(visibility, name) => Some(quote! {
-            #visibility const #name: Mistaken = ();
-            #visibility mod #name {
-                pub struct Form<const D: usize>;
-            }
-        }),
+        Mistaken::Function { visibility, name, arguments, integrates } => {
+            let regions = if *integrates { module.regions.len() } else { 0 };
+            let placeholder = form::placeholder(module, visibility, name, [regions, *arguments]);
+            Some(quote! {
+                #placeholder
+                #visibility mod #name {
+                    pub struct Form<const D: usize>;
+                }
+            })
+        }
         Mistaken::Member(_) | Mistaken::Region(_) => None,
     });
     quote! {
@@ -54,7 +50,6 @@ pub fn emit(
         #[allow(clippy::all)]
         #visibility mod #name {
             use #backend::contract;
-            #mistaken
             #data
             #(#regions)*
             #(#functions)*
@@ -65,18 +60,10 @@ pub fn emit(
 
 fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let Data { attributes, visibility, name, members } = data;
-    let members = members.iter().map(|member| {
-        let Member { attributes, name, kind, rank } = member;
-        let value = value_type(*rank);
-        let ty = match kind {
-            MemberKind::Param => value,
-            MemberKind::Given => quote! { contract::Given<#value, D> },
-        };
-        quote! { #(#attributes)* pub #name: #ty }
-    });
+    let members = members.iter().map(emit_member);
     let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
-        Mistaken::Member(name) => Some(quote! { pub #name: Mistaken }),
-        Mistaken::Region(_) | Mistaken::Function(..) => None,
+        Mistaken::Member(member) => Some(emit_member(member)),
+        Mistaken::Region(_) | Mistaken::Function { .. } => None,
     });
     let members = members.chain(unread);
     quote! {
@@ -86,6 +73,16 @@ fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
             #(#members),*
         }
     }
+}
+
+fn emit_member(member: &Member) -> TokenStream {
+    let Member { attributes, name, kind, rank } = member;
+    let value = value_type(*rank);
+    let ty = match kind {
+        MemberKind::Param => value,
+        MemberKind::Given => quote! { contract::Given<#value, D> },
+    };
+    quote! { #(#attributes)* pub #name: #ty }
 }
 
 fn value_type(rank: Rank) -> TokenStream {

@@ -1,7 +1,7 @@
 //! Rust expressions → the expressions of a weak form; anything else is reported on its tokens.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, UnOp};
+use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, Type, UnOp};
 
 use super::syntax::*;
 use crate::diagnostics::{Diagnostics, Place};
@@ -42,9 +42,9 @@ pub fn read_block(block: &syn::Block, diagnostics: &mut Diagnostics) -> Option<B
 }
 
 fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_macro2::Ident, Expression)> {
-    let pattern = match &local.pat {
-        Pat::Type(typed) => &*typed.pat,
-        other => other,
+    let (pattern, declared) = match &local.pat {
+        Pat::Type(typed) => (&*typed.pat, Some(&*typed.ty)),
+        other => (other, None),
     };
     let (Pat::Ident(name), Some(init)) = (pattern, &local.init) else {
         diagnostics.error(Place::of(local), "unsupported `let`: write `let name = expression;`");
@@ -57,7 +57,19 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
         );
         return None;
     }
-    Some((name.ident.clone(), read(&init.expr, diagnostics)?))
+    let value = read(&init.expr, diagnostics)?;
+    let Some(ty) = declared else { return Some((name.ident.clone(), value)) };
+    let rank = match ty {
+        Type::Path(path) => path.path.get_ident().and_then(|word| super::rank_of(&word.to_string())),
+        _ => None,
+    };
+    let Some(rank) = rank else {
+        let help = "leave it out, or write `Scalar`, `Vector` or `Tensor`";
+        diagnostics.error_with_help(Place::of(ty), "this type is not known here", help);
+        return None;
+    };
+    let declared = Expression { place: value.place, kind: ExpressionKind::Declared(rank, Box::new(value)) };
+    Some((name.ident.clone(), declared))
 }
 
 /// Reads an expression. What cannot be read becomes [`ExpressionKind::Mistake`], after a report, so that

@@ -33,10 +33,10 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         match item {
             Item::Struct(item) => read_struct(item, &mut module, diagnostics),
             Item::Fn(item) => {
-                let (visibility, name) = (item.vis.clone(), item.sig.ident.clone());
+                let placeholder = placeholder(&item);
                 match read_function(item, diagnostics) {
                     Some(function) => module.functions.push(function),
-                    None => module.mistaken.push(Mistaken::Function(visibility, name)),
+                    None => module.mistaken.push(placeholder),
                 }
             }
             // The vocabulary is built in: an import for the editor's sake does no harm.
@@ -78,7 +78,9 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
             for field in &fields.named {
                 match (read_member(field, diagnostics), &field.ident) {
                     (Some(member), _) => members.push(member),
-                    (None, Some(name)) => module.mistaken.push(Mistaken::Member(name.clone())),
+                    (None, Some(name)) => {
+                        module.mistaken.push(Mistaken::Member(likely_member(name, &field.ty)));
+                    }
                     (None, None) => {}
                 }
             }
@@ -124,6 +126,38 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
         return None;
     };
     Some(Member { attributes: field.attrs.clone(), name, kind, rank })
+}
+
+/// What a member with a mistaken type was most likely meant to be.
+fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
+    let text = quote::ToTokens::to_token_stream(ty).to_string();
+    let kind = if text.contains("Given") { MemberKind::Given } else { MemberKind::Param };
+    let rank = match text {
+        text if text.contains('V') => Rank::Vector,
+        text if text.contains('T') => Rank::Tensor,
+        _ => Rank::Scalar,
+    };
+    Member { attributes: vec![], name: name.clone(), kind, rank }
+}
+
+/// What is known of a function, should its signature have a mistake.
+fn placeholder(item: &ItemFn) -> Mistaken {
+    let known = item.sig.inputs.iter().filter(|input| match input {
+        FnArg::Typed(input) => {
+            !matches!(type_words(&input.ty), Some((outer, _)) if outer == "Unknown" || outer == "Test")
+        }
+        FnArg::Receiver(_) => false,
+    });
+    let value = match &item.sig.output {
+        ReturnType::Type(_, ty) => matches!(read_output(ty), Some(Output::Value(_))),
+        ReturnType::Default => false,
+    };
+    Mistaken::Function {
+        visibility: item.vis.clone(),
+        name: item.sig.ident.clone(),
+        arguments: known.count(),
+        integrates: !value,
+    }
 }
 
 fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {

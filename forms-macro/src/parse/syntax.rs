@@ -21,7 +21,9 @@ impl Module {
     /// Was the name declared with a mistake, which has been reported?
     pub fn is_mistaken(&self, name: &Ident) -> bool {
         let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
-            Mistaken::Member(name) | Mistaken::Region(name) | Mistaken::Function(_, name) => name,
+            Mistaken::Member(Member { name, .. })
+            | Mistaken::Region(name)
+            | Mistaken::Function { name, .. } => name,
         });
         names.any(|other| other == name)
     }
@@ -29,10 +31,18 @@ impl Module {
 
 /// A declaration with a mistake.
 pub enum Mistaken {
-    Member(Ident),
+    /// As it was most likely meant.
+    Member(Member),
     /// It stands among the module's regions, too.
     Region(Ident),
-    Function(Visibility, Ident),
+    Function {
+        visibility: Visibility,
+        name: Ident,
+        /// How many arguments are neither unknowns nor test functions.
+        arguments: usize,
+        /// Most likely a form, an energy or a functional.
+        integrates: bool,
+    },
 }
 
 /// The struct whose members are the data of all forms of the module.
@@ -134,6 +144,8 @@ pub struct Expression {
 pub enum ExpressionKind {
     /// What could not be read, and has been reported.
     Mistake,
+    /// `let name: Vector = value`
+    Declared(Rank, Box<Expression>),
     Number(f64),
     Name(Ident),
     Call(Ident, Vec<Expression>),
