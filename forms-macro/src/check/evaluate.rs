@@ -485,6 +485,16 @@ impl<'a> Evaluator<'a> {
             ExpressionKind::Name(name) => regions.iter().position(|region| region.name == *name),
             _ => None,
         };
+        let swapped = match &density.kind {
+            ExpressionKind::Name(name) => regions.iter().find(|region| region.name == *name),
+            _ => None,
+        };
+        if let (None, Some(swapped)) = (found, swapped) {
+            let help = format!("write `integral({}, density)`", swapped.name);
+            self.diagnostics.error_with_help(density.place, "the region comes first in `integral`", help);
+            self.tensor(region, scope, "`integral`");
+            return None;
+        }
         let Some(index) = found else {
             let names: Vec<String> = regions.iter().map(|region| region.name.to_string()).collect();
             let near = match &region.kind {

@@ -120,6 +120,10 @@ impl Evaluator<'_> {
             self.diagnostics.error(self.place_of(b), message);
             return None;
         }
+        if self.arena.is_zero(b) {
+            self.diagnostics.error(self.place_of(b), "division by zero");
+            return None;
+        }
         let shape = self.arena.shape(a).to_vec();
         Some(self.arena.push(Operator::Divide(a, b), shape, place))
     }

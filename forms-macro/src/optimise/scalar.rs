@@ -153,7 +153,10 @@ impl Graph {
 
     pub fn scale(&mut self, factor: f64, a: Scalar) -> Scalar {
         let mut combination = self.combination(a);
-        combination.constant *= factor;
+        // 0 × ∞ would make a NaN of what is infinite.
+        if combination.constant != 0.0 {
+            combination.constant *= factor;
+        }
         for (coefficient, _) in &mut combination.terms {
             *coefficient *= factor;
         }

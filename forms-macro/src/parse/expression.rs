@@ -148,7 +148,13 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
         }
         Expr::If(branch) => read_if(branch, diagnostics)?,
         Expr::MethodCall(call) => {
-            let help = format!("write `{}(..)` as a function", call.method);
+            let word = |expression: &Expr| match expression {
+                Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
+                _ => None,
+            };
+            let words: Option<Vec<_>> = [&*call.receiver].into_iter().chain(&call.args).map(word).collect();
+            let arguments = words.map_or_else(|| "..".into(), |words| words.join(", "));
+            let help = format!("write `{}({arguments})`, a function", call.method);
             return unsupported(expression, "a method call", &help, diagnostics);
         }
         Expr::Field(field) => {
@@ -163,6 +169,12 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
         }
         Expr::Macro(_) => {
             return unsupported(expression, "a macro call", "macros are not expanded here", diagnostics);
+        }
+        Expr::Match(_) => {
+            return unsupported(expression, "`match`", "write `if .. { .. } else { .. }`", diagnostics);
+        }
+        Expr::Cast(_) => {
+            return unsupported(expression, "`as`", "every number is real: leave it out", diagnostics);
         }
         Expr::Loop(_) | Expr::While(_) | Expr::ForLoop(_) => {
             return unsupported(

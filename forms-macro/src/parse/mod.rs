@@ -167,9 +167,13 @@ fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function
         && before.asyncness.is_none()
         && matches!(before.safety, syn::Safety::Default);
     if !plain {
-        diagnostics.error(
+        diagnostics.error_with_help(
             Place::of(&item.sig),
-            format!("unsupported signature: `{}` is a plain function of a weak form, without generics or qualifiers", before.ident),
+            format!(
+                "unsupported signature of `{}`: a function of a weak form has no generics or qualifiers",
+                before.ident
+            ),
+            "its arguments are `Scalar`, `Vector` or `Tensor`, in every dimension",
         );
         return None;
     }
