@@ -54,6 +54,13 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
 fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
     let marker = |name: &str| item.attrs.iter().any(|attribute| attribute.path().is_ident(name));
     let (cells, facets) = (marker("cells"), marker("facets"));
+    if !item.generics.params.is_empty() {
+        diagnostics.error_with_help(
+            Place::of(&item.generics),
+            format!("`{}` cannot be generic", item.ident),
+            "the dimension is generic by itself; ranks are `Scalar`, `Vector` and `Tensor`",
+        );
+    }
     let attributes = item
         .attrs
         .iter()
