@@ -154,7 +154,7 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
 }
 
 /// What emitted code refers to.
-const RESERVED: &[&str] = &["contract", "f64"];
+pub const RESERVED: &[&str] = &["contract", "f64"];
 
 /// A built-in name cannot be declared again.
 fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {

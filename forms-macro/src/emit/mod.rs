@@ -5,10 +5,12 @@ mod form;
 mod kernel;
 mod straight_line;
 
-use proc_macro2::TokenStream;
+use std::collections::BTreeSet;
+
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use crate::check::is_building_block;
+use crate::check::{RESERVED, is_building_block};
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 
@@ -22,15 +24,22 @@ pub fn emit(
 ) -> TokenStream {
     let Module { attributes, visibility, name, .. } = module;
     let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
-    let regions = module.regions.iter().map(emit_region);
+    // A name declared twice, or one that belongs to the emitted code, has been reported: the first stands.
+    let mut taken: BTreeSet<String> = RESERVED.iter().map(ToString::to_string).collect();
+    taken.extend(module.data.iter().map(|data| data.name.to_string()));
+    let mut is_first = |name: &Ident| taken.insert(name.to_string());
+    let regions: Vec<_> =
+        module.regions.iter().filter(|region| is_first(&region.name)).map(emit_region).collect();
     let mut by_function: Vec<Vec<Optimised>> = module.functions.iter().map(|_| Vec::new()).collect();
     for one in optimised {
         by_function[one.function].push(one);
     }
     let functions =
-        module.functions.iter().zip(by_function).filter(|(function, _)| !is_building_block(function)).map(
-            |(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend),
-        );
+        module.functions.iter().zip(by_function).filter(|(function, _)| !is_building_block(function));
+    let functions: Vec<_> = functions
+        .filter(|(function, _)| is_first(&function.name))
+        .map(|(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend))
+        .collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Function { visibility, name, arguments, integrates } => {
             let regions = if *integrates { module.regions.len() } else { 0 };
@@ -60,7 +69,8 @@ pub fn emit(
 
 fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let Data { attributes, visibility, name, members } = data;
-    let members = members.iter().map(emit_member);
+    let mut taken = BTreeSet::new();
+    let members = members.iter().filter(|member| taken.insert(member.name.to_string())).map(emit_member);
     let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Member(member) => Some(emit_member(member)),
         Mistaken::Region(_) | Mistaken::Function { .. } => None,
