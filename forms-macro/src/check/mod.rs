@@ -121,9 +121,25 @@ fn check_function(
     let linear = match &content {
         Content::Form(terms) => linearity::check_form(function, &arena, &fields, terms, diagnostics),
         Content::Energy(_) | Content::Functional(_) => linearity::check_functional(function, diagnostics),
-        Content::Value(_) => true,
+        Content::Value(_) => check_value(function, diagnostics),
     };
     linear.then_some(CheckedFunction { function: index, dimension, arena, fields, content })
+}
+
+/// A derived field has known fields only: nothing else has values where it is evaluated.
+fn check_value(function: &Function, diagnostics: &mut Diagnostics) -> bool {
+    let wrong = |argument: &&Argument| matches!(argument.role, ArgumentRole::Unknown | ArgumentRole::Test);
+    let mut right = true;
+    for argument in function.arguments.iter().filter(wrong) {
+        let message = format!(
+            "`{}` gives a value, so `{}` can be neither an unknown nor a test function",
+            function.name, argument.name
+        );
+        let help = "give the rank alone, `Scalar`, `Vector` or `Tensor`: forms may pass what they like";
+        diagnostics.error_with_help(Place::of(&argument.name), message, help);
+        right = false;
+    }
+    right
 }
 
 /// Names declared twice, or declared though they are built in.
