@@ -180,10 +180,10 @@ fn regions_of(
                 regions_of(module, argument, seen, found);
             }
             let called = module.functions.iter().find(|function| function.name == *name);
-            if let Some(body) = called.and_then(|function| function.body.as_ref()) {
-                if seen.insert(name.to_string()) {
-                    regions_of_block(module, body, seen, found);
-                }
+            if let Some(body) = called.and_then(|function| function.body.as_ref())
+                && seen.insert(name.to_string())
+            {
+                regions_of_block(module, body, seen, found);
             }
         }
         ExpressionKind::Negate(a) | ExpressionKind::Index(a, _) | ExpressionKind::Declared(_, a) => {
