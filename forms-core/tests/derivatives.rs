@@ -3,11 +3,11 @@
 
 mod toy_backend;
 
-use forms_core::contract::{self, *};
+use forms_core::contract::*;
 use forms_core::forms;
 use toy_backend::mesh::{Mesh, determinant, inverse};
 use toy_backend::random::Random;
-use toy_backend::{Nodal, expression, functional, residual, tangent};
+use toy_backend::{Nodal, expression, residual, tangent};
 
 type Matrix = Vec<Vec<f64>>;
 

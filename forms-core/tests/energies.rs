@@ -84,9 +84,9 @@ fn piola_in_closed_form<const D: usize>(mesh: &Mesh<D>, u: &Nodal) -> Vec<Vec<Ve
     let stress = |cell: &&toy_backend::mesh::Place<D>| {
         let mut f: Vec<Vec<f64>> = (0..D).map(|i| (0..D).map(|j| f64::from(i == j)).collect()).collect();
         for (node, basis) in cell.nodes.iter().zip(&cell.points[0].basis) {
-            for i in 0..D {
-                for j in 0..D {
-                    f[i][j] += u.values[node * D + i] * basis.gradient[j];
+            for (i, row) in f.iter_mut().enumerate() {
+                for (entry, slope) in row.iter_mut().zip(&basis.gradient) {
+                    *entry += u.values[node * D + i] * slope;
                 }
             }
         }

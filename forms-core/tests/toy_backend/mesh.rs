@@ -160,7 +160,7 @@ fn minor(a: &[Vec<f64>], row: usize, column: usize) -> Vec<Vec<f64>> {
 pub fn inverse(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let determinant_ = determinant(a);
     let entry = |i: usize, j: usize| {
-        let sign = if (i + j) % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
         sign * determinant(&minor(a, j, i)) / determinant_
     };
     (0..a.len()).map(|i| (0..a.len()).map(|j| entry(i, j)).collect()).collect()
