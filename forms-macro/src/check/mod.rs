@@ -2,8 +2,11 @@
 //! one dimension. Every mistake is reported on its tokens; what is wrong is left out.
 
 pub mod builtins;
+mod calls;
 mod evaluate;
+mod integrals;
 mod linearity;
+mod names;
 mod operators;
 
 use std::collections::HashMap;

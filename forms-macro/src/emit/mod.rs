@@ -1,8 +1,11 @@
 //! Stage 5: [`Optimised`] functions → Rust: the data struct, the regions, a constructor per function, and
 //! behind it a module with the form's type and its kernels.
 
+mod description;
 mod form;
 mod kernel;
+mod placeholder;
+mod print;
 mod straight_line;
 
 use std::collections::BTreeSet;
@@ -15,7 +18,7 @@ use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 
 /// Writes the module. After a mistake all names still exist, so that what refers to them gives no further
-/// errors: a function without an optimised version (it had a mistake) is written as `form::placeholder`.
+/// errors: a function without an optimised version (it had a mistake) is written as [`placeholder`].
 pub fn emit(
     module: &Module,
     dimensions: &[usize],
@@ -43,7 +46,7 @@ pub fn emit(
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Function { visibility, name, arguments, integrates } => {
             let regions = if *integrates { module.regions.len() } else { 0 };
-            let placeholder = form::placeholder(module, visibility, name, [regions, *arguments]);
+            let placeholder = placeholder::placeholder(module, visibility, name, [regions, *arguments]);
             Some(quote! {
                 #placeholder
                 #visibility mod #name {
