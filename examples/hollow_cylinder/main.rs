@@ -42,8 +42,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Outcome<()> {
     let start = Instant::now();
-    let settings = options.settings();
-    settings.check()?;
+    let settings = options.settings()?;
     // A long computation must not end with nowhere to put its result.
     destinations::prepare_directory(&options.out)?;
     if let Some(json) = &options.json {

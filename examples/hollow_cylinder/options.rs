@@ -7,6 +7,8 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use forms_contact::hollow_cylinder::Settings;
 
+use crate::Outcome;
+
 /// Solves the hollow cylinder of Bretin, Chapelat, Douanla-Lontsi, Homolle and Renard (2023), Section 5:
 /// radii 20 cm and 30 cm, plane strain, the inner circle moved down by 1 cm, a flat obstacle at y = -30 cm.
 ///
@@ -45,9 +47,9 @@ pub struct Options {
 }
 
 impl Options {
-    /// The experiment's settings.
-    pub fn settings(&self) -> Settings {
-        Settings {
+    /// The experiment's settings, checked.
+    pub fn settings(&self) -> Outcome<Settings> {
+        let settings = Settings {
             radial: self.radial,
             theta: self.theta,
             gamma0_over_young: self.gamma0,
@@ -55,7 +57,14 @@ impl Options {
             poisson: self.poisson,
             degree: self.degree,
             extension: self.xi,
+        };
+        settings.check()?;
+        // Each factor may be a number and their product none.
+        let gamma0 = settings.gamma0_over_young * settings.young;
+        if !(gamma0.is_finite() && gamma0 > 0.0) {
+            return Err(format!("gamma0 = {} E is {gamma0} MPa, which is no stress", self.gamma0).into());
         }
+        Ok(settings)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::Outcome;
 use crate::visualisation::DerivedFields;
 
 /// Samples per facet of the curves along Γ_C.
-const SAMPLES: usize = 41;
+const SAMPLES: usize = 101;
 
 /// Writes the pictures into the directory and returns their paths.
 pub fn write_all(
@@ -104,19 +104,15 @@ fn contact_pressure(solution: &CylinderSolution) -> Outcome<LinePlot> {
     let (_, stress) = along_contact(solution, &forms::normal_stress(data, u))?;
     let (_, indicator) = along_contact(solution, &forms::contact_indicator(data, u))?;
     let reaction: Vec<f64> = stress.iter().map(|stress| -stress).collect();
-    let active: Vec<f64> =
-        x.iter().zip(&indicator).filter(|(_, beta)| **beta > 0.0).map(|(x, _)| *x).collect();
-    let (left, right) =
-        active.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
     let mut plot = LinePlot::new()
         .title("Contact pressure along Γ_{C}")
         .x_axis("x [cm]", Scale::Linear)
         .y_axis("pressure [MPa]", Scale::Linear)
         .grid();
-    // Outside the active zone nothing happens: the window is a little more than twice as wide.
+    // Outside the active zone nothing happens: the window is not quite twice as wide.
     let mut shown = vec![true; x.len()];
-    if left < right {
-        let (middle, half) = ((left + right) / 2.0, 1.1 * (right - left));
+    if let Some([left, right]) = ends_of_contact(&x, &indicator) {
+        let (middle, half) = ((left + right) / 2.0, 0.9 * (right - left));
         let (low, high) = ((middle - half).max(-OUTER_RADIUS), (middle + half).min(OUTER_RADIUS));
         shown = x.iter().map(|x| (low..=high).contains(x)).collect();
         plot = plot.x_range(low, high).vertical_line(left, "").vertical_line(right, "β_{h} = 0");
@@ -128,4 +124,16 @@ fn contact_pressure(solution: &CylinderSolution) -> Outcome<LinePlot> {
     Ok(plot
         .curve(Curve::new("[σ_{n} − γ(u_{n} − g)]_{−}", &x, &keep(&pressure)).without_markers())
         .curve(Curve::new("−σ_{n}(u_{h})", &x, &keep(&reaction)).without_markers().dashed()))
+}
+
+/// The first and the last x where β_h changes its sign; `None` without contact.
+fn ends_of_contact(x: &[f64], indicator: &[f64]) -> Option<[f64; 2]> {
+    let zero = |k: usize| {
+        let [before, after] = [indicator[k], indicator[k + 1]];
+        let changes = (before > 0.0) != (after > 0.0);
+        changes.then(|| x[k] + (x[k + 1] - x[k]) * before / (before - after))
+    };
+    let zeros = || (0..x.len().saturating_sub(1)).filter_map(zero);
+    let [left, right] = [zeros().next()?, zeros().next_back()?];
+    (left < right).then_some([left, right])
 }

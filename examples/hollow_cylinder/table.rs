@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::measurements::{Iterate, Measurements};
 
 /// Width of the column of names.
-const NAMES: usize = 40;
+const NAMES: usize = 46;
 
 /// The whole table.
 pub fn of(measured: &Measurements) -> String {
