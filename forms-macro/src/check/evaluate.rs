@@ -27,6 +27,8 @@ pub struct Evaluator<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Functions being inlined, outermost first.
     calls: Vec<usize>,
+    /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
+    pub(super) uses: HashMap<Tensor, Place>,
     /// Field index of each `Given` member.
     given: HashMap<String, (usize, Shape)>,
 }
@@ -42,6 +44,7 @@ impl<'a> Evaluator<'a> {
             arena: Arena::default(),
             diagnostics,
             calls: vec![],
+            uses: HashMap::new(),
             given: HashMap::new(),
         }
     }
@@ -118,6 +121,7 @@ impl<'a> Evaluator<'a> {
     fn evaluate(&mut self, expression: &Expression, scope: &Scope) -> Option<Value> {
         let place = expression.place;
         let tensor = match &expression.kind {
+            ExpressionKind::Mistake => return None,
             ExpressionKind::Number(value) => self.arena.push(Operator::Number(*value), vec![], place),
             ExpressionKind::Name(name) => return self.name(name, place, scope),
             ExpressionKind::Call(name, arguments) => return self.call(name, arguments, place, scope),
@@ -129,10 +133,22 @@ impl<'a> Evaluator<'a> {
                     self.arena.push(Operator::Negate(inner), shape, place)
                 }
             },
+            ExpressionKind::Declared(rank, inner) => {
+                let tensor = self.tensor(inner, scope, "`let`")?;
+                if self.arena.shape(tensor) != rank.shape(self.dimension) {
+                    let message =
+                        format!("declared to be a `{}`, this is {}", rank_name(*rank), self.describe(tensor));
+                    self.diagnostics.error(inner.place, message);
+                    return None;
+                }
+                tensor
+            }
             ExpressionKind::Binary(operator, left, right) => {
+                let places = [left.place, right.place];
                 let (left, right) = (self.evaluate(left, scope), self.evaluate(right, scope));
                 match (left?, right?) {
                     (Value::Tensor(left), Value::Tensor(right)) => {
+                        self.uses = [left, right].into_iter().zip(places).collect();
                         self.binary(*operator, left, right, place)?
                     }
                     (left, right) => return self.binary_form(*operator, left, right, place),
@@ -231,6 +247,13 @@ impl<'a> Evaluator<'a> {
     fn name(&mut self, name: &Ident, place: Place, scope: &Scope) -> Option<Value> {
         let text = name.to_string();
         if let Some(value) = scope.get(&text) {
+            // A field is a field wherever it is named: mistakes are told where it is used.
+            if let Some(Value::Tensor(tensor)) = value {
+                let node = self.arena.node(*tensor).clone();
+                if matches!(node.operator, Operator::Field { gradient: false, .. } | Operator::Parameter(_)) {
+                    return Some(Value::Tensor(self.arena.push(node.operator, node.shape, place)));
+                }
+            }
             return value.clone();
         }
         if let Some((field, shape)) = self.given.get(&text).cloned() {
@@ -255,7 +278,9 @@ impl<'a> Evaluator<'a> {
             };
             return Some(Value::Tensor(self.arena.push(operator, shape, place)));
         }
-        self.unknown_name(name, place, scope);
+        if !self.module.is_mistaken(name) {
+            self.unknown_name(name, place, scope);
+        }
         None
     }
 
@@ -310,7 +335,9 @@ impl<'a> Evaluator<'a> {
             return self.call_function(index, name, arguments, place, scope);
         }
         let Some((builtin, count, usage)) = builtins::builtin(&text) else {
-            self.unknown_function(name);
+            if !self.module.is_mistaken(name) {
+                self.unknown_function(name);
+            }
             return None;
         };
         if builtin == Builtin::Integral && arguments.len() == 1 {
@@ -339,6 +366,7 @@ impl<'a> Evaluator<'a> {
         let values: Vec<_> =
             arguments.iter().map(|argument| self.tensor(argument, scope, &format!("`{text}`"))).collect();
         let values = values.into_iter().collect::<Option<Vec<_>>>()?;
+        self.uses = values.iter().copied().zip(arguments.iter().map(|argument| argument.place)).collect();
         let a = values[0];
         let tensor = match builtin {
             Builtin::Dot => self.dot(a, values[1], place)?,
@@ -403,7 +431,8 @@ impl<'a> Evaluator<'a> {
                 }
                 _ => format!("`{name}` is being computed already: a weak form cannot be recursive"),
             };
-            self.diagnostics.error(place, message);
+            let help = "a function may only call functions that do not lead back to it";
+            self.diagnostics.error_with_help(place, message, help);
             return None;
         }
         let expected = function.arguments.len();
@@ -456,6 +485,16 @@ impl<'a> Evaluator<'a> {
             ExpressionKind::Name(name) => regions.iter().position(|region| region.name == *name),
             _ => None,
         };
+        let swapped = match &density.kind {
+            ExpressionKind::Name(name) => regions.iter().find(|region| region.name == *name),
+            _ => None,
+        };
+        if let (None, Some(swapped)) = (found, swapped) {
+            let help = format!("write `integral({}, density)`", swapped.name);
+            self.diagnostics.error_with_help(density.place, "the region comes first in `integral`", help);
+            self.tensor(region, scope, "`integral`");
+            return None;
+        }
         let Some(index) = found else {
             let names: Vec<String> = regions.iter().map(|region| region.name.to_string()).collect();
             let near = match &region.kind {
@@ -471,12 +510,19 @@ impl<'a> Evaluator<'a> {
                     "declare `#[cells] pub struct Omega;` or `#[facets] pub struct Gamma;`".into()
                 }
             };
-            self.diagnostics.error_with_help(region.place, "`integral` needs a declared region first", help);
+            self.diagnostics.error_with_help(
+                region.place,
+                "the first argument of `integral` is not a declared region",
+                help,
+            );
             self.tensor(density, scope, "`integral`");
             return None;
         };
         let density = self.tensor(density, scope, "`integral`")?;
         let density = self.expect_scalar(density, "integral")?;
+        if self.module.is_mistaken(&regions[index].name) {
+            return None;
+        }
         if !regions[index].facets {
             self.check_cell_geometry(density, &regions[index].name);
         }
@@ -553,11 +599,12 @@ impl<'a> Evaluator<'a> {
         let variable = match self.arena.node(name).operator {
             Operator::Field { field, gradient: false } => Variable::Field(field),
             Operator::Parameter(index) => Variable::Parameter(index),
+            // Even a constant: an argument that is the identity here is something else elsewhere.
+            _ if local => Variable::Node(name),
             Operator::Number(_) | Operator::Identity | Operator::Geometry(_) => {
                 self.diagnostics.error(arguments[1].place, "`diff` by a constant: there is nothing to vary");
                 return None;
             }
-            _ if local => Variable::Node(name),
             _ => {
                 self.diagnostics.error_with_help(
                     arguments[1].place,
@@ -567,6 +614,14 @@ impl<'a> Evaluator<'a> {
                 return None;
             }
         };
+        if matches!(variable, Variable::Node(node) if !self.arena.reachable(&[expression]).contains(&node)) {
+            self.diagnostics.error_with_help(
+                arguments[1].place,
+                "this name does not stand in the expression: the derivative would be zero everywhere",
+                "use the name itself in the expression, not what it stands for: `let w = ..; diff(f(w), w)`",
+            );
+            return None;
+        }
         let shape = [self.arena.shape(expression), self.arena.shape(name)].concat();
         if shape.len() > 4 {
             self.diagnostics.error(place, "`diff` would give a tensor of rank above 4");

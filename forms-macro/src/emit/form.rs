@@ -1,9 +1,12 @@
 //! One function: its constructor, its type, and the traits by which a backend walks its kernels.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::kernel::KernelWriter;
+use std::collections::BTreeSet;
+
+use crate::check::builtins::nearest;
 use crate::check::{fields_of, given_members};
 use crate::optimise::degree::{Degree, Part};
 use crate::optimise::{Dependence, Description, Optimised};
@@ -19,7 +22,8 @@ pub fn emit_function(
     backend: &syn::Path,
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
-    let used = used_regions(module, &optimised, function);
+    let complete = optimised.len() == dimensions.len();
+    let used = used_regions(&optimised, function);
     let constructor_arguments = constructor_arguments(module, function, &used);
     let inputs = inputs(module, function, &used);
     let mut implementations = TokenStream::new();
@@ -30,13 +34,22 @@ pub fn emit_function(
         let found = found.and_then(Option::take);
         implementations.extend(implementation(module, function, *dimension, found, &used));
     }
-    let nested = nested_visibility(visibility);
-    quote! {
-        #(#attributes)*
-        #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
-            #inputs
-            #name::Form::with(inputs)
+    let own_inputs = own("inputs");
+    let constructor = match complete {
+        true => quote! {
+            #(#attributes)*
+            #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
+                #inputs
+                #name::Form::with(#own_inputs)
+            }
+        },
+        false => {
+            let counts = [likely_regions(module, function), stored_arguments(function).count()];
+            placeholder(module, visibility, name, counts)
         }
+    };
+    quote! {
+        #constructor
         #visibility mod #name {
             use #backend::contract;
             #[allow(unused_imports)]
@@ -48,7 +61,7 @@ pub fn emit_function(
                 inputs: contract::Inputs<D>,
             }
             impl<const D: usize> Form<D> {
-                #nested fn with(inputs: contract::Inputs<D>) -> Self {
+                pub(super) fn with(inputs: contract::Inputs<D>) -> Self {
                     Form { inputs }
                 }
             }
@@ -57,13 +70,8 @@ pub fn emit_function(
     }
 }
 
-fn nested_visibility(_outer: &syn::Visibility) -> TokenStream {
-    quote! { pub(super) }
-}
-
-/// Regions of the module that the function integrates over, in the order of their declaration. After a
-/// mistake all of them, so that calls keep their number of arguments most likely.
-fn used_regions(module: &Module, optimised: &[Optimised], function: &Function) -> Vec<usize> {
+/// Regions of the module that the function integrates over, in the order of their declaration.
+fn used_regions(optimised: &[Optimised], function: &Function) -> Vec<usize> {
     if matches!(function.output, Output::Value(_)) {
         return vec![];
     }
@@ -76,14 +84,15 @@ fn used_regions(module: &Module, optimised: &[Optimised], function: &Function) -
         .collect();
     used.sort_unstable();
     used.dedup();
-    if optimised.is_empty() { (0..module.regions.len()).collect() } else { used }
+    used
 }
 
 fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -> Vec<TokenStream> {
     let mut arguments = Vec::new();
     if let Some(data) = &module.data {
         let name = &data.name;
-        arguments.push(quote! { data: &#name<D> });
+        let data = own("data");
+        arguments.push(quote! { #data: &#name<D> });
     }
     for region in used {
         let ty = &module.regions[*region].name;
@@ -97,6 +106,105 @@ fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -
     arguments
 }
 
+/// The constructor of a function that has a mistake: so many regions and known fields, so that its calls are
+/// right.
+pub fn placeholder(
+    module: &Module,
+    visibility: &syn::Visibility,
+    name: &Ident,
+    [regions, fields]: [usize; 2],
+) -> TokenStream {
+    let data = module.data.as_ref().map(|data| {
+        let ty = &data.name;
+        quote! { _: &#ty<D>, }
+    });
+    let regions = (0..regions).map(|_| quote! { _: impl Sized });
+    let fields = (0..fields).map(|_| quote! { _: impl Into<contract::Source<D>> });
+    let others = regions.chain(fields);
+    quote! {
+        #visibility fn #name<const D: usize>(#data #(#others),*) -> #name::Form<D> {
+            loop {}
+        }
+    }
+}
+
+/// How many regions a function with a mistake was most likely meant to integrate over.
+fn likely_regions(module: &Module, function: &Function) -> usize {
+    if matches!(function.output, Output::Value(_)) {
+        return 0;
+    }
+    let mut found = BTreeSet::new();
+    match &function.body {
+        Some(body) => regions_of_block(module, body, &mut BTreeSet::new(), &mut found),
+        None => found.extend(module.regions.iter().map(|region| region.name.to_string())),
+    }
+    found.len()
+}
+
+fn regions_of_block(
+    module: &Module,
+    block: &Block,
+    seen: &mut BTreeSet<String>,
+    found: &mut BTreeSet<String>,
+) {
+    let lets = block.lets.iter().map(|(_, expression)| expression);
+    for expression in lets.chain([&*block.result]) {
+        regions_of(module, expression, seen, found);
+    }
+}
+
+/// The regions named by the integrals of an expression and of the functions that it calls; a name that is
+/// not declared counts as the nearest one, or as itself.
+fn regions_of(
+    module: &Module,
+    expression: &Expression,
+    seen: &mut BTreeSet<String>,
+    found: &mut BTreeSet<String>,
+) {
+    let declared = || module.regions.iter().map(|region| region.name.to_string());
+    match &expression.kind {
+        ExpressionKind::Call(name, arguments) if name == "integral" => {
+            let names: Vec<String> = declared().collect();
+            let region = arguments.iter().find_map(|argument| match &argument.kind {
+                ExpressionKind::Name(name) if name.to_string().starts_with(char::is_uppercase) => {
+                    let name = name.to_string();
+                    let near = nearest(&name, names.iter().map(String::as_str)).map(str::to_string);
+                    Some(if names.contains(&name) { name } else { near.unwrap_or(name) })
+                }
+                _ => None,
+            });
+            found.extend(region.or_else(|| declared().next()));
+        }
+        ExpressionKind::Call(name, arguments) => {
+            for argument in arguments {
+                regions_of(module, argument, seen, found);
+            }
+            let called = module.functions.iter().find(|function| function.name == *name);
+            if let Some(body) = called.and_then(|function| function.body.as_ref())
+                && seen.insert(name.to_string())
+            {
+                regions_of_block(module, body, seen, found);
+            }
+        }
+        ExpressionKind::Negate(a) | ExpressionKind::Index(a, _) | ExpressionKind::Declared(_, a) => {
+            regions_of(module, a, seen, found)
+        }
+        ExpressionKind::Binary(_, a, b) => {
+            regions_of(module, a, seen, found);
+            regions_of(module, b, seen, found);
+        }
+        ExpressionKind::Block(block) => regions_of_block(module, block, seen, found),
+        ExpressionKind::If(_, a, b) => {
+            regions_of_block(module, a, seen, found);
+            regions_of_block(module, b, seen, found);
+        }
+        ExpressionKind::Array(_)
+        | ExpressionKind::Number(_)
+        | ExpressionKind::Name(_)
+        | ExpressionKind::Mistake => {}
+    }
+}
+
 /// The arguments that a constructor takes: known fields.
 fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
     function
@@ -108,16 +216,22 @@ fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
 /// `GammaC` → `gamma_c_region`.
 fn region_argument(name: &Ident) -> Ident {
     let mut text = String::new();
-    for character in name.to_string().chars() {
+    for character in syn::ext::IdentExt::unraw(name).to_string().chars() {
         if character.is_uppercase() && !text.is_empty() {
             text.push('_');
         }
         text.extend(character.to_lowercase());
     }
-    format_ident!("{text}_region")
+    own(&format!("{text}_region"))
+}
+
+/// A name of the constructor's own, which an argument of the form cannot hide.
+fn own(name: &str) -> Ident {
+    Ident::new(name, Span::mixed_site())
 }
 
 fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
+    let (own_data, own_inputs) = (own("data"), own("inputs"));
     let parameters = module
         .data
         .iter()
@@ -125,7 +239,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         .filter(|member| member.kind == MemberKind::Param)
         .map(|member| {
             let (name, text) = (&member.name, member.name.to_string());
-            quote! { inputs.push_parameter(#text, &data.#name); }
+            quote! { #own_inputs.push_parameter(#text, &#own_data.#name); }
         });
     let arguments = function.arguments.iter().map(|argument| match argument.role {
         ArgumentRole::Unknown | ArgumentRole::Test => quote! { None },
@@ -136,7 +250,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     });
     let given = given_members(module).map(|member| {
         let name = &member.name;
-        quote! { Some(data.#name.source().clone()) }
+        quote! { Some(#own_data.#name.source().clone()) }
     });
     // An energy has a test function per unknown that no argument names.
     let variations = function
@@ -149,10 +263,10 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         quote! { #name.0.clone() }
     });
     quote! {
-        let mut inputs = contract::Inputs::<D>::empty();
+        let mut #own_inputs = contract::Inputs::<D>::empty();
         #(#parameters)*
-        inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
-        inputs.regions = ::std::vec![#(#regions),*];
+        #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
+        #own_inputs.regions = ::std::vec![#(#regions),*];
     }
 }
 
