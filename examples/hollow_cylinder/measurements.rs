@@ -107,6 +107,9 @@ pub struct Solver {
     pub factorisations: usize,
     pub indefinite_factorisations: usize,
     pub factor_entries: usize,
+    /// Unknowns on the contact boundary to which Newton's steps were condensed; null where GMRES or one
+    /// factor of the whole tangent was used.
+    pub condensed_unknowns: Option<usize>,
     pub solves: usize,
     /// Krylov iterations of each solve; 0 for a direct one.
     pub iterations: Vec<usize>,
@@ -227,6 +230,7 @@ impl Solver {
             factorisations: report.factorisations,
             indefinite_factorisations: report.indefinite_factorisations,
             factor_entries: report.factor_entries,
+            condensed_unknowns: report.condensed_unknowns,
             solves: report.solves,
             iterations: report.iterations.clone(),
             largest_residual: report.largest_residual,
