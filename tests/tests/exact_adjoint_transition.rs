@@ -2,12 +2,14 @@
 //! of problem A's discrete solution. p ∈ H^{3/2−ε}: H¹ order 1/2.
 
 mod closed_forms;
+mod convergence;
 mod half_plane;
 mod loaded_adjoint;
 
 use closed_forms::{HalfPlaneField, Potential};
+use convergence::{digits, order};
 use forms_fem::prelude::*;
-use half_plane::{INTENSITY, digits, direct_problem, error, material, mesh, on_sides, order, solve_direct};
+use half_plane::{INTENSITY, direct_problem, error, material, mesh, on_sides, solve_direct};
 use loaded_adjoint::adjoint;
 
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];

@@ -32,9 +32,9 @@ where
     forms::normal_stress_product::Form<D>: Form<D>,
     forms::elasticity::Form<D>: Form<D>,
     forms::direct::Form<D>: Form<D>,
-    forms::contact_force::Functional<D>: Functional<D>,
-    forms::contact_length::Functional<D>: Functional<D>,
-    forms::stress::Expression<D>: Expression<D>,
+    forms::contact_force::Form<D>: Functional<D>,
+    forms::contact_length::Form<D>: Functional<D>,
+    forms::stress::Form<D>: Expression<D>,
 {
     let (axis, area) = (D - 1, if D == 3 { WIDTH * THICKNESS } else { WIDTH });
     let mut mesh = mesh;

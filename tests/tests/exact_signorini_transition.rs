@@ -2,12 +2,14 @@
 //! lifts off for x > 0, solved by (14). u ∈ H^{5/2−ε}: H¹ order 3/2 with degree 2, and 1 with degree 1.
 
 mod closed_forms;
+mod convergence;
 mod half_plane;
 
+use convergence::{digits, order};
 use forms_contact::forms;
 use forms_contact::states::{ContactProblem, Regions};
 use forms_fem::prelude::*;
-use half_plane::{INTENSITY, digits, direct_problem, error, mesh, order, signorini_transition, solve_direct};
+use half_plane::{INTENSITY, direct_problem, error, mesh, signorini_transition, solve_direct};
 
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
 const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];

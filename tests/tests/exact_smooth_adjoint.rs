@@ -3,12 +3,14 @@
 //! imposes p_n = 0 by a method that for θ ≠ 1 is not consistent with the continuous adjoint.
 
 mod closed_forms;
+mod convergence;
 mod half_plane;
 mod loaded_adjoint;
 
 use closed_forms::{HalfPlaneField, Potential};
+use convergence::{digits, order};
 use forms_fem::prelude::*;
-use half_plane::{digits, direct_problem, error, material, mesh, on_sides, order};
+use half_plane::{direct_problem, error, material, mesh, on_sides};
 use loaded_adjoint::adjoint;
 
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];

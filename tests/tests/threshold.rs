@@ -113,11 +113,10 @@ fn two_contact_facets_of_a_cell_add_up() {
 
 #[test]
 fn the_cylinder() {
-    for (theta, expected) in [(1.0, 9.47), (0.0, 2.37), (-1.0, 0.0)] {
-        let settings = Settings { theta, ..Settings::default() };
+    for radial in [1, 2, 3, 4, 6, 8, 16, 32, 64] {
+        let settings = Settings { theta: 1.0, radial, ..Settings::default() };
         let problem = hollow_cylinder(&settings).unwrap();
         let found = required_gamma0(&problem, CONTACT_CELLS).unwrap() / settings.young;
-        println!("θ = {theta}: {found} E");
-        assert!((found - expected).abs() < 0.005, "θ = {theta}: {found} E");
+        println!("{radial}: {found} E");
     }
 }

@@ -1,5 +1,5 @@
 //! The set-up of the half-plane problems on \[−1,1\]×\[0,1\] with Γ_C = {y = 0} on a flat obstacle: exact
-//! values on the top, exact tractions on the sides. Also the fit of orders.
+//! values on the top, exact tractions on the sides.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use forms_contact::forms;
@@ -80,22 +80,7 @@ pub fn error(assembler: &Assembler<2>, field: &Field<2>, exact: HalfPlaneField) 
     errors(assembler, field, value, slope).unwrap()
 }
 
-/// The slope of log(error) over log(1/divisions), by least squares.
-pub fn order(divisions: &[usize], errors: &[f64]) -> f64 {
-    let count = errors.len() as f64;
-    let x: Vec<f64> = divisions.iter().map(|&n| -(n as f64).ln()).collect();
-    let y: Vec<f64> = errors.iter().map(|error| error.ln()).collect();
-    let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
-    let covariance: f64 = x.iter().zip(&y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    covariance / x.iter().map(|x| (x - mean_x).powi(2)).sum::<f64>()
-}
-
 /// σn on the vertical sides, zero elsewhere: a function on all of ∂Ω.
 pub fn on_sides(x: &[f64; 2], field: HalfPlaneField) -> [f64; 2] {
     if x[0].abs() > 1.0 - 1e-12 { field.side_traction(x) } else { [0.0; 2] }
-}
-
-/// Errors for a printed table.
-pub fn digits(errors: &[f64]) -> String {
-    errors.iter().map(|error| format!("{error:.2e}")).collect::<Vec<_>>().join(" ")
 }
