@@ -26,7 +26,7 @@ fn relative(found: f64, expected: f64, what: &str) {
 }
 
 /// `axis` is the direction of pressing, the last one. In three dimensions "front" and "back" are held in
-/// plane strain. `obstacle` is the height of the obstacle: the block starts at `obstacle + clearance`.
+/// plane strain.
 fn check<const D: usize>(mesh: Mesh<D>, degree: usize, theta: f64)
 where
     forms::normal_stress_product::Form<D>: Form<D>,
@@ -82,10 +82,8 @@ where
     }
     let pressure = PLANE_MODULUS * PRESSED / HEIGHT;
     let stresses = assembler.at_quadrature_points(&forms::stress(&problem.data, u), Entity::Cells, "all", 4);
-    for (x, stress) in {
-        let found = stresses.unwrap();
-        found.positions.into_iter().zip(found.values)
-    } {
+    let stresses = stresses.unwrap();
+    for (x, stress) in stresses.positions.iter().zip(&stresses.values) {
         for i in 0..D {
             for j in 0..D {
                 let expected = match (i, j) {

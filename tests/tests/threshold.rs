@@ -10,7 +10,7 @@ use forms_fem::prelude::*;
 const LAMBDA: f64 = 1.7;
 const MU: f64 = 0.9;
 
-/// One simplex; Γ_C is its facet with centre below the plane through all others' centres.
+/// One simplex; Γ_C is its facet in the plane x_d = 0.
 fn simplex<const D: usize>(shape: CellShape, vertices: Vec<[f64; D]>) -> Arc<Mesh<D>> {
     let cells = (0..=D as u32).collect();
     let mut mesh = Mesh::from_parts(shape, 1, vertices, cells).unwrap();
@@ -98,8 +98,7 @@ fn the_worst_cell_counts() {
 
 #[test]
 fn two_contact_facets_of_a_cell_add_up() {
-    // On a P1 triangle with σ constant, Γ_C on both legs and n_y = n on the base only: S is the sum over both
-    // facets, so the threshold is above that of the base alone.
+    // A P1 triangle, σ constant, all three facets in Γ_C: the products of the facets add up in one matrix.
     let vertices = vec![[0.0, 0.0], [2.0, 0.0], [0.5, 0.75]];
     let mut mesh = Mesh::from_parts(CellShape::Triangle, 1, vertices, vec![0, 1, 2]).unwrap();
     mesh.name_facets("contact", "boundary", |_| true).unwrap();
@@ -111,12 +110,20 @@ fn two_contact_facets_of_a_cell_add_up() {
     assert!(all >= sum / 0.75 * (LAMBDA + 2.0 * MU) * 2.0 * (1.0 - 1e-12), "{all}");
 }
 
+/// Figures of an independent computation (the bare 18 × 18 matrices of every contact cell, 5 Gauss points per
+/// direction, dense eigenvalues). They settle to three digits, 9.47 E, from n_r = 32 on.
 #[test]
 fn the_cylinder() {
-    for radial in [1, 2, 3, 4, 6, 8, 16, 32, 64] {
-        let settings = Settings { theta: 1.0, radial, ..Settings::default() };
-        let problem = hollow_cylinder(&settings).unwrap();
-        let found = required_gamma0(&problem, CONTACT_CELLS).unwrap() / settings.young;
-        println!("{radial}: {found} E");
+    let figures =
+        [(1, 9.083243389147466), (4, 9.425185180562158), (16, 9.46443231473962), (32, 9.472033059487908)];
+    for (radial, figure) in figures {
+        for (theta, factor) in [(1.0, 1.0), (0.0, 0.25), (-1.0, 0.0)] {
+            let settings = Settings { theta, radial, ..Settings::default() };
+            let problem = hollow_cylinder(&settings).unwrap();
+            let found = required_gamma0(&problem, CONTACT_CELLS).unwrap() / settings.young;
+            agree(found, factor * figure);
+            let in_print = factor * 9.47;
+            assert!(radial < 32 || (found - in_print).abs() < 0.005, "{found} E is not {in_print} E");
+        }
     }
 }
