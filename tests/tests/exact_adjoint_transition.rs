@@ -1,0 +1,76 @@
+//! Problem B: the adjoint state p = O(r^{1/2}) at a contact transition, solved by (22) with the contact zone
+//! of problem A's discrete solution. p ∈ H^{3/2−ε}: H¹ order 1/2.
+
+mod closed_forms;
+mod convergence;
+mod half_plane;
+mod loaded_adjoint;
+
+use closed_forms::{HalfPlaneField, Potential};
+use convergence::{digits, order};
+use forms_fem::prelude::*;
+use half_plane::{INTENSITY, direct_problem, error, material, mesh, on_sides, solve_direct};
+use loaded_adjoint::adjoint;
+
+const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
+const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];
+
+fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) -> f64 {
+    let exact = HalfPlaneField { material: material(), potential: Potential::AdjointTransition(INTENSITY) };
+    let mut h1 = vec![];
+    for &divisions in divisions {
+        let mesh = mesh(shape, divisions);
+        let problem = direct_problem(&mesh, degree, theta);
+        let u = solve_direct(&problem);
+        let data = adjoint::Data {
+            lambda: problem.data.lambda,
+            mu: problem.data.mu,
+            theta,
+            gamma0: problem.data.gamma0,
+            obstacle_normal: Given::constant([0.0, -1.0]),
+            gap: Given::constant(0.0),
+            // N′ = −σ(p) n on the sides, and only there.
+            slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
+        };
+        let form = adjoint::consistent(
+            &data,
+            &adjoint::Omega::on("all"),
+            &adjoint::GammaC::on("bottom"),
+            &adjoint::Boundary::on("boundary"),
+            &u,
+        );
+        let mut constraints = Constraints::new(&problem.space);
+        constraints.fix("top", |x| exact.displacement(x)).unwrap();
+        let mut equations = FormProblem::new(&form, &problem.assembler, &problem.space).unwrap();
+        let p = equations.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+        h1.push(error(&problem.assembler, &p, exact).h1);
+    }
+    let order = order(divisions, &h1);
+    println!("{shape:?} k={degree} θ={theta}: n {divisions:?} H¹ {} order {order:.3}", digits(&h1));
+    assert!(h1.is_sorted_by(|a, b| a > b), "{h1:?}");
+    order
+}
+
+fn check(degree: usize, divisions: &[usize]) {
+    for shape in SHAPES {
+        for theta in THETAS {
+            let order = h1_order(shape, degree, theta, divisions);
+            assert!((0.45..0.55).contains(&order), "{shape:?} k={degree} θ={theta}: H¹ order {order}");
+        }
+    }
+}
+
+#[test]
+fn degree_2_with_the_transition_at_a_node() {
+    check(2, &[6, 12, 24, 48]);
+}
+
+#[test]
+fn degree_2_with_the_transition_in_a_facet() {
+    check(2, &[7, 13, 25, 49]);
+}
+
+#[test]
+fn degree_1_with_the_transition_at_a_node() {
+    check(1, &[6, 12, 24, 48]);
+}

@@ -1,0 +1,152 @@
+//! The contact patch test: a block w × H on a flat obstacle, pressed by δ from above, free to slide. The
+//! solution is linear, so every element has it to rounding: σ_yy = −E′δ/H, J = ½ a(u,u) = ½ E′δ²w/H,
+//! contact force E′δw/H, with E′ = E/(1−ν²) in plane strain.
+
+use forms_contact::forms;
+use forms_contact::states::{ContactProblem, Regions};
+use forms_contact::threshold::required_gamma0;
+use forms_fem::prelude::*;
+
+const YOUNG: f64 = 70.0;
+const POISSON: f64 = 0.3;
+/// w, H and, in three dimensions, the thickness \[length\].
+const WIDTH: f64 = 1.5;
+const HEIGHT: f64 = 0.8;
+const THICKNESS: f64 = 0.6;
+/// δ.
+const PRESSED: f64 = 0.02;
+const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];
+
+/// E′.
+const PLANE_MODULUS: f64 = YOUNG / (1.0 - POISSON * POISSON);
+
+fn relative(found: f64, expected: f64, what: &str) {
+    let error = (found - expected).abs() / expected.abs();
+    assert!(error < 1e-10, "{what}: {found} is not {expected} ({error:.1e})");
+}
+
+/// `axis` is the direction of pressing, the last one. In three dimensions "front" and "back" are held in
+/// plane strain.
+fn check<const D: usize>(mesh: Mesh<D>, degree: usize, theta: f64)
+where
+    forms::normal_stress_product::Form<D>: Form<D>,
+    forms::elasticity::Form<D>: Form<D>,
+    forms::direct::Form<D>: Form<D>,
+    forms::contact_force::Form<D>: Functional<D>,
+    forms::contact_length::Form<D>: Functional<D>,
+    forms::stress::Form<D>: Expression<D>,
+{
+    let (axis, area) = (D - 1, if D == 3 { WIDTH * THICKNESS } else { WIDTH });
+    let mut mesh = mesh;
+    mesh.name_cells_of_facets("contact cells", "bottom").unwrap();
+    let mesh = Arc::new(mesh);
+    let space = Space::vector(&mesh, degree).unwrap();
+    let mut constraints = Constraints::new(&space);
+    constraints.fix_component("top", axis, |_| -PRESSED).unwrap();
+    constraints.fix_component("left", 0, |_| 0.0).unwrap();
+    if D == 3 {
+        constraints.fix_component("front", 1, |_| 0.0).unwrap();
+        constraints.fix_component("back", 1, |_| 0.0).unwrap();
+    }
+    let mut normal = [0.0; D];
+    normal[axis] = -1.0;
+    let data = forms::Data {
+        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
+        mu: YOUNG / (2.0 * (1.0 + POISSON)),
+        theta,
+        gamma0: 1.0,
+        extension: 0.0,
+        obstacle_normal: Given::constant(normal),
+        gap: Given::function(move |x: &[f64; D]| x[D - 1]),
+        body_force: Given::constant([0.0; D]),
+        traction: Given::constant([0.0; D]),
+        criterion_force: Given::constant([0.0; D]),
+        criterion_weight: Given::constant(0.0),
+    };
+    let (assembler, regions) = (Assembler::new(&mesh), Regions::new("right", "bottom"));
+    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints).unwrap();
+    problem.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
+    let solved = problem.solve_direct(&mut TangentSolver::default(), &NewtonOptions::default(), &mut |_| ());
+    let solved = solved.unwrap().result;
+    let (u, assembler) = (&solved.field, &problem.assembler);
+    println!("{:?} k={degree} θ={theta}: {} steps", mesh.shape(), solved.history.len() - 1);
+
+    let transverse = POISSON / (1.0 - POISSON) * PRESSED / HEIGHT;
+    for (node, x) in space.positions().iter().enumerate() {
+        let mut expected = [0.0; D];
+        expected[axis] = -PRESSED * x[axis] / HEIGHT;
+        expected[0] = transverse * x[0];
+        for (found, expected) in u.at_node(node).iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-10 * PRESSED, "u at {x:?}: {found} is not {expected}");
+        }
+    }
+    let pressure = PLANE_MODULUS * PRESSED / HEIGHT;
+    let stresses = assembler.at_quadrature_points(&forms::stress(&problem.data, u), Entity::Cells, "all", 4);
+    let stresses = stresses.unwrap();
+    for (x, stress) in stresses.positions.iter().zip(&stresses.values) {
+        for i in 0..D {
+            for j in 0..D {
+                let expected = match (i, j) {
+                    _ if i == axis && j == axis => -pressure,
+                    (1, 1) => -POISSON * pressure,
+                    _ => 0.0,
+                };
+                let error = (stress[i * D + j] - expected).abs();
+                assert!(error < 1e-9 * pressure, "σ{i}{j} at {x:?}: {}", stress[i * D + j]);
+            }
+        }
+    }
+    // J = ½ a(u, u).
+    let form = forms::elasticity(&problem.data, &problem.regions.omega);
+    let internal = assembler.residual(&form, &[u], &[&space]).unwrap();
+    let energy: f64 = 0.5 * internal.iter().zip(u.values()).map(|(force, u)| force * u).sum::<f64>();
+    relative(energy, 0.5 * PLANE_MODULUS * PRESSED.powi(2) * area / HEIGHT, "J");
+    let Regions { gamma_c, .. } = &problem.regions;
+    let force = assembler.functional(&forms::contact_force(&problem.data, gamma_c, u), &[]).unwrap();
+    relative(force, pressure * area, "contact force");
+    let length = assembler.functional(&forms::contact_length(&problem.data, gamma_c, u), &[]).unwrap();
+    relative(length, area, "contact area");
+    // The reaction of the top holds the contact force.
+    let top = space.nodes_on("top").unwrap();
+    let reaction: f64 = top.iter().map(|&node| solved.residual[node as usize * D + axis]).sum();
+    relative(reaction, -pressure * area, "reaction");
+}
+
+#[test]
+fn plane_strain() {
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        for degree in [1, 2] {
+            for theta in THETAS {
+                check(rectangle([0.0, 0.0], [WIDTH, HEIGHT], [5, 3], shape, 1).unwrap(), degree, theta);
+            }
+        }
+    }
+}
+
+#[test]
+fn plane_strain_on_a_skewed_mesh() {
+    // Inner nodes are moved, the outline stays.
+    let skew = |[s, t]: [f64; 2]| {
+        let bump = 0.15 * s * (1.0 - s) * t * (1.0 - t) * 4.0;
+        [WIDTH * (s + bump), HEIGHT * (t - bump)]
+    };
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        for degree in [1, 2] {
+            for theta in THETAS {
+                check(forms_fem::mesh::structured([4, 4], shape, 1, skew).unwrap(), degree, theta);
+            }
+        }
+    }
+}
+
+#[test]
+fn plane_strain_in_three_dimensions() {
+    for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+        for degree in [1, 2] {
+            for theta in THETAS {
+                let mesh = cuboid([0.0; 3], [WIDTH, THICKNESS, HEIGHT], [3, 2, 2], shape, 1).unwrap();
+                check(mesh, degree, theta);
+            }
+        }
+    }
+}
