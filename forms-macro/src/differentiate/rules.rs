@@ -53,10 +53,10 @@ impl<'a> Differentiation<'a> {
 
     fn rule(&mut self, tensor: Tensor) -> Option<Tensor> {
         use Operator::*;
-        if let Seed::Toward { variable: Variable::Node(node), direction, .. } = self.seed {
-            if node == tensor {
-                return Some(direction);
-            }
+        if let Seed::Toward { variable: Variable::Node(node), direction, .. } = self.seed
+            && node == tensor
+        {
+            return Some(direction);
         }
         let shape = self.arena.shape(tensor).to_vec();
         match self.arena.node(tensor).operator.clone() {

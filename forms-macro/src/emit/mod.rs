@@ -21,7 +21,7 @@ pub fn emit(
     backend: &syn::Path,
 ) -> TokenStream {
     let Module { attributes, visibility, name, .. } = module;
-    let data = module.data.as_ref().map(|data| emit_data(data));
+    let data = module.data.as_ref().map(emit_data);
     let regions = module.regions.iter().map(emit_region);
     let mut by_function: Vec<Vec<Optimised>> = module.functions.iter().map(|_| Vec::new()).collect();
     for one in optimised {

@@ -72,10 +72,10 @@ pub fn plan(
             best = candidate;
         }
     }
-    if let Some(candidate) = accumulated(graph, &matrix, components, dimension) {
-        if candidate.cost <= best.cost {
-            best = candidate;
-        }
+    if let Some(candidate) = accumulated(graph, &matrix, components, dimension)
+        && candidate.cost <= best.cost
+    {
+        best = candidate;
     }
     Some(Some((best.plan, symmetric)))
 }

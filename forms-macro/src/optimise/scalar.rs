@@ -115,7 +115,7 @@ impl Graph {
         }
     }
 
-    fn from_combination(&mut self, mut combination: Combination) -> Scalar {
+    fn node_of(&mut self, mut combination: Combination) -> Scalar {
         combination.terms.sort_by_key(|(_, term)| *term);
         let mut terms: Vec<(f64, Scalar)> = Vec::new();
         for (coefficient, term) in combination.terms {
@@ -148,7 +148,7 @@ impl Graph {
             all.constant += one.constant;
             all.terms.extend(one.terms);
         }
-        self.from_combination(all)
+        self.node_of(all)
     }
 
     pub fn scale(&mut self, factor: f64, a: Scalar) -> Scalar {
@@ -157,7 +157,7 @@ impl Graph {
         for (coefficient, _) in &mut combination.terms {
             *coefficient *= factor;
         }
-        self.from_combination(combination)
+        self.node_of(combination)
     }
 
     pub fn negate(&mut self, a: Scalar) -> Scalar {
