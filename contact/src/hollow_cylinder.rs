@@ -236,7 +236,7 @@ pub fn solve(
     let problem = hollow_cylinder(settings)?;
     let required_gamma0 = required_gamma0(&problem, CONTACT_CELLS)?;
     let mut seconds = Seconds { setup: start.elapsed().as_secs_f64(), ..Seconds::default() };
-    let mut solver = TangentSolver::default();
+    let mut solver = CondensedSolver::default();
     let direct = problem
         .solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| progress(Progress::Newton(step)))
         .map_err(Box::new)?;
@@ -269,7 +269,7 @@ pub fn solve(
         max_penetration,
         required_gamma0,
         seconds,
-        solver: solver.report().clone(),
+        solver: solver.report(),
         u,
         p_discrete,
         p_consistent,

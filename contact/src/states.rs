@@ -101,7 +101,7 @@ impl<const D: usize> ContactProblem<D> {
     /// The reason with Newton's history.
     pub fn solve_direct(
         &self,
-        solver: &mut TangentSolver,
+        solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
     ) -> Result<Timed<Solved<D>>, NewtonError<AssemblyError>>
@@ -126,7 +126,7 @@ impl<const D: usize> ContactProblem<D> {
         &self,
         adjoint: Adjoint,
         u: &Field<D>,
-        solver: &mut TangentSolver,
+        solver: &mut dyn LinearSolver,
     ) -> Result<Timed<Field<D>>, LinearProblemError>
     where
         forms::discrete_adjoint::Form<D>: Form<D>,
@@ -150,7 +150,7 @@ impl<const D: usize> ContactProblem<D> {
     fn solve_affine<F: Form<D>>(
         &self,
         form: &F,
-        solver: &mut TangentSolver,
+        solver: &mut dyn LinearSolver,
     ) -> Result<Timed<Field<D>>, LinearProblemError> {
         let start = Instant::now();
         let mut problem = FormProblem::with_pattern(form, &self.assembler, &self.space, &self.pattern);

@@ -1,8 +1,54 @@
 //! A generic finite element backend for compiled weak forms.
 //!
+//! A weak form is written as a paper writes it, in a module under [`macro@forms`]; the compiler derives its
+//! tangent and emits kernels, and this crate runs them:
+//!
+//! ```
+//! use forms_fem::prelude::*;
+//!
+//! #[forms]
+//! pub mod poisson {
+//!     pub struct Data {
+//!         /// Conductivity.
+//!         k: Param,
+//!         /// Source.
+//!         f: Given<Scalar>,
+//!     }
+//!     #[cells]
+//!     pub struct Omega;
+//!
+//!     pub fn diffusion(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+//!         integral(Omega, k * dot(grad(u), grad(v)) - f * v)
+//!     }
+//!
+//!     /// Heat flux, a derived field.
+//!     pub fn flux(u: Scalar) -> Vector {
+//!         -k * grad(u)
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?);
+//! let space = Space::scalar(&mesh, 2)?;
+//! let data = poisson::Data { k: 2.0, f: Given::function(|x: &[f64; 2]| 4.0 * x[0]) };
+//! let form = poisson::diffusion(&data, &poisson::Omega::on("all"));
+//! let mut boundary = Constraints::new(&space);
+//! // u = (x − x³)/3 solves −∇·(2∇u) = 4x.
+//! let exact = |x: &[f64; 2]| (x[0] - x[0].powi(3)) / 3.0;
+//! boundary.fix("boundary", exact)?;
+//!
+//! let assembler = Assembler::new(&mesh);
+//! let u = FormProblem::new(&form, &assembler, &space)?
+//!     .solve_affine(&boundary, &mut TangentSolver::default())?;
+//! assert!((u.evaluate(&[0.5, 0.5])?[0] - exact(&[0.5, 0.5])).abs() < 1e-5);
+//! let flux = assembler.at_points(&poisson::flux(&data, &u), &[[0.3, 0.6]])?;
+//! assert!((flux.values[0][0] + 2.0 * (1.0 - 3.0 * 0.09) / 3.0).abs() < 1e-2);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! The way of a computation: [`mesh`] → [`element`] → [`quadrature`] → [`space`] → [`assemble`] →
-//! [`solve`] → [`output`]. Nothing here knows any physics; forms bring it through
-//! [`contract`].
+//! [`solve`] → [`output`]. Nothing here knows any physics; forms bring it through [`contract`].
 
 extern crate self as forms_fem;
 
@@ -36,7 +82,8 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        FormProblem, NewtonError, NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
+        CondensedSolver, FormProblem, LinearSolver, NewtonError, NewtonOptions, NewtonStep, TangentSolver,
+        TangentSolverOptions,
     };
     pub use crate::space::Space;
 }

@@ -201,6 +201,16 @@ impl SymmetricFactor {
         &self.analysis
     }
 
+    pub(super) fn supernodes(
+        &self,
+    ) -> &faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32> {
+        &self.analysis.supernodes
+    }
+
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// Whether this is an LLᵀ factor, so that the matrix is positive definite.
     pub fn is_positive_definite(&self) -> bool {
         self.pivoting.is_none()

@@ -11,6 +11,7 @@ pub mod error;
 pub mod gmres;
 
 pub mod ordering;
+pub mod partial_solves;
 pub mod pattern;
 pub mod restriction;
 pub mod vector;

@@ -5,6 +5,15 @@ use crate::linear_algebra::{CsrMatrix, GmresReport, LinearAlgebraError};
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
 /// matrix: the analysis of the pattern, a factor, a condensed block.
 pub trait LinearSolver {
+    /// Tells the symmetric part K that the coming matrices share: each is K plus entries on few unknowns.
+    /// A solver that cannot use it need not do anything.
+    ///
+    /// # Errors
+    /// If the matrix is unfit.
+    fn set_linear_part(&mut self, _linear_part: CsrMatrix) -> Result<(), SolverError> {
+        Ok(())
+    }
+
     /// Takes the matrix of the next solves.
     ///
     /// # Errors

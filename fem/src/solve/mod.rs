@@ -4,12 +4,14 @@
 //! prescribed unknowns out, and a [`LinearSolver`] (the [`TangentSolver`] unless another is given) solves.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
+pub mod condensed_solver;
 pub mod elimination;
 pub mod linear_solver;
 pub mod newton;
 pub mod problem;
 pub mod tangent_solver;
 
+pub use condensed_solver::CondensedSolver;
 pub use elimination::{Elimination, solve_linear, solve_linear_transposed};
 pub use linear_solver::{LinearSolution, LinearSolver, SolverError};
 pub use newton::{

@@ -26,6 +26,14 @@ pub trait NonlinearProblem {
     /// If assembly fails.
     fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, Self::Error>;
 
+    /// The part of every tangent that does not depend on u, if the problem knows it.
+    ///
+    /// # Errors
+    /// If assembly fails.
+    fn linear_part(&mut self) -> Result<Option<CsrMatrix>, Self::Error> {
+        Ok(None)
+    }
+
     /// The quadrature points that are active (in contact) at u, if the problem has such a notion.
     ///
     /// # Errors
@@ -202,6 +210,11 @@ impl Iteration {
     ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
         let mut elimination = Elimination::new(self.u.len(), prescribed).map_err(NewtonFailure::Mismatch)?;
         elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
+        if let Some(linear_part) = problem.linear_part().map_err(NewtonFailure::Assembly)? {
+            let reduced = elimination.reduce_matrix(&linear_part).map_err(NewtonFailure::Mismatch)?;
+            drop(linear_part);
+            solver.set_linear_part(reduced).map_err(NewtonFailure::LinearSolver)?;
+        }
         let mut step = None;
         let mut linear_iterations = None;
         loop {

@@ -191,6 +191,10 @@ impl<F: Form<D>, const D: usize> NonlinearProblem for FormProblem<'_, F, D> {
         Ok(matrix)
     }
 
+    fn linear_part(&mut self) -> Result<Option<CsrMatrix>, AssemblyError> {
+        Ok(Some(self.fixed()?.1.clone()))
+    }
+
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
         let field = self.field(u);
         let start = Instant::now();

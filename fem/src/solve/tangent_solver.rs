@@ -72,6 +72,8 @@ pub struct SolverReport {
     pub largest_residual: f64,
     /// Numbers stored in the factor.
     pub factor_entries: usize,
+    /// Unknowns to which a [`super::CondensedSolver`] condensed; none where no Schur complement was used.
+    pub condensed_unknowns: Option<usize>,
 }
 
 /// Which of the two systems is meant.

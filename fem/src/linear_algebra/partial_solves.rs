@@ -1,0 +1,99 @@
+//! Half solves with an LLᵀ factor, and its trailing block: what a Schur complement on the unknowns that
+//! are eliminated last needs.
+
+use faer::Conj;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
+use faer::{Accum, Mat, MatMut, Par};
+
+use super::cholesky::SymmetricFactor;
+use super::error::{LinearAlgebraError, check_size};
+
+impl SymmetricFactor {
+    /// Replaces b by L⁻¹ P b, in elimination order, for an LLᵀ factor of P A Pᵀ.
+    ///
+    /// # Errors
+    /// If the size is wrong or memory is too small.
+    pub fn solve_lower(&self, b: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        let order = self.analysis().elimination_order();
+        check_size("the right-hand side", order.len(), b.len())?;
+        let mut x: Vec<f64> = order.iter().map(|unknown| b[*unknown as usize]).collect();
+        self.half_solve(&mut x, false)?;
+        Ok(x)
+    }
+
+    /// Pᵀ L⁻ᵀ y, from elimination order back to the order of the unknowns.
+    ///
+    /// # Errors
+    /// If the size is wrong or memory is too small.
+    pub fn solve_upper(&self, mut y: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
+        let order = self.analysis().elimination_order();
+        check_size("the right-hand side", order.len(), y.len())?;
+        self.half_solve(&mut y, true)?;
+        let mut x = vec![0.0; y.len()];
+        for (value, unknown) in y.into_iter().zip(order) {
+            x[*unknown as usize] = value;
+        }
+        Ok(x)
+    }
+
+    fn half_solve(&self, x: &mut [f64], upper: bool) -> Result<(), LinearAlgebraError> {
+        let supernodes = self.supernodes();
+        let request = supernodes.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let mut memory = MemBuffer::try_new(request)
+            .map_err(|_| LinearAlgebraError::OutOfMemory { what: "a triangular solve" })?;
+        let stack = MemStack::new(&mut memory);
+        let size = x.len();
+        let column = MatMut::from_column_major_slice_mut(x, size, 1);
+        let factor = SupernodalLltRef::new(supernodes, self.values());
+        match upper {
+            false => factor.l_solve_with_conj(Conj::No, column, Par::Seq, stack),
+            true => factor.l_transpose_solve_with_conj(Conj::No, column, Par::Seq, stack),
+        }
+        Ok(())
+    }
+
+    /// The last `count` rows and columns of L, dense and lower triangular.
+    pub fn trailing_block(&self, count: usize) -> Mat<f64> {
+        let supernodes = self.supernodes();
+        let factor = SupernodalLltRef::new(supernodes, self.values());
+        let first = self.analysis().size() - count;
+        let mut block = Mat::zeros(count, count);
+        for s in 0..supernodes.n_supernodes() {
+            let node = factor.supernode(s);
+            let (start, values) = (node.start(), node.val());
+            for j in 0..values.ncols() {
+                if start + j < first {
+                    continue;
+                }
+                let column = start + j - first;
+                for i in j..values.ncols() {
+                    block[(start + i - first, column)] = values[(i, j)];
+                }
+                for (i, row) in node.pattern().iter().enumerate() {
+                    block[(*row as usize - first, column)] = values[(values.ncols() + i, j)];
+                }
+            }
+        }
+        block
+    }
+}
+
+/// L Lᵀ of a dense lower triangular L.
+pub fn lower_times_transposed(lower: &Mat<f64>) -> Mat<f64> {
+    let size = lower.nrows();
+    let mut product = Mat::zeros(size, size);
+    matmul(
+        product.as_mut(),
+        BlockStructure::Rectangular,
+        Accum::Replace,
+        lower.as_ref(),
+        BlockStructure::TriangularLower,
+        lower.as_ref().transpose(),
+        BlockStructure::TriangularUpper,
+        1.0,
+        Par::Seq,
+    );
+    product
+}

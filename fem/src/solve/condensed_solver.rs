@@ -1,0 +1,398 @@
+//! Exact solution with tangents T = K + B whose B lives on few unknowns, as contact terms do.
+//!
+//! K = L Lᵀ is factored once, with the touched unknowns c ordered last. With S = L_c L_cᵀ from the trailing
+//! block of L, T x = b is
+//!
+//! 1. y = L⁻¹ b,   2. (S + B_cc) x_c = L_c y_c by dense LU,   3. y_c ← L_cᵀ x_c, x = L⁻ᵀ y,
+//!
+//! so a Newton step costs two half solves and a small dense LU; the transposed system costs the same.
+//! Where c grows, K is factored anew with the larger c; where that does not pay or K is not positive
+//! definite, a [`TangentSolver`] takes over.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use faer::Mat;
+use faer::linalg::solvers::PartialPivLu;
+use faer::prelude::Solve;
+
+use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use super::tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};
+use crate::linear_algebra::partial_solves::lower_times_transposed;
+use crate::linear_algebra::vector::norm;
+use crate::linear_algebra::{
+    Analysis, CsrMatrix, LinearAlgebraError, Ordering, Restriction, SymmetricFactor,
+};
+
+/// Entries of T − K below this part of the largest entry of K are rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// A dense LU may cost as many multiplications as this many per stored number of the sparse factor:
+/// about what the Krylov iterations it replaces would cost.
+const DENSE_COST: f64 = 400.0;
+
+/// Relative residual below which refinement stops; above [`ACCEPTED`] the solution is not taken.
+const ACCURATE: f64 = 1e-15;
+/// Largest relative residual of an accepted solution.
+const ACCEPTED: f64 = 1e-11;
+
+/// Most steps of iterative refinement.
+const REFINEMENTS: usize = 4;
+
+/// Condenses to the unknowns that change, and falls back to a [`TangentSolver`].
+#[derive(Debug, Default)]
+pub struct CondensedSolver {
+    fallback: TangentSolver,
+    linear_part: Option<CsrMatrix>,
+    condensation: Option<Condensation>,
+    /// K could not be factored: do not try again.
+    refused: bool,
+    current: Option<Current>,
+    report: SolverReport,
+}
+
+/// The factor of K and its Schur complement.
+#[derive(Debug)]
+struct Condensation {
+    factor: SymmetricFactor,
+    /// The condensed unknowns, in elimination order.
+    unknowns: Vec<u32>,
+    /// Place of each unknown among them.
+    places: Vec<Option<u32>>,
+    lower: Mat<f64>,
+    schur: Mat<f64>,
+}
+
+/// The matrix of the next solves.
+#[derive(Debug)]
+enum Current {
+    Fallback,
+    Condensed { matrix: CsrMatrix, dense: Option<PartialPivLu<f64>> },
+}
+
+impl CondensedSolver {
+    /// A solver whose fallback has these options.
+    pub fn new(options: TangentSolverOptions) -> Self {
+        CondensedSolver { fallback: TangentSolver::new(options), ..Self::default() }
+    }
+
+    /// What was done so far, by this solver and its fallback.
+    pub fn report(&self) -> SolverReport {
+        let (own, other) = (&self.report, self.fallback.report());
+        SolverReport {
+            analyses: own.analyses + other.analyses,
+            factorisations: own.factorisations + other.factorisations,
+            indefinite_factorisations: other.indefinite_factorisations,
+            solves: own.solves + other.solves,
+            iterations: own.iterations.iter().chain(&other.iterations).copied().collect(),
+            analysis_seconds: own.analysis_seconds + other.analysis_seconds,
+            factorisation_seconds: own.factorisation_seconds + other.factorisation_seconds,
+            solve_seconds: own.solve_seconds + other.solve_seconds,
+            largest_residual: own.largest_residual.max(other.largest_residual),
+            factor_entries: own.factor_entries.max(other.factor_entries),
+            condensed_unknowns: own.condensed_unknowns,
+        }
+    }
+
+    /// Unknowns on which T differs from K, and the entries of T − K; `None` when they do not share a
+    /// pattern.
+    fn difference(&self, matrix: &CsrMatrix) -> Option<(Vec<u32>, Vec<(u32, u32, f64)>)> {
+        let linear_part = self.linear_part.as_ref().filter(|part| part.same_pattern(matrix))?;
+        let largest = linear_part.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let mut touched = vec![false; matrix.rows()];
+        let mut entries = Vec::new();
+        for row in 0..matrix.rows() {
+            let (columns, values) = matrix.row(row);
+            for ((column, value), base) in columns.iter().zip(values).zip(linear_part.row(row).1) {
+                let change = value - base;
+                if change.abs() > ROUNDING * largest {
+                    touched[row] = true;
+                    touched[*column as usize] = true;
+                    entries.push((row as u32, *column, change));
+                }
+            }
+        }
+        let touched = (0..matrix.rows() as u32).filter(|unknown| touched[*unknown as usize]).collect();
+        Some((touched, entries))
+    }
+
+    /// Makes a factor of K in which the touched unknowns come last. False: it is not worth it, or K is
+    /// not positive definite.
+    fn condense_to(&mut self, touched: &[u32]) -> Result<bool, SolverError> {
+        if self.refused {
+            return Ok(false);
+        }
+        let Some(linear_part) = &self.linear_part else { return Ok(false) };
+        if let Some(known) = &self.condensation {
+            if touched.iter().all(|unknown| known.places[*unknown as usize].is_some()) {
+                return Ok(true);
+            }
+        }
+        let earlier = self.condensation.take().map(|known| known.unknowns).unwrap_or_default();
+        let mut all = [touched, &earlier[..]].concat();
+        all.sort_unstable();
+        all.dedup();
+        let start = Instant::now();
+        let ordering = order_last(linear_part, &all)?;
+        let analysis = Arc::new(Analysis::new(linear_part.pattern(), &ordering)?);
+        self.report.analyses += 1;
+        self.report.analysis_seconds += start.elapsed().as_secs_f64();
+        let count = all.len();
+        if (count as f64).powi(3) * 2.0 / 3.0 > DENSE_COST * analysis.factor_entries() as f64 {
+            return Ok(false);
+        }
+        let start = Instant::now();
+        let factor = SymmetricFactor::cholesky(&analysis, linear_part, Vec::new());
+        self.report.factorisation_seconds += start.elapsed().as_secs_f64();
+        let factor = match factor {
+            Ok(factor) => factor,
+            Err(LinearAlgebraError::NotPositiveDefinite { .. } | LinearAlgebraError::Singular { .. }) => {
+                self.refused = true;
+                return Ok(false);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        self.report.factorisations += 1;
+        self.report.factor_entries = analysis.factor_entries();
+        self.report.condensed_unknowns = Some(count);
+        let order = analysis.elimination_order();
+        let unknowns = order[order.len() - count..].to_vec();
+        let mut places = vec![None; order.len()];
+        for (place, unknown) in unknowns.iter().enumerate() {
+            places[*unknown as usize] = Some(place as u32);
+        }
+        let lower = factor.trailing_block(count);
+        let schur = lower_times_transposed(&lower);
+        self.condensation = Some(Condensation { factor, unknowns, places, lower, schur });
+        Ok(true)
+    }
+
+    fn fall_back(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
+        self.current = None;
+        self.fallback.set_matrix(matrix)?;
+        self.current = Some(Current::Fallback);
+        Ok(())
+    }
+
+    fn solve_side(
+        &mut self,
+        b: &[f64],
+        tolerance: f64,
+        transposed: bool,
+    ) -> Result<LinearSolution, SolverError> {
+        let (matrix, dense) = match &self.current {
+            None => return Err(SolverError::NoMatrix),
+            Some(Current::Fallback) if transposed => return self.fallback.solve_transposed(b, tolerance),
+            Some(Current::Fallback) => return self.fallback.solve(b, tolerance),
+            Some(Current::Condensed { matrix, dense }) => (matrix, dense),
+        };
+        let Some(condensation) = &self.condensation else { return Err(SolverError::NoMatrix) };
+        crate::linear_algebra::error::check_size("the right-hand side", matrix.rows(), b.len())?;
+        crate::linear_algebra::error::check_finite("the right-hand side", b)?;
+        let start = Instant::now();
+        let scale = norm(b);
+        let mut x = condensation.solve(b, dense.as_ref(), transposed)?;
+        let mut rest = residual(matrix, &x, b, transposed)?;
+        let mut relative_residual = if scale == 0.0 { 0.0 } else { norm(&rest) / scale };
+        for _ in 0..REFINEMENTS {
+            if relative_residual <= ACCURATE || relative_residual * scale <= tolerance {
+                break;
+            }
+            let change = condensation.solve(&rest, dense.as_ref(), transposed)?;
+            let candidate: Vec<f64> = x.iter().zip(&change).map(|(x, change)| x + change).collect();
+            let next = residual(matrix, &candidate, b, transposed)?;
+            let next_relative = norm(&next) / scale;
+            if next_relative >= relative_residual {
+                break;
+            }
+            let stalled = next_relative > 0.5 * relative_residual;
+            (x, rest, relative_residual) = (candidate, next, next_relative);
+            if stalled {
+                break;
+            }
+        }
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        if relative_residual <= ACCEPTED {
+            self.report.solves += 1;
+            self.report.iterations.push(0);
+            self.report.largest_residual = self.report.largest_residual.max(relative_residual);
+            return Ok(LinearSolution { solution: x, relative_residual, iterations: 0 });
+        }
+        let matrix = matrix.clone();
+        self.fall_back(matrix)?;
+        self.solve_side(b, tolerance, transposed)
+    }
+}
+
+fn residual(matrix: &CsrMatrix, x: &[f64], b: &[f64], transposed: bool) -> Result<Vec<f64>, SolverError> {
+    let product = if transposed { matrix.multiply_transposed(x)? } else { matrix.multiply(x)? };
+    Ok(b.iter().zip(product).map(|(b, product)| b - product).collect())
+}
+
+/// Minimum degree on the other unknowns, then the given ones.
+fn order_last(matrix: &CsrMatrix, last: &[u32]) -> Result<Ordering, LinearAlgebraError> {
+    if last.is_empty() {
+        return Ok(Ordering::MinimumDegree);
+    }
+    let mut is_last = vec![false; matrix.rows()];
+    for unknown in last {
+        is_last[*unknown as usize] = true;
+    }
+    let others: Vec<usize> = (0..matrix.rows()).filter(|unknown| !is_last[*unknown]).collect();
+    let restricted = Restriction::new(matrix.pattern(), &others, &others)?;
+    let order = Ordering::MinimumDegree.elimination_order(restricted.pattern())?;
+    let order = order.into_iter().map(|place| others[place as usize] as u32).chain(last.iter().copied());
+    Ok(Ordering::Given(order.collect()))
+}
+
+impl Condensation {
+    fn solve(
+        &self,
+        b: &[f64],
+        dense: Option<&PartialPivLu<f64>>,
+        transposed: bool,
+    ) -> Result<Vec<f64>, LinearAlgebraError> {
+        let mut y = self.factor.solve_lower(b)?;
+        if let Some(dense) = dense {
+            let count = self.unknowns.len();
+            let first = y.len() - count;
+            let condensed = Mat::from_fn(count, 1, |i, _| y[first + i]);
+            let load = &self.lower * condensed;
+            let solution = if transposed { dense.solve_transpose(&load) } else { dense.solve(&load) };
+            let shifted = self.lower.transpose() * solution;
+            for i in 0..count {
+                y[first + i] = shifted[(i, 0)];
+            }
+        }
+        self.factor.solve_upper(y)
+    }
+}
+
+impl LinearSolver for CondensedSolver {
+    fn set_linear_part(&mut self, linear_part: CsrMatrix) -> Result<(), SolverError> {
+        linear_part.check_finite()?;
+        if self.linear_part.as_ref() == Some(&linear_part) {
+            return Ok(());
+        }
+        (self.condensation, self.current, self.refused) = (None, None, false);
+        // An unsymmetric linear part has no Cholesky factor.
+        self.refused = !linear_part.is_symmetric(1e-12)?;
+        self.linear_part = Some(linear_part);
+        Ok(())
+    }
+
+    fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
+        self.current = None;
+        matrix.check_finite()?;
+        let Some((touched, entries)) = self.difference(&matrix) else { return self.fall_back(matrix) };
+        if !self.condense_to(&touched)? {
+            return self.fall_back(matrix);
+        }
+        let Some(condensation) = &self.condensation else { return self.fall_back(matrix) };
+        let dense = (!entries.is_empty()).then(|| {
+            let start = Instant::now();
+            let mut system = condensation.schur.clone();
+            for (row, column, change) in entries {
+                let place = |unknown: u32| condensation.places[unknown as usize];
+                if let (Some(row), Some(column)) = (place(row), place(column)) {
+                    system[(row as usize, column as usize)] += change;
+                }
+            }
+            let factor = system.partial_piv_lu();
+            self.report.factorisation_seconds += start.elapsed().as_secs_f64();
+            factor
+        });
+        self.current = Some(Current::Condensed { matrix, dense });
+        Ok(())
+    }
+
+    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, false)
+    }
+
+    fn solve_transposed(
+        &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+    ) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 12;
+
+    /// A five-point Laplacian on SIDE × SIDE nodes plus given entries on its pattern.
+    fn laplacian(changes: &[(usize, usize, f64)], shift: f64) -> CsrMatrix {
+        let mut triplets = Vec::new();
+        for i in 0..SIDE {
+            for j in 0..SIDE {
+                let row = i * SIDE + j;
+                triplets.push((row, row, 4.0 + shift));
+                let neighbours = [(i > 0, row.wrapping_sub(SIDE)), (i + 1 < SIDE, row + SIDE)];
+                let beside = [(j > 0, row.wrapping_sub(1)), (j + 1 < SIDE, row + 1)];
+                for (exists, column) in neighbours.into_iter().chain(beside) {
+                    if exists {
+                        triplets.push((row, column, -1.0));
+                    }
+                }
+            }
+        }
+        triplets.extend_from_slice(changes);
+        CsrMatrix::from_triplets(SIDE * SIDE, SIDE * SIDE, &triplets).unwrap()
+    }
+
+    fn load() -> Vec<f64> {
+        (0..SIDE * SIDE).map(|k| (k as f64 * 0.7).sin()).collect()
+    }
+
+    fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
+        let b = load();
+        solver.set_matrix(matrix.clone()).unwrap();
+        for transposed in [false, true] {
+            let found = match transposed {
+                false => solver.solve(&b, 0.0).unwrap(),
+                true => solver.solve_transposed(&b, 0.0).unwrap(),
+            };
+            let rest = residual(matrix, &found.solution, &b, transposed).unwrap();
+            assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
+        }
+    }
+
+    #[test]
+    fn unsymmetric_changes_on_few_unknowns_need_one_factor_as_long_as_they_stay() {
+        let mut solver = CondensedSolver::default();
+        solver.set_linear_part(laplacian(&[], 0.0)).unwrap();
+        check(&mut solver, &laplacian(&[(3, 4, 20.0), (4, 3, -7.0), (4, 4, 50.0), (5, 4, 1.0)], 0.0));
+        assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (1, Some(3)));
+        // A subset: the same factor. Another place: a new one that holds both.
+        check(&mut solver, &laplacian(&[(4, 4, 30.0), (3, 4, 2.0)], 0.0));
+        assert_eq!(solver.report().factorisations, 1);
+        check(&mut solver, &laplacian(&[(100, 101, 9.0)], 0.0));
+        assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (2, Some(5)));
+        check(&mut solver, &laplacian(&[], 0.0));
+        assert_eq!(solver.report().factorisations, 2);
+        assert!(solver.report().iterations.iter().all(|iterations| *iterations == 0));
+    }
+
+    #[test]
+    fn it_falls_back_where_condensing_does_not_serve() {
+        // No linear part: the fallback factors the matrix itself.
+        let mut solver = CondensedSolver::default();
+        check(&mut solver, &laplacian(&[(3, 4, 2.0)], 0.0));
+        assert_eq!(solver.report().condensed_unknowns, None);
+        // A linear part that is not positive definite.
+        solver.set_linear_part(laplacian(&[], -3.3)).unwrap();
+        check(&mut solver, &laplacian(&[(4, 4, 2.0)], -3.3));
+        assert_eq!(solver.report().condensed_unknowns, None);
+        // Changes everywhere: the dense block would cost more than the sparse factor.
+        let everywhere: Vec<_> = (0..SIDE * SIDE).map(|k| (k, k, 1.0 + k as f64)).collect();
+        solver.set_linear_part(laplacian(&[], 0.0)).unwrap();
+        check(&mut solver, &laplacian(&everywhere, 0.0));
+        assert_eq!(solver.report().condensed_unknowns, None);
+        assert!(solver.solve(&load()[1..], 0.0).is_err());
+    }
+}
