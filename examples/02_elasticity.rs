@@ -55,11 +55,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Only symmetry holds the pipe: no vertical motion where y = 0, no horizontal motion where x = 0.
     let mut constraints = Constraints::new(&space);
     for node in space.nodes_on("inner")? {
-        let position = space.positions()[node as usize];
-        for component in 0..2 {
-            if position[component].abs() < 1e-9 {
-                constraints.fix_node(node as usize, component, 0.0)?;
-            }
+        let [x, y] = space.positions()[node as usize];
+        if y.abs() < 1e-9 {
+            constraints.fix_node(node as usize, 1, 0.0)?;
+        } else if x.abs() < 1e-9 {
+            constraints.fix_node(node as usize, 0, 0.0)?;
         }
     }
 
