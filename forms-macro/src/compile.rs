@@ -32,17 +32,17 @@ impl Parse for Options {
                 options.backend = input.call(Path::parse_mod_style)?;
             } else {
                 let name: Ident = input.parse()?;
+                if name != "dimension" {
+                    let message = format!(
+                        "unknown option `{name}`\nhelp: the options are `dimension = 2`, `dimension = 3` and `crate = path`"
+                    );
+                    return Err(syn::Error::new(name.span(), message));
+                }
                 input.parse::<Token![=]>()?;
                 let value: LitInt = input.parse()?;
-                match (name.to_string().as_str(), value.base10_parse::<usize>()?) {
-                    ("dimension", dimension @ (2 | 3)) => options.dimensions = vec![dimension],
-                    ("dimension", _) => return Err(syn::Error::new(value.span(), "the dimension is 2 or 3")),
-                    _ => {
-                        let message = format!(
-                            "unknown option `{name}`\nhelp: the options are `dimension = 2`, `dimension = 3` and `crate = path`"
-                        );
-                        return Err(syn::Error::new(name.span(), message));
-                    }
+                match value.base10_parse::<usize>() {
+                    Ok(dimension @ (2 | 3)) => options.dimensions = vec![dimension],
+                    _ => return Err(syn::Error::new(value.span(), "the dimension is 2 or 3")),
                 }
             }
             if !input.is_empty() {
@@ -72,11 +72,9 @@ pub fn compile(options: &Options, item: ItemMod) -> TokenStream {
                 }
             }
         }
+        diagnostics.next_dimension();
     }
-    if !diagnostics.is_empty() {
-        optimised.clear();
-    }
-    let code = emit(&module, &options.dimensions, optimised, &options.backend);
     let errors = diagnostics.into_tokens();
+    let code = emit(&module, &options.dimensions, optimised, &options.backend);
     quote! { #errors #code }
 }

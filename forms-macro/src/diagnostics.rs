@@ -31,6 +31,8 @@ struct Diagnostic {
 #[derive(Debug, Default)]
 pub struct Diagnostics {
     found: Vec<Diagnostic>,
+    /// So many were found in earlier dimensions.
+    settled: usize,
 }
 
 impl Diagnostics {
@@ -38,22 +40,24 @@ impl Diagnostics {
     /// in each dimension and at each call).
     pub fn error(&mut self, place: Place, message: impl Into<String>) {
         let message = message.into();
-        let same = |other: &Diagnostic| {
-            other.message == message && format!("{:?}", other.place) == format!("{place:?}")
+        let same_place = |other: &Diagnostic| format!("{:?}", other.place) == format!("{place:?}");
+        let told = |(index, other): (usize, &Diagnostic)| {
+            same_place(other) && (index < self.settled || other.message == message)
         };
-        if !self.found.iter().any(same) {
+        if !self.found.iter().enumerate().any(told) {
             self.found.push(Diagnostic { place, message });
         }
+    }
+
+    /// The next dimension begins: what it says of a place that has a mistake already is the same mistake
+    /// in other words ("a vector of length 3", "a vector").
+    pub fn next_dimension(&mut self) {
+        self.settled = self.found.len();
     }
 
     /// Records a mistake with advice on how to mend it.
     pub fn error_with_help(&mut self, place: Place, message: impl Into<String>, help: impl AsRef<str>) {
         self.error(place, format!("{}\nhelp: {}", message.into(), help.as_ref()));
-    }
-
-    /// No mistake so far.
-    pub fn is_empty(&self) -> bool {
-        self.found.is_empty()
     }
 
     /// One `compile_error!` per mistake.

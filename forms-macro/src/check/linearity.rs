@@ -102,11 +102,11 @@ impl Algebra<'_> {
                 self.free(b, "a denominator")?;
                 self.tests(a)
             }
-            Determinant(a) | Inverse(a) | Cofactor(a) => self.free(a, "this operation"),
-            Apply(_, a) => self.free(a, "this function"),
+            Determinant(a) | Inverse(a) | Cofactor(a) => self.free(a, "a nonlinear operation"),
+            Apply(_, a) => self.free(a, "a nonlinear function"),
             Power(a, b) | Minimum(a, b) | Maximum(a, b) => {
-                self.free(a, "this function")?;
-                self.free(b, "this function")
+                self.free(a, "a nonlinear function")?;
+                self.free(b, "a nonlinear function")
             }
             // The derivative is linear in its direction, and in what the expression was linear in.
             Gateaux { expression, direction, .. } => self.product(tensor, expression, direction),
@@ -122,7 +122,8 @@ impl Algebra<'_> {
                 let message = format!(
                     "this product is not linear in the test function: `{name}` stands in both factors"
                 );
-                self.diagnostics.error(self.arena.place(whole), message);
+                let help = "keep it in one of them; for an energy declare `-> Energy` and leave the test function out";
+                self.diagnostics.error_with_help(self.arena.place(whole), message, help);
                 None
             }
             (Some(v), Some(w)) => {
@@ -131,7 +132,7 @@ impl Algebra<'_> {
                 self.diagnostics.error_with_help(
                     self.arena.place(whole),
                     message,
-                    "each term has one test function",
+                    "each term has one test function: one of the two was meant to be an unknown, or another term",
                 );
                 None
             }
@@ -172,7 +173,8 @@ impl Algebra<'_> {
         if let Some(test) = found.first() {
             let name = &self.fields[*test].name;
             let message = format!("not linear in the test function `{name}`: it stands inside {user}");
-            self.diagnostics.error(self.arena.place(a), message);
+            let help = "a form is a sum of terms, each a product of one test function with things free of it";
+            self.diagnostics.error_with_help(self.arena.place(a), message, help);
             return None;
         }
         Some(found)

@@ -2,8 +2,11 @@
 //! one dimension. Every mistake is reported on its tokens; what is wrong is left out.
 
 pub mod builtins;
+mod calls;
 mod evaluate;
+mod integrals;
 mod linearity;
+mod names;
 mod operators;
 
 use std::collections::HashMap;
@@ -121,9 +124,25 @@ fn check_function(
     let linear = match &content {
         Content::Form(terms) => linearity::check_form(function, &arena, &fields, terms, diagnostics),
         Content::Energy(_) | Content::Functional(_) => linearity::check_functional(function, diagnostics),
-        Content::Value(_) => true,
+        Content::Value(_) => check_value(function, diagnostics),
     };
     linear.then_some(CheckedFunction { function: index, dimension, arena, fields, content })
+}
+
+/// A derived field has known fields only: nothing else has values where it is evaluated.
+fn check_value(function: &Function, diagnostics: &mut Diagnostics) -> bool {
+    let wrong = |argument: &&Argument| matches!(argument.role, ArgumentRole::Unknown | ArgumentRole::Test);
+    let mut right = true;
+    for argument in function.arguments.iter().filter(wrong) {
+        let message = format!(
+            "`{}` gives a value, so `{}` can be neither an unknown nor a test function",
+            function.name, argument.name
+        );
+        let help = "give the rank alone, `Scalar`, `Vector` or `Tensor`: forms may pass what they like";
+        diagnostics.error_with_help(Place::of(&argument.name), message, help);
+        right = false;
+    }
+    right
 }
 
 /// Names declared twice, or declared though they are built in.
@@ -131,7 +150,8 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     let members = module.data.iter().flat_map(|data| &data.members).map(|member| &member.name);
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
-    check_names(members.chain(regions).chain(functions), diagnostics);
+    let data = module.data.iter().map(|data| &data.name);
+    check_names(members.chain(data).chain(regions).chain(functions), diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
     }
@@ -142,11 +162,18 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
     for name in names {
         let text = name.to_string();
         check_not_built_in(name, diagnostics);
+        if RESERVED.contains(&text.as_str()) {
+            let message = format!("the name `{name}` is used by the compiled module itself");
+            diagnostics.error_with_help(Place::of(name), message, "choose another name");
+        }
         if seen.insert(text, ()).is_some() {
             diagnostics.error(Place::of(name), format!("the name `{name}` is declared twice"));
         }
     }
 }
+
+/// What emitted code refers to.
+pub const RESERVED: &[&str] = &["contract", "f64"];
 
 /// A built-in name cannot be declared again.
 fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {

@@ -31,6 +31,11 @@ impl Evaluator<'_> {
         describe(self.arena.shape(tensor), self.dimension)
     }
 
+    /// Where an operand stands.
+    fn place_of(&self, tensor: Tensor) -> Place {
+        self.uses.get(&tensor).copied().unwrap_or_else(|| self.arena.place(tensor))
+    }
+
     pub(super) fn binary(
         &mut self,
         operator: BinaryOperator,
@@ -112,7 +117,11 @@ impl Evaluator<'_> {
     fn divide(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
         if !self.arena.shape(b).is_empty() {
             let message = format!("`/` divides by a scalar, this is {}", self.describe(b));
-            self.diagnostics.error(self.arena.place(b), message);
+            self.diagnostics.error(self.place_of(b), message);
+            return None;
+        }
+        if self.arena.is_zero(b) {
+            self.diagnostics.error(self.place_of(b), "division by zero");
             return None;
         }
         let shape = self.arena.shape(a).to_vec();
@@ -135,7 +144,7 @@ impl Evaluator<'_> {
                 self.describe(b)
             );
             self.diagnostics.error_with_help(
-                self.arena.place(scalar),
+                self.place_of(scalar),
                 message,
                 "a product with a scalar is written `*`",
             );
@@ -202,13 +211,13 @@ impl Evaluator<'_> {
         let transpose = matches!(operator, Operator::Map(LinearMap::Transpose, _));
         if shape.len() != 2 || (!transpose && shape[0] != shape[1]) {
             let message = format!("`{name}` needs a tensor, this is {}", self.describe(a));
-            self.diagnostics.error(self.arena.place(a), message);
+            self.diagnostics.error(self.place_of(a), message);
             return None;
         }
         if matches!(operator, Operator::Determinant(_) | Operator::Inverse(_) | Operator::Cofactor(_))
             && shape[0] > 3
         {
-            self.diagnostics.error(self.arena.place(a), format!("`{name}` exists up to 3 × 3"));
+            self.diagnostics.error(self.place_of(a), format!("`{name}` exists up to 3 × 3"));
             return None;
         }
         let result = match operator {
@@ -248,7 +257,7 @@ impl Evaluator<'_> {
             }
             _ => {
                 let message = format!("`div` needs a vector or a tensor, this is {}", self.describe(a));
-                self.diagnostics.error(self.arena.place(a), message);
+                self.diagnostics.error(self.place_of(a), message);
                 None
             }
         }
@@ -258,7 +267,7 @@ impl Evaluator<'_> {
     pub(super) fn strain(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
         if self.arena.shape(a) != [self.dimension] {
             let message = format!("`eps` needs a vector, this is {}", self.describe(a));
-            self.diagnostics.error(self.arena.place(a), message);
+            self.diagnostics.error(self.place_of(a), message);
             return None;
         }
         let gradient = self.gradient(a, place)?;
@@ -270,7 +279,7 @@ impl Evaluator<'_> {
     pub(super) fn expect_scalar(&mut self, a: Tensor, name: &str) -> Option<Tensor> {
         if !self.arena.shape(a).is_empty() {
             let message = format!("`{name}` needs a scalar, this is {}", self.describe(a));
-            self.diagnostics.error(self.arena.place(a), message);
+            self.diagnostics.error(self.place_of(a), message);
             return None;
         }
         Some(a)
@@ -279,7 +288,8 @@ impl Evaluator<'_> {
     pub(super) fn component(&mut self, a: Tensor, indices: &[usize], place: Place) -> Option<Tensor> {
         let shape = self.arena.shape(a).to_vec();
         if indices.len() > shape.len() {
-            let message = format!("{} has {} indices, not {}", self.describe(a), shape.len(), indices.len());
+            let plural = if shape.len() == 1 { "index" } else { "indices" };
+            let message = format!("{} has {} {plural}, not {}", self.describe(a), shape.len(), indices.len());
             self.diagnostics.error(place, message);
             return None;
         }
@@ -318,7 +328,7 @@ impl Evaluator<'_> {
                     self.describe(entries[0]),
                     self.describe(*entry)
                 );
-                self.diagnostics.error(self.arena.place(*entry), message);
+                self.diagnostics.error(self.place_of(*entry), message);
                 return None;
             }
         }

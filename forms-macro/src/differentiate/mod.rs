@@ -273,11 +273,18 @@ impl Lowering<'_> {
                 let parts = self.additive_parts(a);
                 parts.into_iter().map(|part| self.arena.push(Operator::Negate(part), vec![], place)).collect()
             }
-            Operator::Scale(factor, a) if self.is_parameter(factor) => {
+            Operator::Scale(a, factor) | Operator::Scale(factor, a) if self.is_parameter(factor) => {
                 let parts = self.additive_parts(a);
                 parts
                     .into_iter()
                     .map(|part| self.arena.push(Operator::Scale(factor, part), vec![], place))
+                    .collect()
+            }
+            Operator::Divide(a, divisor) if self.is_parameter(divisor) => {
+                let parts = self.additive_parts(a);
+                parts
+                    .into_iter()
+                    .map(|part| self.arena.push(Operator::Divide(part, divisor), vec![], place))
                     .collect()
             }
             _ => vec![density],

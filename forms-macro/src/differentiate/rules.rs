@@ -303,27 +303,23 @@ impl<'a> Differentiation<'a> {
     }
 
     fn power(&mut self, tensor: Tensor, a: Tensor, b: Tensor) -> Option<Tensor> {
-        use Operator::{Apply, Divide, Number, Power, Scale};
+        use Operator::{Add, Apply, Number, Power, Scale};
         let (da, db) = (self.derive(a), self.derive(b));
-        if let (Number(exponent), Some(da)) = (self.arena.node(b).operator.clone(), da) {
-            // d aⁿ = n aⁿ⁻¹ da
-            let factor = self.push(Number(exponent), vec![], tensor);
-            let less = self.push(Number(exponent - 1.0), vec![], tensor);
-            let power = self.push(Power(a, less), vec![], tensor);
-            let slope = self.push(Scale(factor, power), vec![], tensor);
-            return Some(self.push(Scale(slope, da), vec![], tensor));
-        }
-        // d aᵇ = aᵇ (b da / a + ln a db)
+        // ∂aᵇ/∂a = b aᵇ⁻¹, which holds at a = 0 where aᵇ b / a does not.
         let first = da.map(|da| {
-            let ratio = self.push(Divide(da, a), vec![], tensor);
-            self.push(Scale(b, ratio), vec![], tensor)
+            let minus = self.push(Number(-1.0), vec![], tensor);
+            let less = self.push(Add(b, minus), vec![], tensor);
+            let power = self.push(Power(a, less), vec![], tensor);
+            let slope = self.push(Scale(b, power), vec![], tensor);
+            self.push(Scale(slope, da), vec![], tensor)
         });
+        // ∂aᵇ/∂b = aᵇ ln a
         let second = db.map(|db| {
             let logarithm = self.push(Apply(Function::Ln, a), vec![], tensor);
-            self.push(Scale(logarithm, db), vec![], tensor)
+            let slope = self.push(Scale(tensor, logarithm), vec![], tensor);
+            self.push(Scale(slope, db), vec![], tensor)
         });
-        let sum = self.sum(first, second)?;
-        Some(self.push(Scale(tensor, sum), vec![], tensor))
+        self.sum(first, second)
     }
 
     fn extremum(&mut self, tensor: Tensor, a: Tensor, b: Tensor, maximum: bool) -> Option<Tensor> {

@@ -1,11 +1,13 @@
 //! One function: its constructor, its type, and the traits by which a backend walks its kernels.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
+use super::description::describe;
 use super::kernel::KernelWriter;
+use super::placeholder::{likely_regions, placeholder};
 use crate::check::{fields_of, given_members};
-use crate::optimise::degree::{Degree, Part};
+use crate::optimise::degree::Degree;
 use crate::optimise::{Dependence, Description, Optimised};
 use crate::parse::syntax::*;
 use crate::tensor::{FieldInfo, FieldRole};
@@ -19,7 +21,8 @@ pub fn emit_function(
     backend: &syn::Path,
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
-    let used = used_regions(module, &optimised, function);
+    let complete = optimised.len() == dimensions.len();
+    let used = used_regions(&optimised, function);
     let constructor_arguments = constructor_arguments(module, function, &used);
     let inputs = inputs(module, function, &used);
     let mut implementations = TokenStream::new();
@@ -30,13 +33,22 @@ pub fn emit_function(
         let found = found.and_then(Option::take);
         implementations.extend(implementation(module, function, *dimension, found, &used));
     }
-    let nested = nested_visibility(visibility);
-    quote! {
-        #(#attributes)*
-        #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
-            #inputs
-            #name::Form::with(inputs)
+    let own_inputs = own("inputs");
+    let constructor = match complete {
+        true => quote! {
+            #(#attributes)*
+            #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
+                #inputs
+                #name::Form::with(#own_inputs)
+            }
+        },
+        false => {
+            let counts = [likely_regions(module, function), stored_arguments(function).count()];
+            placeholder(module, visibility, name, counts)
         }
+    };
+    quote! {
+        #constructor
         #visibility mod #name {
             use #backend::contract;
             #[allow(unused_imports)]
@@ -48,7 +60,7 @@ pub fn emit_function(
                 inputs: contract::Inputs<D>,
             }
             impl<const D: usize> Form<D> {
-                #nested fn with(inputs: contract::Inputs<D>) -> Self {
+                pub(super) fn with(inputs: contract::Inputs<D>) -> Self {
                     Form { inputs }
                 }
             }
@@ -57,13 +69,8 @@ pub fn emit_function(
     }
 }
 
-fn nested_visibility(_outer: &syn::Visibility) -> TokenStream {
-    quote! { pub(super) }
-}
-
-/// Regions of the module that the function integrates over, in the order of their declaration. After a
-/// mistake all of them, so that calls keep their number of arguments most likely.
-fn used_regions(module: &Module, optimised: &[Optimised], function: &Function) -> Vec<usize> {
+/// Regions of the module that the function integrates over, in the order of their declaration.
+fn used_regions(optimised: &[Optimised], function: &Function) -> Vec<usize> {
     if matches!(function.output, Output::Value(_)) {
         return vec![];
     }
@@ -76,14 +83,15 @@ fn used_regions(module: &Module, optimised: &[Optimised], function: &Function) -
         .collect();
     used.sort_unstable();
     used.dedup();
-    if optimised.is_empty() { (0..module.regions.len()).collect() } else { used }
+    used
 }
 
 fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -> Vec<TokenStream> {
     let mut arguments = Vec::new();
     if let Some(data) = &module.data {
         let name = &data.name;
-        arguments.push(quote! { data: &#name<D> });
+        let data = own("data");
+        arguments.push(quote! { #data: &#name<D> });
     }
     for region in used {
         let ty = &module.regions[*region].name;
@@ -108,16 +116,22 @@ fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
 /// `GammaC` → `gamma_c_region`.
 fn region_argument(name: &Ident) -> Ident {
     let mut text = String::new();
-    for character in name.to_string().chars() {
+    for character in syn::ext::IdentExt::unraw(name).to_string().chars() {
         if character.is_uppercase() && !text.is_empty() {
             text.push('_');
         }
         text.extend(character.to_lowercase());
     }
-    format_ident!("{text}_region")
+    own(&format!("{text}_region"))
+}
+
+/// A name of the constructor's own, which an argument of the form cannot hide.
+fn own(name: &str) -> Ident {
+    Ident::new(name, Span::mixed_site())
 }
 
 fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
+    let (own_data, own_inputs) = (own("data"), own("inputs"));
     let parameters = module
         .data
         .iter()
@@ -125,7 +139,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         .filter(|member| member.kind == MemberKind::Param)
         .map(|member| {
             let (name, text) = (&member.name, member.name.to_string());
-            quote! { inputs.push_parameter(#text, &data.#name); }
+            quote! { #own_inputs.push_parameter(#text, &#own_data.#name); }
         });
     let arguments = function.arguments.iter().map(|argument| match argument.role {
         ArgumentRole::Unknown | ArgumentRole::Test => quote! { None },
@@ -136,7 +150,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     });
     let given = given_members(module).map(|member| {
         let name = &member.name;
-        quote! { Some(data.#name.source().clone()) }
+        quote! { Some(#own_data.#name.source().clone()) }
     });
     // An energy has a test function per unknown that no argument names.
     let variations = function
@@ -149,10 +163,10 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         quote! { #name.0.clone() }
     });
     quote! {
-        let mut inputs = contract::Inputs::<D>::empty();
+        let mut #own_inputs = contract::Inputs::<D>::empty();
         #(#parameters)*
-        inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
-        inputs.regions = ::std::vec![#(#regions),*];
+        #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
+        #own_inputs.regions = ::std::vec![#(#regions),*];
     }
 }
 
@@ -293,48 +307,4 @@ fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> Token
         fn fields(&self) -> &'static [contract::FieldDescription] { &[#(#fields),*] }
         fn inputs(&self) -> &contract::Inputs<#dimension> { &self.inputs }
     }
-}
-
-fn describe(
-    description: &Description,
-    used: &[usize],
-    test: usize,
-    trial: usize,
-    symmetric: bool,
-) -> TokenStream {
-    let region = used.iter().position(|region| *region == description.region).unwrap_or_default();
-    let dependence = match description.dependence {
-        Dependence::Constant => quote! { Constant },
-        Dependence::Linear => quote! { Linear },
-        Dependence::Nonlinear => quote! { Nonlinear },
-    };
-    let degree = degree(&description.degree);
-    quote! {
-        contract::Integral {
-            region: #region,
-            test: #test,
-            trial: #trial,
-            dependence: contract::Dependence::#dependence,
-            symmetric: #symmetric,
-            degree: #degree,
-        }
-    }
-}
-
-/// A function from the fields' degrees to the integrand's.
-fn degree(degree: &Degree) -> TokenStream {
-    let sums = degree.0.iter().map(|sum| {
-        let constant = sum.constant;
-        let parts = sum.parts.iter().map(|(part, count)| {
-            let value = match part {
-                Part::Value(field) => quote! { fields[#field] },
-                Part::Gradient(field) => quote! { fields[#field].saturating_sub(simplex as usize) },
-                Part::Position => quote! { geometry },
-                Part::Normal => quote! { geometry.saturating_sub(1) },
-            };
-            quote! { + #count * #value }
-        });
-        quote! { .max(#constant #(#parts)*) }
-    });
-    quote! { |fields, geometry, simplex| 0usize #(#sums)* }
 }

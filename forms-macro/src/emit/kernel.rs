@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::straight_line::{Code, Demand, Level, Store, Value, from_point};
+use super::print::{Demand, Store, from_point};
+use super::straight_line::{Code, Level, Value};
 use crate::optimise::linear::Coefficients;
 use crate::optimise::scalar::{Argument, Graph, Node, Scalar};
 use crate::optimise::{BilinearIntegral, BilinearPlan};
@@ -50,10 +51,10 @@ impl KernelWriter<'_> {
         let (test_statements, test_results) = (test_body.statements, test_body.results);
         let point_function = self.point_function(&code, &point, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&code, &cell, &mut form);
-        let (structure, form_count) = self.structure(name, &code, &form);
+        let structure = self.structure(name, &code, &form);
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
-        let _ = form_count;
+
         quote! {
             #structure
             impl contract::LinearKernel<#d> for #name {
@@ -138,7 +139,7 @@ impl KernelWriter<'_> {
         };
         let point_function = self.point_function(&code, &point, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&code, &cell, &mut form);
-        let (structure, _) = self.structure(name, &code, &form);
+        let structure = self.structure(name, &code, &form);
         let pair = sums.iter().enumerate().filter(|(_, pairs)| !pairs.is_empty()).map(|(entry, pairs)| {
             let start = quote! { accumulator[#entry] };
             let sum = pairs.iter().fold(
@@ -214,7 +215,7 @@ impl KernelWriter<'_> {
             })
         };
         let cell_function = self.cell_function(&code, &cell, &mut form);
-        let (structure, _) = self.structure(name, &code, &form);
+        let structure = self.structure(name, &code, &form);
         let cell_count = cell.values.len();
         let (statements, results) = (body.statements, body.results);
         let requirements = &layout.requirements;
@@ -279,7 +280,7 @@ impl KernelWriter<'_> {
     }
 
     /// The kernel's struct: what is known with the parameters.
-    fn structure(&self, name: &Ident, code: &Code, form: &Store) -> (TokenStream, usize) {
+    fn structure(&self, name: &Ident, code: &Code, form: &Store) -> TokenStream {
         let count = form.values.len();
         let terminal = |node: &Node| match node {
             Node::Parameter(index) => quote! { parameters[#index] },
@@ -287,7 +288,7 @@ impl KernelWriter<'_> {
         };
         let body = code.print(&form.values, Level::Form, &terminal, &mut |_, _| quote! { f64::NAN });
         let (statements, results) = (body.statements, body.results);
-        let text = quote! {
+        quote! {
             pub struct #name {
                 form: [f64; #count],
             }
@@ -298,8 +299,7 @@ impl KernelWriter<'_> {
                     #name { form: [#(#results),*] }
                 }
             }
-        };
-        (text, count)
+        }
     }
 
     fn basis(&self, node: &Node) -> TokenStream {

@@ -1,19 +1,24 @@
 //! Stage 5: [`Optimised`] functions → Rust: the data struct, the regions, a constructor per function, and
 //! behind it a module with the form's type and its kernels.
 
+mod description;
 mod form;
 mod kernel;
+mod placeholder;
+mod print;
 mod straight_line;
 
-use proc_macro2::TokenStream;
+use std::collections::BTreeSet;
+
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use crate::check::is_building_block;
+use crate::check::{RESERVED, is_building_block};
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 
-/// Writes the module. A function without an optimised version (it had a mistake) is written without
-/// integrals, so that what refers to it still compiles.
+/// Writes the module. After a mistake all names still exist, so that what refers to them gives no further
+/// errors: a function without an optimised version (it had a mistake) is written as [`placeholder`].
 pub fn emit(
     module: &Module,
     dimensions: &[usize],
@@ -21,16 +26,36 @@ pub fn emit(
     backend: &syn::Path,
 ) -> TokenStream {
     let Module { attributes, visibility, name, .. } = module;
-    let data = module.data.as_ref().map(emit_data);
-    let regions = module.regions.iter().map(emit_region);
+    let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
+    // A name declared twice, or one that belongs to the emitted code, has been reported: the first stands.
+    let mut taken: BTreeSet<String> = RESERVED.iter().map(ToString::to_string).collect();
+    taken.extend(module.data.iter().map(|data| data.name.to_string()));
+    let mut is_first = |name: &Ident| taken.insert(name.to_string());
+    let regions: Vec<_> =
+        module.regions.iter().filter(|region| is_first(&region.name)).map(emit_region).collect();
     let mut by_function: Vec<Vec<Optimised>> = module.functions.iter().map(|_| Vec::new()).collect();
     for one in optimised {
         by_function[one.function].push(one);
     }
     let functions =
-        module.functions.iter().zip(by_function).filter(|(function, _)| !is_building_block(function)).map(
-            |(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend),
-        );
+        module.functions.iter().zip(by_function).filter(|(function, _)| !is_building_block(function));
+    let functions: Vec<_> = functions
+        .filter(|(function, _)| is_first(&function.name))
+        .map(|(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend))
+        .collect();
+    let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
+        Mistaken::Function { visibility, name, arguments, integrates } => {
+            let regions = if *integrates { module.regions.len() } else { 0 };
+            let placeholder = placeholder::placeholder(module, visibility, name, [regions, *arguments]);
+            Some(quote! {
+                #placeholder
+                #visibility mod #name {
+                    pub struct Form<const D: usize>;
+                }
+            })
+        }
+        Mistaken::Member(_) | Mistaken::Region(_) => None,
+    });
     quote! {
         #(#attributes)*
         #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
@@ -40,21 +65,20 @@ pub fn emit(
             #data
             #(#regions)*
             #(#functions)*
+            #(#unread)*
         }
     }
 }
 
-fn emit_data(data: &Data) -> TokenStream {
+fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let Data { attributes, visibility, name, members } = data;
-    let members = members.iter().map(|member| {
-        let Member { attributes, name, kind, rank } = member;
-        let value = value_type(*rank);
-        let ty = match kind {
-            MemberKind::Param => value,
-            MemberKind::Given => quote! { contract::Given<#value, D> },
-        };
-        quote! { #(#attributes)* pub #name: #ty }
+    let mut taken = BTreeSet::new();
+    let members = members.iter().filter(|member| taken.insert(member.name.to_string())).map(emit_member);
+    let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
+        Mistaken::Member(member) => Some(emit_member(member)),
+        Mistaken::Region(_) | Mistaken::Function { .. } => None,
     });
+    let members = members.chain(unread);
     quote! {
         #(#attributes)*
         #[derive(Clone, Debug)]
@@ -62,6 +86,16 @@ fn emit_data(data: &Data) -> TokenStream {
             #(#members),*
         }
     }
+}
+
+fn emit_member(member: &Member) -> TokenStream {
+    let Member { attributes, name, kind, rank } = member;
+    let value = value_type(*rank);
+    let ty = match kind {
+        MemberKind::Param => value,
+        MemberKind::Given => quote! { contract::Given<#value, D> },
+    };
+    quote! { #(#attributes)* pub #name: #ty }
 }
 
 fn value_type(rank: Rank) -> TokenStream {

@@ -28,6 +28,9 @@ pub struct Degree(pub Vec<DegreeSum>);
 /// Past this many sums the rest is dropped in favour of the constant 2 (a guess, as any estimate).
 const MOST: usize = 12;
 
+/// No rule has more than this degree, and no sum of degrees runs over.
+const LARGEST: usize = 1000;
+
 impl Degree {
     pub fn constant(value: usize) -> Self {
         Degree(vec![DegreeSum { constant: value, parts: BTreeMap::new() }])
@@ -53,9 +56,10 @@ impl Degree {
         for a in &self.0 {
             for b in &other.0 {
                 let mut sum = a.clone();
-                sum.constant += b.constant;
+                sum.constant = (sum.constant + b.constant).min(LARGEST);
                 for (part, count) in &b.parts {
-                    *sum.parts.entry(*part).or_default() += count;
+                    let total = sum.parts.entry(*part).or_default();
+                    *total = (*total + count).min(LARGEST);
                 }
                 result = result.largest(Degree(vec![sum]));
             }

@@ -106,6 +106,36 @@ impl<'a> Linear<'a> {
     }
 }
 
+/// The expression with some fields set to zero. These fields stand in it linearly, if at all.
+pub fn without(graph: &mut Graph, scalar: Scalar, fields: &[usize]) -> Scalar {
+    let has = |node: &Node| matches!(node, Node::Field { field, .. } if fields.contains(field));
+    if fields.is_empty() || !graph.depends(scalar, has) {
+        return scalar;
+    }
+    match graph.node(scalar).clone() {
+        Node::Sum { constant, terms } => {
+            let mut parts = vec![graph.number(f64::from_bits(constant))];
+            for (coefficient, term) in terms {
+                let term = without(graph, term, fields);
+                parts.push(graph.scale(f64::from_bits(coefficient), term));
+            }
+            graph.sum(&parts)
+        }
+        Node::Product(factors) => {
+            let factors: Vec<_> = factors
+                .iter()
+                .map(|(factor, exponent)| (without(graph, *factor, fields), *exponent))
+                .collect();
+            graph.product(&factors)
+        }
+        Node::Select(truth, a, b) => {
+            let (a, b) = (without(graph, a, fields), without(graph, b, fields));
+            graph.select(truth, a, b)
+        }
+        _ => graph.number(0.0),
+    }
+}
+
 /// The expression as a sum of products (test factor, trial factor), each factor linear in its field;
 /// `None` where it has not that structure.
 pub fn factors(

@@ -16,7 +16,7 @@ use crate::parse::syntax::{MemberKind, Module};
 use crate::tensor::{FieldInfo, FieldRole, Function, Operator, Tensor};
 use degree::{Degree, Degrees};
 pub use factor::BilinearPlan;
-use linear::{Coefficients, Linear};
+use linear::{Coefficients, Linear, without};
 use scalar::{Graph, Node, Scalar};
 use scalarise::Scalariser;
 
@@ -187,9 +187,12 @@ fn plan_group(
         .filter(|field| matches!(planned.fields[*field].role, FieldRole::Test(_)))
         .collect();
     let not_linear = |field: &FieldInfo| field.name.clone();
-    for test in tests {
+    for test in tests.iter().copied() {
+        // A form of several test functions is a sum; each takes its own share.
+        let others: Vec<usize> = tests.iter().copied().filter(|other| *other != test).collect();
+        let density = without(graph, group.density, &others);
         let flux = Linear::new(graph, test, dimension)
-            .coefficients(group.density)
+            .coefficients(density)
             .ok_or_else(|| not_linear(&planned.fields[test]))?;
         if !flux.is_empty() {
             let flux = (*flux).clone();
@@ -199,17 +202,11 @@ fn plan_group(
             let roles = (planned.fields[test].role, planned.fields[*trial].role);
             let diagonal = matches!(roles, (FieldRole::Test(a), FieldRole::Trial(b)) if a == b)
                 && planned.fields[test].shape == planned.fields[*trial].shape;
+            let derivative = without(graph, *derivative, &others);
             let components = [test, *trial].map(|field| planned.fields[field].shape.iter().product());
-            let found = factor::plan(
-                graph,
-                *derivative,
-                [test, *trial],
-                components,
-                dimension,
-                diagonal,
-                from_energy,
-            )
-            .ok_or_else(|| not_linear(&planned.fields[test]))?;
+            let found =
+                factor::plan(graph, derivative, [test, *trial], components, dimension, diagonal, from_energy)
+                    .ok_or_else(|| not_linear(&planned.fields[test]))?;
             if let Some((plan, symmetric)) = found {
                 let description = group.description.clone();
                 planned.tangent.push(BilinearIntegral { description, test, trial: *trial, symmetric, plan });

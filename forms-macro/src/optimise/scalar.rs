@@ -115,7 +115,7 @@ impl Graph {
         }
     }
 
-    fn node_of(&mut self, mut combination: Combination) -> Scalar {
+    fn gather(&mut self, mut combination: Combination) -> Scalar {
         combination.terms.sort_by_key(|(_, term)| *term);
         let mut terms: Vec<(f64, Scalar)> = Vec::new();
         for (coefficient, term) in combination.terms {
@@ -148,16 +148,19 @@ impl Graph {
             all.constant += one.constant;
             all.terms.extend(one.terms);
         }
-        self.node_of(all)
+        self.gather(all)
     }
 
     pub fn scale(&mut self, factor: f64, a: Scalar) -> Scalar {
         let mut combination = self.combination(a);
-        combination.constant *= factor;
+        // 0 × ∞ would make a NaN of what is infinite.
+        if combination.constant != 0.0 {
+            combination.constant *= factor;
+        }
         for (coefficient, _) in &mut combination.terms {
             *coefficient *= factor;
         }
-        self.node_of(combination)
+        self.gather(combination)
     }
 
     pub fn negate(&mut self, a: Scalar) -> Scalar {
@@ -221,11 +224,29 @@ impl Graph {
         self.scale(coefficient, product)
     }
 
+    /// The largest exponent of a product, by amount; one for what is no product.
+    fn largest_exponent(&self, a: Scalar) -> f64 {
+        let inner = match self.node(a) {
+            Node::Sum { terms, .. } if terms.len() == 1 => terms[0].1,
+            _ => a,
+        };
+        let Node::Product(factors) = self.node(inner) else { return 1.0 };
+        factors.iter().map(|(_, exponent)| f64::from(exponent.unsigned_abs())).fold(1.0, f64::max)
+    }
+
     pub fn power(&mut self, a: Scalar, b: Scalar) -> Scalar {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.number(a.powf(b)),
-            (_, Some(exponent)) if exponent == exponent.trunc() && exponent.abs() <= 16.0 => {
-                if exponent == 0.0 { self.number(1.0) } else { self.product(&[(a, exponent as i32)]) }
+            (_, Some(exponent))
+                if exponent == exponent.trunc()
+                    && exponent.abs() <= 16.0
+                    && self.largest_exponent(a) * exponent.abs() <= 4096.0 =>
+            {
+                if exponent == 0.0 {
+                    self.number(1.0)
+                } else {
+                    self.product(&[(a, exponent as i32)])
+                }
             }
             (_, Some(0.5)) => self.apply(Function::Sqrt, a),
             _ => self.intern(Node::Power(a, b)),

@@ -1,7 +1,7 @@
 //! Rust expressions → the expressions of a weak form; anything else is reported on its tokens.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, UnOp};
+use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, Type, UnOp};
 
 use super::syntax::*;
 use crate::diagnostics::{Diagnostics, Place};
@@ -42,9 +42,9 @@ pub fn read_block(block: &syn::Block, diagnostics: &mut Diagnostics) -> Option<B
 }
 
 fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_macro2::Ident, Expression)> {
-    let pattern = match &local.pat {
-        Pat::Type(typed) => &*typed.pat,
-        other => other,
+    let (pattern, declared) = match &local.pat {
+        Pat::Type(typed) => (&*typed.pat, Some(&*typed.ty)),
+        other => (other, None),
     };
     let (Pat::Ident(name), Some(init)) = (pattern, &local.init) else {
         diagnostics.error(Place::of(local), "unsupported `let`: write `let name = expression;`");
@@ -57,11 +57,30 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
         );
         return None;
     }
-    Some((name.ident.clone(), read(&init.expr, diagnostics)?))
+    let value = read(&init.expr, diagnostics)?;
+    let Some(ty) = declared else { return Some((name.ident.clone(), value)) };
+    let rank = match ty {
+        Type::Path(path) => path.path.get_ident().and_then(|word| super::rank_of(&word.to_string())),
+        _ => None,
+    };
+    let Some(rank) = rank else {
+        let help = "leave it out, or write `Scalar`, `Vector` or `Tensor`";
+        diagnostics.error_with_help(Place::of(ty), "this type is not known here", help);
+        return None;
+    };
+    let declared = Expression { place: value.place, kind: ExpressionKind::Declared(rank, Box::new(value)) };
+    Some((name.ident.clone(), declared))
 }
 
-/// Reads an expression; `None` after a report.
+/// Reads an expression. What cannot be read becomes [`ExpressionKind::Mistake`], after a report, so that
+/// the mistakes in the rest of the body are told in the same run.
 pub fn read(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
+    let mistake = Expression { place: Place::of(expression), kind: ExpressionKind::Mistake };
+    Some(read_expression(expression, diagnostics).unwrap_or(mistake))
+}
+
+/// `None` after a report.
+fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
     let place = Place::of(expression);
     let kind = match expression {
         Expr::Paren(inner) => {
@@ -129,7 +148,13 @@ pub fn read(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expressi
         }
         Expr::If(branch) => read_if(branch, diagnostics)?,
         Expr::MethodCall(call) => {
-            let help = format!("write `{}(..)` as a function", call.method);
+            let word = |expression: &Expr| match expression {
+                Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
+                _ => None,
+            };
+            let words: Option<Vec<_>> = [&*call.receiver].into_iter().chain(&call.args).map(word).collect();
+            let arguments = words.map_or_else(|| "..".into(), |words| words.join(", "));
+            let help = format!("write `{}({arguments})`, a function", call.method);
             return unsupported(expression, "a method call", &help, diagnostics);
         }
         Expr::Field(field) => {
@@ -144,6 +169,12 @@ pub fn read(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expressi
         }
         Expr::Macro(_) => {
             return unsupported(expression, "a macro call", "macros are not expanded here", diagnostics);
+        }
+        Expr::Match(_) => {
+            return unsupported(expression, "`match`", "write `if .. { .. } else { .. }`", diagnostics);
+        }
+        Expr::Cast(_) => {
+            return unsupported(expression, "`as`", "every number is real: leave it out", diagnostics);
         }
         Expr::Loop(_) | Expr::While(_) | Expr::ForLoop(_) => {
             return unsupported(
@@ -230,12 +261,13 @@ fn read_indices(index: &Expr, diagnostics: &mut Diagnostics) -> Option<Vec<usize
         Expr::Tuple(tuple) => tuple.elems.iter().map(one).collect(),
         other => one(other).map(|index| vec![index]),
     };
-    if indices.is_none() {
+    if indices.as_ref().is_none_or(Vec::is_empty) {
         diagnostics.error_with_help(
             Place::of(index),
             "an index is a whole number known here",
             "write `u[0]`, `F[0][1]` or `F[(0, 1)]`",
         );
+        return None;
     }
     indices
 }

@@ -19,6 +19,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         data: None,
         regions: Vec::new(),
         functions: Vec::new(),
+        mistaken: Vec::new(),
     };
     let Some((_, items)) = item.content else {
         diagnostics.error_with_help(
@@ -32,8 +33,10 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         match item {
             Item::Struct(item) => read_struct(item, &mut module, diagnostics),
             Item::Fn(item) => {
-                if let Some(function) = read_function(item, diagnostics) {
-                    module.functions.push(function);
+                let placeholder = placeholder(&item);
+                match read_function(item, diagnostics) {
+                    Some(function) => module.functions.push(function),
+                    None => module.mistaken.push(placeholder),
                 }
             }
             // The vocabulary is built in: an import for the editor's sake does no harm.
@@ -51,6 +54,13 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
 fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
     let marker = |name: &str| item.attrs.iter().any(|attribute| attribute.path().is_ident(name));
     let (cells, facets) = (marker("cells"), marker("facets"));
+    if !item.generics.params.is_empty() {
+        diagnostics.error_with_help(
+            Place::of(&item.generics),
+            format!("`{}` cannot be generic", item.ident),
+            "the dimension is generic by itself; ranks are `Scalar`, `Vector` and `Tensor`",
+        );
+    }
     let attributes = item
         .attrs
         .iter()
@@ -61,13 +71,26 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
         Fields::Unit if cells != facets => {
             module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
         }
-        Fields::Unit => diagnostics.error_with_help(
-            Place::of(&item.ident),
-            format!("the region `{}` does not say what it consists of", item.ident),
-            "write `#[cells]` or `#[facets]` (one of the two) before the struct",
-        ),
+        Fields::Unit => {
+            diagnostics.error_with_help(
+                Place::of(&item.ident),
+                format!("the region `{}` does not say what it consists of", item.ident),
+                "write `#[cells]` or `#[facets]` (one of the two) before the struct",
+            );
+            module.mistaken.push(Mistaken::Region(item.ident.clone()));
+            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
+        }
         Fields::Named(fields) if module.data.is_none() => {
-            let members = fields.named.iter().filter_map(|field| read_member(field, diagnostics)).collect();
+            let mut members = Vec::new();
+            for field in &fields.named {
+                match (read_member(field, diagnostics), &field.ident) {
+                    (Some(member), _) => members.push(member),
+                    (None, Some(name)) => {
+                        module.mistaken.push(Mistaken::Member(likely_member(name, &field.ty)));
+                    }
+                    (None, None) => {}
+                }
+            }
             module.data = Some(Data { attributes, visibility: item.vis, name: item.ident, members });
         }
         Fields::Named(_) => diagnostics.error_with_help(
@@ -112,6 +135,38 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
     Some(Member { attributes: field.attrs.clone(), name, kind, rank })
 }
 
+/// What a member with a mistaken type was most likely meant to be.
+fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
+    let text = quote::ToTokens::to_token_stream(ty).to_string();
+    let kind = if text.contains("Given") { MemberKind::Given } else { MemberKind::Param };
+    let rank = match text {
+        text if text.contains('V') => Rank::Vector,
+        text if text.contains('T') => Rank::Tensor,
+        _ => Rank::Scalar,
+    };
+    Member { attributes: vec![], name: name.clone(), kind, rank }
+}
+
+/// What is known of a function, should its signature have a mistake.
+fn placeholder(item: &ItemFn) -> Mistaken {
+    let known = item.sig.inputs.iter().filter(|input| match input {
+        FnArg::Typed(input) => {
+            !matches!(type_words(&input.ty), Some((outer, _)) if outer == "Unknown" || outer == "Test")
+        }
+        FnArg::Receiver(_) => false,
+    });
+    let value = match &item.sig.output {
+        ReturnType::Type(_, ty) => matches!(read_output(ty), Some(Output::Value(_))),
+        ReturnType::Default => false,
+    };
+    Mistaken::Function {
+        visibility: item.vis.clone(),
+        name: item.sig.ident.clone(),
+        arguments: known.count(),
+        integrates: !value,
+    }
+}
+
 fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {
     let before = &item.sig;
     let plain = before.generics.params.is_empty()
@@ -119,9 +174,13 @@ fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function
         && before.asyncness.is_none()
         && matches!(before.safety, syn::Safety::Default);
     if !plain {
-        diagnostics.error(
+        diagnostics.error_with_help(
             Place::of(&item.sig),
-            format!("unsupported signature: `{}` is a plain function of a weak form, without generics or qualifiers", before.ident),
+            format!(
+                "unsupported signature of `{}`: a function of a weak form has no generics or qualifiers",
+                before.ident
+            ),
+            "its arguments are `Scalar`, `Vector` or `Tensor`, in every dimension",
         );
         return None;
     }

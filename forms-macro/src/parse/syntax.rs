@@ -13,6 +13,36 @@ pub struct Module {
     pub data: Option<Data>,
     pub regions: Vec<Region>,
     pub functions: Vec<Function>,
+    /// What has a mistake in its declaration: the names exist, and their uses are no further mistakes.
+    pub mistaken: Vec<Mistaken>,
+}
+
+impl Module {
+    /// Was the name declared with a mistake, which has been reported?
+    pub fn is_mistaken(&self, name: &Ident) -> bool {
+        let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
+            Mistaken::Member(Member { name, .. })
+            | Mistaken::Region(name)
+            | Mistaken::Function { name, .. } => name,
+        });
+        names.any(|other| other == name)
+    }
+}
+
+/// A declaration with a mistake.
+pub enum Mistaken {
+    /// As it was most likely meant.
+    Member(Member),
+    /// It stands among the module's regions, too.
+    Region(Ident),
+    Function {
+        visibility: Visibility,
+        name: Ident,
+        /// How many arguments are neither unknowns nor test functions.
+        arguments: usize,
+        /// Most likely a form, an energy or a functional.
+        integrates: bool,
+    },
 }
 
 /// The struct whose members are the data of all forms of the module.
@@ -112,6 +142,10 @@ pub struct Expression {
 }
 
 pub enum ExpressionKind {
+    /// What could not be read, and has been reported.
+    Mistake,
+    /// `let name: Vector = value`
+    Declared(Rank, Box<Expression>),
     Number(f64),
     Name(Ident),
     Call(Ident, Vec<Expression>),

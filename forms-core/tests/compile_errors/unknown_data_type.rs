@@ -1,0 +1,42 @@
+use forms_core::forms;
+
+#[forms(crate = forms_core)]
+pub mod elastic {
+    pub struct Data {
+        mu: Param,
+        lambda: f64,
+        load: Given<Vektor>,
+        gap: Given<Scalar>,
+        f: Given<Vector>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct GammaC;
+
+    fn sigma(w: Vector) -> Tensor {
+        2 * mu * eps(w)
+    }
+
+    pub fn right(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(sigma(u), eps(v)))
+    }
+    pub fn wrong(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, lambda * div(u) * div(v) + dot(load, v)) + integral(GammaC, dot(at(u), v))
+    }
+    fn at(w: &Vector) -> Vector {
+        w
+    }
+    fn nothing(w: Vector) {
+        w
+    }
+}
+
+/// What a user does with the module: it gives no further errors.
+fn main() {
+    let data = elastic::Data::<2> { mu: 1.0, lambda: 1.0, load: [0.0; 2].into(), gap: 0.0.into(), f: [0.0; 2].into() };
+    let (omega, gamma_c) = (elastic::Omega::on("all"), elastic::GammaC::on("contact"));
+    let right = elastic::right(&data, &omega);
+    let wrong = elastic::wrong(&data, &omega, &gamma_c);
+    drop((right, wrong));
+}

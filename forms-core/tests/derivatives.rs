@@ -1,0 +1,389 @@
+//! Every operator in 2D and 3D: its value against plain floating-point code, its tangent against
+//! differences of the residual and by a Taylor test.
+
+mod toy_backend;
+
+use forms_core::contract::*;
+use forms_core::forms;
+use toy_backend::mesh::{Mesh, determinant, inverse};
+use toy_backend::random::Random;
+use toy_backend::{Nodal, expression, residual, tangent};
+
+type Matrix = Vec<Vec<f64>>;
+
+/// The state at a point: what the independent evaluations read.
+struct At {
+    d: usize,
+    u: Vec<f64>,
+    grad_u: Matrix,
+    s: f64,
+    grad_s: Vec<f64>,
+    x: Vec<f64>,
+}
+
+/// Parameters of every module below: `a`, `b`, `C`.
+const A: f64 = 0.8;
+fn b<const D: usize>() -> [f64; D] {
+    std::array::from_fn(|i| 0.3 - 0.45 * i as f64)
+}
+fn c<const D: usize>() -> [[f64; D]; D] {
+    std::array::from_fn(|i| std::array::from_fn(|j| 0.2 + 0.3 * i as f64 - 0.1 * (j * j) as f64))
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+fn inner(a: &Matrix, b: &Matrix) -> f64 {
+    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
+}
+fn matrix(d: usize, entry: impl Fn(usize, usize) -> f64) -> Matrix {
+    (0..d).map(|i| (0..d).map(|j| entry(i, j)).collect()).collect()
+}
+fn transpose(a: &Matrix) -> Matrix {
+    matrix(a.len(), |i, j| a[j][i])
+}
+fn times(a: &Matrix, b: &Matrix) -> Matrix {
+    matrix(a.len(), |i, j| (0..a.len()).map(|k| a[i][k] * b[k][j]).sum())
+}
+fn apply(a: &Matrix, v: &[f64]) -> Vec<f64> {
+    a.iter().map(|row| dot(row, v)).collect()
+}
+fn trace(a: &Matrix) -> f64 {
+    (0..a.len()).map(|i| a[i][i]).sum()
+}
+fn scaled(factor: f64, v: &[f64]) -> Vec<f64> {
+    v.iter().map(|value| factor * value).collect()
+}
+/// I + grad u
+fn deformation(p: &At) -> Matrix {
+    matrix(p.d, |i, j| p.grad_u[i][j] + if i == j { 1.0 } else { 0.0 })
+}
+fn cofactor(a: &Matrix) -> Matrix {
+    let (inverse, determinant) = (inverse(a), determinant(a));
+    matrix(a.len(), |i, j| determinant * inverse[j][i])
+}
+
+/// What an independent evaluation may give.
+trait Components {
+    fn components(self) -> Vec<f64>;
+}
+impl Components for f64 {
+    fn components(self) -> Vec<f64> {
+        vec![self]
+    }
+}
+impl Components for Vec<f64> {
+    fn components(self) -> Vec<f64> {
+        self
+    }
+}
+impl Components for Matrix {
+    fn components(self) -> Vec<f64> {
+        self.concat()
+    }
+}
+
+/// A mesh and a random state (u, s) on it.
+struct State<const D: usize> {
+    mesh: Mesh<D>,
+    unknowns: [Nodal; 2],
+    random: Random,
+}
+
+impl<const D: usize> State<D> {
+    fn new(seed: u64) -> Self {
+        let mut random = Random(seed);
+        let mesh = Mesh::<D>::cube(&mut random);
+        let nodes = mesh.nodes.len();
+        let unknowns = [random.field(nodes, D, 0.1, 0.25), random.field(nodes, 1, 0.15, 0.4)];
+        State { mesh, unknowns, random }
+    }
+
+    /// The state at all points of all cells, interpolated here.
+    fn points(&self) -> Vec<At> {
+        let mut all = Vec::new();
+        for cell in self.mesh.places(Entity::Cells, "all") {
+            for point in &cell.points {
+                let interpolate = |field: &Nodal, component: usize, axis: Option<usize>| -> f64 {
+                    let weight = |i: usize| match axis {
+                        Some(axis) => point.basis[i].gradient[axis],
+                        None => point.basis[i].value,
+                    };
+                    let nodes = cell.nodes.iter().enumerate();
+                    nodes.map(|(i, node)| weight(i) * field.values[node * field.components + component]).sum()
+                };
+                let [u, s] = &self.unknowns;
+                all.push(At {
+                    d: D,
+                    u: (0..D).map(|i| interpolate(u, i, None)).collect(),
+                    grad_u: matrix(D, |i, j| interpolate(u, i, Some(j))),
+                    s: interpolate(s, 0, None),
+                    grad_s: (0..D).map(|j| interpolate(s, 0, Some(j))).collect(),
+                    x: point.geometry.position.to_vec(),
+                });
+            }
+        }
+        all
+    }
+
+    fn check_value<R: Components>(&self, value: &impl Expression<D>, expected: impl Fn(&At) -> R) {
+        let found = expression(&self.mesh, value, (Entity::Cells, "all"));
+        let points = self.points();
+        assert_eq!(found.len(), points.len());
+        for (found, point) in found.iter().zip(&points) {
+            let expected = expected(point).components();
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!(
+                    (found - expected).abs() <= 1e-12 * expected.abs().max(1.0),
+                    "{found} is not {expected}"
+                );
+            }
+        }
+    }
+
+    fn moved(&self, direction: &[f64], step: f64) -> [Nodal; 2] {
+        let mut moved = self.unknowns.clone();
+        let values = moved.iter_mut().flat_map(|field| &mut field.values);
+        values.zip(direction).for_each(|(value, direction)| *value += step * direction);
+        moved
+    }
+
+    fn check_tangent<F: Form<D>>(&mut self, form: &F) {
+        let at = |unknowns: &[Nodal]| residual::<f64, F, D>(&self.mesh, form, unknowns);
+        let matrix = tangent::<f64, F, D>(&self.mesh, form, &self.unknowns);
+        let scale = matrix.iter().flatten().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
+        // Central differences, column by column: error h² f‴ / 6 + rounding / h.
+        let (columns, step) = (matrix[0].len(), 1e-5);
+        for column in 0..columns {
+            let unit: Vec<f64> = (0..columns).map(|k| if k == column { 1.0 } else { 0.0 }).collect();
+            let (above, below) = (at(&self.moved(&unit, step)), at(&self.moved(&unit, -step)));
+            for row in 0..matrix.len() {
+                let difference = (above[row] - below[row]) / (2.0 * step);
+                let entry = matrix[row][column];
+                assert!(
+                    (difference - entry).abs() <= 2e-8 * scale,
+                    "({row}, {column}): {entry}, by differences {difference}"
+                );
+            }
+        }
+        // Taylor: |R(u + t w) − R(u) − t K w| = O(t²), unless it is nothing but rounding.
+        let direction: Vec<f64> = (0..columns).map(|_| self.random.number()).collect();
+        let at = |unknowns: &[Nodal]| residual::<f64, F, D>(&self.mesh, form, unknowns);
+        let start = at(&self.unknowns);
+        let slope: Vec<f64> = matrix.iter().map(|row| dot(row, &direction)).collect();
+        let remainder = |step: f64| -> f64 {
+            let moved = at(&self.moved(&direction, step));
+            let rows = moved.iter().zip(&start).zip(&slope);
+            rows.map(|((moved, start), slope)| (moved - start - step * slope).powi(2)).sum::<f64>().sqrt()
+        };
+        let (first, second) = (remainder(1e-3), remainder(0.5e-3));
+        let order = (first / second).log2();
+        assert!(first <= 1e-14 * scale || order > 1.9, "order {order}: {first} then {second}");
+    }
+}
+
+/// One operator: a module with its value and a form that holds it, and the test of both.
+macro_rules! operator {
+    ($name:ident: Scalar { $($body:tt)* } $expected:expr) => {
+        operator! { @ $name Scalar Scalar { $($body)* } { value(u, s) * v } $expected }
+    };
+    ($name:ident: Vector { $($body:tt)* } $expected:expr) => {
+        operator! { @ $name Vector Vector { $($body)* } { dot(value(u, s), v) } $expected }
+    };
+    ($name:ident: Tensor { $($body:tt)* } $expected:expr) => {
+        operator! { @ $name Tensor Vector { $($body)* } { inner(value(u, s), grad(v)) } $expected }
+    };
+    (@ $name:ident $rank:ident $test:ident { $($body:tt)* } { $($density:tt)* } $expected:expr) => {
+        mod $name {
+            use super::*;
+            #[forms(crate = forms_core)]
+            pub mod operator {
+                pub struct Data { a: Param, b: Param<Vector>, C: Param<Tensor> }
+                #[cells]
+                pub struct Omega;
+                pub fn value(u: Vector, s: Scalar) -> $rank { $($body)* }
+                pub fn form(u: Unknown<Vector>, s: Unknown<Scalar>, v: Test<$test>) -> Form {
+                    integral(Omega, $($density)*)
+                }
+            }
+            fn check<const D: usize>(seed: u64)
+            where
+                operator::value::Form<D>: Expression<D>,
+                operator::form::Form<D>: Form<D>,
+            {
+                let mut state = State::<D>::new(seed);
+                let data = operator::Data { a: A, b: b(), C: c() };
+                let [u, s] = &state.unknowns;
+                let value = operator::value(&data, u.source(), s.source());
+                state.check_value(&value, $expected);
+                state.check_tangent(&operator::form(&data, &operator::Omega::on("all")));
+            }
+            #[test]
+            fn in_2d() {
+                check::<2>(11);
+            }
+            #[test]
+            fn in_3d() {
+                check::<3>(12);
+            }
+        }
+    };
+}
+
+// Sums and products.
+operator! { plus: Scalar { s + u[0] + 1 } |p: &At| p.s + p.u[0] + 1.0 }
+operator! { minus: Vector { s * u - grad(s) } |p: &At| -> Vec<f64> {
+    (0..p.d).map(|i| p.s * p.u[i] - p.grad_s[i]).collect()
+} }
+operator! { negation: Tensor { -(s * grad(u)) } |p: &At| matrix(p.d, |i, j| -p.s * p.grad_u[i][j]) }
+operator! { product: Scalar { s * u[1] * s } |p: &At| p.s * p.u[1] * p.s }
+operator! { quotient: Scalar { u[0] / (2 + s) } |p: &At| p.u[0] / (2.0 + p.s) }
+operator! { quotient_of_tensor: Tensor { grad(u) / (2 + s * s) }
+|p: &At| matrix(p.d, |i, j| p.grad_u[i][j] / (2.0 + p.s * p.s)) }
+operator! { numbers_are_real: Scalar { 1 / 2 * s * s + 3 / 4 } |p: &At| 0.5 * p.s * p.s + 0.75 }
+operator! { matrix_times_vector: Vector { grad(u) * u } |p: &At| apply(&p.grad_u, &p.u) }
+operator! { matrix_times_matrix: Tensor { grad(u) * transpose(grad(u)) * C }
+|p: &At| times(&times(&p.grad_u, &transpose(&p.grad_u)), &constant_tensor(p.d)) }
+operator! { dot_of_vectors: Scalar { dot(u, grad(s)) * s } |p: &At| dot(&p.u, &p.grad_s) * p.s }
+operator! { dot_of_tensor_and_vector: Vector { dot(grad(u), u) } |p: &At| apply(&p.grad_u, &p.u) }
+operator! { dot_of_vector_and_tensor: Vector { dot(u, grad(u)) } |p: &At| apply(&transpose(&p.grad_u), &p.u) }
+operator! { inner_of_tensors: Scalar { inner(grad(u), C + outer(u, u)) }
+|p: &At| inner(&p.grad_u, &matrix(p.d, |i, j| constant_tensor(p.d)[i][j] + p.u[i] * p.u[j])) }
+operator! { inner_of_vectors: Scalar { inner(u, u) } |p: &At| dot(&p.u, &p.u) }
+operator! { outer_product: Tensor { outer(u, s * grad(s)) } |p: &At| matrix(p.d, |i, j| p.u[i] * p.s * p.grad_s[j]) }
+
+fn constant_tensor(d: usize) -> Matrix {
+    matrix(d, |i, j| c::<3>()[i][j])
+}
+fn constant_vector(d: usize) -> Vec<f64> {
+    b::<3>()[..d].to_vec()
+}
+
+// Tensor algebra.
+operator! { transposition: Tensor { transpose(grad(u)) * s } |p: &At| matrix(p.d, |i, j| p.grad_u[j][i] * p.s) }
+operator! { trace_of_square: Scalar { tr(grad(u) * grad(u)) } |p: &At| trace(&times(&p.grad_u, &p.grad_u)) }
+operator! { determinant_of: Scalar { det(I + grad(u)) } |p: &At| determinant(&deformation(p)) }
+operator! { inverse_of: Tensor { inv(I + grad(u)) } |p: &At| inverse(&deformation(p)) }
+operator! { cofactor_of: Tensor { cof(I + grad(u)) } |p: &At| cofactor(&deformation(p)) }
+operator! { symmetric_part: Tensor { s * sym(grad(u)) }
+|p: &At| matrix(p.d, |i, j| 0.5 * p.s * (p.grad_u[i][j] + p.grad_u[j][i])) }
+operator! { skew_part: Tensor { s * skew(grad(u)) }
+|p: &At| matrix(p.d, |i, j| 0.5 * p.s * (p.grad_u[i][j] - p.grad_u[j][i])) }
+operator! { deviator: Tensor { s * dev(grad(u)) } |p: &At| matrix(p.d, |i, j| {
+    p.s * (p.grad_u[i][j] - if i == j { trace(&p.grad_u) / p.d as f64 } else { 0.0 })
+}) }
+
+// Differential operators.
+operator! { gradient_of_product: Tensor { grad(s * u) }
+|p: &At| matrix(p.d, |i, j| p.s * p.grad_u[i][j] + p.u[i] * p.grad_s[j]) }
+operator! { gradient_of_function: Vector { grad(sin(s) * x[0]) } |p: &At| -> Vec<f64> {
+    (0..p.d).map(|k| p.s.cos() * p.grad_s[k] * p.x[0] + if k == 0 { p.s.sin() } else { 0.0 }).collect()
+} }
+operator! { divergence: Scalar { div(u) * s } |p: &At| trace(&p.grad_u) * p.s }
+operator! { divergence_of_product: Scalar { div(s * u) } |p: &At| p.s * trace(&p.grad_u) + dot(&p.grad_s, &p.u) }
+operator! { divergence_of_tensor: Vector { div(outer(u, u)) } |p: &At| -> Vec<f64> {
+    (0..p.d).map(|i| dot(&p.grad_u[i], &p.u) + p.u[i] * trace(&p.grad_u)).collect()
+} }
+operator! { strain: Tensor { eps(u) * s } |p: &At| matrix(p.d, |i, j| 0.5 * p.s * (p.grad_u[i][j] + p.grad_u[j][i])) }
+operator! { strain_of_product: Tensor { eps(s * u) } |p: &At| matrix(p.d, |i, j| {
+    let gradient = |i: usize, j: usize| p.s * p.grad_u[i][j] + p.u[i] * p.grad_s[j];
+    0.5 * (gradient(i, j) + gradient(j, i))
+}) }
+
+// Functions.
+operator! { square_root: Scalar { sqrt(1.5 + s) } |p: &At| (1.5 + p.s).sqrt() }
+operator! { exponential: Scalar { exp(s * u[0]) } |p: &At| (p.s * p.u[0]).exp() }
+operator! { logarithm: Scalar { ln(2 + s + u[0]) } |p: &At| (2.0 + p.s + p.u[0]).ln() }
+operator! { sine: Scalar { sin(s) * u[0] } |p: &At| p.s.sin() * p.u[0] }
+operator! { cosine: Scalar { cos(3 * s) } |p: &At| (3.0 * p.s).cos() }
+operator! { tangent_function: Scalar { tan(s) } |p: &At| p.s.tan() }
+operator! { hyperbolic_tangent: Scalar { tanh(2 * s) } |p: &At| (2.0 * p.s).tanh() }
+operator! { absolute_value: Scalar { abs(s) * s } |p: &At| p.s.abs() * p.s }
+operator! { sign_function: Scalar { sign(s) * s * s } |p: &At| p.s.signum() * p.s * p.s }
+operator! { minimum: Scalar { min(s * s, u[0]) } |p: &At| (p.s * p.s).min(p.u[0]) }
+operator! { maximum: Scalar { max(s * s, u[0]) } |p: &At| (p.s * p.s).max(p.u[0]) }
+operator! { positive_part: Scalar { pos_part(s) * s } |p: &At| p.s.max(0.0) * p.s }
+operator! { negative_part: Scalar { neg_part(s) * u[0] } |p: &At| (-p.s).max(0.0) * p.u[0] }
+operator! { heaviside_function: Scalar { heaviside(s) * s * s } |p: &At| if p.s > 0.0 { p.s * p.s } else { 0.0 } }
+operator! { cube: Scalar { pow(s, 3) } |p: &At| p.s * p.s * p.s }
+operator! { negative_power: Scalar { pow(2 + s, -2) } |p: &At| 1.0 / ((2.0 + p.s) * (2.0 + p.s)) }
+operator! { real_power: Scalar { pow(2 + s, 2.5) } |p: &At| (2.0 + p.s).powf(2.5) }
+operator! { half_power: Scalar { pow(2 + s, 1 / 2) } |p: &At| (2.0 + p.s).sqrt() }
+operator! { power_with_parameter: Scalar { pow(2 + s, a) } |p: &At| (2.0 + p.s).powf(A) }
+operator! { power_in_exponent: Scalar { pow(a, s) } |p: &At| A.powf(p.s) }
+operator! { power_of_both: Scalar { pow(2 + s, u[0] + s) } |p: &At| (2.0 + p.s).powf(p.u[0] + p.s) }
+
+// Control, names, indices.
+operator! { choice: Scalar { if s > 0.1 { s * s } else if s < -0.1 { u[0] * s } else { u[1] } }
+|p: &At| if p.s > 0.1 { p.s * p.s } else if p.s < -0.1 { p.u[0] * p.s } else { p.u[1] } }
+operator! { choice_by_logic: Tensor { if (s > 0.2 && u[0] >= 0) || !(u[1] <= 0.1) { s * grad(u) } else { 0 } }
+|p: &At| matrix(p.d, |i, j| {
+    if (p.s > 0.2 && p.u[0] >= 0.0) || p.u[1] > 0.1 { p.s * p.grad_u[i][j] } else { 0.0 }
+}) }
+operator! { choice_by_equality: Scalar { if D == 2 { s * s } else { if D != 3 { 7 } else { s * u[0] } } }
+|p: &At| if p.d == 2 { p.s * p.s } else { p.s * p.u[0] } }
+operator! { let_names: Scalar { let F = I + grad(u); let J = det(F); let K = { let inside = J * J; inside + 1 }; J * K * s }
+|p: &At| { let j = determinant(&deformation(p)); j * (j * j + 1.0) * p.s } }
+operator! { array_of_scalars: Scalar { dot([u[0] * s, u[1], 2], [s, 3, u[0]]) }
+|p: &At| p.u[0] * p.s * p.s + 3.0 * p.u[1] + 2.0 * p.u[0] }
+operator! { array_of_vectors: Scalar { dot([grad(s), u] * u, [s, 2]) }
+|p: &At| p.s * dot(&p.grad_s, &p.u) + 2.0 * dot(&p.u, &p.u) }
+operator! { array_of_arrays: Scalar { det([[1 + s, u[0], 0], [u[1], 2, s], [0, 1, 3 * s]]) }
+|p: &At| determinant(&[vec![1.0 + p.s, p.u[0], 0.0], vec![p.u[1], 2.0, p.s], vec![0.0, 1.0, 3.0 * p.s]]) }
+operator! { indices: Scalar { grad(u)[0][1] * grad(u)[(1, 0)] + dot(grad(u)[1], u) + C[0][1] * s }
+|p: &At| p.grad_u[0][1] * p.grad_u[1][0] + dot(&p.grad_u[1], &p.u) + c::<3>()[0][1] * p.s }
+operator! { constants: Scalar { PI * s * s + D * tr(I) * s } |p: &At| {
+    std::f64::consts::PI * p.s * p.s + (p.d * p.d) as f64 * p.s
+} }
+
+// Derivatives.
+operator! { derivative_by_vector: Scalar { derivative(exp(s) * dot(u, u), u, grad(s)) }
+|p: &At| p.s.exp() * 2.0 * dot(&p.u, &p.grad_s) }
+operator! { derivative_by_scalar: Vector { derivative(s * s * u + grad(s), s, u[0]) } |p: &At| -> Vec<f64> {
+    (0..p.d).map(|i| 2.0 * p.s * p.u[0] * p.u[i] + p.grad_u[0][i]).collect()
+} }
+operator! { derivative_nests: Scalar { derivative(derivative(s * s * s * u[0], s, u[0]), s, u[1]) }
+|p: &At| 6.0 * p.s * p.u[0] * p.u[0] * p.u[1] }
+operator! { derivative_moves_gradients: Scalar { derivative(inner(grad(u), grad(u)), u, s * b) }
+|p: &At| 2.0 * inner(&p.grad_u, &matrix(p.d, |i, j| constant_vector(p.d)[i] * p.grad_s[j])) }
+operator! { derivative_by_parameter: Scalar { derivative(a * a * s * s, a, u[0]) } |p: &At| 2.0 * A * p.s * p.s * p.u[0] }
+operator! { derivative_of_gradient: Scalar { derivative(dot(grad(s * s), u), s, s) }
+|p: &At| 4.0 * p.s * dot(&p.grad_s, &p.u) }
+operator! { diff_by_argument: Scalar { diff(s * s * u[0], s) } |p: &At| 2.0 * p.s * p.u[0] }
+operator! { diff_holds_gradients: Scalar { diff(s * s + dot(grad(s), grad(s)) * s, s) }
+|p: &At| 2.0 * p.s + dot(&p.grad_s, &p.grad_s) }
+operator! { diff_by_vector: Vector { diff(dot(u, u) * s, u) } |p: &At| scaled(2.0 * p.s, &p.u) }
+operator! { diff_of_vector_by_vector: Tensor { diff(dot(u, u) * u, u) } |p: &At| matrix(p.d, |i, j| {
+    2.0 * p.u[i] * p.u[j] + if i == j { dot(&p.u, &p.u) } else { 0.0 }
+}) }
+operator! { diff_by_scalar_name: Scalar { let J = det(I + grad(u)); diff(s * pow(J, 3) + ln(1 + J * J), J) } |p: &At| {
+    let j = determinant(&deformation(p));
+    3.0 * p.s * j * j + 2.0 * j / (1.0 + j * j)
+} }
+operator! { diff_by_vector_name: Vector { let w = u + grad(s); diff(s * dot(w, w), w) } |p: &At| -> Vec<f64> {
+    (0..p.d).map(|i| 2.0 * p.s * (p.u[i] + p.grad_s[i])).collect()
+} }
+operator! { diff_by_tensor_name: Tensor { let F = I + grad(u); diff(det(F) + s * inner(F, F), F) } |p: &At| {
+    let (f, k) = (deformation(p), cofactor(&deformation(p)));
+    matrix(p.d, |i, j| k[i][j] + 2.0 * p.s * f[i][j])
+} }
+operator! { diff_twice: Scalar { let F = I + grad(u); diff(diff(det(F), F), F)[(0, 1, 1, 0)] }
+|p: &At| if p.d == 2 { -1.0 } else { -deformation(p)[2][2] } }
+operator! { diff_of_inverse: Scalar { let F = I + grad(u); diff(inv(F), F)[0][1][1][0] } |p: &At| {
+    // ∂F⁻¹_ij / ∂F_kl = −F⁻¹_ik F⁻¹_lj
+    let k = inverse(&deformation(p));
+    -k[0][1] * k[0][1]
+} }
+operator! { diff_of_cofactor: Scalar { let F = I + grad(u); diff(cof(F), F)[(0, 0, 1, 1)] }
+|p: &At| if p.d == 2 { 1.0 } else { deformation(p)[2][2] } }
+operator! { diff_by_parameter: Scalar { diff(a * a * s * s, a) } |p: &At| 2.0 * A * p.s * p.s }
+operator! { diff_by_vector_parameter: Vector { diff(dot(b, u) * dot(b, u), b) }
+|p: &At| scaled(2.0 * dot(&constant_vector(p.d), &p.u), &p.u) }
+operator! { diff_by_tensor_parameter: Tensor { diff(s * s * inner(C, C), C) }
+|p: &At| matrix(p.d, |i, j| 2.0 * p.s * p.s * constant_tensor(p.d)[i][j]) }
+operator! { diff_of_derivative: Scalar { diff(derivative(s * s * s, s, u[0]), s) } |p: &At| 6.0 * p.s * p.u[0] }
+operator! { diff_of_power_by_base_and_exponent: Scalar { let t = 2 + s; diff(pow(t, t), t) } |p: &At| {
+    let t = 2.0 + p.s;
+    t.powf(t) * (1.0 + t.ln())
+} }

@@ -1,0 +1,194 @@
+//! Conventions at kinks, and branches that are not taken: a NaN there reaches nothing.
+
+mod toy_backend;
+
+use forms_core::contract::{self, *};
+use forms_core::forms;
+use toy_backend::lanes::Four;
+use toy_backend::mesh::Mesh;
+use toy_backend::random::Random;
+use toy_backend::{Nodal, expression, residual, tangent};
+
+#[forms(crate = forms_core)]
+pub mod kinks {
+    #[cells]
+    pub struct Omega;
+
+    /// heaviside, sign, pos_part, neg_part, abs at s.
+    pub fn values(s: Scalar) -> Scalar {
+        heaviside(s) + 10 * sign(s) + 100 * pos_part(s) + 1000 * neg_part(s) + 10000 * abs(s)
+    }
+    pub fn heaviside_slope(s: Scalar) -> Scalar {
+        derivative(heaviside(s) + sign(s), s, 1)
+    }
+    pub fn pos_part_slope(s: Scalar) -> Scalar {
+        derivative(pos_part(s), s, 1)
+    }
+    pub fn neg_part_slope(s: Scalar) -> Scalar {
+        derivative(neg_part(s), s, 1)
+    }
+    pub fn abs_slope(s: Scalar) -> Scalar {
+        derivative(abs(s), s, 1)
+    }
+    pub fn max_slope(s: Scalar) -> Scalar {
+        derivative(max(2 * s, -3 * s), s, 1)
+    }
+    pub fn min_slope(s: Scalar) -> Scalar {
+        derivative(min(2 * s, -3 * s), s, 1)
+    }
+    /// Exists at 0: 3/2 √s, p s^(p − 1), 3 s².
+    pub fn power_slope(s: Scalar) -> Scalar {
+        let p = 1 + exp(0);
+        derivative(pow(s, 3 / 2) + pow(s, p) + pow(s, 3), s, 1)
+    }
+}
+
+/// A value at s = `at`.
+macro_rules! at {
+    ($name:ident, $at:expr) => {{
+        let mesh = Mesh::<2>::cube(&mut Random(1));
+        let form = kinks::$name(Source::<2>::Constant(vec![$at]));
+        expression(&mesh, &form, (Entity::Cells, "all"))[0][0]
+    }};
+}
+
+#[test]
+fn values_at_kinks() {
+    assert_eq!(at!(values, 0.0), 0.0);
+    assert_eq!(at!(values, 0.5), 1.0 + 10.0 + 50.0 + 5000.0);
+    assert_eq!(at!(values, -0.5), -10.0 + 500.0 + 5000.0);
+}
+
+#[test]
+fn slopes_at_kinks() {
+    assert_eq!(at!(heaviside_slope, 0.0), 0.0);
+    assert_eq!(
+        [at!(pos_part_slope, -1.0), at!(pos_part_slope, 0.0), at!(pos_part_slope, 1.0)],
+        [0.0, 0.0, 1.0]
+    );
+    assert_eq!(
+        [at!(neg_part_slope, -1.0), at!(neg_part_slope, 0.0), at!(neg_part_slope, 1.0)],
+        [-1.0, 0.0, 0.0]
+    );
+    assert_eq!([at!(abs_slope, -1.0), at!(abs_slope, 0.0), at!(abs_slope, 1.0)], [-1.0, 0.0, 1.0]);
+    // At equal arguments: the second for max, the first for min.
+    assert_eq!([at!(max_slope, -1.0), at!(max_slope, 0.0), at!(max_slope, 1.0)], [-3.0, -3.0, 2.0]);
+    assert_eq!([at!(min_slope, -1.0), at!(min_slope, 0.0), at!(min_slope, 1.0)], [2.0, 2.0, -3.0]);
+    assert_eq!(at!(power_slope, 0.0), 0.0);
+}
+
+#[forms(crate = forms_core)]
+pub mod branches {
+    pub struct Data {
+        p: Param,
+    }
+    #[cells]
+    pub struct Omega;
+
+    /// Each is safe where its branch is taken, and not a number, infinite, or both elsewhere.
+    fn safe(s: Scalar, u: Vector) -> Scalar {
+        let root = if s > 0 { sqrt(s) } else { s * s };
+        let logarithm = if s > 0 { ln(s) * s } else { s };
+        let quotient = if s == 0 {
+            s
+        } else if s > 0 {
+            1 / s
+        } else {
+            3 * s
+        };
+        let power = if s > 0 { pow(s, 1.5) + pow(s, p) + pow(p, 1 / s) } else { 2 * s };
+        let length = dot(u, u);
+        let norm = if length > 0 { sqrt(length) } else { 0 };
+        let direction = if length > 0 { u / sqrt(length) } else { 0 * u };
+        let inverse = if det(grad(u)) > 0 { inv(grad(u)) } else { grad(u) };
+        root + logarithm + quotient + power + norm + dot(direction, direction) + tr(inverse)
+    }
+    /// The same as `safe` where s ≤ 0 and u = 0, with nothing to go wrong.
+    fn plain(s: Scalar, u: Vector) -> Scalar {
+        s * s + s + (if s == 0 { s } else { 3 * s }) + 2 * s + tr(grad(u))
+    }
+    pub fn value(s: Scalar, u: Vector) -> Scalar {
+        safe(s, u)
+    }
+    pub fn form(s: Unknown<Scalar>, u: Unknown<Vector>, v: Test<Scalar>, w: Test<Vector>) -> Form {
+        integral(Omega, safe(s, u) * v + safe(s, u) * div(w))
+    }
+    pub fn reference(s: Unknown<Scalar>, u: Unknown<Vector>, v: Test<Scalar>, w: Test<Vector>) -> Form {
+        integral(Omega, plain(s, u) * v + plain(s, u) * div(w))
+    }
+    /// The second derivative, too.
+    pub fn energy(s: Unknown<Scalar>, u: Unknown<Vector>) -> Energy {
+        integral(Omega, safe(s, u))
+    }
+}
+
+/// s ≤ 0 and u = 0 everywhere: every dangerous branch is left out.
+fn nothing_poisons<L: Lane, const D: usize>(s: f64)
+where
+    branches::form::Form<D>: Form<D>,
+    branches::reference::Form<D>: Form<D>,
+    branches::energy::Form<D>: Form<D>,
+{
+    let mesh = Mesh::<D>::cube(&mut Random(2));
+    let nodes = mesh.nodes.len();
+    let unknowns = [
+        Nodal { components: 1, values: vec![s; nodes] },
+        Nodal { components: D, values: vec![0.0; nodes * D] },
+    ];
+    let (data, omega) = (branches::Data::<D> { p: 1.3 }, branches::Omega::on("all"));
+    let (form, reference) = (branches::form(&data, &omega), branches::reference(&data, &omega));
+    let found = residual::<L, _, D>(&mesh, &form, &unknowns);
+    let expected = residual::<f64, _, D>(&mesh, &reference, &unknowns);
+    for (found, expected) in found.iter().zip(&expected) {
+        assert!((found - expected).abs() <= 1e-14, "{found} is not {expected}");
+    }
+    let found = tangent::<L, _, D>(&mesh, &form, &unknowns);
+    let expected = tangent::<f64, _, D>(&mesh, &reference, &unknowns);
+    assert!(expected.iter().flatten().any(|entry| *entry != 0.0));
+    for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((found - expected).abs() <= 1e-14, "{found} is not {expected}");
+    }
+    let energy = branches::energy(&data, &omega);
+    assert!(residual::<L, _, D>(&mesh, &energy, &unknowns).iter().all(|entry| entry.is_finite()));
+    let hessian = tangent::<L, _, D>(&mesh, &energy, &unknowns);
+    assert!(hessian.iter().flatten().all(|entry| entry.is_finite()));
+}
+
+#[test]
+fn branches_not_taken_poison_nothing() {
+    for s in [-0.5, 0.0] {
+        nothing_poisons::<f64, 2>(s);
+        nothing_poisons::<f64, 3>(s);
+        nothing_poisons::<Four, 2>(s);
+    }
+}
+
+#[test]
+fn the_dangerous_branch_is_dangerous() {
+    // So that the test above shows something: where the branch is taken, 1 / s is seen.
+    let mesh = Mesh::<2>::cube(&mut Random(3));
+    let data = branches::Data { p: 1.3 };
+    let value = branches::value(
+        &data,
+        Source::Constant(vec![f64::MIN_POSITIVE / 4.0]),
+        Source::Constant(vec![0.0; 2]),
+    );
+    assert!(expression(&mesh, &value, (Entity::Cells, "all"))[0][0].is_infinite());
+}
+
+#[test]
+fn a_comparison_is_one_switch() {
+    struct Count(usize);
+    impl ExpressionVisitor<2> for Count {
+        type Error = ();
+        fn visit<K: ExpressionKernel<2>>(&mut self, _: &Integral, _: &K) -> Result<(), ()> {
+            self.0 += K::SHAPE[0];
+            Ok(())
+        }
+    }
+    let data = branches::Data::<2> { p: 1.3 };
+    let omega = branches::Omega::on("all");
+    let mut count = Count(0);
+    contract::Form::switches(&branches::reference(&data, &omega), &mut count).expect("nothing fails");
+    assert_eq!(count.0, 1);
+}

@@ -1,0 +1,182 @@
+//! Odd but legal modules compile, and mean what they say.
+
+mod toy_backend;
+
+use forms_core::contract::{self, *};
+use forms_core::forms;
+use toy_backend::mesh::Mesh;
+use toy_backend::random::Random;
+use toy_backend::{expression, functional, residual};
+
+#[forms(crate = forms_core)]
+pub mod empty {}
+
+#[forms(crate = forms_core)]
+pub mod only_data {
+    pub struct Data {}
+}
+
+#[forms(crate = forms_core, dimension = 3)]
+mod one_dimension {
+
+    pub struct Constants {
+        /// With a doc comment.
+        r#type: Param<Tensor>,
+    }
+    #[cells]
+    pub struct Volume;
+    #[facets]
+    pub struct NeverUsed;
+
+    /// The third component exists here.
+    pub fn third(u: Vector) -> Scalar {
+        u[2] + r#type[2][2]
+    }
+    pub fn no_arguments() -> Scalar {
+        tr(r#type)
+    }
+    pub fn volume() -> Functional {
+        integral(Volume, 1)
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod names {
+    pub struct Data {
+        form: Param,
+        parameters: Param,
+        cell: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Form;
+    #[facets]
+    pub struct Lane;
+
+    /// Names that the emitted code uses for its own purposes.
+    pub fn point(
+        data: State<Scalar>,
+        inputs: State<Scalar>,
+        form_region: State<Scalar>,
+        fields: Unknown<Scalar>,
+        geometry: Test<Scalar>,
+    ) -> Form {
+        let t0 = data * inputs;
+        let basis = t0 * form_region;
+        integral(Form, form * parameters * cell * basis * fields * geometry)
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod numbers {
+    #[cells]
+    pub struct Omega;
+
+    /// D − 2 is zero in 2D; a literal zero would be told at once.
+    pub fn divided_by_zero(s: Scalar) -> Scalar {
+        s / (D - 2)
+    }
+    pub fn zero_by_zero(s: Scalar) -> Scalar {
+        (D - 2) / (D - 2) + s
+    }
+    pub fn infinite_constant() -> Scalar {
+        1 / (D - 2)
+    }
+    pub fn root_of_minus_one() -> Scalar {
+        sqrt(-1)
+    }
+    pub fn not_taken(s: Scalar) -> Scalar {
+        if s > 0 { s / (D - 2) } else { ln(-1) + s / (D - 2) }
+    }
+    pub fn decided(s: Scalar) -> Scalar {
+        if 1 > 2 { s / (D - 2) } else { s }
+    }
+    pub fn notations() -> Scalar {
+        0x10 + 1_000 + 1e3 + 1.5 + 2. + 3f64
+    }
+    /// Exponents that no integer holds.
+    pub fn towers(s: Scalar) -> Scalar {
+        let a = pow(pow(pow(s, 16), 16), 16);
+        let b = pow(pow(pow(pow(pow(a, 16), 16), 16), 16), 16);
+        pow(b, -16) * 0 + pow(s, 0) + pow(a, 1 / 4096) + pow(pow(-2 * s, 3), 3)
+    }
+    pub fn nested(s: Scalar) -> Scalar {
+        (-(-(-(-(-(-(-(-(-(-(-(-(s)))))))))))))
+    }
+    pub fn blocks(s: Scalar) -> Scalar {
+        {
+            let s = { s + 1 };
+            let s = { s + 1 };
+            { { s } }
+        }
+    }
+    pub fn square_in_the_end(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        let energy = u * u;
+        0.5 * integral(Omega, derivative(energy, u, v)) * 2 / 1
+    }
+}
+
+/// A value at s = `at`.
+macro_rules! at {
+    ($name:ident $(, $at:expr)?) => {{
+        let mesh = Mesh::<2>::cube(&mut Random(1));
+        let form: numbers::$name::Form<2> = numbers::$name($(Source::<2>::Constant(vec![$at]))?);
+        expression(&mesh, &form, (Entity::Cells, "all"))[0][0]
+    }};
+}
+
+#[test]
+fn division_by_zero_shows_at_run_time_and_only_where_it_is_taken() {
+    assert!(at!(divided_by_zero, 1.0).is_infinite());
+    assert!(at!(zero_by_zero, 1.0).is_nan());
+    assert!(at!(infinite_constant).is_infinite());
+    assert!(at!(root_of_minus_one).is_nan());
+    assert!(at!(not_taken, 1.0).is_infinite());
+    assert!(at!(not_taken, -1.0).is_nan());
+    assert_eq!(at!(decided, 3.0), 3.0);
+}
+
+#[test]
+fn numbers_and_nesting() {
+    assert_eq!(at!(notations), 16.0 + 1000.0 + 1000.0 + 1.5 + 2.0 + 3.0);
+    // s^4096 to the power 1/4096 is |s|.
+    assert!((at!(towers, 0.9) - (1.0 + 0.9 - 512.0 * 0.9_f64.powi(9))).abs() < 1e-12);
+    assert_eq!(at!(nested, 0.25), 0.25);
+    assert_eq!(at!(blocks, 0.25), 2.25);
+    let mesh = Mesh::<2>::cube(&mut Random(2));
+    let u = Random(3).field(4, 1, 0.0, 1.0);
+    let form = numbers::square_in_the_end::<2>(&numbers::Omega::on("all"));
+    let sum: f64 = residual::<f64, _, 2>(&mesh, &form, std::slice::from_ref(&u)).iter().sum();
+    // ∫ 2u, exact by the mean of the nodal values.
+    let cells = mesh.places(Entity::Cells, "all");
+    let mean = |cell: &&toy_backend::mesh::Place<2>| {
+        cell.nodes.iter().map(|node| u.values[*node]).sum::<f64>() / 3.0 * cell.cell.cell_volume
+    };
+    assert!((sum - 2.0 * cells.iter().map(mean).sum::<f64>()).abs() < 1e-14);
+}
+
+#[test]
+fn one_dimension_only() {
+    let data = one_dimension::Constants::<3> { r#type: [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]] };
+    let mesh = Mesh::<3>::cube(&mut Random(4));
+    let third = one_dimension::third(&data, Source::Constant(vec![1.0, 2.0, 4.0]));
+    assert_eq!(expression(&mesh, &third, (Entity::Cells, "all"))[0], [7.0]);
+    let trace = one_dimension::no_arguments(&data);
+    assert_eq!(expression(&mesh, &trace, (Entity::Cells, "all"))[0], [6.0]);
+    let volume = one_dimension::volume(&data, &one_dimension::Volume::on("all"));
+    assert!(functional(&mesh, &volume, &[]) > 0.0);
+    let _ = (only_data::Data::<2> {}, one_dimension::NeverUsed::on("nowhere"));
+}
+
+#[test]
+fn arguments_may_have_names_of_the_emitted_code() {
+    let mesh = Mesh::<2>::cube(&mut Random(5));
+    let data = names::Data { form: 2.0, parameters: 3.0, cell: 5.0.into() };
+    let [a, b, c] = [7.0, 11.0, 13.0].map(|value| Source::Constant(vec![value]));
+    let form = names::point::<2>(&data, &names::Form::on("all"), a, b, c);
+    let fields: Vec<_> = contract::Form::fields(&form).iter().map(|field| field.name).collect();
+    assert_eq!(fields, ["data", "inputs", "form_region", "fields", "geometry", "cell"]);
+    let one = toy_backend::Nodal { components: 1, values: vec![1.0; 4] };
+    let sum: f64 = residual::<f64, _, 2>(&mesh, &form, &[one]).iter().sum();
+    let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    assert!((sum - 30030.0 * volume).abs() < 1e-9, "{sum}");
+}

@@ -1,0 +1,304 @@
+//! A backend of two hundred lines that knows nothing but the contract: linear simplices, dense matrices.
+//!
+//! Each test file uses a part of it.
+#![allow(dead_code)]
+
+pub mod lanes;
+pub mod mesh;
+pub mod random;
+
+use std::any::Any;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use forms_core::contract::*;
+use mesh::{Mesh, Place};
+
+/// Nodal values of a field, node by node: the field data of this backend.
+#[derive(Clone, Debug)]
+pub struct Nodal {
+    pub components: usize,
+    pub values: Vec<f64>,
+}
+
+impl DiscreteField for Nodal {
+    fn components(&self) -> usize {
+        self.components
+    }
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+impl Nodal {
+    pub fn source<const D: usize>(&self) -> Source<D> {
+        Source::Discrete(Arc::new(self.clone()))
+    }
+}
+
+/// What a walk needs: the mesh, the form's description, the unknowns' values.
+struct Walk<'a, const D: usize> {
+    mesh: &'a Mesh<D>,
+    fields: &'static [FieldDescription],
+    inputs: &'a Inputs<D>,
+    unknowns: &'a [Nodal],
+}
+
+/// Gathers one number per cell of a batch.
+fn pack<L: Lane, const D: usize>(batch: &[&Place<D>], read: impl Fn(&Place<D>) -> f64) -> L {
+    let mut values = [0.0; 8];
+    for (lane, value) in values.iter_mut().enumerate().take(L::WIDTH) {
+        *value = read(batch[lane.min(batch.len() - 1)]);
+    }
+    L::load(&values)
+}
+
+fn unpack<L: Lane>(value: L) -> [f64; 8] {
+    let mut values = [0.0; 8];
+    value.store(&mut values);
+    values
+}
+
+fn cell<L: Lane, const D: usize>(batch: &[&Place<D>]) -> CellGeometry<L> {
+    CellGeometry {
+        diameter: pack(batch, |place| place.cell.diameter),
+        cell_volume: pack(batch, |place| place.cell.cell_volume),
+        facet_area: pack(batch, |place| place.cell.facet_area),
+    }
+}
+
+fn geometry<L: Lane, const D: usize>(batch: &[&Place<D>], point: usize) -> PointGeometry<L, D> {
+    PointGeometry {
+        weight: pack(batch, |place| place.points[point].geometry.weight),
+        position: std::array::from_fn(|k| pack(batch, |place| place.points[point].geometry.position[k])),
+        normal: std::array::from_fn(|k| pack(batch, |place| place.points[point].geometry.normal[k])),
+        curvature: pack(batch, |place| place.points[point].geometry.curvature),
+    }
+}
+
+fn basis<L: Lane, const D: usize>(batch: &[&Place<D>], point: usize, node: usize) -> Basis<L, D> {
+    Basis {
+        value: pack(batch, |place| place.points[point].basis[node].value),
+        gradient: std::array::from_fn(|k| pack(batch, |place| place.points[point].basis[node].gradient[k])),
+    }
+}
+
+impl<const D: usize> Walk<'_, D> {
+    /// The batches of a region, [`Lane::WIDTH`] places each.
+    fn places(&self, integral: &Integral) -> Vec<&Place<D>> {
+        let region = &self.inputs.regions[integral.region];
+        self.mesh.places(region.entity, &region.name)
+    }
+
+    /// The slice that a kernel reads at a point.
+    fn fields<L: Lane>(&self, requirements: &Requirements, batch: &[&Place<D>], point: usize) -> Vec<L> {
+        let mut data = vec![L::splat(f64::NAN); requirements.field_length];
+        for slot in requirements.fields {
+            let count = if slot.order == Order::Value { slot.components } else { slot.components * D };
+            for entry in 0..count {
+                data[slot.offset + entry] = pack(batch, |place| self.field(slot, place, point, entry));
+            }
+        }
+        data
+    }
+
+    fn field(&self, slot: &FieldSlot, place: &Place<D>, point: usize, entry: usize) -> f64 {
+        let point = &place.points[point];
+        let nodal = |nodal: &Nodal| -> f64 {
+            assert_eq!(nodal.components, slot.components, "{}", self.fields[slot.field].name);
+            let (component, axis) = match slot.order {
+                Order::Value => (entry, None),
+                Order::Gradient => (entry / D, Some(entry % D)),
+            };
+            let weights =
+                point.basis.iter().map(|basis| axis.map_or(basis.value, |axis| basis.gradient[axis]));
+            let values = place.nodes.iter().map(|node| nodal.values[node * nodal.components + component]);
+            weights.zip(values).map(|(weight, value)| weight * value).sum()
+        };
+        match (self.fields[slot.field].role, &self.inputs.sources[slot.field]) {
+            (Role::Unknown(number), None) => nodal(&self.unknowns[number]),
+            (_, Some(Source::Discrete(field))) => {
+                nodal(field.as_any().downcast_ref::<Nodal>().expect("a field of this backend"))
+            }
+            (_, Some(Source::Constant(values))) if slot.order == Order::Value => values[entry],
+            (_, Some(Source::Constant(_))) => 0.0,
+            (_, Some(Source::Function { components, function })) if slot.order == Order::Value => {
+                let mut values = vec![0.0; *components];
+                function(&point.geometry.position, &mut values);
+                values[entry]
+            }
+            (role, _) => panic!("{role:?} has no values"),
+        }
+    }
+}
+
+/// Places of the unknowns (or tests) in the global numbering: start and components of each.
+fn layout(fields: &[FieldDescription], nodes: usize, test: bool) -> (Vec<(usize, usize)>, usize) {
+    let mut next = 0;
+    let mut starts = Vec::new();
+    for field in fields {
+        if matches!((field.role, test), (Role::Test(_), true) | (Role::Unknown(_), false)) {
+            starts.push((next, field.components()));
+            next += nodes * field.components();
+        }
+    }
+    (starts, next)
+}
+
+/// R(u) by lane type `L`, dense.
+pub fn residual<L: Lane, F: Form<D>, const D: usize>(
+    mesh: &Mesh<D>,
+    form: &F,
+    unknowns: &[Nodal],
+) -> Vec<f64> {
+    struct Visitor<'a, const D: usize, L>(Walk<'a, D>, Vec<(usize, usize)>, Vec<f64>, L);
+    impl<L: Lane, const D: usize> LinearVisitor<D> for Visitor<'_, D, L> {
+        type Error = Infallible;
+        fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Infallible> {
+            let (start, components) = self.1[integral.test];
+            assert_eq!(components, K::TEST_COMPONENTS);
+            for batch in self.0.places(integral).chunks(L::WIDTH) {
+                let constants = kernel.cell::<L>(&cell(batch));
+                for point in 0..batch[0].points.len() {
+                    let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
+                    let flux = kernel.point(&constants, &geometry(batch, point), &fields);
+                    for node in 0..batch[0].nodes.len() {
+                        let block = kernel.test(&flux, &basis(batch, point, node));
+                        for (component, value) in block.as_ref().iter().enumerate() {
+                            for (lane, place) in batch.iter().enumerate() {
+                                let row = start + place.nodes[node] * components + component;
+                                self.2[row] += unpack(*value)[lane];
+                            }
+                        }
+                    }
+                }
+            }
+            Ok(())
+        }
+    }
+    let (tests, size) = layout(form.fields(), mesh.nodes.len(), true);
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let mut visitor = Visitor(walk, tests, vec![0.0; size], L::splat(0.0));
+    form.residual(&mut visitor).unwrap_or_else(|never| match never {});
+    visitor.2
+}
+
+/// ∂R/∂u by lane type `L`, dense, row by row. Symmetric integrals compute pairs i ≤ j only.
+pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
+    mesh: &Mesh<D>,
+    form: &F,
+    unknowns: &[Nodal],
+) -> Vec<Vec<f64>> {
+    struct Visitor<'a, const D: usize, L>(
+        Walk<'a, D>,
+        [Vec<(usize, usize)>; 2],
+        Vec<Vec<f64>>,
+        std::marker::PhantomData<L>,
+    );
+    impl<L: Lane, const D: usize> BilinearVisitor<D> for Visitor<'_, D, L> {
+        type Error = Infallible;
+        fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Infallible> {
+            let ((row, rows), (column, columns)) = (self.1[0][integral.test], self.1[1][integral.trial]);
+            assert_eq!((rows, columns), (K::TEST_COMPONENTS, K::TRIAL_COMPONENTS));
+            assert_eq!(integral.symmetric, K::SYMMETRIC);
+            for batch in self.0.places(integral).chunks(L::WIDTH) {
+                let constants = kernel.cell::<L>(&cell(batch));
+                let nodes = batch[0].nodes.len();
+                let mut sums = vec![K::zero::<L>(); nodes * nodes];
+                for point in 0..batch[0].points.len() {
+                    let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
+                    let data = kernel.point(&constants, &geometry(batch, point), &fields);
+                    let functions: Vec<_> = (0..nodes).map(|node| basis(batch, point, node)).collect();
+                    let tests: Vec<_> = functions.iter().map(|basis| kernel.test(&data, basis)).collect();
+                    let trials: Vec<_> = functions.iter().map(|basis| kernel.trial(&data, basis)).collect();
+                    for i in 0..nodes {
+                        for j in (if K::SYMMETRIC { i } else { 0 })..nodes {
+                            K::pair(&mut sums[i * nodes + j], &tests[i], &trials[j]);
+                        }
+                    }
+                }
+                for i in 0..nodes {
+                    for j in (if K::SYMMETRIC { i } else { 0 })..nodes {
+                        let block = kernel.finish(&constants, &sums[i * nodes + j]);
+                        for (entry, value) in block.as_ref().iter().enumerate() {
+                            let (a, b) = (entry / columns, entry % columns);
+                            for (lane, place) in batch.iter().enumerate() {
+                                let value = unpack(*value)[lane];
+                                let (first, second) = (place.nodes[i], place.nodes[j]);
+                                self.2[row + first * rows + a][column + second * columns + b] += value;
+                                if K::SYMMETRIC && i != j {
+                                    self.2[row + second * rows + b][column + first * columns + a] += value;
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+            Ok(())
+        }
+    }
+    let (tests, rows) = layout(form.fields(), mesh.nodes.len(), true);
+    let (trials, columns) = layout(form.fields(), mesh.nodes.len(), false);
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let matrix = vec![vec![0.0; columns]; rows];
+    let mut visitor = Visitor::<D, L>(walk, [tests, trials], matrix, std::marker::PhantomData);
+    form.tangent(&mut visitor).unwrap_or_else(|never| match never {});
+    visitor.2
+}
+
+/// Values at all points of all places of a region, with their weights.
+struct Evaluation<'a, const D: usize> {
+    walk: Walk<'a, D>,
+    /// A derived field has no region: these places are used instead.
+    region: Option<(Entity, &'a str)>,
+    values: Vec<(f64, Vec<f64>)>,
+}
+
+impl<const D: usize> ExpressionVisitor<D> for Evaluation<'_, D> {
+    type Error = Infallible;
+    fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Infallible> {
+        let places = match self.region {
+            Some((entity, name)) => self.walk.mesh.places(entity, name),
+            None => self.walk.places(integral),
+        };
+        for place in places {
+            let batch = [place];
+            let constants = kernel.cell::<f64>(&cell(&batch));
+            for point in 0..place.points.len() {
+                let fields = self.walk.fields::<f64>(&K::REQUIREMENTS, &batch, point);
+                let value = kernel.evaluate(&constants, &geometry(&batch, point), &fields);
+                assert_eq!(value.as_ref().len(), K::SHAPE.iter().product::<usize>());
+                self.values.push((place.points[point].geometry.weight, value.as_ref().to_vec()));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The number that a functional (or energy) stands for.
+pub fn functional<F: Functional<D>, const D: usize>(mesh: &Mesh<D>, form: &F, unknowns: &[Nodal]) -> f64 {
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let mut evaluation = Evaluation { walk, region: None, values: vec![] };
+    form.density(&mut evaluation).unwrap_or_else(|never| match never {});
+    evaluation.values.iter().map(|(weight, value)| weight * value[0]).sum()
+}
+
+/// A derived field at all points of a region.
+pub fn expression<F: Expression<D>, const D: usize>(
+    mesh: &Mesh<D>,
+    form: &F,
+    region: (Entity, &str),
+) -> Vec<Vec<f64>> {
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns: &[] };
+    let mut evaluation = Evaluation { walk, region: Some(region), values: vec![] };
+    form.expression(&mut evaluation).unwrap_or_else(|never| match never {});
+    evaluation.values.into_iter().map(|(_, value)| value).collect()
+}
+
+/// The switches of a form at all points of its regions.
+pub fn switches<F: Form<D>, const D: usize>(mesh: &Mesh<D>, form: &F, unknowns: &[Nodal]) -> Vec<Vec<f64>> {
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let mut evaluation = Evaluation { walk, region: None, values: vec![] };
+    form.switches(&mut evaluation).unwrap_or_else(|never| match never {});
+    evaluation.values.into_iter().map(|(_, value)| value).collect()
+}

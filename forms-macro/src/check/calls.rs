@@ -1,0 +1,145 @@
+//! Calls: of built-in operators, and of the module's own functions, which are inlined.
+
+use proc_macro2::Ident;
+
+use super::builtins::{self, Builtin};
+use super::evaluate::{Evaluator, Scope, Value};
+use super::operators::describe;
+use crate::diagnostics::Place;
+use crate::parse::syntax::*;
+use crate::tensor::Operator;
+
+impl Evaluator<'_> {
+    pub(super) fn call(
+        &mut self,
+        name: &Ident,
+        arguments: &[Expression],
+        place: Place,
+        scope: &Scope,
+    ) -> Option<Value> {
+        let text = name.to_string();
+        if let Some(index) = self.function(name) {
+            return self.call_function(index, name, arguments, place, scope);
+        }
+        let Some((builtin, count, usage)) = builtins::builtin(&text) else {
+            if !self.module.is_mistaken(name) {
+                self.unknown_function(name);
+            }
+            return None;
+        };
+        if builtin == Builtin::Integral && arguments.len() == 1 {
+            let help = match self.module.regions.first() {
+                Some(region) => format!("write `integral({}, density)`", region.name),
+                None => "declare `#[cells] pub struct Omega;` and write `integral(Omega, density)`".into(),
+            };
+            self.diagnostics.error_with_help(place, "this integral has no region", help);
+            return None;
+        }
+        if arguments.len() != count {
+            let message = format!(
+                "`{text}` takes {count} argument{}, not {}",
+                if count == 1 { "" } else { "s" },
+                arguments.len()
+            );
+            self.diagnostics.error_with_help(place, message, format!("write `{usage}`"));
+            return None;
+        }
+        match builtin {
+            Builtin::Integral => return self.integral(&arguments[0], &arguments[1], place, scope),
+            Builtin::Derivative => return self.derivative(arguments, place, scope),
+            Builtin::Partial => return self.partial(arguments, place, scope).map(Value::Tensor),
+            _ => {}
+        }
+        let values: Vec<_> =
+            arguments.iter().map(|argument| self.tensor(argument, scope, &format!("`{text}`"))).collect();
+        let values = values.into_iter().collect::<Option<Vec<_>>>()?;
+        self.uses = values.iter().copied().zip(arguments.iter().map(|argument| argument.place)).collect();
+        let a = values[0];
+        let tensor = match builtin {
+            Builtin::Dot => self.dot(a, values[1], place)?,
+            Builtin::Inner => self.inner(a, values[1], place)?,
+            Builtin::Outer => self.outer(a, values[1], place)?,
+            Builtin::Map(map) => self.of_tensor(a, place, &text, |a| Operator::Map(map, a))?,
+            Builtin::Determinant => self.of_tensor(a, place, &text, Operator::Determinant)?,
+            Builtin::Inverse => self.of_tensor(a, place, &text, Operator::Inverse)?,
+            Builtin::Cofactor => self.of_tensor(a, place, &text, Operator::Cofactor)?,
+            Builtin::Gradient => self.gradient(a, place)?,
+            Builtin::Divergence => self.divergence(a, place)?,
+            Builtin::Strain => self.strain(a, place)?,
+            Builtin::Apply(function) => {
+                let a = self.expect_scalar(a, &text)?;
+                self.arena.push(Operator::Apply(function, a), vec![], place)
+            }
+            Builtin::Power | Builtin::Minimum | Builtin::Maximum => {
+                let (a, b) = (self.expect_scalar(a, &text), self.expect_scalar(values[1], &text));
+                let (a, b) = (a?, b?);
+                let operator = match builtin {
+                    Builtin::Power => Operator::Power(a, b),
+                    Builtin::Minimum => Operator::Minimum(a, b),
+                    _ => Operator::Maximum(a, b),
+                };
+                self.arena.push(operator, vec![], place)
+            }
+            Builtin::Integral | Builtin::Derivative | Builtin::Partial => return None,
+        };
+        Some(Value::Tensor(tensor))
+    }
+
+    pub(super) fn call_function(
+        &mut self,
+        index: usize,
+        name: &Ident,
+        arguments: &[Expression],
+        place: Place,
+        scope: &Scope,
+    ) -> Option<Value> {
+        let function = &self.module.functions[index];
+        if self.calls.contains(&index) {
+            let message = match self.calls.last() {
+                Some(last) if *last == index => {
+                    format!("`{name}` calls itself: a weak form cannot be recursive")
+                }
+                _ => format!("`{name}` is being computed already: a weak form cannot be recursive"),
+            };
+            let help = "a function may only call functions that do not lead back to it";
+            self.diagnostics.error_with_help(place, message, help);
+            return None;
+        }
+        let expected = function.arguments.len();
+        if arguments.len() != expected {
+            let list: Vec<String> =
+                function.arguments.iter().map(|argument| argument.name.to_string()).collect();
+            let message = format!(
+                "`{name}` takes {expected} argument{}, not {}",
+                if expected == 1 { "" } else { "s" },
+                arguments.len()
+            );
+            self.diagnostics.error_with_help(place, message, format!("write `{name}({})`", list.join(", ")));
+            return None;
+        }
+        let mut values = Vec::new();
+        for (expression, argument) in arguments.iter().zip(&function.arguments) {
+            let value = self.tensor(expression, scope, &format!("`{name}`"));
+            let value = value.and_then(|value| {
+                let shape = argument.rank.shape(self.dimension);
+                if self.arena.shape(value) == shape {
+                    return Some(Value::Tensor(value));
+                }
+                let message = format!(
+                    "the argument `{}` of `{name}` is {}, this is {}",
+                    argument.name,
+                    describe(&shape, self.dimension),
+                    self.describe(value)
+                );
+                self.diagnostics.error(expression.place, message);
+                None
+            });
+            values.push(value);
+        }
+        // A mistake in an argument has been told; the call itself gives nothing.
+        if values.iter().any(Option::is_none) {
+            return None;
+        }
+        self.inline(index, values)
+    }
+}

@@ -1,0 +1,250 @@
+//! Integrals and their arithmetic, and the derivatives that are asked for by name.
+
+use proc_macro2::Ident;
+
+use super::Term;
+use super::builtins;
+use super::evaluate::{Evaluator, Scope, Value};
+use crate::diagnostics::Place;
+use crate::parse::syntax::*;
+use crate::tensor::{Geometry, Operator, Tensor, Variable};
+
+impl Evaluator<'_> {
+    pub(super) fn integral(
+        &mut self,
+        region: &Expression,
+        density: &Expression,
+        place: Place,
+        scope: &Scope,
+    ) -> Option<Value> {
+        let regions = &self.module.regions;
+        let found = match &region.kind {
+            ExpressionKind::Name(name) => regions.iter().position(|region| region.name == *name),
+            _ => None,
+        };
+        let swapped = match &density.kind {
+            ExpressionKind::Name(name) => regions.iter().find(|region| region.name == *name),
+            _ => None,
+        };
+        if let (None, Some(swapped)) = (found, swapped) {
+            let help = format!("write `integral({}, density)`", swapped.name);
+            self.diagnostics.error_with_help(density.place, "the region comes first in `integral`", help);
+            self.tensor(region, scope, "`integral`");
+            return None;
+        }
+        let Some(index) = found else {
+            let names: Vec<String> = regions.iter().map(|region| region.name.to_string()).collect();
+            let near = match &region.kind {
+                ExpressionKind::Name(name) => {
+                    builtins::nearest(&name.to_string(), names.iter().map(String::as_str))
+                }
+                _ => None,
+            };
+            let help = match (near, names.is_empty()) {
+                (Some(near), _) => format!("did you mean `{near}`?"),
+                (None, false) => format!("the regions of this module are `{}`", names.join("`, `")),
+                (None, true) => {
+                    "declare `#[cells] pub struct Omega;` or `#[facets] pub struct Gamma;`".into()
+                }
+            };
+            self.diagnostics.error_with_help(
+                region.place,
+                "the first argument of `integral` is not a declared region",
+                help,
+            );
+            self.tensor(density, scope, "`integral`");
+            return None;
+        };
+        let density = self.tensor(density, scope, "`integral`")?;
+        let density = self.expect_scalar(density, "integral")?;
+        if self.module.is_mistaken(&regions[index].name) {
+            return None;
+        }
+        if !regions[index].facets {
+            self.check_cell_geometry(density, &regions[index].name);
+        }
+        // The whole call is the density's place: errors on linearity speak of the integral.
+        let _ = place;
+        Some(Value::Form(vec![Term { region: index, density }]))
+    }
+
+    pub(super) fn check_cell_geometry(&mut self, density: Tensor, region: &Ident) {
+        for node in self.arena.reachable(&[density]) {
+            let what = match self.arena.node(node).operator {
+                Operator::Geometry(Geometry::Normal) => "the normal",
+                Operator::Geometry(Geometry::FacetArea) => "the area of a facet",
+                Operator::Geometry(Geometry::Curvature) => "the curvature",
+                _ => continue,
+            };
+            self.diagnostics.error_with_help(
+                self.arena.place(node),
+                format!("{what} does not exist inside cells, and `{region}` consists of cells"),
+                "integrate this over a region declared `#[facets]`",
+            );
+        }
+    }
+
+    pub(super) fn derivative(
+        &mut self,
+        arguments: &[Expression],
+        place: Place,
+        scope: &Scope,
+    ) -> Option<Value> {
+        let form = self.evaluate(&arguments[0], scope);
+        let field = self.tensor(&arguments[1], scope, "`derivative`");
+        let direction = self.tensor(&arguments[2], scope, "`derivative`");
+        let (form, field, direction) = (form?, field?, direction?);
+        let variable = match self.arena.node(field).operator {
+            Operator::Field { field, gradient: false } => Variable::Field(field),
+            Operator::Parameter(index) => Variable::Parameter(index),
+            _ => {
+                self.diagnostics.error_with_help(
+                    arguments[1].place,
+                    "`derivative` differentiates with respect to a field, and this is not one",
+                    "name an argument of the form; `diff(expression, name)` differentiates by any `let` name",
+                );
+                return None;
+            }
+        };
+        if self.arena.shape(field) != self.arena.shape(direction) {
+            let message = format!(
+                "the direction has the field's rank: the field is {}, this is {}",
+                self.describe(field),
+                self.describe(direction)
+            );
+            self.diagnostics.error(arguments[2].place, message);
+            return None;
+        }
+        let mut gateaux = |expression: Tensor| {
+            let shape = self.arena.shape(expression).to_vec();
+            self.arena.push(Operator::Gateaux { expression, variable, direction }, shape, place)
+        };
+        Some(match form {
+            Value::Tensor(density) => Value::Tensor(gateaux(density)),
+            Value::Form(terms) => Value::Form(
+                terms
+                    .iter()
+                    .map(|term| Term { region: term.region, density: gateaux(term.density) })
+                    .collect(),
+            ),
+        })
+    }
+
+    pub(super) fn partial(
+        &mut self,
+        arguments: &[Expression],
+        place: Place,
+        scope: &Scope,
+    ) -> Option<Tensor> {
+        let expression = self.tensor(&arguments[0], scope, "`diff`");
+        let name = self.tensor(&arguments[1], scope, "`diff`");
+        let (expression, name) = (expression?, name?);
+        let local = match &arguments[1].kind {
+            ExpressionKind::Name(text) => scope.contains_key(&text.to_string()),
+            _ => false,
+        };
+        let variable = match self.arena.node(name).operator {
+            Operator::Field { field, gradient: false } => Variable::Field(field),
+            Operator::Parameter(index) => Variable::Parameter(index),
+            // Even a constant: an argument that is the identity here is something else elsewhere.
+            _ if local => Variable::Node(name),
+            Operator::Number(_) | Operator::Identity | Operator::Geometry(_) => {
+                self.diagnostics.error(arguments[1].place, "`diff` by a constant: there is nothing to vary");
+                return None;
+            }
+            _ => {
+                self.diagnostics.error_with_help(
+                    arguments[1].place,
+                    "`diff` differentiates by a name, and this is an expression",
+                    "give it a name first: `let w = ..; diff(f(w), w)`",
+                );
+                return None;
+            }
+        };
+        if matches!(variable, Variable::Node(node) if !self.arena.reachable(&[expression]).contains(&node)) {
+            self.diagnostics.error_with_help(
+                arguments[1].place,
+                "this name does not stand in the expression: the derivative would be zero everywhere",
+                "use the name itself in the expression, not what it stands for: `let w = ..; diff(f(w), w)`",
+            );
+            return None;
+        }
+        let shape = [self.arena.shape(expression), self.arena.shape(name)].concat();
+        if shape.len() > 4 {
+            self.diagnostics.error(place, "`diff` would give a tensor of rank above 4");
+            return None;
+        }
+        Some(self.arena.push(Operator::Partial(expression, variable), shape, place))
+    }
+
+    /// Terms times a factor, or negated.
+    pub(super) fn scale_terms(&mut self, terms: Vec<Term>, factor: Option<Tensor>) -> Vec<Term> {
+        let mut scaled = Vec::new();
+        for term in terms {
+            let operator = match factor {
+                Some(factor) => Operator::Scale(factor, term.density),
+                None => Operator::Negate(term.density),
+            };
+            // Keep the density's own place: that is where a later mistake is.
+            let own = self.arena.place(term.density);
+            scaled.push(Term { region: term.region, density: self.arena.push(operator, vec![], own) });
+        }
+        scaled
+    }
+
+    pub(super) fn binary_form(
+        &mut self,
+        operator: BinaryOperator,
+        left: Value,
+        right: Value,
+        place: Place,
+    ) -> Option<Value> {
+        use BinaryOperator::*;
+        match (operator, left, right) {
+            (Add, Value::Form(mut left), Value::Form(right)) => {
+                left.extend(right);
+                Some(Value::Form(left))
+            }
+            (Subtract, Value::Form(mut left), Value::Form(right)) => {
+                left.extend(self.scale_terms(right, None));
+                Some(Value::Form(left))
+            }
+            (Multiply, Value::Tensor(factor), Value::Form(terms))
+            | (Multiply, Value::Form(terms), Value::Tensor(factor)) => {
+                let factor = self.constant_factor(factor)?;
+                Some(Value::Form(self.scale_terms(terms, Some(factor))))
+            }
+            (Divide, Value::Form(terms), Value::Tensor(divisor)) => {
+                let divisor = self.constant_factor(divisor)?;
+                let one = self.arena.push(Operator::Number(1.0), vec![], place);
+                let factor = self.arena.push(Operator::Divide(one, divisor), vec![], place);
+                Some(Value::Form(self.scale_terms(terms, Some(factor))))
+            }
+            _ => {
+                let help = "integrals are added, subtracted, and multiplied or divided by a constant";
+                self.diagnostics.error_with_help(
+                    place,
+                    "this operation between integrals has no meaning",
+                    help,
+                );
+                None
+            }
+        }
+    }
+
+    /// What stands before an integral must not vary in space.
+    pub(super) fn constant_factor(&mut self, factor: Tensor) -> Option<Tensor> {
+        let factor = self.expect_scalar(factor, "a factor of an integral")?;
+        for node in self.arena.reachable(&[factor]) {
+            if matches!(self.arena.node(node).operator, Operator::Field { .. } | Operator::Geometry(_)) {
+                self.diagnostics.error_with_help(
+                    self.arena.place(node),
+                    "this varies in space and cannot stand outside the integral",
+                    "move it into the density",
+                );
+                return None;
+            }
+        }
+        Some(factor)
+    }
+}

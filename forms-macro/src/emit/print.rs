@@ -1,0 +1,184 @@
+//! Instructions → straight-line Rust.
+
+use std::collections::HashMap;
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::straight_line::{Code, Instruction, Level, Value};
+use crate::optimise::scalar::Node;
+use crate::tensor::Function;
+
+/// The text of one function, and what it wants from the functions before it.
+pub struct Body {
+    pub statements: TokenStream,
+    pub results: Vec<TokenStream>,
+}
+
+/// Values that one function leaves to later ones, in the order of their slots.
+#[derive(Default)]
+pub struct Store {
+    pub values: Vec<Value>,
+}
+
+impl Store {
+    fn slot(&mut self, value: Value) -> usize {
+        self.values.iter().position(|known| *known == value).unwrap_or_else(|| {
+            self.values.push(value);
+            self.values.len() - 1
+        })
+    }
+}
+
+/// Keeps what a function asks of the functions before it: values known with the form's parameters,
+/// and values of the cell.
+pub struct Demand<'s> {
+    pub form: &'s mut Store,
+    pub cell: &'s mut Store,
+}
+
+impl Demand<'_> {
+    /// The text of an earlier value in a function that sees `self.form` and `cell`.
+    pub fn text(&mut self, value: Value, level: Level) -> TokenStream {
+        match level {
+            Level::Form => {
+                let slot = self.form.slot(value);
+                quote! { L::splat(self.form[#slot]) }
+            }
+            _ => {
+                let slot = self.cell.slot(value);
+                quote! { cell[#slot] }
+            }
+        }
+    }
+}
+
+/// The text of an earlier value in a function that sees only what the point left.
+pub fn from_point(store: &mut Store, value: Value) -> TokenStream {
+    let slot = store.slot(value);
+    quote! { point[#slot] }
+}
+
+impl Code<'_> {
+    /// Prints the function of a level that computes `roots`. Terminals are printed by `terminal`;
+    /// values of earlier levels are asked for by `earlier`, which gives their text.
+    pub fn print(
+        &self,
+        roots: &[Value],
+        level: Level,
+        terminal: &dyn Fn(&Node) -> TokenStream,
+        earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
+    ) -> Body {
+        // What this function computes itself, operands first.
+        let mut own: Vec<Value> = Vec::new();
+        let mut pending: Vec<Value> = roots.to_vec();
+        let mut seen = vec![false; self.instructions.len()];
+        while let Some(value) = pending.pop() {
+            if std::mem::replace(&mut seen[value.0 as usize], true) {
+                continue;
+            }
+            let instruction = self.instruction(value);
+            if self.level(value) == level || instruction.is_truth() {
+                own.push(value);
+                pending.extend(instruction.operands());
+            }
+        }
+        own.sort_unstable();
+        let mut texts: HashMap<Value, TokenStream> = HashMap::new();
+        let mut statements = TokenStream::new();
+        for value in own {
+            let right = self.print_instruction(value, terminal, earlier, &mut texts);
+            let name = format_ident!("t{}", value.0);
+            statements.extend(quote! { let #name = #right; });
+            texts.insert(value, quote! { #name });
+        }
+        let results = roots.iter().map(|root| self.text(*root, earlier, &mut texts)).collect();
+        Body { statements, results }
+    }
+
+    fn text(
+        &self,
+        value: Value,
+        earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
+        texts: &mut HashMap<Value, TokenStream>,
+    ) -> TokenStream {
+        if let Some(text) = texts.get(&value) {
+            return text.clone();
+        }
+        let text = match self.instruction(value) {
+            Instruction::Number(bits) => print_number(f64::from_bits(*bits)),
+            _ => earlier(value, self.level(value)),
+        };
+        texts.insert(value, text.clone());
+        text
+    }
+
+    fn print_instruction(
+        &self,
+        value: Value,
+        terminal: &dyn Fn(&Node) -> TokenStream,
+        earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
+        texts: &mut HashMap<Value, TokenStream>,
+    ) -> TokenStream {
+        use Instruction::*;
+        let instruction = self.instruction(value).clone();
+        let operands: Vec<TokenStream> =
+            instruction.operands().iter().map(|operand| self.text(*operand, earlier, texts)).collect();
+        let [a, b, c] = std::array::from_fn(|index| operands.get(index).cloned().unwrap_or_default());
+        match instruction {
+            Number(bits) => print_number(f64::from_bits(bits)),
+            Terminal(scalar) => terminal(self.graph.node(scalar)),
+            Add(..) => quote! { #a + #b },
+            Subtract(..) => quote! { #a - #b },
+            Multiply(..) => quote! { #a * #b },
+            MultiplyAdd(..) => quote! { L::multiply_add(#a, #b, #c) },
+            Divide(..) => quote! { #a / #b },
+            Negate(_) => quote! { -#a },
+            Apply(function, _) => {
+                let name = format_ident!("{}", function_name(function));
+                quote! { L::#name(#a) }
+            }
+            Power(..) => quote! { L::powf(#a, #b) },
+            Minimum(..) => quote! { L::minimum(#a, #b) },
+            Maximum(..) => quote! { L::maximum(#a, #b) },
+            Select(..) => quote! { L::select(#a, #b, #c) },
+            Less(..) => quote! { L::less(#a, #b) },
+            LessEqual(..) => quote! { L::less_equal(#a, #b) },
+            Equal(..) => quote! { L::equal(#a, #b) },
+            And(..) => quote! { L::and(#a, #b) },
+            Or(..) => quote! { L::or(#a, #b) },
+            Not(_) => quote! { L::not(#a) },
+        }
+    }
+}
+
+fn print_number(value: f64) -> TokenStream {
+    if value.is_nan() {
+        quote! { L::splat(f64::NAN) }
+    } else if value.is_infinite() {
+        if value > 0.0 {
+            quote! { L::splat(f64::INFINITY) }
+        } else {
+            quote! { L::splat(f64::NEG_INFINITY) }
+        }
+    } else if value < 0.0 {
+        let value = -value;
+        quote! { L::splat(-#value) }
+    } else {
+        quote! { L::splat(#value) }
+    }
+}
+
+/// Name of the `Lane` method; the kinks have become selects.
+fn function_name(function: Function) -> &'static str {
+    match function {
+        Function::Sqrt => "sqrt",
+        Function::Exp => "exp",
+        Function::Ln => "ln",
+        Function::Sin => "sin",
+        Function::Cos => "cos",
+        Function::Tan => "tan",
+        Function::Tanh => "tanh",
+        _ => "abs",
+    }
+}
