@@ -197,6 +197,37 @@ fn projections_reproduce_what_the_space_holds_and_converge_elsewhere() {
     assert!(along.iter().all(|sample| sample.position[0] == 0.0 && sample.value[0].abs() < 1e-14));
 }
 
+/// Facets with several local numbers in one region: values stand in the region's order, each with its own
+/// normal. On the boundary of the unit square the normal component of 2x − (1, 1) is 1.
+#[test]
+fn derived_fields_on_facets_keep_the_order_of_the_region() {
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [3, 2], shape, 1).unwrap());
+        let assembler = Assembler::new(&mesh);
+        let space = Space::vector(&mesh, 1).unwrap();
+        let field = Field::interpolate(&space, |x| [2.0 * x[0] - 1.0, 2.0 * x[1] - 1.0]).unwrap();
+        let expression = measured::normal_component(&data(), &field);
+        let samples = assembler.along_facets_uniformly(&expression, "boundary", 3).unwrap();
+        let facets = mesh.boundary_facets();
+        let locals: std::collections::BTreeSet<u8> = facets.iter().map(|facet| facet.local).collect();
+        assert!(locals.len() > 1);
+        assert_eq!(samples.len(), 3 * facets.len());
+        for (samples, facet) in samples.chunks(3).zip(facets) {
+            // The sample in the middle is the middle of the facet that it names.
+            assert!(samples.iter().all(|sample| sample.facet == *facet));
+            let ends = mesh.shape().edges()[usize::from(facet.local)]
+                .map(|vertex| mesh.nodes()[mesh.cell(facet.cell as usize)[vertex] as usize]);
+            for k in 0..2 {
+                close(samples[1].position[k], (ends[0][k] + ends[1][k]) / 2.0, 1e-15);
+            }
+            samples.iter().for_each(|sample| close(sample.value[0], 1.0, 1e-14));
+        }
+        let points = assembler.at_quadrature_points(&expression, Entity::Facets, "boundary", 2).unwrap();
+        close(points.weights.iter().sum(), 4.0, 1e-14);
+        points.values.iter().for_each(|value| close(value[0], 1.0, 1e-14));
+    }
+}
+
 #[test]
 fn norms_and_errors_of_polynomials() {
     let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [3, 2], CellShape::Quadrilateral, 1).unwrap());

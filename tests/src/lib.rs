@@ -1,1 +1,8 @@
-//! Placeholder.
+//! What the whole-system tests share: the reader of the reference files, small distorted bodies, the
+//! contact forms evaluated by plain loops, Taylor tests.
+
+pub mod bodies;
+pub mod contact_by_loops;
+pub mod dense;
+pub mod reference_file;
+pub mod taylor;

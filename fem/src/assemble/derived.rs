@@ -1,6 +1,7 @@
 //! Derived fields: any function of a forms module at points, at quadrature points, along facets, or
 //! projected to a space.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use forms_core::contract::{Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral};
@@ -14,7 +15,7 @@ use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, S
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
 use crate::norms::{Measure, Measured};
-use crate::quadrature::{QuadratureRule, map_to_facet};
+use crate::quadrature::{FacetRule, QuadratureError, QuadratureRule, map_to_facet};
 use crate::space::Space;
 
 /// A derived field at a list of points.
@@ -108,26 +109,8 @@ impl<const D: usize> Assembler<D> {
             }
             Entity::Facets => {
                 let facets = self.mesh.facet_region(region).map_err(missing)?;
-                self.values(expression, |binding| {
-                    let mut all = Vec::new();
-                    for facet in facets {
-                        let rule = self.quadrature.facet_rule(shape, usize::from(facet.local), degree);
-                        let rule = rule.map_err(quadrature)?;
-                        let place = Some((facet.local, rule.tangents));
-                        let elements = &binding.elements;
-                        all.push(
-                            Group::new(
-                                binding.mesh,
-                                elements,
-                                vec![facet.cell],
-                                &rule.points,
-                                rule.weights,
-                                place,
-                            )
-                            .map_err(quadrature)?,
-                        );
-                    }
-                    Ok(all)
+                self.facet_values(expression, facets, |local| {
+                    self.quadrature.facet_rule(shape, usize::from(local), degree)
                 })?
             }
         };
@@ -149,25 +132,9 @@ impl<const D: usize> Assembler<D> {
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let facets = self.mesh.facet_region(region).map_err(missing)?;
         let rule = QuadratureRule { points: parameters.to_vec(), weights: vec![0.0; parameters.len()] };
-        let found = self.values(expression, |binding| {
-            let mut all = Vec::new();
-            for facet in facets {
-                let group =
-                    map_to_facet::<D>(self.mesh.shape(), usize::from(facet.local), &rule).and_then(|rule| {
-                        let place = Some((facet.local, rule.tangents));
-                        Group::new(
-                            binding.mesh,
-                            &binding.elements,
-                            vec![facet.cell],
-                            &rule.points,
-                            rule.weights,
-                            place,
-                        )
-                    });
-                all.push(group.map_err(|source| AssemblyError::Quadrature { form, source })?);
-            }
-            Ok(all)
-        })?;
+        let shape = self.mesh.shape();
+        let found = self
+            .facet_values(expression, facets, |local| map_to_facet::<D>(shape, usize::from(local), &rule))?;
         let places =
             facets.iter().flat_map(|facet| parameters.iter().map(move |parameter| (*facet, *parameter)));
         let sample =
@@ -261,22 +228,14 @@ impl<const D: usize> Assembler<D> {
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let facets = self.mesh.facet_region(region).map_err(missing)?;
         let points = space.element.node_points::<D>();
-        let quadrature = |source| AssemblyError::Quadrature { form, source };
-        let found = self.values(expression, |binding| {
-            let mut all = Vec::new();
-            for facet in facets {
-                let local = usize::from(facet.local);
-                let empty = QuadratureRule { points: vec![], weights: vec![] };
-                let tangents =
-                    map_to_facet::<D>(self.mesh.shape(), local, &empty).map_err(quadrature)?.tangents;
-                let nodes: Vec<[f64; D]> =
-                    space.element.facet_nodes(local).into_iter().map(|node| points[node]).collect();
-                let (weights, place) = (vec![0.0; nodes.len()], Some((facet.local, tangents)));
-                let group =
-                    Group::new(binding.mesh, &binding.elements, vec![facet.cell], &nodes, weights, place);
-                all.push(group.map_err(quadrature)?);
-            }
-            Ok(all)
+        let found = self.facet_values(expression, facets, |local| {
+            let local = usize::from(local);
+            let empty = QuadratureRule { points: vec![], weights: vec![] };
+            let tangents = map_to_facet::<D>(self.mesh.shape(), local, &empty)?.tangents;
+            let points: Vec<[f64; D]> =
+                space.element.facet_nodes(local).into_iter().map(|node| points[node]).collect();
+            let weights = vec![0.0; points.len()];
+            Ok(FacetRule { points, weights, tangents })
         })?;
         let mut sums = vec![0.0; space.unknowns()];
         let mut counts = vec![0.0_f64; space.node_count()];
@@ -294,6 +253,44 @@ impl<const D: usize> Assembler<D> {
             *sum /= counts[index / components].max(1.0);
         }
         Ok(Field { space: space.clone(), values: Arc::new(sums) })
+    }
+
+    /// (position, weight, value) at the points that `rule` gives for each local facet number, facet after
+    /// facet. Facets of one local number are computed together, because they share their tables.
+    fn facet_values<E: Expression<D>>(
+        &self,
+        expression: &E,
+        facets: &[Facet],
+        rule: impl Fn(u8) -> Result<FacetRule<D>, QuadratureError>,
+    ) -> Result<Vec<PointValue<D>>, AssemblyError> {
+        let form = expression.name();
+        let mut by_local: BTreeMap<u8, Vec<usize>> = BTreeMap::new();
+        for (index, facet) in facets.iter().enumerate() {
+            by_local.entry(facet.local).or_default().push(index);
+        }
+        let mut counts = Vec::new();
+        let found = self.values(expression, |binding| {
+            let mut groups = Vec::new();
+            for (local, indices) in &by_local {
+                let cells = indices.iter().map(|index| facets[*index].cell).collect();
+                let group = rule(*local).and_then(|FacetRule { points, weights, tangents }| {
+                    let place = Some((*local, tangents));
+                    Group::new(binding.mesh, &binding.elements, cells, &points, weights, place)
+                });
+                let group = group.map_err(|source| AssemblyError::Quadrature { form, source })?;
+                counts.push(group.points());
+                groups.push(group);
+            }
+            Ok(groups)
+        })?;
+        let mut found = found.into_iter();
+        let mut ordered = vec![vec![]; facets.len()];
+        for (indices, count) in by_local.values().zip(counts) {
+            for index in indices {
+                ordered[*index] = found.by_ref().take(count).collect();
+            }
+        }
+        Ok(ordered.into_iter().flatten().collect())
     }
 
     /// (position, weight, value) at every point of the groups, in their order.

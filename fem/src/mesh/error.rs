@@ -75,6 +75,16 @@ pub enum MeshError {
         /// Where.
         position: Vec<f64>,
     },
+    /// A listed facet that is not on the boundary.
+    #[error("region \"{name}\": facet {local} of cell {cell} does not exist or is not on the boundary")]
+    NotExterior {
+        /// The region's name.
+        name: String,
+        /// Cell index.
+        cell: u32,
+        /// Local facet number.
+        local: u8,
+    },
     /// More than two cells share a facet.
     #[error("the facet with vertices {vertices:?} belongs to more than two cells: {cells:?}")]
     SharedFacet {

@@ -83,6 +83,28 @@ impl<const D: usize> Mesh<D> {
         self.insert_facets(name, facets)
     }
 
+    /// Names the facets of a list, for example one read from a file; their order does not matter, and one
+    /// that is listed twice counts once.
+    ///
+    /// # Errors
+    /// [`MeshError::NotExterior`] for a facet that is not on the boundary (or does not exist),
+    /// [`MeshError::RegionExists`] when a cell or facet region has this name, [`MeshError::EmptyRegion`] for
+    /// an empty list.
+    pub fn name_listed_facets(&mut self, name: &str, facets: &[Facet]) -> Result<(), MeshError> {
+        let boundary = self.boundary_facets();
+        if let Some(facet) = facets.iter().find(|facet| boundary.binary_search(facet).is_err()) {
+            return Err(MeshError::NotExterior {
+                name: name.to_owned(),
+                cell: facet.cell,
+                local: facet.local,
+            });
+        }
+        let mut facets = facets.to_vec();
+        facets.sort_unstable();
+        facets.dedup();
+        self.insert_facets(name, facets)
+    }
+
     pub(super) fn insert_facets(&mut self, name: &str, facets: Vec<Facet>) -> Result<(), MeshError> {
         self.check_name(name, "facet", facets.is_empty())?;
         self.facet_regions.insert(name.to_owned(), facets);
@@ -117,6 +139,23 @@ mod tests {
         assert_eq!(contact.iter().map(|facet| facet.cell).collect::<Vec<_>>(), [1, 2, 3]);
         assert_eq!(mesh.cell_region(EVERYWHERE)?.len(), 8);
         assert_eq!(mesh.facet_region(BOUNDARY)?.len(), 12);
+        Ok(())
+    }
+
+    #[test]
+    fn facets_by_list() -> Result<(), MeshError> {
+        let mut mesh = rectangle([0.0, 0.0], [4.0, 2.0], [4, 2], CellShape::Quadrilateral, 1)?;
+        let (first, second) = (Facet { cell: 0, local: 3 }, Facet { cell: 7, local: 2 });
+        mesh.name_listed_facets("corners", &[second, first, second])?;
+        assert_eq!(mesh.facet_region("corners")?, [first, second]);
+        // Between cells 0 and 1; no such local number; no such cell.
+        for facet in [(0, 1), (0, 4), (8, 0)].map(|(cell, local)| Facet { cell, local }) {
+            let error =
+                MeshError::NotExterior { name: "inside".into(), cell: facet.cell, local: facet.local };
+            assert_eq!(mesh.name_listed_facets("inside", &[first, facet]), Err(error));
+        }
+        let error = MeshError::EmptyRegion { name: "nothing".into(), entity: "facet" };
+        assert_eq!(mesh.name_listed_facets("nothing", &[]), Err(error));
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Lines on a body: edges of cells, outlines, arrows.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use super::body::{Body, field_values, joined};
 use super::colour_map::Colour;
@@ -67,7 +67,8 @@ pub(super) fn arrow_samples(body: &Body<'_>, field: &Field<2>) -> Vec<([f64; 2],
     positions.into_iter().zip(cells.map(value)).collect()
 }
 
-/// Draws at most one arrow in each square of a grid on the page.
+/// Draws at most one arrow in each square of a grid on the page: that of the sample next to its centre,
+/// and none too close to another one.
 pub(super) fn draw_arrows(
     drawing: &mut Drawing,
     arrows: &[([f64; 2], [f64; 2])],
@@ -76,14 +77,29 @@ pub(super) fn draw_arrows(
     area: Rectangle,
 ) {
     const SPACING: f64 = 18.0;
-    let mut taken = BTreeSet::new();
+    let middle = [area.left + area.width / 2.0, area.top + area.height / 2.0];
+    let mut nearest: BTreeMap<[i64; 2], (f64, Point, [f64; 2])> = BTreeMap::new();
     for (position, u) in arrows {
         let at = place(*position);
-        let square = ((at[0] / SPACING).floor() as i64, (at[1] / SPACING).floor() as i64);
+        let square = [0, 1].map(|k| ((at[k] - middle[k]) / SPACING).round());
+        let [dx, dy] = [0, 1].map(|k| at[k] - middle[k] - square[k] * SPACING);
+        let candidate = (dx.hypot(dy), at, *u);
+        let chosen = nearest.entry(square.map(|x| x as i64)).or_insert(candidate);
+        if candidate.0 < chosen.0 {
+            *chosen = candidate;
+        }
+    }
+    // A square at the rim may have no sample near its centre: it gives way to its neighbours.
+    let mut candidates: Vec<_> = nearest.into_values().collect();
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut drawn: Vec<Point> = Vec::new();
+    for (_, at, u) in candidates {
         let length = SPACING * 1.1 * u[0].hypot(u[1]) / longest;
-        if !area.contains(at) || !taken.insert(square) || length.is_nan() || length < 1.0 {
+        let too_close = |other: &Point| (other[0] - at[0]).hypot(other[1] - at[1]) < 0.75 * SPACING;
+        if !area.contains(at) || length.is_nan() || length < 1.0 || drawn.iter().any(too_close) {
             continue;
         }
+        drawn.push(at);
         let size = u[0].hypot(u[1]);
         let direction = [u[0] / size, -u[1] / size];
         let along = |t: f64, side: f64| {

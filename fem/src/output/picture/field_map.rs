@@ -218,6 +218,10 @@ impl<'a> FieldMap<'a> {
             let largest = low.abs().max(high.abs());
             (low, high) = (-largest, largest);
         }
+        // A range that begins near zero begins at zero, so that the colour bar shows it.
+        if low > 0.0 && low < 0.1 * high {
+            low = 0.0;
+        }
         // A constant field gets a range about its value.
         let middle = (low + high) / 2.0;
         if high - low <= 1e-9 * middle.abs() || high <= low {

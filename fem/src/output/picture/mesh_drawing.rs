@@ -42,8 +42,16 @@ impl<'a> MeshDrawing<'a> {
     ///
     /// # Errors
     /// [`PictureError::Mesh`] if there is no such region.
-    pub fn region(mut self, name: &str) -> Result<Self, PictureError> {
-        self.regions.push((name.into(), self.mesh.facet_region(name)?.to_vec()));
+    pub fn region(self, name: &str) -> Result<Self, PictureError> {
+        self.named_region(name, name)
+    }
+
+    /// Draws a region of facets in a colour of its own, with another name than its own in the legend.
+    ///
+    /// # Errors
+    /// [`PictureError::Mesh`] if there is no such region.
+    pub fn named_region(mut self, region: &str, name: &str) -> Result<Self, PictureError> {
+        self.regions.push((name.into(), self.mesh.facet_region(region)?.to_vec()));
         Ok(self)
     }
 

@@ -158,8 +158,9 @@ impl ShadedSurface {
             return;
         }
         // Barycentric coordinates are linear in x and y; a sample on an edge belongs to both sides.
+        let scale = 1.0 / area;
         let weight = |p: Point, q: Point, at: Point| {
-            ((q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0])) / area
+            ((q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0])) * scale
         };
         let inside = -1e-9;
         for row in (top.ceil().max(0.0) as usize)..rows.min(bottom as usize + 1) {

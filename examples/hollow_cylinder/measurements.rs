@@ -1,0 +1,235 @@
+//! What the program reports; the JSON file has these names.
+
+use forms_contact::hollow_cylinder::{self as cylinder, CylinderSolution, Settings};
+use forms_fem::norms::{Norms, norms};
+use forms_fem::prelude::*;
+use forms_fem::solve::SolverReport;
+use serde::Serialize;
+
+use crate::Outcome;
+
+/// Where u and p are given \[cm\].
+const POINTS: [[f64; 2]; 3] = [[0.0, -25.0], [25.0, 0.0], [0.0, 25.0]];
+
+/// Everything that is measured: lengths in cm, stresses in MPa, forces in MPa·cm.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measurements {
+    /// Version of this program and its packages.
+    pub version: &'static str,
+    /// System and processor.
+    pub platform: String,
+    /// Whether the compiler was asked for speed; seconds mean little otherwise.
+    pub release_build: bool,
+    pub settings: SettingsUsed,
+    pub cells: usize,
+    /// Before elimination of the prescribed ones.
+    pub unknowns: usize,
+    pub prescribed_unknowns: usize,
+    /// Newton steps.
+    pub newton_iterations: usize,
+    /// The start and each iterate.
+    pub newton_history: Vec<Iterate>,
+    /// The criterion (3).
+    #[serde(rename = "J")]
+    pub criterion: f64,
+    pub u_l2: f64,
+    pub u_h1: f64,
+    /// p̃_h of (21).
+    pub p_discrete_l2: f64,
+    pub p_discrete_h1: f64,
+    /// p_h of (22).
+    pub p_consistent_l2: f64,
+    pub p_consistent_h1: f64,
+    /// p_h of (41).
+    pub p_extended_l2: f64,
+    pub p_extended_h1: f64,
+    /// ∫ \[σ_n − γ(u_n − g)\]₋ \[MPa·cm\].
+    pub contact_force: f64,
+    /// |Γ^h_C,a| \[cm\].
+    pub contact_length: f64,
+    /// The largest u_n − g at 21 points per facet \[cm\].
+    pub max_penetration: f64,
+    pub points: Vec<AtPoint>,
+    /// γ₀ \[MPa\] below which the method need not be stable; 0 at θ = −1.
+    pub required_gamma0: f64,
+    pub solver: Solver,
+    pub seconds: Seconds,
+    /// 10⁶ bytes; null where the system does not say.
+    pub peak_rss_mb: Option<f64>,
+}
+
+/// The settings with their derived values.
+#[derive(Clone, Debug, Serialize)]
+pub struct SettingsUsed {
+    pub radial: usize,
+    pub around: usize,
+    pub theta: f64,
+    /// γ₀ / E.
+    pub gamma0_over_young: f64,
+    /// γ₀ \[MPa\].
+    pub gamma0: f64,
+    /// E \[MPa\].
+    pub young: f64,
+    pub poisson: f64,
+    /// Degree of the quadrature.
+    pub degree: usize,
+    /// C of (41).
+    pub xi: f64,
+}
+
+/// A Newton iterate.
+#[derive(Clone, Debug, Serialize)]
+pub struct Iterate {
+    pub iteration: usize,
+    pub residual: f64,
+    pub relative_residual: f64,
+    /// Quadrature points of Γ_C in contact.
+    pub active_points: Option<usize>,
+    pub active_set_changed: Option<bool>,
+    /// ‖δu‖₂ of the step that led here.
+    pub step: Option<f64>,
+    /// Krylov iterations of that step; 0 for a direct solution.
+    pub linear_iterations: Option<usize>,
+}
+
+/// u of (14) and p of (22) at a point.
+#[derive(Clone, Debug, Serialize)]
+pub struct AtPoint {
+    pub x: [f64; 2],
+    pub u: Vec<f64>,
+    pub p: Vec<f64>,
+}
+
+/// What the linear solver did for the direct and the adjoint problems.
+#[derive(Clone, Debug, Serialize)]
+pub struct Solver {
+    pub analyses: usize,
+    pub factorisations: usize,
+    pub indefinite_factorisations: usize,
+    pub factor_entries: usize,
+    pub solves: usize,
+    /// Krylov iterations of each solve; 0 for a direct one.
+    pub iterations: Vec<usize>,
+    /// Largest relative residual of a solve.
+    pub largest_residual: f64,
+}
+
+/// Seconds per stage.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Seconds {
+    /// Mesh, space, matrix pattern, threshold of γ₀.
+    pub setup: f64,
+    /// Assembly of the direct problem.
+    pub assembly: f64,
+    /// Symbolic analysis and factorisations of the direct problem.
+    pub factorisation: f64,
+    /// The whole direct solve once mesh and spaces exist.
+    pub newton_total: f64,
+    /// The three adjoint states.
+    pub adjoint: f64,
+    /// Norms and values at points.
+    pub norms: f64,
+    /// Stress, von Mises stress, gap and contact pressure.
+    pub derived_fields: f64,
+    /// The `.vtu` file.
+    pub vtu: f64,
+    pub pictures: f64,
+    pub total: f64,
+}
+
+impl Measurements {
+    /// Computes the norms and collects the rest.
+    pub fn new(settings: &Settings, solution: &CylinderSolution) -> Outcome<Measurements> {
+        let start = std::time::Instant::now();
+        let assembler = &solution.problem.assembler;
+        let of = |field: &Field<2>| -> Result<Norms, AssemblyError> { norms(assembler, field) };
+        let (u, discrete) = (of(&solution.u)?, of(&solution.p_discrete)?);
+        let (consistent, extended) = (of(&solution.p_consistent)?, of(&solution.p_extended)?);
+        let mut points = Vec::new();
+        for x in POINTS {
+            points.push(AtPoint { x, u: solution.u.evaluate(&x)?, p: solution.p_consistent.evaluate(&x)? });
+        }
+        let space = &solution.problem.space;
+        let seconds = Seconds {
+            setup: solution.seconds.setup,
+            assembly: solution.seconds.assembly,
+            factorisation: solution.seconds.factorisation,
+            newton_total: solution.seconds.newton_total,
+            adjoint: solution.seconds.adjoint,
+            norms: start.elapsed().as_secs_f64(),
+            ..Seconds::default()
+        };
+        Ok(Measurements {
+            version: env!("CARGO_PKG_VERSION"),
+            platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            release_build: !cfg!(debug_assertions),
+            settings: SettingsUsed::of(settings),
+            cells: space.mesh().cell_count(),
+            unknowns: space.unknowns(),
+            prescribed_unknowns: solution.problem.constraints.prescribed().len(),
+            newton_iterations: solution.history.len().saturating_sub(1),
+            newton_history: solution.history.iter().map(Iterate::from).collect(),
+            criterion: solution.criterion,
+            u_l2: u.l2,
+            u_h1: u.h1,
+            p_discrete_l2: discrete.l2,
+            p_discrete_h1: discrete.h1,
+            p_consistent_l2: consistent.l2,
+            p_consistent_h1: consistent.h1,
+            p_extended_l2: extended.l2,
+            p_extended_h1: extended.h1,
+            contact_force: solution.contact_force,
+            contact_length: solution.contact_length,
+            max_penetration: solution.max_penetration,
+            points,
+            required_gamma0: solution.required_gamma0,
+            solver: Solver::of(&solution.solver),
+            seconds,
+            peak_rss_mb: None,
+        })
+    }
+}
+
+impl SettingsUsed {
+    fn of(settings: &Settings) -> SettingsUsed {
+        SettingsUsed {
+            radial: settings.radial,
+            around: cylinder::CELLS_AROUND * settings.radial,
+            theta: settings.theta,
+            gamma0_over_young: settings.gamma0_over_young,
+            gamma0: settings.gamma0_over_young * settings.young,
+            young: settings.young,
+            poisson: settings.poisson,
+            degree: settings.degree,
+            xi: settings.extension,
+        }
+    }
+}
+
+impl From<&NewtonStep> for Iterate {
+    fn from(step: &NewtonStep) -> Iterate {
+        Iterate {
+            iteration: step.iteration,
+            residual: step.residual,
+            relative_residual: step.relative_residual,
+            active_points: step.active_points,
+            active_set_changed: step.active_set_changed,
+            step: step.step,
+            linear_iterations: step.linear_iterations,
+        }
+    }
+}
+
+impl Solver {
+    fn of(report: &SolverReport) -> Solver {
+        Solver {
+            analyses: report.analyses,
+            factorisations: report.factorisations,
+            indefinite_factorisations: report.indefinite_factorisations,
+            factor_entries: report.factor_entries,
+            solves: report.solves,
+            iterations: report.iterations.clone(),
+            largest_residual: report.largest_residual,
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The command line.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+use forms_contact::hollow_cylinder::Settings;
+
+use crate::Outcome;
+
+/// Solves the hollow cylinder of Bretin, Chapelat, Douanla-Lontsi, Homolle and Renard (2023), Section 5:
+/// radii 20 cm and 30 cm, plane strain, the inner circle moved down by 1 cm, a flat obstacle at y = -30 cm.
+///
+/// Lengths are in cm, stresses in MPa, forces in MPa·cm (per cm of depth). Prints a table and writes
+/// hollow_cylinder.vtu and pictures.
+#[derive(Clone, Debug, Parser)]
+#[command(version, name = "hollow_cylinder", allow_negative_numbers = true)]
+pub struct Options {
+    /// Cells across the thickness; there are 16 times as many around
+    #[arg(long, value_name = "N", default_value = "16", value_parser = whole_number)]
+    radial: usize,
+    /// Variant of Nitsche's method: -1 skew-symmetric, 0 incomplete, 1 symmetric
+    #[arg(long, value_name = "T", default_value = "-1", value_parser = number)]
+    theta: f64,
+    /// Nitsche's parameter gamma0, in units of E
+    #[arg(long, value_name = "G", default_value = "10", value_parser = number)]
+    gamma0: f64,
+    /// Young's modulus E [MPa]
+    #[arg(long, value_name = "E", default_value = "100", value_parser = number)]
+    young: f64,
+    /// Poisson's ratio
+    #[arg(long, value_name = "NU", default_value = "0.3", value_parser = number)]
+    poisson: f64,
+    /// Degree of the quadrature on cells and contact facets
+    #[arg(long, value_name = "Q", default_value = "8", value_parser = whole_number)]
+    degree: usize,
+    /// C in xi = C sqrt(h) of the extended-Neumann adjoint (41) [MPa/sqrt(cm)]
+    #[arg(long, value_name = "C", default_value = "1", value_parser = number)]
+    xi: f64,
+    /// Writes all results to this file too; its directory must exist
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Directory of the .vtu file and the pictures; made where it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+impl Options {
+    /// The experiment's settings, checked.
+    pub fn settings(&self) -> Outcome<Settings> {
+        let settings = Settings {
+            radial: self.radial,
+            theta: self.theta,
+            gamma0_over_young: self.gamma0,
+            young: self.young,
+            poisson: self.poisson,
+            degree: self.degree,
+            extension: self.xi,
+        };
+        settings.check()?;
+        // Each factor may be a number and their product none.
+        let gamma0 = settings.gamma0_over_young * settings.young;
+        if !(gamma0.is_finite() && gamma0 > 0.0) {
+            return Err(format!("gamma0 = {} E is {gamma0} MPa, which is no stress", self.gamma0).into());
+        }
+        Ok(settings)
+    }
+}
+
+/// Reads the command line. Help goes to the standard output; an error is one line, and the process's code 2.
+pub fn from_command_line() -> Result<Options, ExitCode> {
+    Options::try_parse().map_err(|error| match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            // A reader who has gone away is no error.
+            let _ = error.print();
+            ExitCode::SUCCESS
+        }
+        _ => {
+            // After the first paragraph clap repeats the usage.
+            let text = error.render().to_string();
+            eprintln!("{} (--help lists the options)", one_line(text.split("\n\n").next().unwrap_or(&text)));
+            ExitCode::from(2)
+        }
+    })
+}
+
+/// The text on one line, whatever a user's argument or a system's message contains.
+pub fn one_line(text: &str) -> String {
+    let parts = text.split(|c: char| c.is_control() || c.is_whitespace()).filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join(" ")
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "a number is needed".to_owned())?;
+    if value.is_finite() { Ok(value) } else { Err("a finite number is needed".into()) }
+}
+
+fn whole_number(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "a whole number, not negative, is needed".to_owned())
+}

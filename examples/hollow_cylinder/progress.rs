@@ -1,0 +1,64 @@
+//! What a user sees while the program works: a spinner on a terminal, plain lines elsewhere. Both go to the
+//! standard error stream; results alone go to the standard output.
+
+use std::io::IsTerminal;
+use std::time::Duration;
+
+use forms_contact::hollow_cylinder::{CELLS_AROUND, Progress, Settings};
+use forms_fem::prelude::NewtonStep;
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Shows the progress.
+pub struct Reporter {
+    spinner: Option<ProgressBar>,
+}
+
+impl Reporter {
+    /// Begins with the mesh.
+    pub fn new(settings: &Settings) -> Reporter {
+        let spinner = std::io::stderr().is_terminal().then(|| {
+            let spinner = ProgressBar::new_spinner();
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+                spinner.set_style(style);
+            }
+            spinner.enable_steady_tick(Duration::from_millis(100));
+            spinner
+        });
+        let reporter = Reporter { spinner };
+        let (radial, around) = (settings.radial, CELLS_AROUND * settings.radial);
+        reporter.stage(&format!("mesh of {radial} x {around} cells, matrix pattern"));
+        reporter
+    }
+
+    /// A Newton iterate stays on the screen; a stage is replaced by the next one.
+    pub fn hear(&self, progress: &Progress) {
+        match (progress, &self.spinner) {
+            (Progress::Stage(name), _) => self.stage(name),
+            (Progress::Newton(step), Some(spinner)) => {
+                spinner.println(line(step));
+                spinner.set_message("direct problem (14)");
+            }
+            (Progress::Newton(step), None) => eprintln!("{}", line(step)),
+        }
+    }
+
+    /// A stage begins.
+    pub fn stage(&self, name: &str) {
+        match &self.spinner {
+            Some(spinner) => spinner.set_message(name.to_owned()),
+            None => eprintln!("{name}"),
+        }
+    }
+
+    /// Takes the spinner away.
+    pub fn finish(&self) {
+        if let Some(spinner) = &self.spinner {
+            spinner.finish_and_clear();
+        }
+    }
+}
+
+fn line(step: &NewtonStep) -> String {
+    let active = step.active_points.map_or(String::new(), |count| format!(", {count} active points"));
+    format!("Newton {}: relative residual {:.2e}{active}", step.iteration, step.relative_residual)
+}

@@ -1,0 +1,317 @@
+//! The reader of the reference files (`tests/scikit_fem/README.md`): rebuilds their problem, compares entry by
+//! entry, and insists that everything in a file is compared.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use forms_fem::linear_algebra::CsrMatrix;
+use forms_fem::prelude::*;
+use nalgebra::DMatrix;
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::dense::{assert_close, assert_same_matrix, dense};
+
+/// Largest deviation from a reference, relative to the largest entry of the matrix or vector.
+pub const TOLERANCE: f64 = 1e-12;
+
+/// The families of files: the beginning of the file's name, and of the test that consumes it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// The stiffness of linear elasticity.
+    Elasticity,
+    /// Scalar matrices, a load, norms.
+    Poisson,
+    /// An energy with its derivatives.
+    NeoHookean,
+    /// The direct contact problem and its adjoints.
+    Nitsche,
+}
+
+impl Family {
+    /// Every family.
+    pub const ALL: [Family; 4] = [Family::Elasticity, Family::Poisson, Family::NeoHookean, Family::Nitsche];
+
+    /// How the names of its files begin.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            Family::Elasticity => "elasticity",
+            Family::Poisson => "poisson",
+            Family::NeoHookean => "neo_hookean",
+            Family::Nitsche => "nitsche",
+        }
+    }
+
+    /// Its files, read.
+    pub fn files(self) -> Vec<ReferenceFile> {
+        let mine = |name: &String| name.starts_with(&format!("{}_", self.prefix()));
+        names().into_iter().filter(mine).map(|name| ReferenceFile::read(&name)).collect()
+    }
+}
+
+/// The names of all reference files, without extension, sorted.
+pub fn names() -> Vec<String> {
+    let entries = std::fs::read_dir(folder()).unwrap_or_else(|error| panic!("tests/scikit_fem: {error}"));
+    let paths = entries.map(|entry| entry.unwrap_or_else(|error| panic!("tests/scikit_fem: {error}")).path());
+    let mut names: Vec<String> = paths
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    names.sort();
+    names
+}
+
+fn folder() -> PathBuf {
+    [env!("CARGO_MANIFEST_DIR"), "scikit_fem"].iter().collect()
+}
+
+/// A file as it stands.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceFile {
+    #[serde(skip)]
+    name: String,
+    #[serde(rename = "made_by")]
+    _made_by: String,
+    dimension: usize,
+    shape: String,
+    geometry_degree: usize,
+    nodes: Vec<Vec<f64>>,
+    cells: Vec<Vec<u32>>,
+    space_degree: usize,
+    components: usize,
+    space_nodes: Vec<Vec<f64>>,
+    cell_quadrature: CellRule,
+    facet_quadrature: Option<SegmentRule>,
+    #[serde(default)]
+    contact_facets: Vec<(u32, u8)>,
+    #[serde(default)]
+    contact_diameters: Vec<f64>,
+    #[serde(default)]
+    criterion_facets: Vec<(u32, u8)>,
+    data: BTreeMap<String, Value>,
+    u: Option<Vec<f64>>,
+    matrices: BTreeMap<String, Triplets>,
+    #[serde(default)]
+    vectors: BTreeMap<String, Vec<f64>>,
+    #[serde(default)]
+    numbers: BTreeMap<String, f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct CellRule {
+    points: Vec<Vec<f64>>,
+    weights: Vec<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct SegmentRule {
+    points: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Triplets {
+    rows: usize,
+    columns: usize,
+    row: Vec<usize>,
+    column: Vec<usize>,
+    value: Vec<f64>,
+}
+
+impl ReferenceFile {
+    fn read(name: &str) -> Self {
+        let text = std::fs::read_to_string(folder().join(name).with_extension("json"));
+        let text = text.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let file = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        ReferenceFile { name: name.to_owned(), ..file }
+    }
+
+    /// 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+}
+
+/// The problem of a file, rebuilt, and what is still to be compared.
+pub struct Reference<const D: usize> {
+    /// For messages.
+    pub name: String,
+    /// With the file's quadrature.
+    pub assembler: Assembler<D>,
+    /// The file's space, in this project's numbering.
+    pub space: Arc<Space<D>>,
+    /// The file's numbers h_T of the contact facets.
+    pub contact_diameters: Vec<(Facet, f64)>,
+    /// The file's facet rule: coordinates on \[0, 1\].
+    pub facet_points: Vec<[f64; 2]>,
+    /// The largest deviation found so far.
+    pub largest_deviation: f64,
+    data: BTreeMap<String, Value>,
+    u: Option<Vec<f64>>,
+    /// Unknown of the file → unknown here.
+    number: Vec<usize>,
+    matrices: BTreeMap<String, Triplets>,
+    vectors: BTreeMap<String, Vec<f64>>,
+    numbers: BTreeMap<String, f64>,
+}
+
+/// Facet region of the file's contact facets.
+pub const CONTACT: &str = "contact";
+/// Facet region where the file's criterion acts.
+pub const CRITERION: &str = "criterion";
+
+impl<const D: usize> Reference<D> {
+    /// Rebuilds the mesh, the space and the quadrature of a file.
+    pub fn new(file: ReferenceFile) -> Self {
+        let name = file.name;
+        assert_eq!(file.dimension, D, "{name}");
+        let shape = CellShape::ALL.into_iter().find(|shape| shape.name() == file.shape);
+        let shape = shape.unwrap_or_else(|| panic!("{name}: shape {}", file.shape));
+        let nodes = file.nodes.iter().map(|node| point(node)).collect();
+        let cells = file.cells.concat();
+        let mut mesh = Mesh::from_parts(shape, file.geometry_degree, nodes, cells)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let facet = |&(cell, local): &(u32, u8)| Facet { cell, local };
+        let contact: Vec<Facet> = file.contact_facets.iter().map(facet).collect();
+        let criterion: Vec<Facet> = file.criterion_facets.iter().map(facet).collect();
+        for (region, facets) in [(CONTACT, &contact), (CRITERION, &criterion)] {
+            if !facets.is_empty() {
+                let named = mesh.name_listed_facets(region, facets);
+                named.unwrap_or_else(|error| panic!("{name}: {error}"));
+            }
+        }
+        let mesh = Arc::new(mesh);
+        let space = if file.components == 1 {
+            Space::scalar(&mesh, file.space_degree)
+        } else {
+            assert_eq!(file.components, D, "{name}");
+            Space::vector(&mesh, file.space_degree)
+        };
+        let space = space.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let cell = QuadratureRule {
+            points: file.cell_quadrature.points.iter().map(|node| point(node)).collect(),
+            weights: file.cell_quadrature.weights,
+        };
+        // Where a file has no facet rule, an integral over facets would be an error.
+        let facet = file.facet_quadrature.map_or_else(Vec::new, |rule| {
+            assert_eq!(rule.points.len(), rule.weights.len(), "{name}");
+            rule.points.into_iter().zip(rule.weights).collect()
+        });
+        let facet = QuadratureRule::on_segment(&facet);
+        let facet_points = facet.points.clone();
+        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
+        assert_eq!(contact.len(), file.contact_diameters.len(), "{name}");
+        Reference {
+            assembler,
+            contact_diameters: contact.into_iter().zip(file.contact_diameters).collect(),
+            facet_points,
+            largest_deviation: 0.0,
+            data: file.data,
+            u: file.u,
+            number: match_nodes(&name, &space, &file.space_nodes),
+            matrices: file.matrices,
+            vectors: file.vectors,
+            numbers: file.numbers,
+            space,
+            name,
+        }
+    }
+
+    /// A constant of the file's form.
+    pub fn number(&self, name: &str) -> f64 {
+        self.data[name].as_f64().unwrap_or_else(|| panic!("{}: {name}", self.name))
+    }
+
+    /// A constant vector of the file's form.
+    pub fn vector(&self, name: &str) -> [f64; D] {
+        std::array::from_fn(|k| {
+            self.data[name][k].as_f64().unwrap_or_else(|| panic!("{}: {name}", self.name))
+        })
+    }
+
+    /// The file's state u.
+    pub fn u(&self) -> Field<D> {
+        let theirs = self.u.as_ref().unwrap_or_else(|| panic!("{}: u", self.name));
+        assert_eq!(theirs.len(), self.number.len(), "{}: u", self.name);
+        let mut values = vec![0.0; theirs.len()];
+        for (value, number) in theirs.iter().zip(&self.number) {
+            values[*number] = *value;
+        }
+        Field::from_values(&self.space, values).unwrap_or_else(|error| panic!("{}: {error}", self.name))
+    }
+
+    /// Compares a matrix, also where only one side stores an entry.
+    pub fn compare_matrix(&mut self, name: &str, ours: &CsrMatrix) {
+        let theirs = self.matrices.get(name).unwrap_or_else(|| panic!("{}: no matrix {name}", self.name));
+        let label = format!("{}: {name}", self.name);
+        let size = self.number.len();
+        assert_eq!((theirs.rows, theirs.columns), (size, size), "{label}");
+        assert!(
+            theirs.row.len() == theirs.value.len() && theirs.column.len() == theirs.value.len(),
+            "{label}"
+        );
+        let mut all = DMatrix::zeros(size, size);
+        let mut seen = std::collections::BTreeSet::new();
+        for ((row, column), value) in theirs.row.iter().zip(&theirs.column).zip(&theirs.value) {
+            assert!(seen.insert((row, column)), "{label}: entry ({row}, {column}) stands twice");
+            all[(self.number[*row], self.number[*column])] = *value;
+        }
+        let found = assert_same_matrix(&label, &dense(ours), &all, TOLERANCE);
+        self.record(&label, found);
+        self.matrices.remove(name);
+    }
+
+    /// Compares a vector.
+    pub fn compare_vector(&mut self, name: &str, ours: &[f64]) {
+        let label = format!("{}: {name}", self.name);
+        let theirs = self.vectors.get(name).unwrap_or_else(|| panic!("{label}: no such vector"));
+        let ours: Vec<f64> = self.number.iter().map(|number| ours[*number]).collect();
+        let found = assert_close(&label, &ours, theirs, TOLERANCE);
+        self.record(&label, found);
+        self.vectors.remove(name);
+    }
+
+    /// Compares a number.
+    pub fn compare_number(&mut self, name: &str, ours: f64) {
+        let label = format!("{}: {name}", self.name);
+        let theirs = *self.numbers.get(name).unwrap_or_else(|| panic!("{label}: no such number"));
+        let found = assert_close(&label, &[ours], &[theirs], TOLERANCE);
+        self.record(&label, found);
+        self.numbers.remove(name);
+    }
+
+    fn record(&mut self, label: &str, deviation: f64) {
+        println!("{label} {deviation:.1e}");
+        self.largest_deviation = self.largest_deviation.max(deviation);
+    }
+
+    /// Asserts that everything in the file was compared; gives the largest deviation.
+    pub fn finish(self) -> f64 {
+        let left: Vec<&String> =
+            self.matrices.keys().chain(self.vectors.keys()).chain(self.numbers.keys()).collect();
+        assert!(left.is_empty(), "{}: not compared: {left:?}", self.name);
+        self.largest_deviation
+    }
+}
+
+fn point<const D: usize>(coordinates: &[f64]) -> [f64; D] {
+    coordinates.try_into().unwrap_or_else(|_| panic!("{coordinates:?} has not {D} coordinates"))
+}
+
+/// The number here of each unknown of the file, by the positions of the nodes.
+fn match_nodes<const D: usize>(name: &str, space: &Space<D>, theirs: &[Vec<f64>]) -> Vec<usize> {
+    let components = space.components();
+    assert_eq!(theirs.len(), space.node_count(), "{name}: number of nodes");
+    let extent = theirs.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let mut taken = vec![false; theirs.len()];
+    let mut number = Vec::with_capacity(theirs.len() * components);
+    for node in theirs {
+        let near = |x: &[f64; D]| x.iter().zip(node).all(|(a, b)| (a - b).abs() < 1e-10 * extent);
+        let found = space.positions().iter().position(near);
+        let found = found.unwrap_or_else(|| panic!("{name}: no node at {node:?}"));
+        assert!(!std::mem::replace(&mut taken[found], true), "{name}: two nodes at {node:?}");
+        number.extend((0..components).map(|component| found * components + component));
+    }
+    number
+}
