@@ -93,7 +93,7 @@ fn explain_failure(settings: &Settings, error: &CylinderError) {
     }
 }
 
-/// The warning about a γ₀ [MPa] below the one that is required, in the unit of the option.
+/// The warning about a γ₀ \[MPa\] below the one that is required, in the unit of the option.
 fn threshold_warning(settings: &Settings, required: f64) -> Option<String> {
     let needed = required / settings.young;
     (settings.gamma0_over_young <= needed).then(|| {

@@ -217,8 +217,8 @@ fn derived_fields_on_facets_keep_the_order_of_the_region() {
             assert!(samples.iter().all(|sample| sample.facet == *facet));
             let ends = mesh.shape().edges()[usize::from(facet.local)]
                 .map(|vertex| mesh.nodes()[mesh.cell(facet.cell as usize)[vertex] as usize]);
-            for k in 0..2 {
-                close(samples[1].position[k], (ends[0][k] + ends[1][k]) / 2.0, 1e-15);
+            for (k, position) in samples[1].position.iter().enumerate() {
+                close(*position, (ends[0][k] + ends[1][k]) / 2.0, 1e-15);
             }
             samples.iter().for_each(|sample| close(sample.value[0], 1.0, 1e-14));
         }

@@ -1,7 +1,7 @@
 //! `#[forms]`: compiles a module of weak forms, written as Rust functions, to assembly kernels.
 //!
-//! The stages, each a module: [`parse`] → [`check`] → [`differentiate`] → [`optimise`] → [`emit`];
-//! [`compile`] drives them. No stage knows a mesh or an element.
+//! The stages, each a module: `parse` → `check` → `differentiate` → `optimise` → `emit`;
+//! `compile` drives them. No stage knows a mesh or an element.
 
 mod check;
 mod compile;

@@ -1,5 +1,8 @@
 //! One batch of cells (or facets), one per lane: geometry, basis functions and fields at its points.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
 use forms_core::contract::{Basis, CellGeometry, FieldSlot, Lane, Order, PointGeometry, Requirements};
 
 use super::AssemblyError;

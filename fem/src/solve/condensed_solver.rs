@@ -36,6 +36,9 @@ const ACCURATE: f64 = 1e-15;
 /// Largest relative residual of an accepted solution.
 const ACCEPTED: f64 = 1e-11;
 
+/// Row, column and value of a matrix entry.
+type Entry = (u32, u32, f64);
+
 /// Most steps of iterative refinement.
 const REFINEMENTS: usize = 4;
 
@@ -96,7 +99,7 @@ impl CondensedSolver {
 
     /// Unknowns on which T differs from K, and the entries of T − K; `None` when they do not share a
     /// pattern.
-    fn difference(&self, matrix: &CsrMatrix) -> Option<(Vec<u32>, Vec<(u32, u32, f64)>)> {
+    fn difference(&self, matrix: &CsrMatrix) -> Option<(Vec<u32>, Vec<Entry>)> {
         let linear_part = self.linear_part.as_ref().filter(|part| part.same_pattern(matrix))?;
         let largest = linear_part.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let mut touched = vec![false; matrix.rows()];
@@ -123,10 +126,10 @@ impl CondensedSolver {
             return Ok(false);
         }
         let Some(linear_part) = &self.linear_part else { return Ok(false) };
-        if let Some(known) = &self.condensation {
-            if touched.iter().all(|unknown| known.places[*unknown as usize].is_some()) {
-                return Ok(true);
-            }
+        if let Some(known) = &self.condensation
+            && touched.iter().all(|unknown| known.places[*unknown as usize].is_some())
+        {
+            return Ok(true);
         }
         let earlier = self.condensation.take().map(|known| known.unknowns).unwrap_or_default();
         let mut all = [touched, &earlier[..]].concat();

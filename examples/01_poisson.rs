@@ -1,0 +1,70 @@
+//! Tutorial 1: Poisson's equation, −Δu = 1 on the unit square with u = 0 on its boundary.
+//!
+//! u is the deflection of a soap film under pressure, or the stress function of a square bar in torsion.
+//! Its value at the centre is known as a series, so the program can check itself.
+//!
+//! Run it with `cargo run --release --bin 01_poisson`.
+
+use std::error::Error;
+use std::f64::consts::PI;
+
+use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::prelude::*;
+
+// A module under `#[forms]` holds the physics and nothing else. Data are what the program passes in;
+// a region is a set of cells or facets that the mesh knows by name; a form is an ordinary function.
+#[forms]
+mod poisson {
+    pub struct Data {
+        /// Load per area.
+        pub load: Given<Scalar>,
+    }
+
+    #[cells]
+    pub struct Omega;
+
+    /// ∫ ∇u·∇v − ∫ f v. A form is always the whole residual: the load stands in it with its sign.
+    pub fn residual(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, dot(grad(u), grad(v)) - load * v)
+    }
+}
+
+/// u at the centre: 1/8 − 4/π³ Σ (−1)^((n−1)/2) / (n³ cosh(nπ/2)) over odd n. Five terms are exact to rounding.
+fn exact_centre() -> f64 {
+    let term = |k: i32| {
+        let n = f64::from(2 * k + 1);
+        (-1.0_f64).powi(k) / (n.powi(3) * (n * PI / 2.0).cosh())
+    };
+    0.125 - 4.0 / PI.powi(3) * (0..8).map(term).sum::<f64>()
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // Mesh, space, boundary condition. Meshes and spaces are shared, hence `Arc`.
+    let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?);
+    let space = Space::scalar(&mesh, 2)?;
+    let mut constraints = Constraints::new(&space);
+    constraints.fix("boundary", |_| 0.0)?;
+
+    // The form with its data and regions. `Omega::on("all")` binds the region to a name of the mesh; a
+    // forgotten region is an error of the compiler.
+    let data = poisson::Data { load: Given::constant(1.0) };
+    let form = poisson::residual(&data, &poisson::Omega::on("all"));
+
+    // The compiler has proved that the form is linear in u and symmetric: one assembly, one Cholesky
+    // factor. The quadrature degree is its estimate unless `with_quadrature` says otherwise.
+    let assembler = Assembler::new(&mesh);
+    let mut solver = TangentSolver::default();
+    let u = FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+
+    let (centre, exact) = (u.evaluate(&[0.5, 0.5])?[0], exact_centre());
+    println!("unknowns          {}", space.unknowns());
+    println!("u at the centre   {centre:.8}");
+    println!("series            {exact:.8}");
+
+    std::fs::create_dir_all("out")?;
+    FieldMap::of(&u, Shown::Component(0), "u").levels(12).without_axes().write_png("out/01_poisson.png")?;
+    println!("picture           out/01_poisson.png");
+
+    assert!((centre - exact).abs() < 1e-5 * exact, "u at the centre is {centre}, the series gives {exact}");
+    Ok(())
+}

@@ -1,0 +1,44 @@
+//! Runs each tutorial. A tutorial asserts its physical number against a closed form, so that a wrong
+//! number is a failure here.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// Runs a program in a directory of its own; its picture must be there afterwards.
+fn run(program: &str, picture: &str) -> String {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(picture);
+    // A picture of an earlier run must not pass for this one's.
+    if directory.exists() {
+        fs::remove_dir_all(&directory).expect("an earlier run is removed");
+    }
+    fs::create_dir_all(&directory).expect("a directory for the run");
+    let output = Command::new(program).current_dir(&directory).output().expect("the program starts");
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{printed}{}", String::from_utf8_lossy(&output.stderr));
+    let bytes = fs::read(directory.join("out").join(picture)).expect("the picture was written");
+    assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n"), "{picture} is not a PNG file");
+    printed
+}
+
+#[test]
+fn poisson_gives_the_centre_value_of_the_series() {
+    let printed = run(env!("CARGO_BIN_EXE_01_poisson"), "01_poisson.png");
+    assert!(printed.contains("0.07367"), "{printed}");
+}
+
+#[test]
+fn elasticity_gives_the_pipe_of_lame() {
+    run(env!("CARGO_BIN_EXE_02_elasticity"), "02_elasticity.png");
+}
+
+#[test]
+fn neo_hooke_gives_the_force_of_the_uniaxial_bar() {
+    let printed = run(env!("CARGO_BIN_EXE_03_neo_hookean"), "03_neo_hookean.png");
+    assert_eq!(printed.lines().count(), 9, "{printed}");
+}
+
+#[test]
+fn signorini_gives_the_force_of_the_pressed_block() {
+    run(env!("CARGO_BIN_EXE_04_signorini"), "04_signorini.png");
+}

@@ -1,0 +1,64 @@
+//! Heat in a plate whose conductivity k(T) = 1 + c T grows with temperature: a form, Newton's method, a picture.
+
+use std::error::Error;
+
+use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::prelude::*;
+
+/// The physics. Change it: the tangent, the kernels and the quadrature degree follow.
+#[forms]
+pub mod heat {
+    pub struct Data {
+        /// Growth of the conductivity with temperature.
+        pub growth: Param,
+        /// Heat source per volume; a constant, a function of position, or a field.
+        pub source: Given<Scalar>,
+    }
+
+    #[cells]
+    pub struct Plate;
+
+    fn conductivity(t: Scalar) -> Scalar {
+        1 + growth * t
+    }
+
+    /// The heat flux, to be evaluated once the temperature is known.
+    pub fn flux(t: State<Scalar>) -> Vector {
+        -conductivity(t) * grad(t)
+    }
+
+    pub fn balance(t: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Plate, conductivity(t) * dot(grad(t), grad(v)) - source * v)
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // Hot at the left, cold at the right, insulated below and above.
+    let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?);
+    let space = Space::scalar(&mesh, 2)?;
+    let mut constraints = Constraints::new(&space);
+    constraints.fix("left", |_| 1.0)?;
+    constraints.fix("right", |_| 0.0)?;
+
+    let data = heat::Data { growth: 2.0, source: Given::constant(0.0) };
+    let form = heat::balance(&data, &heat::Plate::on("all"));
+    let assembler = Assembler::new(&mesh);
+    let mut problem = FormProblem::new(&form, &assembler, &space)?;
+    let (start, options) = (Field::zero(&space), NewtonOptions::default());
+    let solved =
+        problem.solve(&start, &constraints, &mut TangentSolver::default(), &options, &mut |step| {
+            println!("Newton step {}: residual {:.2e}", step.iteration, step.residual);
+        })?;
+
+    let flux = assembler.at_points(&heat::flux(&data, &solved.field), &[[1.0, 0.5]])?;
+    println!("heat flux in the middle: {:?}", flux.values[0]);
+
+    // Kirchhoff: T + T²/2 · c falls linearly from left to right, so the flux is (1 + c/2)/2 everywhere.
+    let exact = (1.0 + data.growth / 2.0) / 2.0;
+    assert!((flux.values[0][0] - exact).abs() < 1e-3 * exact, "the flux is {:?}", flux.values[0]);
+
+    std::fs::create_dir_all("out")?;
+    FieldMap::of(&solved.field, Shown::Component(0), "T").write_png("out/temperature.png")?;
+    println!("picture: out/temperature.png");
+    Ok(())
+}
