@@ -161,7 +161,7 @@ pub enum NewtonFailure<E> {
 }
 
 /// A failure of Newton's method with the history up to it.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[error("Newton's method failed at iteration {}: {why}", .history.len().saturating_sub(1))]
 pub struct NewtonError<E: std::error::Error> {
     /// The reason.
@@ -170,6 +170,17 @@ pub struct NewtonError<E: std::error::Error> {
     pub history: Vec<NewtonStep>,
     /// The last iterate.
     pub u: Vec<f64>,
+}
+
+// A derived one would print every unknown.
+impl<E: std::error::Error> std::fmt::Debug for NewtonError<E> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("NewtonError")
+            .field("why", &self.why)
+            .field("history", &self.history)
+            .field("unknowns", &self.u.len())
+            .finish()
+    }
 }
 
 /// Solves R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. Steps are not
