@@ -26,8 +26,8 @@ pub struct Options {
     /// Nitsche's parameter gamma0, in units of E
     #[arg(long, value_name = "G", default_value = "10", value_parser = number)]
     gamma0: f64,
-    /// Young's modulus E, in MPa
-    #[arg(long, value_name = "E", default_value = "100", value_parser = number)]
+    /// Young's modulus E \[MPa\]
+    #[arg(long, value_name = "E", help = "Young's modulus E [MPa]", default_value = "100", value_parser = number)]
     young: f64,
     /// Poisson's ratio
     #[arg(long, value_name = "NU", default_value = "0.3", value_parser = number)]
