@@ -1,0 +1,76 @@
+//! Condensed solutions by their residuals.
+
+use super::*;
+
+const SIDE: usize = 12;
+
+/// A five-point Laplacian on SIDE × SIDE nodes plus given entries on its pattern.
+fn laplacian(changes: &[(usize, usize, f64)], shift: f64) -> CsrMatrix {
+    let mut triplets = Vec::new();
+    for i in 0..SIDE {
+        for j in 0..SIDE {
+            let row = i * SIDE + j;
+            triplets.push((row, row, 4.0 + shift));
+            let neighbours = [(i > 0, row.wrapping_sub(SIDE)), (i + 1 < SIDE, row + SIDE)];
+            let beside = [(j > 0, row.wrapping_sub(1)), (j + 1 < SIDE, row + 1)];
+            for (exists, column) in neighbours.into_iter().chain(beside) {
+                if exists {
+                    triplets.push((row, column, -1.0));
+                }
+            }
+        }
+    }
+    triplets.extend_from_slice(changes);
+    CsrMatrix::from_triplets(SIDE * SIDE, SIDE * SIDE, &triplets).unwrap()
+}
+
+fn load() -> Vec<f64> {
+    (0..SIDE * SIDE).map(|k| (k as f64 * 0.7).sin()).collect()
+}
+
+fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
+    let b = load();
+    solver.set_matrix(matrix.clone()).unwrap();
+    for transposed in [false, true] {
+        let found = match transposed {
+            false => solver.solve(&b, 0.0).unwrap(),
+            true => solver.solve_transposed(&b, 0.0).unwrap(),
+        };
+        let rest = residual(matrix, &found.solution, &b, transposed).unwrap();
+        assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
+    }
+}
+
+#[test]
+fn unsymmetric_changes_on_few_unknowns_need_one_factor_as_long_as_they_stay() {
+    let mut solver = CondensedSolver::default();
+    solver.set_linear_part(laplacian(&[], 0.0)).unwrap();
+    check(&mut solver, &laplacian(&[(3, 4, 20.0), (4, 3, -7.0), (4, 4, 50.0), (5, 4, 1.0)], 0.0));
+    assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (1, Some(3)));
+    // A subset: the same factor. Another place: a new one that holds both.
+    check(&mut solver, &laplacian(&[(4, 4, 30.0), (3, 4, 2.0)], 0.0));
+    assert_eq!(solver.report().factorisations, 1);
+    check(&mut solver, &laplacian(&[(100, 101, 9.0)], 0.0));
+    assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (2, Some(5)));
+    check(&mut solver, &laplacian(&[], 0.0));
+    assert_eq!(solver.report().factorisations, 2);
+    assert!(solver.report().iterations.iter().all(|iterations| *iterations == 0));
+}
+
+#[test]
+fn it_falls_back_where_condensing_does_not_serve() {
+    // No linear part: the fallback factors the matrix itself.
+    let mut solver = CondensedSolver::default();
+    check(&mut solver, &laplacian(&[(3, 4, 2.0)], 0.0));
+    assert_eq!(solver.report().condensed_unknowns, None);
+    // A linear part that is not positive definite.
+    solver.set_linear_part(laplacian(&[], -3.3)).unwrap();
+    check(&mut solver, &laplacian(&[(4, 4, 2.0)], -3.3));
+    assert_eq!(solver.report().condensed_unknowns, None);
+    // Changes everywhere: the dense block would cost more than the sparse factor.
+    let everywhere: Vec<_> = (0..SIDE * SIDE).map(|k| (k, k, 1.0 + k as f64)).collect();
+    solver.set_linear_part(laplacian(&[], 0.0)).unwrap();
+    check(&mut solver, &laplacian(&everywhere, 0.0));
+    assert_eq!(solver.report().condensed_unknowns, None);
+    assert!(solver.solve(&load()[1..], 0.0).is_err());
+}

@@ -1,0 +1,206 @@
+//! Newton on membranes above an elastic bed.
+
+use std::convert::Infallible;
+
+use super::*;
+use crate::solve::{TangentSolver, TangentSolverOptions};
+
+/// −u'' = f on (0, 1) with an elastic bed below ψ. With p_i = [u_i − ψ]₋,
+/// R_i = (2 u_i − u_{i−1} − u_{i+1}) / h − h f − h k p_i + h c p_{i−1}; the drag c makes it unsymmetric.
+struct Membrane {
+    n: usize,
+    f: f64,
+    stiffness: f64,
+    drag: f64,
+    obstacle: f64,
+}
+
+impl Membrane {
+    fn h(&self) -> f64 {
+        1.0 / self.n as f64
+    }
+
+    fn contact(&self, u: &[f64]) -> Vec<f64> {
+        u.iter().map(|value| (self.obstacle - value).max(0.0)).collect()
+    }
+}
+
+impl NonlinearProblem for Membrane {
+    type Error = Infallible;
+
+    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, Infallible> {
+        let (h, contact) = (self.h(), self.contact(u));
+        Ok((0..=self.n)
+            .map(|i| {
+                if i == 0 || i == self.n {
+                    return 12345.0; // prescribed rows must not matter
+                }
+                (2.0 * u[i] - u[i - 1] - u[i + 1]) / h - h * self.f - h * self.stiffness * contact[i]
+                    + h * self.drag * contact[i - 1]
+            })
+            .collect())
+    }
+
+    fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, Infallible> {
+        let (h, contact) = (self.h(), self.contact(u));
+        let active = |i: usize| if contact[i] > 0.0 { h } else { 0.0 };
+        let mut triplets = vec![(0, 0, 1.0), (self.n, self.n, 1.0)];
+        for i in 1..self.n {
+            triplets.push((i, i, 2.0 / h + self.stiffness * active(i)));
+            triplets.push((i, i - 1, -1.0 / h - self.drag * active(i - 1)));
+            triplets.push((i, i + 1, -1.0 / h));
+        }
+        triplets.extend([(0, 1, 0.0), (self.n, self.n - 1, 0.0)]);
+        Ok(CsrMatrix::from_triplets(self.n + 1, self.n + 1, &triplets).unwrap())
+    }
+
+    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, Infallible> {
+        let contact = self.contact(u);
+        Ok(Some(ActivePoints::from_numbers((0..=self.n).filter(|&i| contact[i] > 0.0))))
+    }
+}
+
+fn ends(n: usize) -> BTreeMap<usize, f64> {
+    BTreeMap::from([(0, 0.0), (n, 0.0)])
+}
+
+#[test]
+fn an_obstacle_problem_meets_its_closed_form() {
+    // −u'' = −8 above ψ = −1/4: u touches at distance a = √(2 · ¼ / 8) = ¼ from the ends, and outside
+    // the contact zone u = 4 (x − a)² − ¼. Quadratics are exact in finite differences.
+    let n = 64;
+    let mut problem = Membrane { n, f: -8.0, stiffness: 1e6, drag: 0.0, obstacle: -0.25 };
+    let mut solver = TangentSolver::default();
+    let mut seen = Vec::new();
+    let solution = newton(
+        &mut problem,
+        &ends(n),
+        vec![0.0; n + 1],
+        &mut solver,
+        &NewtonOptions::default(),
+        &mut |step| seen.push(step.clone()),
+    )
+    .unwrap();
+    for (i, value) in solution.u.iter().enumerate() {
+        let x = i as f64 / n as f64;
+        let from_end = x.min(1.0 - x);
+        let exact = if from_end < 0.25 { 4.0 * (from_end - 0.25).powi(2) - 0.25 } else { -0.25 };
+        // The bed yields by f / stiffness.
+        assert!((value - exact).abs() < 1.01 * 8e-6, "u({x}) = {value}, expected {exact}");
+    }
+    assert_eq!(seen, solution.history);
+    assert_eq!(seen[0].step, None);
+    let last = seen.last().unwrap();
+    assert!(last.relative_residual <= 1e-10 && last.active_set_changed == Some(false));
+    assert_eq!(last.linear_iterations, Some(0));
+    // Contact on [¼, ¾]: 33 nodes; those on the rim carry half a node's load or none.
+    assert!((31..=33).contains(&last.active_points.unwrap()));
+    assert!(solution.iterations() <= 15, "{} iterations", solution.iterations());
+    // A stiffer bed makes the tolerance unreachable: h k ε is 1e-9 of the load. That is said at once.
+    problem.stiffness = 1e9;
+    let options = NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() };
+    let error =
+        newton(&mut problem, &ends(n), vec![0.0; n + 1], &mut solver, &options, &mut |_| ()).unwrap_err();
+    assert!(matches!(error.why, NewtonFailure::Stagnated), "{error}");
+    assert!(error.history.len() <= 18 && error.history.last().unwrap().relative_residual < 1e-8);
+}
+
+#[test]
+fn an_unsymmetric_problem_is_solved_to_rounding_with_few_factorisations() {
+    let n = 64;
+    let mut problem = Membrane { n, f: -8.0, stiffness: 2000.0, drag: 500.0, obstacle: -0.25 };
+    let mut solver = TangentSolver::new(TangentSolverOptions::default());
+    let run = |problem: &mut Membrane, solver: &mut TangentSolver| {
+        newton(problem, &ends(n), vec![0.0; n + 1], solver, &NewtonOptions::default(), &mut |_| ()).unwrap()
+    };
+    let solution = run(&mut problem, &mut solver);
+    let residual = problem.residual(&solution.u).unwrap();
+    assert!(norm(&residual[1..n]) < 1e-11 * solution.history[0].residual);
+    assert!(solution.history.iter().any(|step| step.linear_iterations > Some(0)));
+    assert!(solver.report().factorisations <= solution.iterations());
+    // An affine problem takes one step: the same obstacle far away.
+    problem.obstacle = -100.0;
+    let straight = run(&mut problem, &mut solver);
+    assert_eq!(straight.iterations(), 1);
+    for (i, value) in straight.u.iter().enumerate() {
+        let x = i as f64 / n as f64;
+        assert!((value + 4.0 * x * (1.0 - x)).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn prescribed_values_are_imposed_and_reactions_returned() {
+    let mut problem = Membrane { n: 4, f: 0.0, stiffness: 1.0, drag: 0.0, obstacle: -100.0 };
+    let prescribed = BTreeMap::from([(0, 1.0), (4, 3.0)]);
+    let mut solver = TangentSolver::default();
+    let options = NewtonOptions::default();
+    let run = |problem: &mut Membrane, solver: &mut TangentSolver, start: Vec<f64>| {
+        newton(problem, &prescribed, start, solver, &options, &mut |_| ())
+    };
+    let solution = run(&mut problem, &mut solver, vec![0.0; 5]).unwrap();
+    for (value, exact) in solution.u.iter().zip([1.0, 1.5, 2.0, 2.5, 3.0]) {
+        assert!((value - exact).abs() < 1e-14);
+    }
+    assert_eq!(solution.residual[0], 12345.0);
+    // Start at the solution: no step. A start of the wrong size is an error.
+    let again = run(&mut problem, &mut solver, vec![1.0, 1.5, 2.0, 2.5, 3.0]).unwrap();
+    assert_eq!(again.iterations(), 0);
+    let error = run(&mut problem, &mut solver, vec![0.0; 3]).unwrap_err();
+    assert!(matches!(error.why, NewtonFailure::Mismatch(_)));
+}
+
+/// A scalar function, given as (value, slope); active where u > 0.
+struct Scalar<F: FnMut(f64) -> (f64, f64)>(F);
+
+impl<F: FnMut(f64) -> (f64, f64)> NonlinearProblem for Scalar<F> {
+    type Error = LinearAlgebraError;
+
+    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        Ok(vec![(self.0)(u[0]).0])
+    }
+
+    fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, LinearAlgebraError> {
+        CsrMatrix::from_triplets(1, 1, &[(0, 0, (self.0)(u[0]).1)])
+    }
+
+    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, LinearAlgebraError> {
+        Ok(Some(ActivePoints::from_numbers((u[0] > 0.0).then_some(0))))
+    }
+}
+
+fn scalar(
+    f: impl FnMut(f64) -> (f64, f64),
+    start: f64,
+) -> Result<NewtonSolution, NewtonError<LinearAlgebraError>> {
+    let mut solver = TangentSolver::default();
+    let options = NewtonOptions { max_iterations: 8, ..NewtonOptions::default() };
+    newton(&mut Scalar(f), &BTreeMap::new(), vec![start], &mut solver, &options, &mut |_| ())
+}
+
+#[test]
+fn a_cycle_is_recognised() {
+    // R(u) = u + 1 for u > 0 (root −1) and u − 1 for u ≤ 0 (root 1): Newton goes 1 → −1 → 1.
+    let error = scalar(|u| if u > 0.0 { (u + 1.0, 1.0) } else { (u - 1.0, 1.0) }, 1.0).unwrap_err();
+    assert!(matches!(error.why, NewtonFailure::Cycling { first: 0, period: 2 }), "{error}");
+    assert_eq!(error.history.len(), 3);
+    assert_eq!(error.u, [1.0]);
+}
+
+#[test]
+fn failures_are_told_apart() {
+    // R = arctan u diverges from |u| > 1.39; from 1.2 it converges.
+    assert!(scalar(|u| (u.atan(), 1.0 / (1.0 + u * u)), 1.2).unwrap().u[0].abs() < 1e-10);
+    let error = scalar(|u| (u * u, 2.0 * u), 1.0).unwrap_err(); // a double root: halving only
+    assert!(matches!(error.why, NewtonFailure::NotConverged { iterations: 8 }));
+    assert_eq!(error.history.len(), 9);
+    let error = scalar(|u| (1.0 / u, 1.0), 0.0).unwrap_err();
+    assert!(matches!(error.why, NewtonFailure::NotFinite));
+    let error = scalar(|_| (1.0, 0.0), 0.0).unwrap_err();
+    assert!(matches!(
+        error.why,
+        NewtonFailure::LinearSolver(SolverError::LinearAlgebra(LinearAlgebraError::Singular {
+            unknown: 0,
+            ..
+        }))
+    ));
+}
