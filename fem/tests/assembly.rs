@@ -61,6 +61,9 @@ mod measured {
     pub fn logarithm(w: Scalar) -> Scalar {
         ln(w)
     }
+    pub fn behind_kinks(w: Scalar) -> Scalar {
+        neg_part(ln(w)) + pos_part(ln(w))
+    }
 }
 
 use measured::{Gamma, Omega};
@@ -337,4 +340,9 @@ fn mistakes_name_the_form_and_the_thing() {
         .unwrap_err()
         .to_string();
     assert!(message.contains("gradient") && message.contains("`w`"), "{message}");
+    // A kink does not hide a NaN.
+    let below = Field::interpolate(&space, |_| -1.0).unwrap();
+    let message =
+        assembler.at_points(&measured::behind_kinks(&data(), &below), &[[1.5, 0.0]]).unwrap_err().to_string();
+    assert!(message.contains("behind_kinks") && message.contains("not finite"), "{message}");
 }

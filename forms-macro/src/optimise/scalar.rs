@@ -257,17 +257,18 @@ impl Graph {
         let zero = self.number(0.0);
         match function {
             // Kinks are selects: nothing else needs to know them.
+            // Written so that a NaN takes the second branch and stays visible.
             Function::Heaviside => {
-                let (on, one) = (self.less(zero, a), self.number(1.0));
-                self.select(on, one, zero)
+                let (off, one) = (self.intern(Node::LessEqual(a, zero)), self.number(1.0));
+                self.select(off, zero, one)
             }
             Function::PositivePart => {
-                let on = self.less(zero, a);
-                self.select(on, a, zero)
+                let off = self.intern(Node::LessEqual(a, zero));
+                self.select(off, zero, a)
             }
             Function::NegativePart => {
-                let (on, minus) = (self.less(a, zero), self.negate(a));
-                self.select(on, minus, zero)
+                let (off, minus) = (self.intern(Node::LessEqual(zero, a)), self.negate(a));
+                self.select(off, zero, minus)
             }
             Function::Sign => {
                 let (above, below) = (self.less(zero, a), self.less(a, zero));
