@@ -1,6 +1,7 @@
 //! What the whole-system tests share: the reader of the reference files, small distorted bodies, the
-//! contact forms evaluated by plain loops, Taylor tests.
+//! contact forms evaluated by plain loops, the check of adjoint forms, Taylor tests.
 
+pub mod adjoint_form;
 pub mod bodies;
 pub mod contact_by_loops;
 pub mod dense;

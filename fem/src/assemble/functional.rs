@@ -129,12 +129,10 @@ fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
     kernel: &K,
     mut receive: impl FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError>,
 ) -> Result<(), AssemblyError> {
-    let mesh = binding.mesh;
-    let degree = (integral.degree)(degrees, mesh.degree(), mesh.shape().is_simplex());
     let count: usize = K::SHAPE.iter().product();
     let mut lanes = vec![[0.0; WIDEST]; count + 1 + D];
     let mut value = vec![0.0; count];
-    for group in groups(binding, integral.region, quadrature, degree)? {
+    for group in groups(binding, integral, quadrature, degrees)? {
         let mut batch = Batch::<L, D>::new(binding, &group, K::REQUIREMENTS)?;
         for index in 0..batch.count() {
             let cell = kernel.cell(&batch.load(index));

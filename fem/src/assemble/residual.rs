@@ -88,14 +88,12 @@ impl<const D: usize> ResidualVisitor<'_, D> {
         integral: &Integral,
         kernel: &K,
     ) -> Result<(), AssemblyError> {
-        let mesh = self.binding.mesh;
-        let degree = (integral.degree)(&self.degrees, mesh.degree(), mesh.shape().is_simplex());
         let space = self.tests[integral.test];
         let element = self.elements[integral.test];
         let offset = self.offsets[integral.test];
         let zero = L::splat(0.0);
         let components = K::TEST_COMPONENTS;
-        for group in groups(self.binding, integral.region, self.quadrature, degree)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
             let mut sums = vec![zero; group.elements[element].nodes * components];
             for index in 0..batch.count() {

@@ -149,14 +149,12 @@ impl<const D: usize> TangentVisitor<'_, D> {
         integral: &Integral,
         kernel: &K,
     ) -> Result<(), AssemblyError> {
-        let mesh = self.binding.mesh;
-        let degree = (integral.degree)(&self.degrees, mesh.degree(), mesh.shape().is_simplex());
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
         let (test_element, trial_element) =
             (self.test_elements[integral.test], self.trial_elements[integral.trial]);
         // Half of the pairs suffice when test and trial nodes are the same.
         let symmetric = K::SYMMETRIC && Arc::ptr_eq(test, trial);
-        for group in groups(self.binding, integral.region, self.quadrature, degree)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
             let (rows, columns) = (group.elements[test_element].nodes, group.elements[trial_element].nodes);
             let mut accumulators = vec![K::zero::<L>(); rows * columns];

@@ -3,6 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use forms_core::contract::Integral;
+
 use super::AssemblyError;
 use super::binding::{Binding, Entities};
 use crate::element::{Lagrange, Tables};
@@ -111,14 +113,17 @@ impl<const D: usize> Group<D> {
     }
 }
 
-/// The groups of a region.
+/// The groups of an integral's region; where the compiler's estimate of the quadrature degree is wanted,
+/// it is made from the degrees of the form's fields.
 pub(super) fn groups<const D: usize>(
     binding: &Binding<D>,
-    region: usize,
+    integral: &Integral,
     quadrature: &Quadrature<D>,
-    degree: usize,
+    degrees: &[usize],
 ) -> Result<Vec<Group<D>>, AssemblyError> {
-    match binding.entities(region)? {
+    let mesh = binding.mesh;
+    let degree = (integral.degree)(degrees, mesh.degree(), mesh.shape().is_simplex());
+    match binding.entities(integral.region)? {
         Entities::Cells(cells) => Ok(vec![Group::inside_cells(binding, cells.to_vec(), quadrature, degree)?]),
         Entities::Facets(facets) => {
             let mut by_local: BTreeMap<u8, Vec<u32>> = BTreeMap::new();

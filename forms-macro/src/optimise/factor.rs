@@ -33,7 +33,6 @@ const POINTS: usize = 5;
 const NODES: usize = 8;
 
 /// `None`: not bilinear. `Some(None)`: zero. The flag is the proof of symmetry.
-#[allow(clippy::option_option)]
 pub fn plan(
     graph: &mut Graph,
     density: Scalar,
