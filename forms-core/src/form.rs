@@ -3,7 +3,7 @@
 //! A form is a value of a type that `#[forms]` emits. The backend walks its integrals with a visitor,
 //! so each kernel arrives with its static type and is inlined into the backend's loops.
 
-use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
+use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
 use crate::source::{FieldValue, Source};
 
 /// What a region consists of.
@@ -13,12 +13,14 @@ pub enum Entity {
     Cells,
     /// Exterior facets: ∫ … ds.
     Facets,
+    /// Interior facets, seen from both of their cells: ∫ … dS.
+    InteriorFacets,
 }
 
 /// A region of integration: declared in the module, bound by the user to a name of the mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region {
-    /// Cells or facets.
+    /// Cells, exterior or interior facets.
     pub entity: Entity,
     /// The name declared in the forms module (`GammaC`).
     pub symbol: &'static str,
@@ -78,6 +80,10 @@ pub struct Integral {
     pub test: usize,
     /// Index of the unknown that the trial function stands for (tangents only, else 0).
     pub trial: usize,
+    /// The cell on which the test function lives: on an interior facet each side has kernels of its own.
+    pub test_side: Side,
+    /// The cell on which the trial function lives.
+    pub trial_side: Side,
     /// How the residual's integral depends on the unknowns.
     pub dependence: Dependence,
     /// The tangent's blocks are proved symmetric (tangents only, else false).

@@ -27,6 +27,10 @@ pub struct Basis<L, const D: usize> {
     pub gradient: [L; D],
 }
 
+/// Second derivatives ∂²φ/∂x_i∂x_j of a basis function \[1/length²\]. They travel beside [`Basis`] because
+/// few kernels read them; zeros where [`Requirements::hessian`] does not ask.
+pub type Hessian<L, const D: usize> = [[L; D]; D];
+
 /// What is constant on a cell, or on a facet together with the cell that owns it.
 #[derive(Clone, Copy, Debug)]
 pub struct CellGeometry<L> {
@@ -36,6 +40,10 @@ pub struct CellGeometry<L> {
     pub cell_volume: L,
     /// |F| \[length^(D-1)\]; zero in cell integrals, where no form can ask for it.
     pub facet_area: L,
+    /// h of the cell across an interior facet; zero elsewhere.
+    pub opposite_diameter: L,
+    /// Volume of the cell across an interior facet; zero elsewhere.
+    pub opposite_volume: L,
 }
 
 /// Geometry at a quadrature point.
@@ -45,7 +53,8 @@ pub struct PointGeometry<L, const D: usize> {
     pub weight: L,
     /// x.
     pub position: [L; D],
-    /// n, the outward unit normal; zero in cell integrals, where no form can ask for it.
+    /// n, the outward unit normal; zero in cell integrals, where no form can ask for it. On an interior
+    /// facet it points out of the cell of [`Side::This`].
     pub normal: [L; D],
     /// κ = div n \[1/length\]; filled only where [`Requirements::curvature`] asks.
     pub curvature: L,
@@ -58,6 +67,8 @@ pub enum Order {
     Value,
     /// The gradient: `components * D` numbers, row-major (component, then direction).
     Gradient,
+    /// Second derivatives: `components * D * D` numbers, row-major (component, then both directions).
+    Hessian,
 }
 
 /// The side of a facet on which a field is read. Cells and exterior facets have only `This`.
@@ -99,6 +110,12 @@ pub struct Requirements {
     pub normal: bool,
     /// Reads [`PointGeometry::curvature`].
     pub curvature: bool,
+    /// Reads [`CellGeometry::opposite_diameter`].
+    pub opposite_diameter: bool,
+    /// Reads [`CellGeometry::opposite_volume`].
+    pub opposite_volume: bool,
+    /// Reads the second derivatives of test or trial functions.
+    pub hessian: bool,
     /// The layout of the `fields` slice.
     pub fields: &'static [FieldSlot],
     /// Length of the `fields` slice.
@@ -128,7 +145,12 @@ pub trait LinearKernel<const D: usize>: Send + Sync {
         fields: &[L],
     ) -> Self::Flux<L>;
     /// Per point and test node: what this point adds to that node.
-    fn test<L: Lane>(&self, flux: &Self::Flux<L>, basis: &Basis<L, D>) -> Self::Block<L>;
+    fn test<L: Lane>(
+        &self,
+        flux: &Self::Flux<L>,
+        basis: &Basis<L, D>,
+        hessian: &Hessian<L, D>,
+    ) -> Self::Block<L>;
 }
 
 /// One integral, linear in one test and one trial function.
@@ -164,9 +186,19 @@ pub trait BilinearKernel<const D: usize>: Send + Sync {
         fields: &[L],
     ) -> Self::Point<L>;
     /// Per point and test node.
-    fn test<L: Lane>(&self, point: &Self::Point<L>, basis: &Basis<L, D>) -> Self::Test<L>;
+    fn test<L: Lane>(
+        &self,
+        point: &Self::Point<L>,
+        basis: &Basis<L, D>,
+        hessian: &Hessian<L, D>,
+    ) -> Self::Test<L>;
     /// Per point and trial node.
-    fn trial<L: Lane>(&self, point: &Self::Point<L>, basis: &Basis<L, D>) -> Self::Trial<L>;
+    fn trial<L: Lane>(
+        &self,
+        point: &Self::Point<L>,
+        basis: &Basis<L, D>,
+        hessian: &Hessian<L, D>,
+    ) -> Self::Trial<L>;
     /// An empty accumulator.
     fn zero<L: Lane>() -> Self::Accumulator<L>;
     /// Per point and node pair.

@@ -23,8 +23,8 @@ pub mod contract {
         Functional, Inputs, Integral, LinearVisitor, Region, Role,
     };
     pub use crate::kernel::{
-        Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, LinearKernel, Order, PointGeometry,
-        Requirements, Side,
+        Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Hessian, LinearKernel, Order,
+        PointGeometry, Requirements, Side,
     };
     pub use crate::lane::Lane;
     pub use crate::source::{DiscreteField, FieldHandle, FieldValue, Given, Source};

@@ -278,14 +278,24 @@ fn constant_coefficients_are_accumulated_and_contact_is_factored() {
     impl BilinearVisitor<3> for Finish {
         type Error = ();
         fn visit<K: BilinearKernel<3>>(&mut self, _: &Integral, kernel: &K) -> Result<(), ()> {
-            let cell = kernel.cell(&CellGeometry { diameter: 1.0, cell_volume: 1.0, facet_area: 1.0 });
+            let cell = kernel.cell(&CellGeometry {
+                diameter: 1.0,
+                cell_volume: 1.0,
+                facet_area: 1.0,
+                opposite_diameter: 0.0,
+                opposite_volume: 0.0,
+            });
             let fields = vec![0.5; K::REQUIREMENTS.field_length];
             let geometry =
                 PointGeometry { weight: 1.0, position: [0.0; 3], normal: [0.0, 1.0, 0.0], curvature: 0.0 };
             let point = kernel.point(&cell, &geometry, &fields);
             let basis = Basis { value: 0.0, gradient: [1.0, 0.0, 0.0] };
             let mut sum = K::zero();
-            K::pair(&mut sum, &kernel.test(&point, &basis), &kernel.trial(&point, &basis));
+            K::pair(
+                &mut sum,
+                &kernel.test(&point, &basis, &[[0.0; 3]; 3]),
+                &kernel.trial(&point, &basis, &[[0.0; 3]; 3]),
+            );
             self.0.push(kernel.finish(&cell, &sum).as_ref().to_vec());
             Ok(())
         }

@@ -1,28 +1,10 @@
-//! `#[forms]`: compiles a module of weak forms, written as Rust functions, to assembly kernels.
-//!
-//! The stages, each a module: `parse` → `check` → `differentiate` → `optimise` → `emit`;
-//! `compile` drives them. No stage knows a mesh or an element.
-
-mod check;
-mod compile;
-mod diagnostics;
-mod differentiate;
-mod emit;
-mod optimise;
-mod parse;
-mod tensor;
+//! The attribute `#[forms]`. The compiler behind it is the package `forms-compiler`, an ordinary library, so that tests and
+//! fuzzers can call it.
 
 use proc_macro::TokenStream;
 
 /// Compiles a module of weak forms. See the crate `forms-fem` for the language.
 #[proc_macro_attribute]
 pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    let options = match syn::parse::<compile::Options>(attribute) {
-        Ok(options) => options,
-        Err(error) => return error.into_compile_error().into(),
-    };
-    match syn::parse::<syn::ItemMod>(item) {
-        Ok(item) => compile::compile(&options, item).into(),
-        Err(error) => error.into_compile_error().into(),
-    }
+    forms_compiler::forms(attribute.into(), item.into()).into()
 }

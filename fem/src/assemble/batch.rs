@@ -123,7 +123,13 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
 
     fn cell_geometry(&self) -> CellGeometry<L> {
         let zero = L::splat(0.0);
-        let mut geometry = CellGeometry { diameter: zero, cell_volume: zero, facet_area: zero };
+        let mut geometry = CellGeometry {
+            diameter: zero,
+            cell_volume: zero,
+            facet_area: zero,
+            opposite_diameter: zero,
+            opposite_volume: zero,
+        };
         if self.requirements.diameter {
             let mut lanes = [0.0; WIDEST];
             for lane in 0..L::WIDTH {
@@ -213,7 +219,11 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
 
     fn evaluate(&mut self, slot: &FieldSlot, index: usize, position: &[L; D]) -> Result<(), AssemblyError> {
         let zero = L::splat(0.0);
-        let count = if slot.order == Order::Gradient { slot.components * D } else { slot.components };
+        let count = match slot.order {
+            Order::Value => slot.components,
+            Order::Gradient => slot.components * D,
+            Order::Hessian => slot.components * D * D,
+        };
         let target = &mut self.fields[slot.offset..slot.offset + count];
         match &self.binding.values[slot.field] {
             Values::Absent => target.fill(zero),
@@ -237,6 +247,7 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
                                     *entry = basis.gradient[axis].multiply_add(*coefficient, *entry);
                                 }
                             }
+                            Order::Hessian => {}
                         }
                     }
                 }

@@ -169,7 +169,9 @@ impl<'a, const D: usize> Binding<'a, D> {
         let region = &self.regions[region];
         let found = match region.entity {
             Entity::Cells => self.mesh.cell_region(&region.name).map(Entities::Cells),
-            Entity::Facets => self.mesh.facet_region(&region.name).map(Entities::Facets),
+            Entity::Facets | Entity::InteriorFacets => {
+                self.mesh.facet_region(&region.name).map(Entities::Facets)
+            }
         };
         found.map_err(|source| AssemblyError::Region { form: self.name, symbol: region.symbol, source })
     }

@@ -107,7 +107,7 @@ impl<const D: usize> Assembler<D> {
                         .map_err(quadrature)
                 })?
             }
-            Entity::Facets => {
+            Entity::Facets | Entity::InteriorFacets => {
                 let facets = self.mesh.facet_region(region).map_err(missing)?;
                 self.facet_values(expression, facets, |local| {
                     self.quadrature.facet_rule(shape, usize::from(local), degree)

@@ -92,6 +92,7 @@ impl<const D: usize> ResidualVisitor<'_, D> {
         let element = self.elements[integral.test];
         let offset = self.offsets[integral.test];
         let zero = L::splat(0.0);
+        let straight = [[zero; D]; D];
         let components = K::TEST_COMPONENTS;
         for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
@@ -103,7 +104,7 @@ impl<const D: usize> ResidualVisitor<'_, D> {
                     let geometry = batch.point(q)?;
                     let flux = kernel.point(&cell, &geometry, batch.fields());
                     for (basis, sums) in batch.basis(element).iter().zip(sums.chunks_mut(components)) {
-                        let block = kernel.test(&flux, basis);
+                        let block = kernel.test(&flux, basis, &straight);
                         for (sum, value) in sums.iter_mut().zip(block.as_ref()) {
                             *sum += *value;
                         }

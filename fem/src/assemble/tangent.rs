@@ -154,6 +154,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
             (self.test_elements[integral.test], self.trial_elements[integral.trial]);
         // Half of the pairs suffice when test and trial nodes are the same.
         let symmetric = K::SYMMETRIC && Arc::ptr_eq(test, trial);
+        let straight = [[L::splat(0.0); D]; D];
         for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
             let (rows, columns) = (group.elements[test_element].nodes, group.elements[trial_element].nodes);
@@ -168,10 +169,10 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     let point = kernel.point(&cell, &geometry, batch.fields());
                     trial_factors.clear();
                     for basis in batch.basis(trial_element) {
-                        trial_factors.push(kernel.trial(&point, basis));
+                        trial_factors.push(kernel.trial(&point, basis, &straight));
                     }
                     for (i, basis) in batch.basis(test_element).iter().enumerate() {
-                        let factors = kernel.test(&point, basis);
+                        let factors = kernel.test(&point, basis, &straight);
                         let first = if symmetric { i } else { 0 };
                         let row = &mut accumulators[i * columns + first..(i + 1) * columns];
                         for (accumulator, trial) in row.iter_mut().zip(&trial_factors[first..]) {

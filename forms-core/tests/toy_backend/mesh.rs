@@ -138,7 +138,17 @@ fn place<const D: usize>(nodes: &[[f64; D]], cell: &[usize], opposite: Option<us
             Point { geometry: PointGeometry { weight, position, normal, curvature: 0.0 }, basis }
         })
         .collect();
-    Place { nodes: cell.to_vec(), cell: CellGeometry { diameter, cell_volume: volume, facet_area }, points }
+    Place {
+        nodes: cell.to_vec(),
+        cell: CellGeometry {
+            diameter,
+            cell_volume: volume,
+            facet_area,
+            opposite_diameter: 0.0,
+            opposite_volume: 0.0,
+        },
+        points,
+    }
 }
 
 /// det A by expansion along the first row.

@@ -64,6 +64,8 @@ fn cell<L: Lane, const D: usize>(batch: &[&Place<D>]) -> CellGeometry<L> {
         diameter: pack(batch, |place| place.cell.diameter),
         cell_volume: pack(batch, |place| place.cell.cell_volume),
         facet_area: pack(batch, |place| place.cell.facet_area),
+        opposite_diameter: L::splat(0.0),
+        opposite_volume: L::splat(0.0),
     }
 }
 
@@ -83,6 +85,11 @@ fn basis<L: Lane, const D: usize>(batch: &[&Place<D>], point: usize, node: usize
     }
 }
 
+/// Linear basis functions have no second derivatives.
+fn straight<L: Lane, const D: usize>() -> Hessian<L, D> {
+    [[L::splat(0.0); D]; D]
+}
+
 impl<const D: usize> Walk<'_, D> {
     /// The batches of a region, [`Lane::WIDTH`] places each.
     fn places(&self, integral: &Integral) -> Vec<&Place<D>> {
@@ -94,7 +101,12 @@ impl<const D: usize> Walk<'_, D> {
     fn fields<L: Lane>(&self, requirements: &Requirements, batch: &[&Place<D>], point: usize) -> Vec<L> {
         let mut data = vec![L::splat(f64::NAN); requirements.field_length];
         for slot in requirements.fields {
-            let count = if slot.order == Order::Value { slot.components } else { slot.components * D };
+            let count = slot.components
+                * match slot.order {
+                    Order::Value => 1,
+                    Order::Gradient => D,
+                    Order::Hessian => D * D,
+                };
             for entry in 0..count {
                 data[slot.offset + entry] = pack(batch, |place| self.field(slot, place, point, entry));
             }
@@ -109,6 +121,7 @@ impl<const D: usize> Walk<'_, D> {
             let (component, axis) = match slot.order {
                 Order::Value => (entry, None),
                 Order::Gradient => (entry / D, Some(entry % D)),
+                Order::Hessian => return 0.0,
             };
             let weights =
                 point.basis.iter().map(|basis| axis.map_or(basis.value, |axis| basis.gradient[axis]));
@@ -163,7 +176,7 @@ pub fn residual<L: Lane, F: Form<D>, const D: usize>(
                     let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
                     let flux = kernel.point(&constants, &geometry(batch, point), &fields);
                     for node in 0..batch[0].nodes.len() {
-                        let block = kernel.test(&flux, &basis(batch, point, node));
+                        let block = kernel.test(&flux, &basis(batch, point, node), &straight());
                         for (component, value) in block.as_ref().iter().enumerate() {
                             for (lane, place) in batch.iter().enumerate() {
                                 let row = start + place.nodes[node] * components + component;
@@ -209,8 +222,10 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
                     let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
                     let data = kernel.point(&constants, &geometry(batch, point), &fields);
                     let functions: Vec<_> = (0..nodes).map(|node| basis(batch, point, node)).collect();
-                    let tests: Vec<_> = functions.iter().map(|basis| kernel.test(&data, basis)).collect();
-                    let trials: Vec<_> = functions.iter().map(|basis| kernel.trial(&data, basis)).collect();
+                    let tests: Vec<_> =
+                        functions.iter().map(|basis| kernel.test(&data, basis, &straight())).collect();
+                    let trials: Vec<_> =
+                        functions.iter().map(|basis| kernel.trial(&data, basis, &straight())).collect();
                     for i in 0..nodes {
                         for j in (if K::SYMMETRIC { i } else { 0 })..nodes {
                             K::pair(&mut sums[i * nodes + j], &tests[i], &trials[j]);

@@ -69,7 +69,7 @@ impl KernelWriter<'_> {
                     #point_function
                 }
                 #[inline(always)]
-                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>) -> [L; #components] {
+                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #components] {
                     #test_statements
                     [#(#test_results),*]
                 }
@@ -174,12 +174,12 @@ impl KernelWriter<'_> {
                     #point_function
                 }
                 #[inline(always)]
-                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>) -> [L; #test_count] {
+                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #test_count] {
                     #test_statements
                     [#(#test_results),*]
                 }
                 #[inline(always)]
-                fn trial<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>) -> [L; #trial_count] {
+                fn trial<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #trial_count] {
                     #trial_statements
                     [#(#trial_results),*]
                 }
@@ -384,6 +384,9 @@ impl KernelWriter<'_> {
                 position: #position,
                 normal: #normal,
                 curvature: #curvature,
+                opposite_diameter: false,
+                opposite_volume: false,
+                hessian: false,
                 fields: &[#(#slots),*],
                 field_length: #next,
             }

@@ -26,6 +26,8 @@ pub fn describe(
             region: #region,
             test: #test,
             trial: #trial,
+            test_side: contract::Side::This,
+            trial_side: contract::Side::This,
             dependence: contract::Dependence::#dependence,
             symmetric: #symmetric,
             degree: #degree,
