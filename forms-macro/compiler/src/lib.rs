@@ -10,6 +10,10 @@ mod differentiate;
 mod emit;
 mod optimise;
 mod parse;
+#[cfg(test)]
+mod proof;
+#[cfg(test)]
+mod reference;
 mod tensor;
 
 use proc_macro2::TokenStream;
