@@ -20,11 +20,11 @@ fn requirement(kernel: &Kernel, name: &str, value: f64) -> f64 {
 fn cell_geometry(kernel: &Kernel, point: &Point) -> Value {
     let number = |name: &str, value: f64| Value::Number(requirement(kernel, name, value));
     Value::structure([
-        ("diameter", number("diameter", point.diameter)),
-        ("cell_volume", number("cell_volume", point.cell_volume)),
+        ("diameter", number("diameter", point.diameter[0])),
+        ("cell_volume", number("cell_volume", point.cell_volume[0])),
         ("facet_area", number("facet_area", point.facet_area)),
-        ("opposite_diameter", Value::Number(f64::NAN)),
-        ("opposite_volume", Value::Number(f64::NAN)),
+        ("opposite_diameter", number("opposite_diameter", point.diameter[1])),
+        ("opposite_volume", number("opposite_volume", point.cell_volume[1])),
     ])
 }
 
@@ -45,10 +45,16 @@ fn fields(kernel: &Kernel, point: &Point) -> Value {
     let requirements = &kernel.constants["REQUIREMENTS"];
     let mut fields = vec![f64::NAN; requirements.member("field_length").index()];
     for slot in requirements.member("fields").list() {
-        let jet = &point.fields[slot.member("field").index()];
+        let side = match slot.member("side").word() {
+            "This" => 0,
+            "Other" => 1,
+            other => panic!("the slot's side is {other}"),
+        };
+        let jet = &point.fields[side][slot.member("field").index()];
         let order = match slot.member("order").word() {
             "Value" => 0,
             "Gradient" => 1,
+            "Hessian" => 2,
             other => panic!("the slot's order is {other}"),
         };
         assert_eq!(jet[0].len(), slot.member("components").index(), "the components of a slot");
@@ -58,9 +64,11 @@ fn fields(kernel: &Kernel, point: &Point) -> Value {
     Value::numbers(fields)
 }
 
-fn basis(jet: &Jet) -> [Value; 2] {
+fn basis(kernel: &Kernel, jet: &Jet) -> [Value; 2] {
     let dimension = jet[1].len();
-    let hessian = jet[2].chunks(dimension).map(|row| Value::numbers(row.iter().copied()));
+    let hessian = jet[2].chunks(dimension);
+    let hessian =
+        hessian.map(|row| Value::numbers(row.iter().map(|entry| requirement(kernel, "hessian", *entry))));
     let basis = Value::structure([
         ("value", Value::Number(jet[0][0])),
         ("gradient", Value::numbers(jet[1].iter().copied())),
@@ -85,7 +93,7 @@ pub fn linear(kernel: &Kernel, points: &Points, test: &Basis) -> Vec<f64> {
     for (point, jet) in points.iter().zip(test) {
         let data = [cell.clone(), point_geometry(kernel, point), fields(kernel, &point.1)];
         let flux = result(kernel, "point", &prepared, &data);
-        let [basis, hessian] = basis(jet);
+        let [basis, hessian] = basis(kernel, jet);
         let share = result(kernel, "test", &prepared, &[flux, basis, hessian]).to_numbers();
         assert_eq!(share.len(), block.len(), "the components of a test node");
         block.iter_mut().zip(share).for_each(|(sum, share)| *sum += share);
@@ -102,7 +110,7 @@ pub fn bilinear(kernel: &Kernel, points: &Points, test: &Basis, trial: &Basis) -
         let data = [cell.clone(), point_geometry(kernel, point), fields(kernel, &point.1)];
         let data = result(kernel, "point", &prepared, &data);
         let side = |method: &str, jet: &Jet| {
-            let [basis, hessian] = basis(jet);
+            let [basis, hessian] = basis(kernel, jet);
             result(kernel, method, &prepared, &[data.clone(), basis, hessian])
         };
         let sides = [accumulator, side("test", &test[index]), side("trial", &trial[index])];

@@ -7,7 +7,7 @@ use super::emitted::{Function, Integral, read};
 use super::source::Source;
 use crate::check::{CheckedFunction, Content};
 use crate::reference::{Condition, Evaluator};
-use crate::tensor::FieldRole;
+use crate::tensor::{FieldRole, Side};
 
 /// Arguments nearer to a kink or a singularity than this are not compared.
 const DISTANCE: f64 = 1e-3;
@@ -45,9 +45,11 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
         let here = points(&module, checked, 2, &mut random);
         let mut elsewhere = here.clone();
         for (_, point) in &mut elsewhere {
-            for (jet, field) in point.fields.iter_mut().zip(&checked.fields) {
-                if matches!(field.role, FieldRole::Unknown(_)) {
-                    *jet = random.jet(field.shape.iter().product(), checked.dimension);
+            for fields in &mut point.fields {
+                for (jet, field) in fields.iter_mut().zip(&checked.fields) {
+                    if matches!(field.role, FieldRole::Unknown(_)) {
+                        *jet = random.jet(field.shape.iter().product(), checked.dimension);
+                    }
                 }
             }
         }
@@ -72,6 +74,14 @@ struct Comparison<'a> {
     elsewhere: Vec<(f64, crate::reference::Point)>,
     /// Two basis functions.
     nodes: [Vec<crate::reference::Jet>; 2],
+}
+
+/// A test or trial function on one side.
+struct Argument {
+    number: usize,
+    side: Side,
+    field: usize,
+    components: usize,
 }
 
 impl Comparison<'_> {
@@ -174,15 +184,30 @@ impl Comparison<'_> {
         Ok(())
     }
 
+    /// All test functions (or trial functions), on each side if there are two.
+    fn arguments(&self, fields: &[(usize, usize)]) -> Vec<Argument> {
+        let sides: &[Side] = match Evaluator::reads_other_side(self.checked) {
+            true => &[Side::This, Side::Other],
+            false => &[Side::This],
+        };
+        let fields = fields.iter().enumerate();
+        fields
+            .flat_map(|(number, (field, components))| {
+                let argument = move |side| Argument { number, side, field: *field, components: *components };
+                sides.iter().copied().map(argument)
+            })
+            .collect()
+    }
+
     /// Residual and tangent, for all regions, test functions and unknowns, at both states.
     fn form(&self, tally: &mut Tally) -> Result<(), Difference> {
+        let (tests, trials) = (self.arguments(&self.tests()), self.arguments(&self.unknowns()));
         for points in [&self.here, &self.elsewhere] {
             for region in 0..self.count_of_regions {
-                for (number, (test, components)) in self.tests().into_iter().enumerate() {
-                    self.residual(points, region, (number, test, components), tally)?;
-                    for (trial, unknown) in self.unknowns().into_iter().enumerate() {
-                        let trial = (trial, unknown.0, unknown.1);
-                        self.tangent(points, region, [(number, test, components), trial], tally)?;
+                for test in &tests {
+                    self.residual(points, region, test, tally)?;
+                    for trial in &trials {
+                        self.tangent(points, region, [test, trial], tally)?;
                     }
                 }
             }
@@ -194,22 +219,24 @@ impl Comparison<'_> {
         &self,
         points: &Points,
         region: usize,
-        (number, test, components): (usize, usize, usize),
+        test: &Argument,
         tally: &mut Tally,
     ) -> Result<(), Difference> {
         let node = &self.nodes[0];
-        let mut found = vec![0.0; components];
+        let mut found = vec![0.0; test.components];
         for integral in self.on(&self.emitted.residual, region) {
-            if integral.test == number {
+            if integral.test == (test.number, test.side) {
                 let block = linear(&integral.kernel, points, node);
                 found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
             }
         }
         for (entry, found) in found.iter().enumerate() {
             let reference = |at: &Evaluator, point: usize| {
-                at.residual(region, (test, &component(&node[point], entry, components)))
+                let row = component(&node[point], entry, test.components);
+                at.residual(region, (test.field, test.side, &row))
             };
-            self.near(&format!("residual {number}, entry {entry}"), *found, points, reference, tally)?;
+            let what = format!("residual {}, {:?}, entry {entry}", test.number, test.side);
+            self.near(&what, *found, points, reference, tally)?;
         }
         Ok(())
     }
@@ -218,25 +245,28 @@ impl Comparison<'_> {
         &self,
         points: &Points,
         region: usize,
-        [test, trial]: [(usize, usize, usize); 2],
+        [test, trial]: [&Argument; 2],
         tally: &mut Tally,
     ) -> Result<(), Difference> {
         let [first, second] = &self.nodes;
-        let mut found = vec![0.0; test.2 * trial.2];
+        let mut found = vec![0.0; test.components * trial.components];
         for integral in self.on(&self.emitted.tangent, region) {
-            if (integral.test, integral.trial) == (test.0, trial.0) {
+            if (integral.test, integral.trial) == ((test.number, test.side), (trial.number, trial.side)) {
                 let block = bilinear(&integral.kernel, points, first, second);
                 found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
             }
         }
         for (entry, found) in found.iter().enumerate() {
-            let (row, column) = (entry / trial.2, entry % trial.2);
+            let (row, column) = (entry / trial.components, entry % trial.components);
             let reference = |at: &Evaluator, point: usize| {
-                let row = component(&first[point], row, test.2);
-                let column = component(&second[point], column, trial.2);
-                at.tangent(region, (test.1, &row), (trial.1, &column))
+                let row = component(&first[point], row, test.components);
+                let column = component(&second[point], column, trial.components);
+                at.tangent(region, (test.field, test.side, &row), (trial.field, trial.side, &column))
             };
-            let what = format!("tangent {}, {}, entry {entry}", test.0, trial.0);
+            let what = format!(
+                "tangent {} {:?}, {} {:?}, entry {entry}",
+                test.number, test.side, trial.number, trial.side
+            );
             self.near(&what, *found, points, reference, tally)?;
         }
         Ok(())

@@ -82,12 +82,16 @@ pub fn points(
             MemberKind::Given => vec![],
         })
         .collect();
-    let [diameter, cell_volume, facet_area] = std::array::from_fn(|_| random.positive());
+    let facet_area = random.positive();
+    let [diameter, cell_volume] = [(); 2].map(|()| [(); 2].map(|()| random.positive()));
     (0..count)
         .map(|_| {
-            let fields = checked.fields.iter();
+            let mut fields = || {
+                let shapes = checked.fields.iter().map(|field| &field.shape);
+                shapes.map(|shape| random.jet(shape.iter().product(), dimension)).collect()
+            };
             let point = Point {
-                fields: fields.map(|field| random.jet(field.shape.iter().product(), dimension)).collect(),
+                fields: [fields(), fields()],
                 parameters: parameters.clone(),
                 position: random.numbers(dimension),
                 normal: random.numbers(dimension),

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use proc_macro2::TokenStream;
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, Item, ItemMod, Pat, Stmt, Type};
 
+use crate::tensor::Side;
+
 use super::interpreter::{Scope, Value, evaluate, run};
 
 /// What was emitted for one function in one dimension.
@@ -22,8 +24,10 @@ pub struct Function {
 /// A `contract::Integral` with its kernel.
 pub struct Integral {
     pub region: usize,
-    pub test: usize,
-    pub trial: usize,
+    /// Number of the test function, and its side.
+    pub test: (usize, Side),
+    /// Number of the unknown, and the trial function's side.
+    pub trial: (usize, Side),
     pub dependence: String,
     pub symmetric: bool,
     pub kernel: Kernel,
@@ -181,10 +185,15 @@ fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
         .collect();
     let Expr::Path(path) = &*new.func else { panic!("a kernel is made by `new`") };
     let kernel = path.path.segments.iter().nth_back(1).expect("a kernel's name").ident.to_string();
+    let side = |name: &str| match members[name].word() {
+        "This" => Side::This,
+        "Other" => Side::Other,
+        other => panic!("the side is {other}"),
+    };
     Integral {
         region: members["region"].index(),
-        test: members["test"].index(),
-        trial: members["trial"].index(),
+        test: (members["test"].index(), side("test_side")),
+        trial: (members["trial"].index(), side("trial_side")),
         dependence: members["dependence"].word().to_string(),
         symmetric: members["symmetric"].truth(),
         kernel: kernels[&kernel].clone(),

@@ -9,7 +9,7 @@ use super::number::Number;
 use super::point::{Jet, Point};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::parse::syntax::Comparison;
-use crate::tensor::{FieldRole, Geometry, Operator, Tensor, Truth, Variable};
+use crate::tensor::{FieldRole, Geometry, Operator, Side, Tensor, Truth, Variable};
 
 /// How well the numbers of a walk are conditioned.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +24,10 @@ pub struct Condition {
 /// derivative is taken.
 #[derive(Clone)]
 struct Surroundings {
-    /// Per field and order of derivative.
-    fields: Vec<Vec<Vec<Number>>>,
+    /// Per side, field and order of derivative.
+    fields: [Vec<Vec<Vec<Number>>>; 2],
+    /// From which side the expression at hand is seen.
+    side: Side,
     parameters: Vec<Vec<Number>>,
     position: Vec<Number>,
     /// What is added to the value of intermediate results.
@@ -33,6 +35,14 @@ struct Surroundings {
     /// Number of infinitesimals in use.
     level: usize,
 }
+
+/// A field moves on one side of a facet: its index, the side, where to.
+pub type Move<'a> = (usize, Side, &'a Jet);
+
+/// What is known already, per node and side.
+type Known = HashMap<(Tensor, Side), Vec<Number>>;
+
+const SIDES: [Side; 2] = [Side::This, Side::Other];
 
 /// Evaluates one function at one point.
 pub struct Evaluator<'a> {
@@ -68,23 +78,37 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The residual's density on a region, for a test function (by field index for a form, by the
-    /// unknown that is varied for an energy) with this jet and all others zero.
-    pub fn residual(&self, region: usize, test: (usize, &Jet)) -> f64 {
+    /// unknown that is varied for an energy) with this jet on this side and all others zero.
+    pub fn residual(&self, region: usize, test: Move) -> f64 {
         let (around, moves) = self.tested(test);
         self.sum(region, &around, &moves)
     }
 
     /// The derivative of [`Evaluator::residual`] as an unknown (by field index) moves along a jet.
-    pub fn tangent(&self, region: usize, test: (usize, &Jet), trial: (usize, &Jet)) -> f64 {
+    pub fn tangent(&self, region: usize, test: Move, trial: Move) -> f64 {
         let (around, mut moves) = self.tested(test);
-        moves.push((trial.0, trial.1.clone()));
+        moves.push(trial);
         self.sum(region, &around, &moves)
+    }
+
+    /// Is there a second side to this function?
+    pub fn reads_other_side(checked: &CheckedFunction) -> bool {
+        let terms = match &checked.content {
+            Content::Form(terms) | Content::Energy(terms) | Content::Functional(terms) => &terms[..],
+            Content::Value(_) => &[],
+        };
+        let roots: Vec<Tensor> = terms.iter().map(|term| term.density).collect();
+        let is_other =
+            |node: &Tensor| matches!(checked.arena.node(*node).operator, Operator::Restrict(Side::Other, _));
+        checked.arena.reachable(&roots).iter().any(is_other)
     }
 
     fn start(&self) -> Surroundings {
         let numbers = |list: &Vec<f64>| list.iter().map(|value| Number::real(*value)).collect();
+        let jet = |jet: &Jet| jet.iter().map(numbers).collect();
         Surroundings {
-            fields: self.point.fields.iter().map(|jet| jet.iter().map(numbers).collect()).collect(),
+            fields: [0, 1].map(|side| self.point.fields[side].iter().map(jet).collect()),
+            side: Side::This,
             parameters: self.point.parameters.iter().map(numbers).collect(),
             position: numbers(&self.point.position),
             added: HashMap::new(),
@@ -93,16 +117,20 @@ impl<'a> Evaluator<'a> {
     }
 
     /// A form's test functions are fields of their own; the test function of an energy is a direction.
-    fn tested(&self, test: (usize, &Jet)) -> (Surroundings, Vec<(usize, Jet)>) {
+    fn tested<'m>(&self, test: Move<'m>) -> (Surroundings, Vec<Move<'m>>) {
         let mut around = self.start();
         if let Content::Energy(_) = self.checked.content {
-            return (around, vec![(test.0, test.1.clone())]);
+            return (around, vec![test]);
         }
         for (index, field) in self.checked.fields.iter().enumerate() {
             if matches!(field.role, FieldRole::Test(_)) {
-                for (order, numbers) in around.fields[index].iter_mut().enumerate() {
-                    for (entry, number) in numbers.iter_mut().enumerate() {
-                        *number = Number::real(if index == test.0 { test.1[order][entry] } else { 0.0 });
+                for side in SIDES {
+                    let chosen = (index, side) == (test.0, test.1);
+                    let orders = around.fields[side as usize][index].iter_mut().zip(test.2);
+                    for (numbers, jet) in orders {
+                        for (entry, number) in numbers.iter_mut().enumerate() {
+                            *number = Number::real(if chosen { jet[entry] } else { 0.0 });
+                        }
                     }
                 }
             }
@@ -111,10 +139,10 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Σ of a region's densities, differentiated once along each of the moves.
-    fn sum(&self, region: usize, around: &Surroundings, moves: &[(usize, Jet)]) -> f64 {
+    fn sum(&self, region: usize, around: &Surroundings, moves: &[Move]) -> f64 {
         let mut around = around.clone();
-        for (field, jet) in moves {
-            for (numbers, direction) in around.fields[*field].iter_mut().zip(jet) {
+        for (field, side, jet) in moves {
+            for (numbers, direction) in around.fields[*side as usize][*field].iter_mut().zip(*jet) {
                 for (number, direction) in numbers.iter_mut().zip(direction) {
                     *number = number.moved(&Number::real(*direction), around.level);
                 }
@@ -126,7 +154,7 @@ impl<'a> Evaluator<'a> {
             Content::Value(_) => &[],
         };
         let mut sum = 0.0;
-        let mut known = HashMap::new();
+        let mut known = Known::new();
         for Term { density, .. } in terms.iter().filter(|term| term.region == region) {
             let mut density = self.walk_known(*density, &around, &mut known)[0].clone();
             for level in (0..moves.len()).rev() {
@@ -139,16 +167,11 @@ impl<'a> Evaluator<'a> {
 
     /// Row-major components of a node.
     fn walk(&self, tensor: Tensor, around: &Surroundings) -> Vec<Number> {
-        self.walk_known(tensor, around, &mut HashMap::new())
+        self.walk_known(tensor, around, &mut Known::new())
     }
 
-    fn walk_known(
-        &self,
-        tensor: Tensor,
-        around: &Surroundings,
-        known: &mut HashMap<Tensor, Vec<Number>>,
-    ) -> Vec<Number> {
-        if let Some(known) = known.get(&tensor) {
+    fn walk_known(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Vec<Number> {
+        if let Some(known) = known.get(&(tensor, around.side)) {
             return known.clone();
         }
         let mut numbers = self.rule(tensor, around, known);
@@ -161,7 +184,7 @@ impl<'a> Evaluator<'a> {
             condition.magnitude = condition.magnitude.max(magnitude);
         }
         self.condition.set(condition);
-        known.insert(tensor, numbers.clone());
+        known.insert((tensor, around.side), numbers.clone());
         numbers
     }
 
@@ -178,23 +201,20 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn rule(
-        &self,
-        tensor: Tensor,
-        around: &Surroundings,
-        known: &mut HashMap<Tensor, Vec<Number>>,
-    ) -> Vec<Number> {
+    fn rule(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Vec<Number> {
         use Operator::*;
         let (arena, dimension) = (&self.checked.arena, self.checked.dimension);
         let shape = arena.shape(tensor).to_vec();
         let count: usize = shape.iter().product();
         let mut walk = |operand: Tensor| self.walk_known(operand, around, known);
+        #[allow(unreachable_patterns)]
         match &arena.node(tensor).operator {
             Number(value) => vec![self::Number::real(*value)],
             Zero => vec![self::Number::real(0.0); count],
             Identity => identity(shape[0]),
             Parameter(index) => around.parameters[*index].clone(),
-            Field { field, gradient } => around.fields[*field][usize::from(*gradient)].clone(),
+            Field { field, order } => around.fields[around.side as usize][*field][*order].clone(),
+            Restrict(side, a) => self.walk_known(*a, &Surroundings { side: *side, ..around.clone() }, known),
             Geometry(geometry) => self.geometry(*geometry, around),
             Add(a, b) => pairs(&walk(*a), &walk(*b), self::Number::plus),
             Negate(a) => walk(*a).iter().map(|a| a.scaled(-1.0)).collect(),
@@ -265,7 +285,8 @@ impl<'a> Evaluator<'a> {
                     .map(|moved| {
                         let mut direction = vec![self::Number::real(0.0); variables];
                         direction[moved] = self::Number::real(1.0);
-                        self.slope(*a, &self.moved(around, *variable, &[direction]), around.level)
+                        let direction = [vec![direction.clone()], vec![direction]];
+                        self.slope(*a, &self.moved(around, *variable, &direction), around.level)
                     })
                     .collect();
                 (0..count).map(|entry| by[entry % variables][entry / variables].clone()).collect()
@@ -275,20 +296,28 @@ impl<'a> Evaluator<'a> {
                     Variable::Field(field) => self.order(*expression, *field).unwrap_or(0),
                     _ => 0,
                 };
-                let direction = self.jet(*direction, orders, around);
+                let direction =
+                    SIDES.map(|side| self.jet(*direction, orders, &Surroundings { side, ..around.clone() }));
                 self.slope(*expression, &self.moved(around, *variable, &direction), around.level)
             }
+            // An operator that is new: add its meaning here.
+            other => panic!("the reference evaluator has no rule for {other:?}"),
         }
     }
 
     fn geometry(&self, geometry: Geometry, around: &Surroundings) -> Vec<Number> {
         let real = |value: f64| vec![Number::real(value)];
+        // The outward normal of the other cell is the opposite one.
+        let (side, sign) = match around.side {
+            Side::This => (0, 1.0),
+            Side::Other => (1, -1.0),
+        };
         match geometry {
-            Geometry::Diameter => real(self.point.diameter),
-            Geometry::CellVolume => real(self.point.cell_volume),
+            Geometry::Diameter => real(self.point.diameter[side]),
+            Geometry::CellVolume => real(self.point.cell_volume[side]),
             Geometry::FacetArea => real(self.point.facet_area),
-            Geometry::Curvature => real(self.point.curvature),
-            Geometry::Normal => self.point.normal.iter().flat_map(|entry| real(*entry)).collect(),
+            Geometry::Curvature => real(sign * self.point.curvature),
+            Geometry::Normal => self.point.normal.iter().flat_map(|entry| real(sign * entry)).collect(),
             Geometry::Position => around.position.clone(),
         }
     }
@@ -327,7 +356,8 @@ impl<'a> Evaluator<'a> {
     fn shifted(&self, axis: usize, around: &Surroundings) -> Surroundings {
         let (dimension, level) = (self.checked.dimension, around.level);
         let mut shifted = around.clone();
-        for (jet, moved) in around.fields.iter().zip(&mut shifted.fields) {
+        let jets = around.fields.iter().flatten().zip(shifted.fields.iter_mut().flatten());
+        for (jet, moved) in jets {
             for order in 0..jet.len() {
                 for (entry, number) in moved[order].iter_mut().enumerate() {
                     let unknown = Number::real(f64::NAN);
@@ -364,7 +394,12 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The surroundings after a variable has moved by a direction, given as far as it is needed.
-    fn moved(&self, around: &Surroundings, variable: Variable, direction: &[Vec<Number>]) -> Surroundings {
+    fn moved(
+        &self,
+        around: &Surroundings,
+        variable: Variable,
+        directions: &[Vec<Vec<Number>>; 2],
+    ) -> Surroundings {
         let (mut moved, level) = (around.clone(), around.level);
         moved.level += 1;
         let shift = |numbers: &mut Vec<Number>, direction: &[Number]| {
@@ -375,13 +410,18 @@ impl<'a> Evaluator<'a> {
         };
         match variable {
             Variable::Field(field) => {
-                let jet = moved.fields[field].iter_mut();
-                jet.zip(direction).for_each(|(numbers, direction)| shift(numbers, direction));
+                for (fields, direction) in moved.fields.iter_mut().zip(directions) {
+                    let jet = fields[field].iter_mut();
+                    jet.zip(direction).for_each(|(numbers, direction)| shift(numbers, direction));
+                }
             }
-            Variable::Parameter(index) => shift(&mut moved.parameters[index], &direction[0]),
+            Variable::Parameter(index) => {
+                shift(&mut moved.parameters[index], &directions[around.side as usize][0]);
+            }
             Variable::Node(node) => {
-                let zero = vec![Number::real(0.0); direction[0].len()];
-                shift(moved.added.entry(node).or_insert(zero), &direction[0]);
+                let direction = &directions[around.side as usize][0];
+                let zero = vec![Number::real(0.0); direction.len()];
+                shift(moved.added.entry(node).or_insert(zero), direction);
             }
         }
         moved
@@ -394,7 +434,7 @@ impl<'a> Evaluator<'a> {
         for node in self.checked.arena.reachable(&[expression]) {
             let operator = &self.checked.arena.node(node).operator;
             let order = match operator {
-                Operator::Field { field, gradient } if *field == varied => Some(usize::from(*gradient)),
+                Operator::Field { field, order } if *field == varied => Some(*order),
                 Operator::Gradient(a) => orders[a].map(|order| order + 1),
                 Operator::Gateaux { expression, variable: Variable::Field(field), direction } => {
                     let further = self.order(*expression, *field).unwrap_or(0);

@@ -61,21 +61,17 @@ fn kinks_follow_the_documented_conventions() {
 
 /// A vector field u and a scalar field s in 2D, with derivatives up to order 2.
 fn point() -> Point {
+    let u =
+        vec![vec![0.5, -0.25], vec![0.1, 0.2, 0.3, -0.4], vec![0.7, 0.6, 0.6, -0.5, 0.2, -0.1, -0.1, 0.9]];
+    let s = vec![vec![0.8], vec![1.5, -2.0], vec![0.3, 0.4, 0.4, -0.7]];
     Point {
-        fields: vec![
-            vec![
-                vec![0.5, -0.25],
-                vec![0.1, 0.2, 0.3, -0.4],
-                vec![0.7, 0.6, 0.6, -0.5, 0.2, -0.1, -0.1, 0.9],
-            ],
-            vec![vec![0.8], vec![1.5, -2.0], vec![0.3, 0.4, 0.4, -0.7]],
-        ],
+        fields: [vec![u.clone(), s.clone()], vec![u, s]],
         parameters: vec![vec![2.5]],
         position: vec![0.2, 0.4],
         normal: vec![0.6, 0.8],
         curvature: 0.1,
-        diameter: 0.5,
-        cell_volume: 0.3,
+        diameter: [0.5, 0.6],
+        cell_volume: [0.3, 0.7],
         facet_area: 0.4,
     }
 }
@@ -101,6 +97,8 @@ fn derivatives_in_space_and_by_variables() {
     };
     // u = (0.5, −0.25), ∇u = [[0.1, 0.2], [0.3, −0.4]], s = 0.8, ∇s = (1.5, −2), a = 2.5, x = (0.2, 0.4).
     near("det(grad(u))", -0.1);
+    // ∂²(s²)/∂x∂y = 2 (s_x s_y + s s_xy)
+    near("hess(s * s)[0][1]", 2.0 * (1.5 * -2.0 + 0.8 * 0.4));
     near("div(s * u)", 0.8 * (0.1 - 0.4) + 1.5 * 0.5 + 2.0 * 0.25);
     near("grad(s * s * x[0])[0]", 2.0 * 0.8 * 1.5 * 0.2 + 0.64);
     near("derivative(s * s * s, s, a)", 3.0 * 0.64 * 2.5);
