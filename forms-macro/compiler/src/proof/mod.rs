@@ -5,6 +5,8 @@ mod assembly;
 mod comparison;
 mod data;
 mod emitted;
+mod generator;
 mod interpreter;
+mod random_forms;
 mod real_forms;
 pub mod source;
