@@ -33,12 +33,15 @@ pub struct Diagnostics {
     found: Vec<Diagnostic>,
     /// So many were found in earlier dimensions.
     settled: usize,
+    /// How often a mistake was reported, the same one again included.
+    reports: usize,
 }
 
 impl Diagnostics {
     /// Records a mistake; the same message on the same tokens is recorded once (a function is checked
     /// in each dimension and at each call).
     pub fn error(&mut self, place: Place, message: impl Into<String>) {
+        self.reports += 1;
         let message = message.into();
         let same_place = |other: &Diagnostic| format!("{:?}", other.place) == format!("{place:?}");
         let told = |(index, other): (usize, &Diagnostic)| {
@@ -47,6 +50,11 @@ impl Diagnostics {
         if !self.found.iter().enumerate().any(told) {
             self.found.push(Diagnostic { place, message });
         }
+    }
+
+    /// Grows with every report: a function for which it has grown is mistaken.
+    pub fn reports(&self) -> usize {
+        self.reports
     }
 
     /// The next dimension begins: what it says of a place that has a mistake already is the same mistake

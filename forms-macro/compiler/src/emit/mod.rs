@@ -110,12 +110,12 @@ fn value_type(rank: Rank) -> TokenStream {
 }
 
 fn emit_region(region: &Region) -> TokenStream {
-    let Region { attributes, visibility, name, facets } = region;
+    let Region { attributes, visibility, name, entity } = region;
     let symbol = name.to_string();
-    let entity = if *facets {
-        quote! { Facets }
-    } else {
-        quote! { Cells }
+    let entity = match entity {
+        Entity::Cells => quote! { Cells },
+        Entity::Facets => quote! { Facets },
+        Entity::InteriorFacets => quote! { InteriorFacets },
     };
     quote! {
         #(#attributes)*
