@@ -218,12 +218,21 @@ pub struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Arena {
     nodes: Vec<Node>,
+    /// How many operators stand one inside the other below each node.
+    depths: Vec<u32>,
 }
 
 impl Arena {
     pub fn push(&mut self, operator: Operator, shape: Shape, place: Place) -> Tensor {
+        let below = operator.operands().into_iter().map(|operand| self.depths[operand.0 as usize]).max();
+        self.depths.push(below.map_or(0, |depth| depth + 1));
         self.nodes.push(Node { operator, shape, place });
         Tensor(self.nodes.len() as u32 - 1)
+    }
+
+    /// How many nodes there are, and how deep this one is.
+    pub fn size_and_depth(&self, tensor: Tensor) -> (usize, usize) {
+        (self.nodes.len(), self.depths[tensor.0 as usize] as usize)
     }
 
     pub fn node(&self, tensor: Tensor) -> &Node {

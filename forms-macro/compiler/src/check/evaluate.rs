@@ -15,6 +15,11 @@ pub enum Value {
     Form(Vec<Term>),
 }
 
+/// Of a function's tensors, with all calls inlined: far above what is written by hand.
+const LARGEST_SIZE: usize = 50_000;
+/// Operators one inside the other: the later stages recurse as deep.
+const LARGEST_DEPTH: usize = 600;
+
 /// The state of a walk. Methods return `None` after a report.
 pub struct Evaluator<'a> {
     pub(super) module: &'a Module,
@@ -27,6 +32,8 @@ pub struct Evaluator<'a> {
     pub(super) uses: HashMap<Tensor, Place>,
     /// Field index of each `Given` member.
     pub(super) given: HashMap<String, (usize, Shape)>,
+    /// The function has grown beyond what is compiled, which has been reported.
+    too_large: bool,
 }
 
 /// Names of one function: arguments and `let`s. `None`: its value had a mistake, which was reported.
@@ -42,6 +49,7 @@ impl<'a> Evaluator<'a> {
             calls: vec![],
             uses: HashMap::new(),
             given: HashMap::new(),
+            too_large: false,
         }
     }
 
@@ -118,6 +126,24 @@ impl<'a> Evaluator<'a> {
     }
 
     pub(super) fn evaluate(&mut self, expression: &Expression, scope: &Scope) -> Option<Value> {
+        if self.too_large {
+            return None;
+        }
+        let value = self.value_of(expression, scope)?;
+        if let Value::Tensor(tensor) = value {
+            let (size, depth) = self.arena.size_and_depth(tensor);
+            if size > LARGEST_SIZE || depth > LARGEST_DEPTH {
+                let message = "the expression grows too large here, with all calls and names written out";
+                let help = "a function that calls another twice doubles it: give the result of a call a name with `let`";
+                self.diagnostics.error_with_help(expression.place, message, help);
+                self.too_large = true;
+                return None;
+            }
+        }
+        Some(value)
+    }
+
+    fn value_of(&mut self, expression: &Expression, scope: &Scope) -> Option<Value> {
         let place = expression.place;
         let tensor = match &expression.kind {
             ExpressionKind::Mistake => return None,

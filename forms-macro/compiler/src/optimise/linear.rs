@@ -134,33 +134,54 @@ impl<'a> Linear<'a> {
 
 /// The expression with some functions set to zero. These stand in it linearly, if at all.
 pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> Scalar {
-    let has = |node: &Node| functions.iter().any(|function| function.owns(node));
-    if functions.is_empty() || !graph.depends(scalar, has) {
+    if functions.is_empty() {
         return scalar;
     }
-    match graph.node(scalar).clone() {
+    without_known(graph, scalar, functions, &mut HashMap::new())
+}
+
+/// Shared parts are rewritten once: each may stand in the next several times.
+fn without_known(
+    graph: &mut Graph,
+    scalar: Scalar,
+    functions: &[SidedField],
+    known: &mut HashMap<Scalar, Scalar>,
+) -> Scalar {
+    if let Some(known) = known.get(&scalar) {
+        return *known;
+    }
+    let has = |node: &Node| functions.iter().any(|function| function.owns(node));
+    if !graph.depends(scalar, has) {
+        known.insert(scalar, scalar);
+        return scalar;
+    }
+    let mut inside = |graph: &mut Graph, part| without_known(graph, part, functions, known);
+    let rest = match graph.node(scalar).clone() {
         Node::Sum { constant, terms } => {
             let mut parts = vec![graph.number(f64::from_bits(constant))];
             for (coefficient, term) in terms {
-                let term = without(graph, term, functions);
+                let term = inside(graph, term);
                 parts.push(graph.scale(f64::from_bits(coefficient), term));
             }
             graph.sum(&parts)
         }
         Node::Product(factors) => {
-            let factors: Vec<_> = factors
-                .iter()
-                .map(|(factor, exponent)| (without(graph, *factor, functions), *exponent))
-                .collect();
+            let factors: Vec<_> =
+                factors.iter().map(|(factor, exponent)| (inside(graph, *factor), *exponent)).collect();
             graph.product(&factors)
         }
         Node::Select(truth, a, b) => {
-            let (a, b) = (without(graph, a, functions), without(graph, b, functions));
+            let (a, b) = (inside(graph, a), inside(graph, b));
             graph.select(truth, a, b)
         }
         _ => graph.number(0.0),
-    }
+    };
+    known.insert(scalar, rest);
+    rest
 }
+
+/// More products than these are no gain over the slots themselves: nine components have 9 × 12 of each.
+const MOST_PRODUCTS: usize = 2_000;
 
 /// The expression as a sum of products (test factor, trial factor), each factor linear in its field;
 /// `None` where it has not that structure.
@@ -177,6 +198,10 @@ pub fn factors(
             for (coefficient, term) in terms {
                 let scale = graph.scale(f64::from_bits(coefficient), scale);
                 all.extend(factors(graph, term, scale, is_test, is_trial)?);
+                // Names that each stand in the next several times: written out, they double each time.
+                if all.len() > MOST_PRODUCTS {
+                    return None;
+                }
             }
             Some(all)
         }

@@ -2,6 +2,7 @@
 
 mod declared_type;
 mod expression;
+pub mod nesting;
 pub mod syntax;
 
 use syn::{Fields, FnArg, Item, ItemFn, ItemMod, ItemStruct, Pat, ReturnType, Type};

@@ -281,6 +281,18 @@ impl Comparison<'_> {
             let [here, elsewhere] = states(&|points| linear(&integral.kernel, points, first));
             self.same("a constant residual", &here, &elsewhere, tally)?;
         }
+        // A linear integral is affine in the unknowns: half way it is the mean.
+        let mut halfway = self.here.clone();
+        for ((_, point), (_, other)) in halfway.iter_mut().zip(&self.elsewhere) {
+            let numbers = point.fields.iter_mut().flatten().flatten().flatten();
+            let others = other.fields.iter().flatten().flatten().flatten();
+            numbers.zip(others).for_each(|(number, other)| *number = 0.5 * (*number + other));
+        }
+        for integral in self.emitted.residual.iter().filter(|integral| integral.dependence == "Linear") {
+            let [here, elsewhere] = states(&|points| linear(&integral.kernel, points, first));
+            let mean: Vec<f64> = here.iter().zip(&elsewhere).map(|(a, b)| 0.5 * (a + b)).collect();
+            self.same("a linear residual", &mean, &linear(&integral.kernel, &halfway, first), tally)?;
+        }
         for integral in &self.emitted.tangent {
             match integral.dependence.as_str() {
                 "Constant" => return Err(format!("`{}` has a tangent of a load", self.name)),

@@ -15,6 +15,8 @@ pub struct Limits {
     pub smooth: bool,
     /// Normals and the like exist.
     pub facets: bool,
+    /// On an interior facet, outside `this`, `other`, `jump` and `avg`: fields have no value yet.
+    pub sideless: bool,
     /// The test function in which the expression is linear.
     pub test: Option<usize>,
 }
@@ -95,6 +97,9 @@ impl Writer<'_, '_> {
         if limits.size == 0 {
             return self.leaf(shape, limits);
         }
+        if limits.sideless && self.choices.below(4) == 0 {
+            return self.restricted(shape, limits);
+        }
         let list = if limits.test.is_some() { LINEAR } else { FREE };
         let dimension = self.dimension;
         let fits = |(result, only, text): &&Template| {
@@ -104,6 +109,10 @@ impl Writer<'_, '_> {
                 && known(text)
         };
         let templates: Vec<&str> = list.iter().filter(fits).map(|template| template.2).collect();
+        if limits.sideless {
+            let template = self.choices.one_of(&templates);
+            return self.fill(template, limits);
+        }
         // The special ones are as likely as two or three templates each.
         let choice = self.choices.below(templates.len() + 14);
         let special = match choice {
@@ -176,6 +185,15 @@ impl Writer<'_, '_> {
 
     /// Without operators, or nearly so.
     fn leaf(&mut self, shape: Shape, limits: Limits) -> String {
+        if limits.sideless {
+            return match (shape, limits.test, self.choices.below(8)) {
+                (Shape::Vector, None, 1) if !limits.smooth => "n".into(),
+                (Shape::Vector, None, 2) => "x".into(),
+                (Shape::Scalar, None, 1) if !limits.smooth => "facet_area".into(),
+                (Shape::Scalar, None, 2) => "0.5".into(),
+                _ => self.restricted(shape, limits),
+            };
+        }
         if let Some(test) = limits.test {
             return self.linear_leaf(shape, test, limits);
         }
@@ -229,6 +247,23 @@ impl Writer<'_, '_> {
             _ => format!("inner(#, {{{letter}}}) * {{{}}}", shape.letter()),
         };
         self.fill(&template, limits.free()).replace('#', &text)
+    }
+
+    /// An expression seen from one side of a facet, or its jump or average.
+    fn restricted(&mut self, shape: Shape, limits: Limits) -> String {
+        let inside = Limits { sideless: false, ..limits.smaller(1) };
+        let (along, of) = match (shape, limits.smooth) {
+            (Shape::Scalar, false) => (true, Shape::Vector),
+            (Shape::Vector, false) => (true, Shape::Scalar),
+            _ => (false, shape),
+        };
+        match self.choices.below(5) {
+            0 => format!("this({})", self.expression(shape, inside)),
+            1 => format!("jump({})", self.expression(shape, inside)),
+            2 => format!("avg({})", self.expression(shape, inside)),
+            3 if along => format!("jump({}, n)", self.expression(of, inside)),
+            _ => format!("other({})", self.expression(shape, inside)),
+        }
     }
 
     fn call(&mut self, shape: Shape, limits: Limits) -> Option<String> {

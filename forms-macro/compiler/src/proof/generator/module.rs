@@ -19,7 +19,7 @@ pub fn module(list: &[u32], dimension: usize) -> String {
         members.push(Name { text, shape, field: given, variable: true, order: 0, smooth: true });
     }
     let mut text = format!("    pub struct Data {{\n{data}    }}\n");
-    text += "    #[cells]\n    pub struct Omega;\n    #[facets]\n    pub struct Gamma;\n";
+    text += "    #[cells]\n    pub struct Omega;\n    #[facets]\n    pub struct Gamma;\n    #[interior_facets]\n    pub struct Skeleton;\n";
 
     let mut functions: Vec<Callable> = Vec::new();
     for index in 0..choices.below(3) {
@@ -63,7 +63,8 @@ pub fn module(list: &[u32], dimension: usize) -> String {
     let body = match result {
         "Scalar" | "Vector" | "Tensor" => {
             let shape = Shape::FIELDS.into_iter().find(|shape| shape.name() == result);
-            let limits = Limits { size: 12, order, smooth: false, facets: false, test: None };
+            let limits =
+                Limits { size: 12, order, smooth: false, facets: false, sideless: false, test: None };
             writer.expression(shape.unwrap_or(Shape::Scalar), limits)
         }
         _ => integrals(&mut writer, order),
@@ -97,7 +98,7 @@ fn helper(
     let declared: Vec<String> =
         arguments.iter().enumerate().map(|(number, shape)| format!("a{number}: {}", shape.name())).collect();
     let mut writer = Writer { choices, dimension, names, tests: vec![], functions, lets: 0 };
-    let limits = Limits { size: 5, order, smooth: true, facets: false, test: None };
+    let limits = Limits { size: 5, order, smooth: true, facets: false, sideless: false, test: None };
     let body = writer.expression(result, limits);
     let declared = declared.join(", ");
     let written = format!("    fn {text}({declared}) -> {} {{\n        {body}\n    }}\n", result.name());
@@ -108,13 +109,13 @@ fn helper(
 fn integrals(writer: &mut Writer, order: usize) -> String {
     let mut sum = String::new();
     for index in 0..1 + writer.choices.below(3) {
-        let facets = writer.choices.below(3) == 1;
-        let region = if facets { "Gamma" } else { "Omega" };
+        let region = *writer.choices.one_of(&["Omega", "Gamma", "Omega", "Skeleton"]);
+        let (facets, sideless) = (region != "Omega", region == "Skeleton");
         let test = match writer.tests.len() {
             0 => None,
             count => Some(writer.choices.below(count)),
         };
-        let limits = Limits { size: 14, order, smooth: false, facets, test };
+        let limits = Limits { size: 14, order, smooth: false, facets, sideless, test };
         let density = writer.expression(Shape::Scalar, limits);
         let integral = format!("integral({region}, {density})");
         let parameters = writer.names.iter().filter(|name| !name.field && name.shape == Shape::Scalar);
