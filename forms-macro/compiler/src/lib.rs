@@ -10,6 +10,7 @@ mod differentiate;
 mod emit;
 mod optimise;
 mod parse;
+mod show;
 mod tensor;
 
 use proc_macro2::TokenStream;

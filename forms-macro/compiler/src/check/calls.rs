@@ -140,6 +140,9 @@ impl Evaluator<'_> {
         if values.iter().any(Option::is_none) {
             return None;
         }
+        if let (true, Output::Value(rank)) = (self.outlined, function.output) {
+            return Some(self.name_call(index, rank, values, place));
+        }
         self.inline(index, values)
     }
 }
