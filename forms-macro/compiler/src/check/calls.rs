@@ -64,6 +64,7 @@ impl Evaluator<'_> {
             Builtin::Inverse => self.of_tensor(a, place, &text, Operator::Inverse)?,
             Builtin::Cofactor => self.of_tensor(a, place, &text, Operator::Cofactor)?,
             Builtin::Gradient => self.gradient(a, place)?,
+            Builtin::Hessian => self.hessian(a, place)?,
             Builtin::Divergence => self.divergence(a, place)?,
             Builtin::Strain => self.strain(a, place)?,
             Builtin::Apply(function) => {

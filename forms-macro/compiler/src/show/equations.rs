@@ -153,7 +153,7 @@ fn vary(
     let mut varied = Vec::new();
     for term in terms {
         let place = arena.place(term.density);
-        let direction = arena.push(Operator::Field { field, gradient: false }, shape.clone(), place);
+        let direction = arena.push(Operator::Field { field, order: 0 }, shape.clone(), place);
         let variable = Variable::Field(unknown);
         let operator = Operator::Gateaux { expression: term.density, variable, direction };
         let density = arena.push(operator, vec![], place);

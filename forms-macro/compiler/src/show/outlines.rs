@@ -12,6 +12,9 @@ use crate::differentiate::rules::{Differentiation, Seed};
 use crate::parse::syntax::{Module, Output};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Named, Operator, Tensor, Variable};
 
+/// The highest derivative of a field that a node names.
+const HIGHEST_ORDER: usize = 2;
+
 /// Which arguments vary, for each order of a derivative.
 pub type Varied = Vec<Vec<bool>>;
 
@@ -69,7 +72,7 @@ impl<'a> Outlines<'a> {
             let field = fields.len() - 1;
             directions[varied.len() - 1][argument] = Some(field);
             let Some(value) = base.value else { continue };
-            let operator = Operator::Field { field, gradient: false };
+            let operator = Operator::Field { field, order: 0 };
             let direction = arena.push(operator, shape, arena.place(value));
             let derivative = self.derive(&mut arena, value, Variable::Field(argument), direction, &fields)?;
             sum = match (sum, derivative) {
@@ -105,13 +108,17 @@ impl<'a> Outlines<'a> {
         if data {
             value = self.inlined(arena, value, fields)?;
         }
-        let shape = [arena.shape(direction), &[self.dimension]].concat();
-        let operator = gradient(arena, direction);
-        let direction_gradient = Some(arena.push(operator, shape, arena.place(direction)));
+        let mut directions = vec![direction];
+        for order in 0..HIGHEST_ORDER {
+            let last = directions[order];
+            let shape = [arena.shape(last), &[self.dimension]].concat();
+            let operator = gradient(arena, last);
+            directions.push(arena.push(operator, shape, arena.place(last)));
+        }
         let seed = Seed::Toward { variable, direction, with_gradient: true };
         let mut diagnostics = Diagnostics::default();
         let mut differentiation =
-            Differentiation::new(arena, self.dimension, seed, direction_gradient, &mut diagnostics);
+            Differentiation::new(arena, self.dimension, seed, directions, &mut diagnostics);
         Some(differentiation.derive(value))
     }
 
@@ -221,7 +228,7 @@ impl<'a> Outlines<'a> {
                     fields.iter().position(|one| one.role == FieldRole::Given && one.name == field.name)?;
                 let place = arguments.first().map(|argument| arena.place(*argument));
                 let place = place.or_else(|| definition.value.map(|value| definition.arena.place(value)))?;
-                let operator = Operator::Field { field: here, gradient: false };
+                let operator = Operator::Field { field: here, order: 0 };
                 *value = Some(arena.push(operator, field.shape.clone(), place));
             }
         }
@@ -265,7 +272,7 @@ impl<'a> Outlines<'a> {
         for (index, field) in definition.fields.iter().enumerate() {
             let operator = match zero.get(index) {
                 Some(true) => Operator::Zero,
-                _ => Operator::Field { field: index, gradient: false },
+                _ => Operator::Field { field: index, order: 0 },
             };
             values.push(Some(arena.push(operator, field.shape.clone(), place)));
         }
@@ -297,7 +304,9 @@ pub fn direction_name(name: &str, order: usize) -> String {
 /// ∇ of what the node stands for.
 pub fn gradient(arena: &Arena, tensor: Tensor) -> Operator {
     match arena.node(tensor).operator {
-        Operator::Field { field, gradient: false } => Operator::Field { field, gradient: true },
+        Operator::Field { field, order } if order < HIGHEST_ORDER => {
+            Operator::Field { field, order: order + 1 }
+        }
         _ => Operator::Gradient(tensor),
     }
 }
@@ -312,10 +321,13 @@ fn substitute(source: &Arena, tensor: Tensor, values: &[Option<Tensor>], target:
             _ => None,
         };
         let new = match (&node.operator, value) {
-            (Operator::Field { gradient: false, .. }, Some(value)) => value,
-            (Operator::Field { gradient: true, .. }, Some(value)) => {
-                let operator = gradient(target, value);
-                target.push(operator, node.shape.clone(), node.place)
+            (Operator::Field { order, .. }, Some(mut value)) => {
+                for _ in 0..*order {
+                    let shape = [target.shape(value), &[node.shape[node.shape.len() - 1]]].concat();
+                    let operator = gradient(target, value);
+                    value = target.push(operator, shape, node.place);
+                }
+                value
             }
             (operator, _) => {
                 // Operands stand before what is made of them.

@@ -5,7 +5,8 @@ use super::outlines::varied;
 use super::symbols::Symbol;
 use crate::parse::syntax::{Comparison, Module};
 use crate::tensor::{
-    Arena, FieldInfo, FieldRole, Function, Geometry, LinearMap, Named, Operator, Tensor, Truth, Variable,
+    Arena, FieldInfo, FieldRole, Function, Geometry, LinearMap, Named, Operator, Side, Tensor, Truth,
+    Variable,
 };
 use syn::Attribute;
 
@@ -26,8 +27,9 @@ impl Reader<'_> {
             Zero => Formula::Number(0.0),
             Identity => Formula::name("I"),
             Parameter(index) => self.parameter(*index),
-            Field { field, gradient: false } => self.field(*field),
-            Field { field, gradient: true } => Formula::Prefix("∇", Box::new(self.field(*field))),
+            Field { field, order: 0 } => self.field(*field),
+            Field { field, order: 1 } => Formula::Prefix("∇", Box::new(self.field(*field))),
+            Field { field, .. } => Formula::Prefix("∇²", Box::new(self.field(*field))),
             Geometry(kind) => geometry(*kind),
             Add(a, b) => {
                 let left = self.read(*a);
@@ -67,6 +69,10 @@ impl Reader<'_> {
             Minimum(a, b) => self.word("min", &[*a, *b]),
             Maximum(a, b) => self.word("max", &[*a, *b]),
             Select(..) => Formula::Cases(self.cases(tensor)),
+            Restrict(side, a) => {
+                let sign = if *side == Side::This { "+" } else { "−" };
+                self.read(*a).power(Formula::Word(sign))
+            }
             Gradient(a) => Formula::Prefix("∇", Box::new(self.read(*a))),
             Partial(expression, variable) => {
                 let by = match variable {
@@ -128,7 +134,7 @@ impl Reader<'_> {
     /// What the node is the gradient of, as a formula.
     fn gradient_of(&self, tensor: Tensor) -> Option<Formula> {
         match self.arena.node(tensor).operator {
-            Operator::Field { field, gradient: true } => Some(self.field(field)),
+            Operator::Field { field, order: 1 } => Some(self.field(field)),
             Operator::Gradient(a) => Some(self.read(a)),
             _ => None,
         }

@@ -124,6 +124,11 @@ impl<'o, 'm> Simplifier<'o, 'm> {
                 Negate(inner) => self.negated(Map(*map, inner), shape, origin),
                 _ => None,
             },
+            Restrict(side, a) => match self.arena.node(*a).operator {
+                _ if is_zero(self, *a) => zero(self),
+                Negate(inner) => self.negated(Restrict(*side, inner), shape, origin),
+                _ => None,
+            },
             Gradient(a) => match self.arena.node(*a).operator {
                 _ if is_zero(self, *a) => zero(self),
                 Field { .. } => {
@@ -420,7 +425,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
             (Zero, Zero) | (Identity, Identity) => true,
             (Parameter(a), Parameter(b)) => a == b,
             (Geometry(a), Geometry(b)) => a == b,
-            (Field { field: a, gradient: c }, Field { field: b, gradient: d }) => a == b && c == d,
+            (Field { field: a, order: c }, Field { field: b, order: d }) => a == b && c == d,
             (Inner(a, b), Inner(c, d)) => pair(*a, *b, *c, *d) || pair(*a, *b, *d, *c),
             (Contract(a, b), Contract(c, d)) => {
                 // Of two vectors.
@@ -437,6 +442,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
             (Determinant(a), Determinant(b)) | (Inverse(a), Inverse(b)) | (Cofactor(a), Cofactor(b)) => {
                 self.same(*a, *b)
             }
+            (Restrict(m, a), Restrict(n, b)) => m == n && self.same(*a, *b),
             (Map(m, a), Map(n, b)) => m == n && self.same(*a, *b),
             (Apply(f, a), Apply(g, b)) => f == g && self.same(*a, *b),
             (Component(a, i), Component(b, j)) => i == j && self.same(*a, *b),

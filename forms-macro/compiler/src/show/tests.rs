@@ -17,7 +17,7 @@ use crate::optimise::scalarise::Scalariser;
 use crate::optimise::{equal_scalars, parameter_offsets};
 use crate::parse::parse;
 use crate::parse::syntax::Module;
-use crate::tensor::{Arena, FieldRole, Tensor};
+use crate::tensor::{Arena, FieldRole, Side, Tensor};
 
 fn module(source: &str) -> Module {
     let item = syn::parse_str(source).unwrap_or_else(|error| panic!("{error}"));
@@ -98,8 +98,14 @@ fn total(
     densities: &[Tensor],
 ) -> crate::optimise::scalar::Scalar {
     let offsets = parameter_offsets(module, dimension);
-    let mut scalariser =
-        Scalariser { arena, graph, parameter_offsets: &offsets, dimension, known: HashMap::new() };
+    let mut scalariser = Scalariser {
+        arena,
+        graph,
+        parameter_offsets: &offsets,
+        dimension,
+        side: Side::This,
+        known: HashMap::new(),
+    };
     let parts: Vec<_> = densities.iter().map(|density| scalariser.scalar(*density)).collect();
     graph.sum(&parts)
 }
