@@ -15,6 +15,7 @@ use crate::differentiate::differentiate;
 use crate::emit::emit;
 use crate::optimise::optimise;
 use crate::parse::parse;
+use crate::show::formulas;
 
 /// `#[forms(dimension = 3, crate = my_backend)]`
 pub struct Options {
@@ -74,7 +75,12 @@ pub fn compile(options: &Options, item: ItemMod) -> TokenStream {
         }
         diagnostics.next_dimension();
     }
+    // A formula is the same in each dimension.
+    let formulas = match diagnostics.is_empty() {
+        true => formulas(&module, options.dimensions[0]),
+        false => Vec::new(),
+    };
     let errors = diagnostics.into_tokens();
-    let code = emit(&module, &options.dimensions, optimised, &options.backend);
+    let code = emit(&module, &options.dimensions, optimised, &formulas, &options.backend);
     quote! { #errors #code }
 }

@@ -60,6 +60,11 @@ impl Diagnostics {
         self.error(place, format!("{}\nhelp: {}", message.into(), help.as_ref()));
     }
 
+    /// No mistake was found.
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
     /// One `compile_error!` per mistake.
     pub fn into_tokens(self) -> TokenStream {
         self.found.iter().map(compile_error).collect()

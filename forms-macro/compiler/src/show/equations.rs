@@ -24,6 +24,8 @@ pub struct Shown {
     pub definitions: Vec<Equation>,
     /// Members of the data struct that stand anywhere, by index.
     pub members: Vec<usize>,
+    /// Regions of the integrals, by index.
+    pub regions: Vec<usize>,
 }
 
 /// A function's integrals and their derivatives.
@@ -120,7 +122,11 @@ pub fn show(outlines: &mut Outlines, function: usize) -> Option<Shown> {
         shown.push((name, Equation { left, right: integrals(&reader, &terms) }));
         roots.extend(terms.iter().map(|term| term.density));
     }
-    Some(complete(outlines, content, shown, &arena, &fields, &roots))
+    let mut regions: Vec<usize> = own.iter().map(|term| term.region).collect();
+    regions.sort_unstable();
+    regions.dedup();
+    let shown = complete(outlines, content, shown, &arena, &fields, &roots);
+    Some(Shown { regions, ..shown })
 }
 
 /// A function of position.
@@ -196,7 +202,7 @@ fn complete(
     fields: &[FieldInfo],
     roots: &[Tensor],
 ) -> Shown {
-    let mut shown = Shown { content, derivatives, definitions: vec![], members: vec![] };
+    let mut shown = Shown { content, derivatives, definitions: vec![], members: vec![], regions: vec![] };
     let mut listed: Vec<(usize, Varied)> = Vec::new();
     list(outlines, arena, fields, roots, &mut shown, &mut listed);
     shown.members.sort_unstable();

@@ -30,8 +30,6 @@ pub enum Infix {
     DoubleDot,
     /// a ⊗ b.
     Outer,
-    /// a × b.
-    Cross,
 }
 
 /// What stands around a formula.
@@ -58,8 +56,6 @@ pub enum Measure {
     Dx,
     /// Exterior facets.
     Ds,
-    /// Interior facets.
-    InteriorDs,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +63,7 @@ pub enum Formula {
     Number(f64),
     Symbol(Symbol),
     /// An upright name: `tr`, `sin`, the T of a transpose.
-    Word(&'static str),
+    Word(String),
     /// Terms, each with whether it is subtracted.
     Sum(Vec<(bool, Formula)>),
     /// Factors side by side.
@@ -124,6 +120,10 @@ impl Formula {
             Prefix(..) | Derivative { .. } => Level::Prefix,
             Cases(_) | Relation(..) | Integral { .. } => Level::Relation,
         }
+    }
+
+    pub fn word(word: &str) -> Formula {
+        Formula::Word(word.to_string())
     }
 
     pub fn name(name: &str) -> Formula {

@@ -73,7 +73,6 @@ pub trait Notation {
                     Infix::Dot => "·",
                     Infix::DoubleDot => ":",
                     Infix::Outer => "⊗",
-                    Infix::Cross => "×",
                 };
                 let side = |one: &Formula| match one {
                     Formula::Fraction(..) if Self::FLAT => self.at_least(Level::Atom, one),
@@ -160,7 +159,6 @@ pub trait Notation {
                 let measure = match measure {
                     Measure::Dx => "dx",
                     Measure::Ds => "ds",
-                    Measure::InteriorDs => "dS",
                 };
                 self.integral(self.symbol(region), self.at_least(Level::Infix, density), measure)
             }

@@ -2,6 +2,7 @@
 
 use super::formula::{Fence, Formula, Infix};
 use super::outlines::varied;
+use super::same::same;
 use super::symbols::Symbol;
 use crate::parse::syntax::{Comparison, Module};
 use crate::tensor::{
@@ -32,6 +33,9 @@ impl Reader<'_> {
             Field { field, .. } => Formula::Prefix("∇²", Box::new(self.field(*field))),
             Geometry(kind) => geometry(*kind),
             Add(a, b) => {
+                if let Some(jump) = self.jump(*a, *b) {
+                    return jump;
+                }
                 let left = self.read(*a);
                 match self.arena.node(*b).operator {
                     Negate(inner) => left.plus(true, self.read(inner)),
@@ -39,6 +43,9 @@ impl Reader<'_> {
                 }
             }
             Negate(a) => self.read(*a).negative(),
+            Scale(a, b) if self.average(*a, *b).is_some() => {
+                Formula::Fence(Fence::Average, Box::new(self.average(*a, *b).unwrap_or(Formula::Number(0.0))))
+            }
             Scale(a, b) => self.scaled(self.read(*a), self.read(*b)),
             Divide(a, b) => Formula::Fraction(Box::new(self.read(*a)), Box::new(self.read(*b))),
             Contract(a, b) => {
@@ -59,19 +66,15 @@ impl Reader<'_> {
             }
             Outer(a, b) => Formula::infix(Infix::Outer, self.read(*a), self.read(*b)),
             Map(map, a) => self.map(*map, *a),
-            Determinant(a) => self.word("det", &[*a]),
             Inverse(a) => self.read(*a).power(Formula::Number(-1.0)),
-            Cofactor(a) => self.word("cof", &[*a]),
             Component(a, index) => self.component(*a, index),
             Stack(entries) => self.stack(entries),
             Apply(function, a) => self.apply(*function, *a),
             Power(a, b) => self.read(*a).power(self.read(*b)),
-            Minimum(a, b) => self.word("min", &[*a, *b]),
-            Maximum(a, b) => self.word("max", &[*a, *b]),
             Select(..) => Formula::Cases(self.cases(tensor)),
             Restrict(side, a) => {
                 let sign = if *side == Side::This { "+" } else { "−" };
-                self.read(*a).power(Formula::Word(sign))
+                self.read(*a).power(Formula::word(sign))
             }
             Gradient(a) => Formula::Prefix("∇", Box::new(self.read(*a))),
             Partial(expression, variable) => {
@@ -92,6 +95,7 @@ impl Reader<'_> {
             Named(self::Named::Call { function, arguments, directions }) => {
                 self.call(*function, arguments, directions)
             }
+            other => self.word(&function_name(other), &other.operands()),
         }
     }
 
@@ -110,7 +114,7 @@ impl Reader<'_> {
         let mut members = self.module.data.iter().flat_map(|data| &data.members);
         match members.nth(index) {
             Some(member) => Formula::Symbol(symbol(&member.name, &member.attributes)),
-            None => Formula::Word("parameter"),
+            None => Formula::word("parameter"),
         }
     }
 
@@ -127,8 +131,8 @@ impl Reader<'_> {
         }
     }
 
-    fn word(&self, word: &'static str, operands: &[Tensor]) -> Formula {
-        Formula::call(Formula::Word(word), operands.iter().map(|operand| self.read(*operand)).collect())
+    fn word(&self, word: &str, operands: &[Tensor]) -> Formula {
+        Formula::call(Formula::word(word), operands.iter().map(|operand| self.read(*operand)).collect())
     }
 
     /// What the node is the gradient of, as a formula.
@@ -144,16 +148,33 @@ impl Reader<'_> {
         let vector = self.arena.shape(a).len() == 2;
         match (map, self.gradient_of(a)) {
             (LinearMap::Symmetric, Some(of)) if vector => Formula::call(Formula::name("ε"), vec![of]),
-            (LinearMap::Trace, Some(of)) if vector => Formula::call(Formula::Word("div"), vec![of]),
+            (LinearMap::Trace, Some(of)) if vector => Formula::call(Formula::word("div"), vec![of]),
             (LinearMap::Transpose, _) => match self.arena.node(a).operator {
-                Operator::Inverse(inner) => self.read(inner).power(Formula::Word("−T")),
-                _ => self.read(a).power(Formula::Word("T")),
+                Operator::Inverse(inner) => self.read(inner).power(Formula::word("−T")),
+                _ => self.read(a).power(Formula::word("T")),
             },
             (LinearMap::Trace, _) => self.word("tr", &[a]),
             (LinearMap::Symmetric, _) => self.word("sym", &[a]),
-            (LinearMap::Skew, _) => self.word("skew", &[a]),
             (LinearMap::Deviator, _) => self.word("dev", &[a]),
+            (other, _) => self.word(&lower(&other), &[a]),
         }
+    }
+
+    /// a⁺ − a⁻ is ⟦a⟧.
+    fn jump(&self, a: Tensor, b: Tensor) -> Option<Formula> {
+        let Operator::Restrict(Side::This, this) = self.arena.node(a).operator else { return None };
+        let Operator::Negate(b) = self.arena.node(b).operator else { return None };
+        let Operator::Restrict(Side::Other, other) = self.arena.node(b).operator else { return None };
+        same(self.arena, this, other).then(|| Formula::Fence(Fence::Jump, Box::new(self.read(this))))
+    }
+
+    /// ½ (a⁺ + a⁻) is {a}.
+    fn average(&self, half: Tensor, sum: Tensor) -> Option<Formula> {
+        let Operator::Number(0.5) = self.arena.node(half).operator else { return None };
+        let Operator::Add(a, b) = self.arena.node(sum).operator else { return None };
+        let Operator::Restrict(Side::This, this) = self.arena.node(a).operator else { return None };
+        let Operator::Restrict(Side::Other, other) = self.arena.node(b).operator else { return None };
+        same(self.arena, this, other).then(|| self.read(this))
     }
 
     /// x, y, z along the axes of space, else numbers from 1.
@@ -178,7 +199,7 @@ impl Reader<'_> {
                 vec![Formula::Number(0.0); self.arena.shape(*entry)[0]]
             }
             _ if self.arena.shape(*entry).is_empty() => vec![self.read(*entry)],
-            _ => vec![self.read(*entry).power(Formula::Word("T"))],
+            _ => vec![self.read(*entry).power(Formula::word("T"))],
         };
         Formula::Matrix(entries.iter().map(row).collect())
     }
@@ -196,24 +217,26 @@ impl Reader<'_> {
             }
             whole = Some(*gradient);
         }
-        Some(Formula::call(Formula::Word("div"), vec![self.gradient_of(whole?)?]))
+        Some(Formula::call(Formula::word("div"), vec![self.gradient_of(whole?)?]))
     }
 
     fn apply(&self, function: Function, a: Tensor) -> Formula {
         let inner = || Box::new(self.read(a));
         match function {
-            Function::Sqrt => Formula::Root(inner()),
+            Function::Sqrt => match self.arena.node(a).operator {
+                Operator::Inner(first, second) | Operator::Contract(first, second)
+                    if same(self.arena, first, second) =>
+                {
+                    Formula::Fence(Fence::DoubleBars, Box::new(self.read(first)))
+                }
+                _ => Formula::Root(inner()),
+            },
             Function::Abs => Formula::Fence(Fence::Bars, inner()),
             Function::PositivePart => Formula::Fence(Fence::PositivePart, inner()),
             Function::NegativePart => Formula::Fence(Fence::NegativePart, inner()),
             Function::Heaviside => Formula::call(Formula::name("H"), vec![self.read(a)]),
             Function::Sign => self.word("sgn", &[a]),
-            Function::Exp => self.word("exp", &[a]),
-            Function::Ln => self.word("ln", &[a]),
-            Function::Sin => self.word("sin", &[a]),
-            Function::Cos => self.word("cos", &[a]),
-            Function::Tan => self.word("tan", &[a]),
-            Function::Tanh => self.word("tanh", &[a]),
+            other => self.word(&lower(&other), &[a]),
         }
     }
 
@@ -290,6 +313,24 @@ impl Reader<'_> {
     }
 }
 
+/// An operator that is written as a function of its operands.
+fn function_name(operator: &Operator) -> String {
+    match operator {
+        Operator::Determinant(_) => "det".into(),
+        Operator::Cofactor(_) => "cof".into(),
+        Operator::Minimum(..) => "min".into(),
+        Operator::Maximum(..) => "max".into(),
+        other => lower(other),
+    }
+}
+
+/// `Tanh` is `tanh`: what has no sign of its own is shown by its name.
+fn lower(operator: &impl std::fmt::Debug) -> String {
+    let name = format!("{operator:?}");
+    let name = name.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+    name.to_lowercase()
+}
+
 fn geometry(kind: Geometry) -> Formula {
     match kind {
         Geometry::Diameter => Formula::name("h"),
@@ -297,7 +338,11 @@ fn geometry(kind: Geometry) -> Formula {
         Geometry::FacetArea => Formula::Fence(Fence::Bars, Box::new(Formula::name("F"))),
         Geometry::Normal => Formula::name("n"),
         Geometry::Position => Formula::name("x"),
-        Geometry::Curvature => Formula::name("kappa"),
+        // What has no sign of its own is shown by its name.
+        other => match lower(&other).as_str() {
+            "curvature" => Formula::name("kappa"),
+            name => Formula::name(name),
+        },
     }
 }
 

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use super::outlines::{Outlines, gradient, varied};
+use super::same::same;
 use crate::differentiate::map_operands;
 use crate::tensor::{Arena, FieldInfo, Function, Named, Operator, Tensor, Variable};
 
@@ -73,7 +74,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
             Divide(a, b) => match (self.arena.node(*a).operator.clone(), self.number(*b)) {
                 (_, Some(1.0)) => Some(*a),
                 (Divide(inner, first), None) => {
-                    let under = match self.same(first, *b) {
+                    let under = match same(self.arena, first, *b) {
                         true => {
                             let two = self.push(Number(2.0), vec![], origin);
                             self.push(Power(first, two), vec![], origin)
@@ -176,7 +177,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
         }
         // m e + n e = (m + n) e
         let ((m, first), (n, second)) = (self.coefficient(a), self.coefficient(b));
-        if !self.same(first, second) {
+        if !same(self.arena, first, second) {
             return None;
         }
         match m + n {
@@ -405,57 +406,6 @@ impl<'o, 'm> Simplifier<'o, 'm> {
                 _ => (1.0, tensor),
             },
             _ => (1.0, tensor),
-        }
-    }
-
-    /// The same expression, up to the order of factors.
-    fn same(&self, a: Tensor, b: Tensor) -> bool {
-        use Operator::*;
-        if a == b {
-            return true;
-        }
-        let (first, second) = (self.arena.node(a), self.arena.node(b));
-        if first.shape != second.shape {
-            return false;
-        }
-        let pair = |a: Tensor, b: Tensor, c: Tensor, d: Tensor| self.same(a, c) && self.same(b, d);
-        let scalar = |one: Tensor| self.arena.shape(one).is_empty();
-        match (&first.operator, &second.operator) {
-            (Number(a), Number(b)) => a == b,
-            (Zero, Zero) | (Identity, Identity) => true,
-            (Parameter(a), Parameter(b)) => a == b,
-            (Geometry(a), Geometry(b)) => a == b,
-            (Field { field: a, order: c }, Field { field: b, order: d }) => a == b && c == d,
-            (Inner(a, b), Inner(c, d)) => pair(*a, *b, *c, *d) || pair(*a, *b, *d, *c),
-            (Contract(a, b), Contract(c, d)) => {
-                // Of two vectors.
-                pair(*a, *b, *c, *d) || (first.shape.is_empty() && pair(*a, *b, *d, *c))
-            }
-            (Scale(a, b), Scale(c, d)) => {
-                pair(*a, *b, *c, *d) || (scalar(*b) && scalar(*d) && pair(*a, *b, *d, *c))
-            }
-            (Add(a, b), Add(c, d)) => pair(*a, *b, *c, *d) || pair(*a, *b, *d, *c),
-            (Divide(a, b), Divide(c, d)) | (Outer(a, b), Outer(c, d)) | (Power(a, b), Power(c, d)) => {
-                pair(*a, *b, *c, *d)
-            }
-            (Negate(a), Negate(b)) | (Gradient(a), Gradient(b)) => self.same(*a, *b),
-            (Determinant(a), Determinant(b)) | (Inverse(a), Inverse(b)) | (Cofactor(a), Cofactor(b)) => {
-                self.same(*a, *b)
-            }
-            (Restrict(m, a), Restrict(n, b)) => m == n && self.same(*a, *b),
-            (Map(m, a), Map(n, b)) => m == n && self.same(*a, *b),
-            (Apply(f, a), Apply(g, b)) => f == g && self.same(*a, *b),
-            (Component(a, i), Component(b, j)) => i == j && self.same(*a, *b),
-            (
-                Named(self::Named::Call { function: f, arguments: a, directions: c }),
-                Named(self::Named::Call { function: g, arguments: b, directions: d }),
-            ) => {
-                let all = |a: &[Tensor], b: &[Tensor]| {
-                    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| self.same(*a, *b))
-                };
-                f == g && all(a, b) && all(&c.concat(), &d.concat()) && c.len() == d.len()
-            }
-            _ => false,
         }
     }
 
