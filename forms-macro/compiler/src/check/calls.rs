@@ -144,6 +144,27 @@ impl Evaluator<'_> {
         if let (true, Output::Value(rank)) = (self.outlined, function.output) {
             return Some(self.name_call(index, rank, values, place));
         }
-        self.inline(index, values)
+        match &function.foreign {
+            Some(foreign) if !self.diagnostics.is_inside() => {
+                self.inline_foreign(index, foreign, values, place)
+            }
+            _ => self.inline(index, values),
+        }
+    }
+
+    /// Inlines an imported function: its own tokens stand in another module, so the call is the place of all its nodes.
+    pub(super) fn inline_foreign(
+        &mut self,
+        index: usize,
+        foreign: &Foreign,
+        values: Vec<Option<Value>>,
+        place: Place,
+    ) -> Option<Value> {
+        let before = self.arena.len();
+        let place = self.diagnostics.enter(place, &foreign.origin, foreign.silent);
+        let value = self.inline(index, values);
+        self.diagnostics.leave();
+        self.arena.move_to(before, place);
+        value
     }
 }

@@ -16,13 +16,17 @@ mod symbols;
 mod tests;
 mod unicode;
 
+use crate::check::is_building_block;
 use crate::parse::syntax::Module;
 pub use equations::Shown;
 use equations::show;
 use outlines::Outlines;
 
-/// The formulas of each function of a module, where it has no mistake.
+/// The formulas of each function that becomes one of the emitted module, where it has no mistake.
 pub fn formulas(module: &Module, dimension: usize) -> Vec<Option<Shown>> {
     let mut outlines = Outlines::new(module, dimension);
-    (0..module.functions.len()).map(|function| show(&mut outlines, function)).collect()
+    let functions = module.functions.iter().enumerate();
+    let shown =
+        |(index, function)| if is_building_block(function) { None } else { show(&mut outlines, index) };
+    functions.map(shown).collect()
 }

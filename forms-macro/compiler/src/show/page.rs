@@ -114,7 +114,7 @@ fn table(equations: &[&Equation]) -> String {
 /// One item of a list per letter.
 fn meanings(shown: &Shown, module: &Module, function: &Function) -> Vec<String> {
     let mut lines = Vec::new();
-    let letter = |symbol: &Symbol| Unicode.symbol(symbol).replace('_', "\\_").replace('*', "\\*");
+    let letter = |symbol: &Symbol| Unicode.symbol(symbol).replace('*', "\\*");
     for argument in &function.arguments {
         let role = match argument.role {
             ArgumentRole::Unknown => "the unknown",
@@ -134,6 +134,9 @@ fn meanings(shown: &Shown, module: &Module, function: &Function) -> Vec<String> 
     let named = |name: &proc_macro2::Ident, attributes: &[Attribute]| {
         let sign = letter(&symbol(name, attributes));
         match first_paragraph(attributes) {
+            // Many an author begins with the sign.
+            Some(text) if text.trim_end_matches('.') == sign => format!("- {sign} (`{name}`)"),
+            Some(text) if text.starts_with(&sign) => format!("- {text} (`{name}`)"),
             Some(text) => format!("- {sign} (`{name}`): {text}"),
             None => format!("- {sign} (`{name}`)"),
         }

@@ -120,7 +120,14 @@ impl Reader<'_> {
 
     pub fn function(&self, function: usize) -> Formula {
         let function = &self.module.functions[function];
-        Formula::Symbol(symbol(&function.name, &function.attributes))
+        let mut sign = symbol(&function.name, &function.attributes);
+        // What was imported carries its module's identity behind its name.
+        if function.foreign.is_some()
+            && let Some((name, _)) = sign.base.rsplit_once("__")
+        {
+            sign = Symbol::of(name);
+        }
+        Formula::Symbol(sign)
     }
 
     /// A product with a sign takes a scalar into its first factor: s A:B.
