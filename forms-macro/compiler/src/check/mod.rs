@@ -9,6 +9,8 @@ mod linearity;
 mod names;
 mod operators;
 mod outline;
+pub mod regions;
+mod sides;
 
 use std::collections::HashMap;
 

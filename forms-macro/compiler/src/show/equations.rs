@@ -5,7 +5,7 @@ use super::outlines::{Outlines, Varied, direction_name};
 use super::read::{Reader, symbol};
 use super::simplify::Simplifier;
 use crate::check::{CheckedFunction, Content, Term, outline};
-use crate::parse::syntax::Module;
+use crate::parse::syntax::{Entity, Module};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Named, Operator, Tensor, Variable};
 
 /// left = right.
@@ -177,7 +177,11 @@ fn integrals(reader: &Reader, terms: &[Term]) -> Formula {
     let mut sum: Option<Formula> = None;
     for term in terms {
         let region = &reader.module.regions[term.region];
-        let measure = if region.facets { Measure::Ds } else { Measure::Dx };
+        let measure = match region.entity {
+            Entity::Cells => Measure::Dx,
+            Entity::Facets => Measure::Ds,
+            Entity::InteriorFacets => Measure::InteriorDs,
+        };
         let (minus, density) = match reader.read(term.density) {
             Formula::Sum(mut terms) if terms.len() == 1 && terms[0].0 => (true, terms.remove(0).1),
             density => (false, density),

@@ -56,6 +56,8 @@ pub enum Measure {
     Dx,
     /// Exterior facets.
     Ds,
+    /// Interior facets.
+    InteriorDs,
 }
 
 #[derive(Clone, Debug, PartialEq)]

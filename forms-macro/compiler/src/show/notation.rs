@@ -159,6 +159,7 @@ pub trait Notation {
                 let measure = match measure {
                     Measure::Dx => "dx",
                     Measure::Ds => "ds",
+                    Measure::InteriorDs => "dS",
                 };
                 self.integral(self.symbol(region), self.at_least(Level::Infix, density), measure)
             }

@@ -111,10 +111,10 @@ impl<'o, 'm> Simplifier<'o, 'm> {
                 match (left, right) {
                     (Negate(inner), _) => self.negated(make(inner, *b), shape, origin),
                     (_, Negate(inner)) => self.negated(make(*a, inner), shape, origin),
-                    (Scale(s, inner), _) if self.number(s).is_some() => {
+                    (Scale(s, inner), _) if self.number(s).is_some_and(|s| s == s.trunc()) => {
                         self.scaled(s, make(inner, *b), shape, origin)
                     }
-                    (_, Scale(s, inner)) if self.number(s).is_some() => {
+                    (_, Scale(s, inner)) if self.number(s).is_some_and(|s| s == s.trunc()) => {
                         self.scaled(s, make(*a, inner), shape, origin)
                     }
                     _ => self.derivative_of_partial(operator, origin),

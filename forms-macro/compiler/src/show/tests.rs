@@ -89,6 +89,24 @@ const MATERIALS: &str = r#"mod materials {
     }
 }"#;
 
+const INTERIOR_PENALTY: &str = r#"mod interior_penalty {
+    struct Data { gamma: Param, f: Given<Scalar> }
+    #[cells] struct Omega;
+    #[interior_facets] struct Skeleton;
+
+    fn flux(u: Scalar) -> Vector { (1 + u * u) * grad(u) }
+    fn consistency(u: Scalar, v: Scalar) -> Scalar { dot(avg(grad(u)), this(n)) * jump(v) }
+
+    fn poisson(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, dot(grad(u), grad(v)) - f * v)
+            + integral(Skeleton, gamma / avg(h) * jump(u) * jump(v) - consistency(u, v) - consistency(v, u))
+    }
+    fn nonlinear(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, dot(flux(u), grad(v)))
+            + integral(Skeleton, inner(avg(flux(u)), jump(v, n)) + other(u) * tr(this(hess(v))) + inner(jump(hess(u)), avg(hess(v))))
+    }
+}"#;
+
 /// Sums the densities of a region as one scalar of the graph.
 fn total(
     graph: &mut Graph,
@@ -120,7 +138,7 @@ fn proved(source: &str, dimension: usize) -> Vec<String> {
         let name = module.functions[function].name.to_string();
         let mut outlines = Outlines::new(&module, dimension);
         let Some(mut outlined) = variations(&mut outlines, function) else { continue };
-        let derived = differentiate(checked, &mut Diagnostics::default());
+        let derived = differentiate(checked, &module.regions, &mut Diagnostics::default());
         let mut cases = vec![("content", &outlined.own, None)];
         let mut tangents =
             derived.fields.iter().enumerate().filter(|(_, field)| matches!(field.role, FieldRole::Trial(_)));
@@ -147,6 +165,7 @@ fn proved(source: &str, dimension: usize) -> Vec<String> {
                         fields: outlined.fields.clone(),
                         content: Content::Functional(content),
                     },
+                    &module.regions,
                     &mut Diagnostics::default(),
                 );
                 let densities = |terms: &[Term]| terms.iter().map(|term| term.density).collect::<Vec<_>>();
@@ -192,6 +211,9 @@ fn what_is_shown_is_what_is_computed() {
         {
             assert!(of_materials.contains(&format!("tangent of {name}")), "{name}");
         }
+        let two_sided = proved(INTERIOR_PENALTY, dimension);
+        assert!(two_sided.contains(&"tangent of poisson".to_string()));
+        assert!(two_sided.contains(&"tangent of nonlinear".to_string()));
         assert!(of_materials.contains(&"content of sensitivity".to_string()));
         assert!(of_materials.contains(&"variation of coupled_energy".to_string()));
     }
@@ -275,6 +297,15 @@ fn a_p_laplacian_shows_its_tangent() {
         "D flux(w)[δw] = 2 (((p − 2)/2) (q + ∇w·∇w)^((p − 2)/2 − 1) ∇δw·∇w) ∇w + (q + ∇w·∇w)^((p − 2)/2) ∇δw",
     ];
     assert_shown(MATERIALS, "p_laplace", &lines);
+}
+
+#[test]
+fn both_sides_of_a_facet_are_shown() {
+    let lines = [
+        "D poisson(u, v)[δu] = ∫_Ω ∇δu·∇v dx + ∫_Skeleton ((γ/{h}) ⟦δu⟧ ⟦v⟧ − consistency(δu, v) − consistency(v, δu)) dS",
+        "consistency(u, v) = ({∇u}·n⁺) ⟦v⟧",
+    ];
+    assert_shown(INTERIOR_PENALTY, "poisson", &lines);
 }
 
 /// Parentheses stand where they must, and only there; signs are those of the source.
