@@ -60,11 +60,8 @@ fn error(n: usize, degree: usize) -> Result<f64, Box<dyn Error>> {
         exact: Given::function(solution),
     };
     // Every mesh knows "interior", the facets between cells, and "boundary".
-    let regions = (
-        diffusion::Omega::on("all"),
-        diffusion::Inner::on("interior"),
-        diffusion::Boundary::on("boundary"),
-    );
+    let regions =
+        (diffusion::Omega::on("all"), diffusion::Inner::on("interior"), diffusion::Boundary::on("boundary"));
     let form = diffusion::balance(&data, &regions.0, &regions.1, &regions.2);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let nothing = Constraints::new(&space);
@@ -90,7 +87,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         for n in divisions {
             let found = error(n, degree)?;
             order = errors.last().map_or(f64::NAN, |last: &f64| (last / found).log2());
-            println!("{degree:6} {n:15} {found:9.2e} {order:6.2}");
+            let shown = if order.is_nan() { String::new() } else { format!("{order:.2}") };
+            println!("{degree:6} {n:15} {found:9.2e} {shown:>6}");
             errors.push(found);
         }
         let expected = (degree + 1) as f64;

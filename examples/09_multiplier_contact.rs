@@ -114,7 +114,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("Newton {}: residual {:.2e}", step.iteration, step.residual);
     })?;
     let [_, p] = &solved.fields;
-    let force = assembler.functional(&pressed::force(&top, p), &[])?;
+    let force = assembler.functional(&pressed::force(&data, &top, p), &[])?;
 
     let form = pressed::nitsche(&data, &omega, &top);
     let mut problem = FormProblem::new(&form, &assembler, &displacements)?;
@@ -130,7 +130,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let split: (Vec<f64>, Vec<f64>) = pairs.into_iter().map(|[x, value]| (x, value)).unzip();
         split
     };
-    let (x, pressure) = along(assembler.along_facets_uniformly(&pressed::pressure(p), "top", 3)?);
+    let (x, pressure) = along(assembler.along_facets_uniformly(&pressed::pressure(&data, p), "top", 3)?);
     let shown = pressed::nitsche_pressure(&data, &without);
     let (nitsche_x, nitsche_pressure) = along(assembler.along_facets_uniformly(&shown, "top", 3)?);
 

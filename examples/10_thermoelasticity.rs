@@ -49,7 +49,7 @@ const EXPANSION: f64 = 1.2e-5; // 1/K
 const HOTTER: f64 = 100.0; // K
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mesh = Arc::new(annulus(INNER, OUTER, 4, 48, CellShape::Quadrilateral, 2)?);
+    let mesh = Arc::new(annulus(INNER, OUTER, 8, 64, CellShape::Quadrilateral, 2)?);
     let (displacements, temperatures) = (Space::vector(&mesh, 2)?, Space::scalar(&mesh, 2)?);
 
     // Each unknown has its own constraints. Only symmetry holds the pipe.

@@ -39,10 +39,7 @@ pub mod diffusion {
     pub fn balance(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         let rest = u - boundary_values;
         integral(Omega, dot(grad(u), grad(v)) - source * v)
-            + integral(
-                Inner,
-                penalty / avg(h) * jump(u) * jump(v) - flux(u) * jump(v) - flux(v) * jump(u),
-            )
+            + integral(Inner, penalty / avg(h) * jump(u) * jump(v) - flux(u) * jump(v) - flux(v) * jump(u))
             + integral(Boundary, penalty / h * rest * v - slope(u) * v - slope(v) * rest)
     }
 }

@@ -248,13 +248,14 @@ impl<const D: usize> Reference<D> {
             weights: file.cell_quadrature.weights,
         };
         // Where a file has no facet rule, an integral over facets would be an error.
-        let facet = file.facet_quadrature.map_or(QuadratureRule { points: vec![], weights: vec![] }, |rule| {
-            let points = match rule.points {
-                FacetPoints::Segment(points) => points.into_iter().map(|s| [s, 0.0]).collect(),
-                FacetPoints::Triangle(points) => points,
-            };
-            QuadratureRule { points, weights: rule.weights }
-        });
+        let facet =
+            file.facet_quadrature.map_or(QuadratureRule { points: vec![], weights: vec![] }, |rule| {
+                let points = match rule.points {
+                    FacetPoints::Segment(points) => points.into_iter().map(|s| [s, 0.0]).collect(),
+                    FacetPoints::Triangle(points) => points,
+                };
+                QuadratureRule { points, weights: rule.weights }
+            });
         assert_eq!(facet.points.len(), facet.weights.len(), "{name}");
         let facet_points = facet.points.clone();
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
