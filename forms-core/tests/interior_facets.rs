@@ -53,7 +53,11 @@ pub mod discontinuous {
         let speed = max(abs(this(u)), abs(other(u)));
         integral(Skeleton, (avg(u * u / 2) * n[0] + speed / 2 * jump(u)) * jump(v))
     }
-    /// Its transposed derivative.
+    /// A kink that both cells see.
+    pub fn outflow(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Skeleton, avg(pos_part(u)) * jump(v))
+    }
+    /// The transposed derivative of `burgers`.
     pub fn adjoint_of_burgers(u: State<Scalar>, p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
         derivative(burgers(u, p), u, q)
     }
@@ -274,6 +278,7 @@ fn switches_see_both_sides() {
     let mesh = Mesh::<2>::cube(&mut random).broken();
     let u = [random.field(mesh.nodes.len(), 1, 0.0, 1.0)];
     let found = switches(&mesh, &discontinuous::burgers(&data(), &regions().2), &u);
+    let limits = switches(&mesh, &discontinuous::outflow(&data(), &regions().2), &u);
     let facets = mesh.places(Entity::InteriorFacets, "skeleton");
     let mut points = Vec::new();
     for facet in facets {
@@ -281,8 +286,9 @@ fn switches_see_both_sides() {
             points.push([Side::This, Side::Other].map(|side| value(facet.on(side), index, &u[0], 0)));
         }
     }
-    assert_eq!(found.len(), points.len());
-    for (mut found, [this, other]) in found.into_iter().zip(points) {
+    assert_eq!((found.len(), limits.len()), (points.len(), points.len()));
+    for ((mut found, limits), [this, other]) in found.into_iter().zip(limits).zip(points) {
+        assert_matrix(&vec![limits], &vec![vec![this, other]]);
         let mut expected = [this, other, this.abs() - other.abs()];
         found.sort_by(f64::total_cmp);
         expected.sort_by(f64::total_cmp);

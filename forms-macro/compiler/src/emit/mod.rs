@@ -4,6 +4,7 @@
 mod description;
 mod form;
 mod kernel;
+mod layout;
 mod placeholder;
 mod print;
 mod straight_line;
