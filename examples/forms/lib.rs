@@ -2,7 +2,6 @@
 //! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`docs/compile_cost.md`).
 //! Contact by Nitsche's method stands in the package `forms-contact`.
 
-pub mod anisotropic_elasticity;
 pub mod ghost_penalty;
 pub mod interior_penalty;
 pub mod mooney_rivlin;

@@ -42,14 +42,13 @@ pub enum Family {
 
 impl Family {
     /// Every family.
-    pub const ALL: [Family; 10] = [
+    pub const ALL: [Family; 9] = [
         Family::Elasticity,
         Family::Poisson,
         Family::NeoHookean,
         Family::MooneyRivlin,
         Family::PLaplacian,
         Family::Stokes,
-        Family::AnisotropicElasticity,
         Family::InteriorPenalty,
         Family::GhostPenalty,
         Family::Nitsche,
