@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::Term;
-use super::operators::rank_name;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, Operator, Shape, Tensor, Truth};
@@ -76,7 +75,7 @@ impl<'a> Evaluator<'a> {
                     let message = format!(
                         "`{}` is declared to give a `{}`, its body gives {}",
                         function.name,
-                        rank_name(rank),
+                        rank,
                         self.describe(*tensor)
                     );
                     self.diagnostics.error(body.result.place, message);
@@ -93,11 +92,8 @@ impl<'a> Evaluator<'a> {
                 return None;
             }
             (Value::Form(_), Output::Value(rank)) => {
-                let message = format!(
-                    "`{}` is declared to give a `{}`, its body gives integrals",
-                    function.name,
-                    rank_name(rank)
-                );
+                let message =
+                    format!("`{}` is declared to give a `{}`, its body gives integrals", function.name, rank);
                 self.diagnostics.error(body.result.place, message);
                 return None;
             }
@@ -133,8 +129,7 @@ impl<'a> Evaluator<'a> {
             ExpressionKind::Declared(rank, inner) => {
                 let tensor = self.tensor(inner, scope, "`let`")?;
                 if self.arena.shape(tensor) != rank.shape(self.dimension) {
-                    let message =
-                        format!("declared to be a `{}`, this is {}", rank_name(*rank), self.describe(tensor));
+                    let message = format!("declared to be a `{}`, this is {}", rank, self.describe(tensor));
                     self.diagnostics.error(inner.place, message);
                     return None;
                 }

@@ -2,7 +2,7 @@
 
 use crate::check::evaluate::Evaluator;
 use crate::diagnostics::Place;
-use crate::parse::syntax::{BinaryOperator, Rank};
+use crate::parse::syntax::BinaryOperator;
 use crate::tensor::{LinearMap, Operator, Tensor};
 
 /// "a vector" and the like, for messages.
@@ -12,17 +12,8 @@ pub fn describe(shape: &[usize], dimension: usize) -> String {
         [n] if *n == dimension => "a vector".into(),
         [n] => format!("a vector of length {n}"),
         [n, m] if *n == dimension && *m == dimension => "a tensor".into(),
-        [n, m] => format!("a {n} × {m} tensor"),
+        [n, m] => format!("a {n} × {m} matrix"),
         _ => format!("a tensor of rank {}", shape.len()),
-    }
-}
-
-/// "Vector" and the like, as it is written.
-pub fn rank_name(rank: Rank) -> &'static str {
-    match rank {
-        Rank::Scalar => "Scalar",
-        Rank::Vector => "Vector",
-        Rank::Tensor => "Tensor",
     }
 }
 

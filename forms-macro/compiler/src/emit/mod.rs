@@ -98,12 +98,15 @@ fn emit_member(member: &Member) -> TokenStream {
     quote! { #(#attributes)* pub #name: #ty }
 }
 
+/// `[[f64; D]; 2]` for a matrix of two rows.
 fn value_type(rank: Rank) -> TokenStream {
-    match rank {
-        Rank::Scalar => quote! { f64 },
-        Rank::Vector => quote! { [f64; D] },
-        Rank::Tensor => quote! { [[f64; D]; D] },
-    }
+    rank.extents().iter().rev().fold(quote! { f64 }, |entry, extent| {
+        let extent = match extent {
+            Extent::Dimension => quote! { D },
+            Extent::Fixed(number) => quote! { #number },
+        };
+        quote! { [#entry; #extent] }
+    })
 }
 
 fn emit_region(region: &Region) -> TokenStream {
