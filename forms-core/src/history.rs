@@ -32,6 +32,7 @@ pub type HistoryHandle = Arc<dyn QuadratureValues>;
 /// Clones share the values, and a form holds such a clone: after a commit every form that was built with it
 /// reads the new values.
 pub struct History<V, const D: usize> {
+    source: Source<D>,
     handle: HistoryHandle,
     value: PhantomData<V>,
 }
@@ -39,7 +40,7 @@ pub struct History<V, const D: usize> {
 impl<V: FieldValue, const D: usize> History<V, D> {
     /// The history kept by a backend, which answers for the number of components.
     pub fn from_handle(handle: HistoryHandle) -> Self {
-        History { handle, value: PhantomData }
+        History { source: Source::History(handle.clone()), handle, value: PhantomData }
     }
 
     /// Makes what was written what forms read.
@@ -58,14 +59,14 @@ impl<V: FieldValue, const D: usize> History<V, D> {
     }
 
     /// Where a form's values come from.
-    pub fn source(&self) -> Source<D> {
-        Source::History(self.handle.clone())
+    pub fn source(&self) -> &Source<D> {
+        &self.source
     }
 }
 
 impl<V, const D: usize> Clone for History<V, D> {
     fn clone(&self) -> Self {
-        History { handle: self.handle.clone(), value: PhantomData }
+        History { source: self.source.clone(), handle: self.handle.clone(), value: PhantomData }
     }
 }
 

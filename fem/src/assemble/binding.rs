@@ -89,6 +89,9 @@ impl<'a, const D: usize> Binding<'a, D> {
                 Ok(Values::Constant(values))
             }
             Source::Function { function, .. } => Ok(Values::Function(function)),
+            Source::History(_) => {
+                Err(AssemblyError::ForeignField { form: self.name, field: field.name, dimension: D })
+            }
             Source::Discrete(handle) => match handle.as_any().downcast_ref::<Field<D>>() {
                 Some(known) => self.discrete(field, known, mesh),
                 None => Err(AssemblyError::ForeignField { form: self.name, field: field.name, dimension: D }),

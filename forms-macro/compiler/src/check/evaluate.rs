@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::Term;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
-use crate::tensor::{Arena, FieldInfo, Operator, Shape, Tensor, Truth};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
 
 /// What an expression stands for.
 #[derive(Clone)]
@@ -25,8 +25,10 @@ pub struct Evaluator<'a> {
     pub(super) calls: Vec<usize>,
     /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
     pub(super) uses: HashMap<Tensor, Place>,
-    /// Field index of each `Given` member.
+    /// Field index of each `Given` or `History` member.
     pub(super) given: HashMap<String, (usize, Shape)>,
+    /// Field indices of the `History` members.
+    pub(super) histories: Vec<usize>,
 }
 
 /// Names of one function: arguments and `let`s. `None`: its value had a mistake, which was reported.
@@ -42,6 +44,7 @@ impl<'a> Evaluator<'a> {
             calls: vec![],
             uses: HashMap::new(),
             given: HashMap::new(),
+            histories: vec![],
         }
     }
 
@@ -56,6 +59,9 @@ impl<'a> Evaluator<'a> {
         }
         for (index, field) in fields.iter().enumerate().skip(arguments.len()) {
             self.given.insert(field.name.clone(), (index, field.shape.clone()));
+            if field.role == FieldRole::History {
+                self.histories.push(index);
+            }
         }
         self.inline(function, values)
     }

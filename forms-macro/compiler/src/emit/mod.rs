@@ -2,6 +2,7 @@
 //! behind it a module with the form's type and its kernels.
 
 mod description;
+mod external;
 mod form;
 mod kernel;
 mod placeholder;
@@ -54,17 +55,19 @@ pub fn emit(
                 }
             })
         }
-        Mistaken::Member(_) | Mistaken::Region(_) => None,
+        Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::External(_) => None,
     });
+    let externals = module.externals.iter().map(|one| external::emit_external(one, dimensions));
     quote! {
         #(#attributes)*
-        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
+        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
         #[allow(clippy::all)]
         #visibility mod #name {
             use #backend::contract;
             #data
             #(#regions)*
             #(#functions)*
+            #(#externals)*
             #(#unread)*
         }
     }
@@ -76,7 +79,7 @@ fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let members = members.iter().filter(|member| taken.insert(member.name.to_string())).map(emit_member);
     let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Member(member) => Some(emit_member(member)),
-        Mistaken::Region(_) | Mistaken::Function { .. } => None,
+        Mistaken::Region(_) | Mistaken::External(_) | Mistaken::Function { .. } => None,
     });
     let members = members.chain(unread);
     quote! {
@@ -94,6 +97,8 @@ fn emit_member(member: &Member) -> TokenStream {
     let ty = match kind {
         MemberKind::Param => value,
         MemberKind::Given => quote! { contract::Given<#value, D> },
+        MemberKind::History => quote! { contract::History<#value, D> },
+        MemberKind::Table => quote! { contract::Table },
     };
     quote! { #(#attributes)* pub #name: #ty }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use proc_macro2::Ident;
+use proc_macro2::{Ident, Span, TokenStream};
 use syn::{Attribute, Visibility};
 
 use crate::diagnostics::Place;
@@ -15,6 +15,7 @@ pub struct Module {
     pub data: Option<Data>,
     pub regions: Vec<Region>,
     pub functions: Vec<Function>,
+    pub externals: Vec<External>,
     /// What has a mistake in its declaration: the names exist, and their uses are no further mistakes.
     pub mistaken: Vec<Mistaken>,
 }
@@ -25,6 +26,7 @@ impl Module {
         let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
             Mistaken::Member(Member { name, .. })
             | Mistaken::Region(name)
+            | Mistaken::External(name)
             | Mistaken::Function { name, .. } => name,
         });
         names.any(|other| other == name)
@@ -37,6 +39,8 @@ pub enum Mistaken {
     Member(Member),
     /// It stands among the module's regions, too.
     Region(Ident),
+    /// A function of an `extern` block.
+    External(Ident),
     Function {
         visibility: Visibility,
         name: Ident,
@@ -69,6 +73,10 @@ pub enum MemberKind {
     Param,
     /// A field, or a function of x.
     Given,
+    /// A function of one scalar given by data points: it is called.
+    Table,
+    /// Values at quadrature points.
+    History,
 }
 
 /// The extent of one axis of a declared shape.
@@ -164,6 +172,18 @@ pub struct Function {
     pub output: Output,
     /// `None` when the body had a syntax error, which has been reported.
     pub body: Option<Block>,
+}
+
+/// `fn flux(g: Vector, k: Scalar) -> Vector;` in an `extern "Rust"` block: a function written in Rust.
+pub struct External {
+    pub name: Ident,
+    /// Where it is found from inside the module.
+    pub path: TokenStream,
+    /// All [`ArgumentRole::Plain`].
+    pub arguments: Vec<Argument>,
+    pub output: Rank,
+    /// Where the output's type stands.
+    pub output_span: Span,
 }
 
 pub struct Argument {
