@@ -1,7 +1,7 @@
 //! Functions written in Rust, as kernels call them: a type per function and dimension that takes flattened
 //! arguments apart. The user's own declaration carries the places of mistakes that rustc finds in it.
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::{format_ident, quote, quote_spanned};
 
 use crate::parse::syntax::{External, MemberKind, Module};
@@ -45,7 +45,7 @@ fn in_dimension(external: &External, dimension: usize) -> TokenStream {
         let shape = argument.rank.shape(dimension);
         let value = nested(&shape, &mut start);
         // Mistakes in an argument's type stand at the argument.
-        arguments.push(quote_spanned! { argument.name.span() => #value });
+        arguments.push(at(argument.name.span(), value));
     }
     let shape = external.output.shape(dimension);
     let ty = shape.iter().rev().fold(quote! { R }, |entry, extent| quote! { [#entry; #extent] });
@@ -57,8 +57,10 @@ fn in_dimension(external: &External, dimension: usize) -> TokenStream {
         quote! { outputs[#entry] = value #indices; }
     });
     let path = &external.path;
-    let ty = quote_spanned! { external.output_span => #ty };
-    let call = quote_spanned! { external.name.span() => (#(#arguments),*) };
+    let ty = at(external.output_span, ty);
+    let span = external.name.span();
+    let mut call = Group::new(Delimiter::Parenthesis, quote_spanned! { span => #(#arguments),* });
+    call.set_span(span);
     quote! {
         pub enum #name {}
         impl contract::External for #name {
@@ -79,4 +81,20 @@ fn nested(shape: &[usize], next: &mut usize) -> TokenStream {
     };
     let entries: Vec<_> = (0..*extent).map(|_| nested(rest, next)).collect();
     quote! { [#(#entries),*] }
+}
+
+/// The same tokens at another place.
+fn at(span: Span, tokens: TokenStream) -> TokenStream {
+    let moved = tokens.into_iter().map(|token| match token {
+        TokenTree::Group(group) => {
+            let mut moved = Group::new(group.delimiter(), at(span, group.stream()));
+            moved.set_span(span);
+            TokenTree::Group(moved)
+        }
+        mut other => {
+            other.set_span(span);
+            other
+        }
+    });
+    moved.collect()
 }

@@ -1,7 +1,7 @@
 //! `extern "Rust" { fn flux(g: Vector, k: Scalar) -> Vector; }`: functions written in Rust, outside the module.
 
 use proc_macro2::TokenStream;
-use quote::{ToTokens, quote};
+use quote::{ToTokens, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{FnArg, ForeignItem, ForeignItemFn, ItemForeignMod, Path, ReturnType};
 
@@ -92,7 +92,7 @@ fn read_shape(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<super::Arg
 fn read_path(item: &ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<TokenStream> {
     let name = &item.sig.ident;
     let Some(attribute) = item.attrs.iter().find(|attribute| attribute.path().is_ident("at")) else {
-        return Some(quote! { super::#name });
+        return Some(quote_spanned! { name.span() => super::#name });
     };
     let Ok(path) = attribute.parse_args::<Path>() else {
         diagnostics.error_with_help(
@@ -107,6 +107,6 @@ fn read_path(item: &ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<Toke
     Some(if rooted {
         path.to_token_stream()
     } else {
-        quote! { super::#path }
+        quote_spanned! { name.span() => super::#path }
     })
 }
