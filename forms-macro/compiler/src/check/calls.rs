@@ -71,6 +71,7 @@ impl Evaluator<'_> {
             Builtin::Cofactor => self.of_tensor(a, place, &text, Operator::Cofactor)?,
             Builtin::External(function) => self.of_square(a, place, &text, function)?,
             Builtin::Gradient => self.gradient(a, place)?,
+            Builtin::Hessian => self.hessian(a, place)?,
             Builtin::Divergence => self.divergence(a, place)?,
             Builtin::Strain => self.strain(a, place)?,
             Builtin::Apply(function) => {

@@ -53,7 +53,7 @@ impl<'a> Evaluator<'a> {
         let arguments = &self.module.functions[function].arguments;
         let mut values = Vec::new();
         for (index, argument) in arguments.iter().enumerate() {
-            let operator = Operator::Field { field: index, gradient: false };
+            let operator = Operator::Field { field: index, order: 0 };
             let node = self.arena.push(operator, fields[index].shape.clone(), Place::of(&argument.name));
             values.push(Some(Value::Tensor(node)));
         }
