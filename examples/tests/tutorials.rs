@@ -42,3 +42,9 @@ fn neo_hooke_gives_the_force_of_the_uniaxial_bar() {
 fn signorini_gives_the_force_of_the_pressed_block() {
     run(env!("CARGO_BIN_EXE_04_signorini"), "04_signorini.png");
 }
+
+#[test]
+fn plasticity_gives_the_curve_of_uniaxial_strain() {
+    let printed = run(env!("CARGO_BIN_EXE_05_plasticity"), "05_plasticity.png");
+    assert!(printed.contains("back at 0"), "{printed}");
+}

@@ -16,6 +16,8 @@ pub trait QuadratureValues: Any + Send + Sync {
     fn commit(&self);
     /// What was written and not committed is forgotten.
     fn revert(&self);
+    /// How many times something was committed: values read before have changed if this number has.
+    fn commits(&self) -> u64;
     /// For the backend, which knows the type.
     fn as_any(&self) -> &dyn Any;
 }

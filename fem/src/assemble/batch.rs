@@ -9,6 +9,7 @@ use super::AssemblyError;
 use super::binding::{Binding, Values};
 use super::walk::Group;
 use crate::element::Tables;
+use crate::history::HistoryMismatch;
 
 /// The widest lane type of any instruction set.
 pub(super) const WIDEST: usize = 16;
@@ -212,12 +213,18 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         }
         for index in 0..self.requirements.fields.len() {
             let slot = self.requirements.fields[index];
-            self.evaluate(&slot, index, &geometry.position)?;
+            self.evaluate(&slot, index, q, &geometry.position)?;
         }
         Ok(geometry)
     }
 
-    fn evaluate(&mut self, slot: &FieldSlot, index: usize, position: &[L; D]) -> Result<(), AssemblyError> {
+    fn evaluate(
+        &mut self,
+        slot: &FieldSlot,
+        index: usize,
+        q: usize,
+        position: &[L; D],
+    ) -> Result<(), AssemblyError> {
         let zero = L::splat(0.0);
         let count = match slot.order {
             Order::Value => slot.components,
@@ -250,6 +257,24 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
                             Order::Hessian => {}
                         }
                     }
+                }
+            }
+            Values::History(history) => {
+                let (form, field) = (self.binding.name, self.binding.fields[slot.field].name);
+                let mismatch = |source| AssemblyError::History { form, field, source };
+                if slot.order != Order::Value {
+                    return Err(mismatch(HistoryMismatch::Gradient));
+                }
+                let local = self.group.facet.map(|(local, _)| local);
+                let mut lanes = vec![[0.0; WIDEST]; slot.components];
+                for lane in 0..L::WIDTH {
+                    let values = history.at(self.cells[lane], local, q).map_err(mismatch)?;
+                    for (component, value) in values.iter().enumerate() {
+                        lanes[component][lane] = *value;
+                    }
+                }
+                for (target, lanes) in target.iter_mut().zip(&lanes) {
+                    *target = L::load(lanes);
                 }
             }
             Values::Function(function) => {

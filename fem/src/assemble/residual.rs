@@ -94,7 +94,7 @@ impl<const D: usize> ResidualVisitor<'_, D> {
         let zero = L::splat(0.0);
         let straight = [[zero; D]; D];
         let components = K::TEST_COMPONENTS;
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
             let mut sums = vec![zero; group.elements[element].nodes * components];
             for index in 0..batch.count() {

@@ -155,7 +155,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
         // Half of the pairs suffice when test and trial nodes are the same.
         let symmetric = K::SYMMETRIC && Arc::ptr_eq(test, trial);
         let straight = [[L::splat(0.0); D]; D];
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
             let (rows, columns) = (group.elements[test_element].nodes, group.elements[trial_element].nodes);
             let mut accumulators = vec![K::zero::<L>(); rows * columns];

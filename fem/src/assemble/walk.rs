@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use forms_core::contract::Integral;
+use forms_core::contract::{Integral, Requirements};
 
 use super::AssemblyError;
 use super::binding::{Binding, Entities};
@@ -114,15 +114,19 @@ impl<const D: usize> Group<D> {
 }
 
 /// The groups of an integral's region; where the compiler's estimate of the quadrature degree is wanted,
-/// it is made from the degrees of the form's fields.
+/// it is made from the degrees of the form's fields. A kernel that reads a history takes the history's degree.
 pub(super) fn groups<const D: usize>(
     binding: &Binding<D>,
     integral: &Integral,
     quadrature: &Quadrature<D>,
     degrees: &[usize],
+    requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
-    let degree = (integral.degree)(degrees, mesh.degree(), mesh.shape().is_simplex());
+    let degree = match binding.history_degree(requirements, quadrature)? {
+        Some((_, degree)) => degree,
+        None => (integral.degree)(degrees, mesh.degree(), mesh.shape().is_simplex()),
+    };
     match binding.entities(integral.region)? {
         Entities::Cells(cells) => Ok(vec![Group::inside_cells(binding, cells.to_vec(), quadrature, degree)?]),
         Entities::Facets(facets) => {

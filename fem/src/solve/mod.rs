@@ -7,6 +7,7 @@
 pub mod condensed_solver;
 pub mod elimination;
 pub mod linear_solver;
+pub mod load_steps;
 pub mod newton;
 pub mod problem;
 pub mod tangent_solver;
@@ -14,6 +15,7 @@ pub mod tangent_solver;
 pub use condensed_solver::CondensedSolver;
 pub use elimination::{Elimination, solve_linear, solve_linear_transposed};
 pub use linear_solver::{LinearSolution, LinearSolver, SolverError};
+pub use load_steps::{LoadPath, LoadStep, LoadStepError, LoadSteps};
 pub use newton::{
     ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
     newton,

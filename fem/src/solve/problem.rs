@@ -13,6 +13,7 @@ use super::{
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::constraints::Constraints;
 use crate::field::Field;
+use crate::history::commits;
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError};
 use crate::solve::SolverError;
 use crate::space::Space;
@@ -23,8 +24,9 @@ pub struct FormProblem<'a, F, const D: usize> {
     assembler: &'a Assembler<D>,
     space: Arc<Space<D>>,
     pattern: Arc<BlockPattern>,
-    /// Residual at 0 and tangent of the integrals that are constant or linear in the unknown.
-    fixed: Option<Arc<(Vec<f64>, CsrMatrix)>>,
+    /// Residual at 0 and tangent of the integrals that are constant or linear in the unknown, and how often the
+    /// form's histories had been committed then.
+    fixed: Option<(u64, Arc<(Vec<f64>, CsrMatrix)>)>,
     seconds: f64,
 }
 
@@ -133,7 +135,10 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
     }
 
     fn fixed(&mut self) -> Result<Arc<(Vec<f64>, CsrMatrix)>, AssemblyError> {
-        if let Some(fixed) = &self.fixed {
+        let commits = commits(self.form.inputs());
+        if let Some((then, fixed)) = &self.fixed
+            && *then == commits
+        {
             return Ok(fixed.clone());
         }
         let start = Instant::now();
@@ -143,7 +148,7 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
         let mut matrix = CsrMatrix::zero(self.pattern.pattern());
         self.assembler.add_tangent(self.form, &[&zero], &spaces, Parts::FIXED, &self.pattern, &mut matrix)?;
         let fixed = Arc::new((residual, matrix));
-        self.fixed = Some(fixed.clone());
+        self.fixed = Some((commits, fixed.clone()));
         self.seconds += start.elapsed().as_secs_f64();
         Ok(fixed)
     }
