@@ -44,4 +44,6 @@ pub mod contract {
         TensorExponential, TensorLogarithm, TensorSquareRoot, tensor_exp, tensor_ln, tensor_sqrt,
     };
     pub use crate::table::{Table, TableError};
+    #[doc(hidden)]
+    pub use forms_macro::resume_forms;
 }

@@ -257,6 +257,18 @@ impl Arena {
         self.node(tensor).place
     }
 
+    /// The number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Gives all nodes from the index `first` on another place.
+    pub fn move_to(&mut self, first: usize, place: Place) {
+        for node in &mut self.nodes[first..] {
+            node.place = place;
+        }
+    }
+
     /// Structurally zero.
     pub fn is_zero(&self, tensor: Tensor) -> bool {
         match self.node(tensor).operator {

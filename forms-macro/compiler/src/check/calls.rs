@@ -119,7 +119,13 @@ impl Evaluator<'_> {
         if values.iter().any(Option::is_none) {
             return None;
         }
-        self.inline(index, values.into_iter().map(|value| value.map(Value::Tensor)).collect())
+        let values = values.into_iter().map(|value| value.map(Value::Tensor)).collect();
+        match &function.foreign {
+            Some(foreign) if !self.diagnostics.is_inside() => {
+                self.inline_foreign(index, foreign, values, place)
+            }
+            _ => self.inline(index, values),
+        }
     }
 
     /// Reports a wrong number of arguments.
@@ -170,5 +176,21 @@ impl Evaluator<'_> {
             }));
         }
         values
+    }
+
+    /// Inlines an imported function: its own tokens stand in another module, so the call is the place of all its nodes.
+    pub(super) fn inline_foreign(
+        &mut self,
+        index: usize,
+        foreign: &Foreign,
+        values: Vec<Option<Value>>,
+        place: Place,
+    ) -> Option<Value> {
+        let before = self.arena.len();
+        let place = self.diagnostics.enter(place, &foreign.origin, foreign.silent);
+        let value = self.inline(index, values);
+        self.diagnostics.leave();
+        self.arena.move_to(before, place);
+        value
     }
 }

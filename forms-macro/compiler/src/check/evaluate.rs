@@ -63,7 +63,13 @@ impl<'a> Evaluator<'a> {
                 self.histories.push(index);
             }
         }
-        self.inline(function, values)
+        match &self.module.functions[function].foreign {
+            Some(foreign) => {
+                let place = Place::of(&self.module.functions[function].name);
+                self.inline_foreign(function, foreign, values, place)
+            }
+            None => self.inline(function, values),
+        }
     }
 
     pub(super) fn inline(&mut self, index: usize, values: Vec<Option<Value>>) -> Option<Value> {
