@@ -143,7 +143,7 @@ fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
                 for (lanes, entry) in lanes.iter_mut().zip(all) {
                     entry.store(lanes);
                 }
-                for lane in 0..batch.cells().len() {
+                for lane in 0..batch.cells(0).len() {
                     for (value, lanes) in value.iter_mut().zip(&lanes) {
                         *value = lanes[lane];
                     }

@@ -5,8 +5,8 @@ use std::fmt;
 
 /// Load factors to be reached one after the other, and how a step that fails is repeated.
 ///
-/// A failed step is tried again with half its increment, down to a smallest one; after a success the increment
-/// doubles until the factor asked for is reached. Factors may fall (unloading).
+/// A failed step is tried again with half its increment, down to a smallest one; after two successes in a row the
+/// increment doubles, until the factor asked for is reached. Factors may fall (unloading).
 ///
 /// ```
 /// use forms_fem::solve::LoadSteps;
@@ -139,7 +139,7 @@ impl LoadSteps {
         let mut at = self.start;
         for &target in &self.factors {
             let whole = target - at;
-            let mut halvings = 0;
+            let (mut halvings, mut successes) = (0, 0);
             loop {
                 let increment = whole / 2.0_f64.powi(halvings as i32);
                 // No crumb is left for a step of its own.
@@ -158,7 +158,10 @@ impl LoadSteps {
                         if last {
                             break;
                         }
-                        halvings = halvings.saturating_sub(1);
+                        successes += 1;
+                        if successes == 2 {
+                            (halvings, successes) = (halvings.saturating_sub(1), 0);
+                        }
                     }
                     Err(why) => {
                         step.failure = Some(why.to_string());
@@ -169,7 +172,7 @@ impl LoadSteps {
                             let LoadPath { state, steps } = path;
                             return Err(LoadStepError { factor: at, state, failed: factor, why, steps });
                         }
-                        halvings += 1;
+                        (halvings, successes) = (halvings + 1, 0);
                     }
                 }
             }
@@ -217,15 +220,15 @@ mod tests {
             |state| committed.push(*state),
             |step| told.push((step.factor, step.failure.is_none())),
         )?;
-        assert_eq!(committed, [0.125, 0.25, 0.5, 1.0]);
+        assert_eq!(committed, [0.125, 0.25, 0.5, 0.75, 1.0]);
         let expected = [
             (1.0, false),
             (0.5, false),
             (0.25, false),
             (0.125, true),
-            (0.375, false),
             (0.25, true),
             (0.5, true),
+            (0.75, true),
             (1.0, true),
         ];
         assert_eq!(told, expected);
