@@ -109,7 +109,9 @@ fn step(
     let start = problem.solve_affine(constraints, &mut TangentSolver::default())?;
     let form = metal::equilibrium(data, &omega);
     let mut problem = FormProblem::new(&form, assembler, start.space())?;
-    let options = NewtonOptions { max_iterations: 15, ..NewtonOptions::default() };
+    // An elastic step is solved by its predictor: what is left is rounding.
+    let absolute_tolerance = 1e-11 * YIELD_STRESS;
+    let options = NewtonOptions { max_iterations: 15, absolute_tolerance, ..NewtonOptions::default() };
     let solved = problem.solve(&start, constraints, &mut TangentSolver::default(), &options, &mut |_| ())?;
     assembler.update_history(&metal::new_plastic(data, &solved.field), &data.plastic)?;
     assembler.update_history(&metal::new_amount(data, &solved.field), &data.amount)?;
@@ -213,10 +215,13 @@ fn plate() -> Result<(), Box<dyn Error>> {
     for step in last {
         println!("  {:.3e}", step.relative_residual);
     }
-    // Quadratic convergence: once the zone that flows is found, each step squares the residual.
-    let [.., before, last] = &last[..] else { return Err("Newton's method made no step".into()) };
-    assert!(before.relative_residual > 1e-9 && last.relative_residual < 1e-10);
-    assert!(last.relative_residual < 100.0 * before.relative_residual.powi(2) + 1e-13);
+    // Quadratic convergence: once the zone that flows is found, each step squares the residual, until rounding.
+    let residuals: Vec<f64> = last.iter().map(|step| step.relative_residual).collect();
+    let near: Vec<&[f64]> = residuals.windows(2).filter(|pair| pair[0] < 1e-2).collect();
+    assert!(near.len() >= 2, "Newton's method took {} steps", last.len());
+    for pair in near {
+        assert!(pair[1] < 10.0 * pair[0].powi(2) + 1e-11, "{} after {}", pair[1], pair[0]);
+    }
 
     let amounts = assembler.project(&metal::plastic_amount(&data), &Space::scalar(&mesh, 1)?)?;
     let largest = amounts.values().iter().copied().fold(0.0, f64::max);
