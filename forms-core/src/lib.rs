@@ -29,7 +29,7 @@ pub mod contract {
     pub use crate::dual::{Dual, Seeded};
     pub use crate::external::{External, external, tabulated};
     pub use crate::form::{
-        BilinearVisitor, Dependence, Entity, Expression, ExpressionVisitor, FieldDescription, Form,
+        BilinearVisitor, Dependence, Entity, Expression, ExpressionVisitor, FieldDescription, Form, Formula,
         Functional, Inputs, Integral, LinearVisitor, Region, Role,
     };
     pub use crate::history::{History, HistoryHandle, QuadratureValues};

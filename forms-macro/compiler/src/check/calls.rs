@@ -125,7 +125,10 @@ impl Evaluator<'_> {
         if values.iter().any(Option::is_none) {
             return None;
         }
-        let values = values.into_iter().map(|value| value.map(Value::Tensor)).collect();
+        let values: Vec<_> = values.into_iter().map(|value| value.map(Value::Tensor)).collect();
+        if let (true, Output::Value(rank)) = (self.outlined, function.output) {
+            return Some(self.name_call(index, rank, values, place));
+        }
         match &function.foreign {
             Some(foreign) if !self.diagnostics.is_inside() => {
                 self.inline_foreign(index, foreign, values, place)

@@ -138,7 +138,7 @@ impl<'a> Degrees<'a> {
                 let largest = arguments.iter().fold(zero, |all, argument| all.largest(self.of(*argument)));
                 largest.plus(Degree::constant(2))
             }
-            Gradient(_) | Partial(..) | Gateaux { .. } => zero,
+            Gradient(_) | Partial(..) | Gateaux { .. } | Named(_) => zero,
         }
     }
 }

@@ -176,7 +176,7 @@ impl Scalariser<'_> {
                 entries.collect()
             }
             // `differentiate` has removed these.
-            Gradient(_) | Partial(..) | Gateaux { .. } => vec![self.graph.number(f64::NAN); count],
+            Gradient(_) | Partial(..) | Gateaux { .. } | Named(_) => vec![self.graph.number(f64::NAN); count],
         }
     }
 
