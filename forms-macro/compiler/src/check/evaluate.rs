@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::Term;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
-use crate::tensor::{Arena, FieldInfo, Operator, Shape, Tensor, Truth};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
 
 /// What an expression stands for.
 #[derive(Clone)]
@@ -32,10 +32,12 @@ pub struct Evaluator<'a> {
     pub(super) uses: HashMap<Tensor, Place>,
     /// Functions of the module and `let`s stay names, as a formula shows them.
     pub(super) outlined: bool,
-    /// Field index of each `Given` member.
+    /// Field index of each `Given` or `History` member.
     pub(super) given: HashMap<String, (usize, Shape)>,
     /// The function has grown beyond what is compiled, which has been reported.
     too_large: bool,
+    /// Field indices of the `History` members.
+    pub(super) histories: Vec<usize>,
 }
 
 /// Names of one function: arguments and `let`s. `None`: its value had a mistake, which was reported.
@@ -53,6 +55,7 @@ impl<'a> Evaluator<'a> {
             outlined: false,
             given: HashMap::new(),
             too_large: false,
+            histories: vec![],
         }
     }
 
@@ -67,6 +70,9 @@ impl<'a> Evaluator<'a> {
         }
         for (index, field) in fields.iter().enumerate().skip(arguments.len()) {
             self.given.insert(field.name.clone(), (index, field.shape.clone()));
+            if field.role == FieldRole::History {
+                self.histories.push(index);
+            }
         }
         match &self.module.functions[function].foreign {
             Some(foreign) => {
