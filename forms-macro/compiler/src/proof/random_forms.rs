@@ -49,6 +49,13 @@ fn fixed(seed: u64) -> Vec<u32> {
     (0..200).map(|_| random.bits() as u32).collect()
 }
 
+/// Operators that random forms do not hold, with the test that compares them with outside values instead.
+const TESTED_ELSEWHERE: &[(&str, &str)] = &[
+    ("tensor_exp", "forms-core/tests/externals.rs: outside the compiled code, with no dual numbers"),
+    ("tensor_ln", "forms-core/tests/externals.rs"),
+    ("tensor_sqrt", "forms-core/tests/externals.rs"),
+];
+
 #[test]
 fn every_operator_is_generated() {
     let mut words = BTreeSet::new();
@@ -60,7 +67,9 @@ fn every_operator_is_generated() {
         }
     }
     let names = BUILTINS.iter().map(|entry| entry.0).chain(CONSTANTS.iter().map(|entry| entry.0));
-    let missing: Vec<_> = names.filter(|name| !words.contains(*name)).collect();
+    let elsewhere = |name: &&str| TESTED_ELSEWHERE.iter().any(|(known, _)| known == name);
+    let missing: Vec<_> =
+        names.filter(|name| !words.contains(*name)).filter(|name| !elsewhere(name)).collect();
     assert!(
         missing.is_empty(),
         "operators that no random form holds: {missing:?}; add a template to proof/generator/templates.rs, \
