@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Term;
+use super::{Term, builtins};
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, Operator, Shape, Tensor, Truth};
@@ -104,7 +104,10 @@ impl<'a> Evaluator<'a> {
     pub(super) fn block(&mut self, block: &Block, outer: &Scope) -> Option<Value> {
         let mut scope = outer.clone();
         for (name, expression) in &block.lets {
-            super::check_not_built_in(name, self.diagnostics);
+            // A value named as an operator, `let norm = norm(u)`, hides nothing: operators are called.
+            if builtins::constant(&name.to_string()).is_some() {
+                super::check_not_built_in(name, self.diagnostics);
+            }
             let value = self.evaluate(expression, &scope);
             scope.insert(name.to_string(), value);
         }
@@ -148,12 +151,23 @@ impl<'a> Evaluator<'a> {
             }
             ExpressionKind::Index(base, indices) => {
                 let base = self.tensor(base, scope, "an index")?;
-                self.component(base, indices, place)?
+                self.index(base, indices, place)?
             }
             ExpressionKind::Array(entries) => {
-                let entries: Vec<_> =
+                let places = entries.iter().map(|entry| entry.place);
+                let values: Vec<_> =
                     entries.iter().map(|entry| self.tensor(entry, scope, "an array")).collect();
-                self.stack(entries.into_iter().collect::<Option<_>>()?, place)?
+                let values = values.into_iter().collect::<Option<Vec<_>>>()?;
+                self.uses = values.iter().copied().zip(places).collect();
+                self.stack(values, place)?
+            }
+            ExpressionKind::Repeat(entry, count) => {
+                let value = self.tensor(entry, scope, "an array")?;
+                let count = match count {
+                    Extent::Dimension => self.dimension,
+                    Extent::Fixed(number) => *number,
+                };
+                self.stack(vec![value; count], place)?
             }
             ExpressionKind::If(condition, taken, otherwise) => {
                 let truth = self.condition(condition, scope);

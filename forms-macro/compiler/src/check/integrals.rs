@@ -148,7 +148,10 @@ impl Evaluator<'_> {
             Operator::Parameter(index) => Variable::Parameter(index),
             // Even a constant: an argument that is the identity here is something else elsewhere.
             _ if local => Variable::Node(name),
-            Operator::Number(_) | Operator::Identity | Operator::Geometry(_) => {
+            Operator::Number(_)
+            | Operator::Identity
+            | Operator::SymmetricIdentity
+            | Operator::Geometry(_) => {
                 self.diagnostics.error(arguments[1].place, "`diff` by a constant: there is nothing to vary");
                 return None;
             }
@@ -170,10 +173,7 @@ impl Evaluator<'_> {
             return None;
         }
         let shape = [self.arena.shape(expression), self.arena.shape(name)].concat();
-        if shape.len() > 4 {
-            self.diagnostics.error(place, "`diff` would give a tensor of rank above 4");
-            return None;
-        }
+        self.limit_rank(&shape, "diff", place)?;
         Some(self.arena.push(Operator::Partial(expression, variable), shape, place))
     }
 

@@ -83,13 +83,17 @@ impl Algebra<'_> {
         use Operator::*;
         let operator = self.arena.node(tensor).operator.clone();
         match operator {
-            Number(_) | Zero | Identity | Parameter(_) | Geometry(_) => Some(vec![]),
+            Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) | Geometry(_) => Some(vec![]),
             Field { field, .. } => Some(match self.fields[field].role {
                 FieldRole::Test(_) => vec![field],
                 _ => vec![],
             }),
-            Negate(a) | Map(_, a) | Component(a, _) | Gradient(a) | Partial(a, _) => self.tests(a),
-            Scale(a, b) | Contract(a, b) | Inner(a, b) | Outer(a, b) => self.product(tensor, a, b),
+            Negate(a) | Map(_, a) | Component(a, _) | Slice(a, _) | Gradient(a) | Partial(a, _) => {
+                self.tests(a)
+            }
+            Scale(a, b) | Contract(a, b) | DoubleContract(a, b) | Cross(a, b) | Inner(a, b) | Outer(a, b) => {
+                self.product(tensor, a, b)
+            }
             Add(a, b) => self.sum(&[a, b]),
             Stack(entries) => self.sum(&entries),
             Select(truth, a, b) => {
@@ -98,13 +102,13 @@ impl Algebra<'_> {
                 }
                 self.sum(&[a, b])
             }
-            Divide(a, b) => {
+            Divide(a, b) | DivideOrZero(a, b) => {
                 self.free(b, "a denominator")?;
                 self.tests(a)
             }
             Determinant(a) | Inverse(a) | Cofactor(a) => self.free(a, "a nonlinear operation"),
-            Apply(_, a) => self.free(a, "a nonlinear function"),
-            Power(a, b) | Minimum(a, b) | Maximum(a, b) => {
+            Apply(_, a) | Norm(a) => self.free(a, "a nonlinear function"),
+            Power(a, b) | Atan2(a, b) | Minimum(a, b) | Maximum(a, b) => {
                 self.free(a, "a nonlinear function")?;
                 self.free(b, "a nonlinear function")
             }

@@ -4,10 +4,12 @@
 pub mod builtins;
 mod calls;
 mod evaluate;
+mod indices;
 mod integrals;
 mod linearity;
 mod names;
 mod operators;
+mod tensor_algebra;
 
 use std::collections::HashMap;
 

@@ -44,6 +44,7 @@ pub enum Node {
     Product(Vec<(Scalar, i32)>),
     Apply(Function, Scalar),
     Power(Scalar, Scalar),
+    Atan2(Scalar, Scalar),
     Minimum(Scalar, Scalar),
     Maximum(Scalar, Scalar),
     Select(Scalar, Scalar, Scalar),
@@ -276,20 +277,8 @@ impl Graph {
                 let other = self.select(below, minus, zero);
                 self.select(above, one, other)
             }
-            _ => match self.value(a) {
-                Some(value) => {
-                    let value = match function {
-                        Function::Sqrt => value.sqrt(),
-                        Function::Exp => value.exp(),
-                        Function::Ln => value.ln(),
-                        Function::Sin => value.sin(),
-                        Function::Cos => value.cos(),
-                        Function::Tan => value.tan(),
-                        Function::Tanh => value.tanh(),
-                        _ => value.abs(),
-                    };
-                    self.number(value)
-                }
+            _ => match self.value(a).and_then(|value| value_of(function, value)) {
+                Some(value) => self.number(value),
                 None => self.intern(Node::Apply(function, a)),
             },
         }
@@ -323,6 +312,7 @@ impl Graph {
             Node::Product(factors) => factors.iter().map(|(factor, _)| *factor).collect(),
             Node::Apply(_, a) | Node::Not(a) => vec![*a],
             Node::Power(a, b)
+            | Node::Atan2(a, b)
             | Node::Minimum(a, b)
             | Node::Maximum(a, b)
             | Node::Less(a, b)
@@ -351,4 +341,33 @@ impl Graph {
     pub fn depends(&self, root: Scalar, test: impl Fn(&Node) -> bool) -> bool {
         self.reachable(&[root]).into_iter().any(|scalar| test(self.node(scalar)))
     }
+}
+
+/// The value of a function where it is known here; the error function is computed at run time only.
+fn value_of(function: Function, value: f64) -> Option<f64> {
+    Some(match function {
+        Function::Sqrt => value.sqrt(),
+        Function::Exp => value.exp(),
+        Function::Ln => value.ln(),
+        Function::Log10 => value.log10(),
+        Function::Sin => value.sin(),
+        Function::Cos => value.cos(),
+        Function::Tan => value.tan(),
+        Function::Asin => value.asin(),
+        Function::Acos => value.acos(),
+        Function::Atan => value.atan(),
+        Function::Sinh => value.sinh(),
+        Function::Cosh => value.cosh(),
+        Function::Tanh => value.tanh(),
+        Function::Asinh => value.asinh(),
+        Function::Acosh => value.acosh(),
+        Function::Atanh => value.atanh(),
+        Function::Abs => value.abs(),
+        Function::Erf
+        | Function::Erfc
+        | Function::Sign
+        | Function::Heaviside
+        | Function::PositivePart
+        | Function::NegativePart => return None,
+    })
 }

@@ -211,10 +211,28 @@ pub enum ExpressionKind {
     Call(Ident, Vec<Expression>),
     Negate(Box<Expression>),
     Binary(BinaryOperator, Box<Expression>, Box<Expression>),
-    Index(Box<Expression>, Vec<usize>),
+    Index(Box<Expression>, Vec<Index>),
     Array(Vec<Expression>),
+    /// `[entry; 3]`
+    Repeat(Box<Expression>, Extent),
     If(Box<Condition>, Block, Block),
     Block(Block),
+}
+
+/// What is taken of one axis.
+pub struct Index {
+    pub place: Place,
+    pub kind: IndexKind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndexKind {
+    One(usize),
+    /// `start..end`, either of them left out for the axis's own.
+    Range {
+        start: Option<usize>,
+        end: Option<usize>,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
