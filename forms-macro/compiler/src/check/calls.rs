@@ -71,6 +71,7 @@ impl Evaluator<'_> {
             Builtin::Inverse => self.of_tensor(a, place, &text, Operator::Inverse)?,
             Builtin::Cofactor => self.of_tensor(a, place, &text, Operator::Cofactor)?,
             Builtin::Gradient => self.gradient(a, place)?,
+            Builtin::Hessian => self.hessian(a, place)?,
             Builtin::Divergence => self.divergence(a, place)?,
             Builtin::Strain => self.strain(a, place)?,
             Builtin::Curl => self.curl(a, place)?,
@@ -155,6 +156,27 @@ impl Evaluator<'_> {
         if values.iter().any(Option::is_none) {
             return None;
         }
-        self.inline(index, values)
+        match &function.foreign {
+            Some(foreign) if !self.diagnostics.is_inside() => {
+                self.inline_foreign(index, foreign, values, place)
+            }
+            _ => self.inline(index, values),
+        }
+    }
+
+    /// Inlines an imported function: its own tokens stand in another module, so the call is the place of all its nodes.
+    pub(super) fn inline_foreign(
+        &mut self,
+        index: usize,
+        foreign: &Foreign,
+        values: Vec<Option<Value>>,
+        place: Place,
+    ) -> Option<Value> {
+        let before = self.arena.len();
+        let place = self.diagnostics.enter(place, &foreign.origin, foreign.silent);
+        let value = self.inline(index, values);
+        self.diagnostics.leave();
+        self.arena.move_to(before, place);
+        value
     }
 }

@@ -50,14 +50,20 @@ impl<'a> Evaluator<'a> {
         let arguments = &self.module.functions[function].arguments;
         let mut values = Vec::new();
         for (index, argument) in arguments.iter().enumerate() {
-            let operator = Operator::Field { field: index, gradient: false };
+            let operator = Operator::Field { field: index, order: 0 };
             let node = self.arena.push(operator, fields[index].shape.clone(), Place::of(&argument.name));
             values.push(Some(Value::Tensor(node)));
         }
         for (index, field) in fields.iter().enumerate().skip(arguments.len()) {
             self.given.insert(field.name.clone(), (index, field.shape.clone()));
         }
-        self.inline(function, values)
+        match &self.module.functions[function].foreign {
+            Some(foreign) => {
+                let place = Place::of(&self.module.functions[function].name);
+                self.inline_foreign(function, foreign, values, place)
+            }
+            None => self.inline(function, values),
+        }
     }
 
     pub(super) fn inline(&mut self, index: usize, values: Vec<Option<Value>>) -> Option<Value> {

@@ -95,7 +95,7 @@ impl Evaluator<'_> {
         let direction = self.tensor(&arguments[2], scope, "`derivative`");
         let (form, field, direction) = (form?, field?, direction?);
         let variable = match self.arena.node(field).operator {
-            Operator::Field { field, gradient: false } => Variable::Field(field),
+            Operator::Field { field, order: 0 } => Variable::Field(field),
             Operator::Parameter(index) => Variable::Parameter(index),
             _ => {
                 self.diagnostics.error_with_help(
@@ -144,7 +144,7 @@ impl Evaluator<'_> {
             _ => false,
         };
         let variable = match self.arena.node(name).operator {
-            Operator::Field { field, gradient: false } => Variable::Field(field),
+            Operator::Field { field, order: 0 } => Variable::Field(field),
             Operator::Parameter(index) => Variable::Parameter(index),
             // Even a constant: an argument that is the identity here is something else elsewhere.
             _ if local => Variable::Node(name),

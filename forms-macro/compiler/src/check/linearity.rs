@@ -88,9 +88,13 @@ impl Algebra<'_> {
                 FieldRole::Test(_) => vec![field],
                 _ => vec![],
             }),
-            Negate(a) | Map(_, a) | Component(a, _) | Slice(a, _) | Gradient(a) | Partial(a, _) => {
-                self.tests(a)
-            }
+            Negate(a)
+            | Map(_, a)
+            | Component(a, _)
+            | Slice(a, _)
+            | Restrict(_, a)
+            | Gradient(a)
+            | Partial(a, _) => self.tests(a),
             Scale(a, b) | Contract(a, b) | DoubleContract(a, b) | Cross(a, b) | Inner(a, b) | Outer(a, b) => {
                 self.product(tensor, a, b)
             }

@@ -218,14 +218,20 @@ impl Evaluator<'_> {
         Some(self.arena.push(operator, result, place))
     }
 
-    /// grad: a field's own gradient, or the chain rule on an expression.
+    /// grad: a field's own derivative, or the chain rule on an expression.
     pub(super) fn gradient(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
         let shape = [self.arena.shape(a), &[self.dimension]].concat();
         let operator = match self.arena.node(a).operator {
-            Operator::Field { field, gradient: false } => Operator::Field { field, gradient: true },
+            Operator::Field { field, order: order @ (0 | 1) } => Operator::Field { field, order: order + 1 },
             _ => Operator::Gradient(a),
         };
         Some(self.arena.push(operator, shape, place))
+    }
+
+    /// hess: grad(grad(e)).
+    pub(super) fn hessian(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+        let gradient = self.gradient(a, place)?;
+        self.gradient(gradient, place)
     }
 
     /// div: tr(grad u) of a vector, row by row of a tensor.

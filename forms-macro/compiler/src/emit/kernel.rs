@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::description::name_of_side;
 use super::print::{Demand, Store, from_point};
 use super::straight_line::{Code, Level, Value};
-use crate::optimise::linear::Coefficients;
-use crate::optimise::scalar::{Argument, Graph, Node, Scalar};
+use crate::optimise::linear::{Coefficients, of_component};
+use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use crate::optimise::{BilinearIntegral, BilinearPlan};
-use crate::tensor::{FieldInfo, Geometry};
+use crate::tensor::{FieldInfo, Geometry, Side};
 
 /// Writes the kernels of one function in one dimension.
 pub struct KernelWriter<'a> {
@@ -19,9 +20,9 @@ pub struct KernelWriter<'a> {
     pub dimension: usize,
 }
 
-/// Where each field's value and gradient stand in the `fields` slice: (field, gradient) → offset.
+/// Where each derivative of a field stands in the `fields` slice: (field, side, order) → offset.
 struct Layout {
-    offsets: BTreeMap<(usize, bool), usize>,
+    offsets: BTreeMap<(usize, Side, usize), usize>,
     requirements: TokenStream,
 }
 
@@ -34,9 +35,9 @@ impl KernelWriter<'_> {
         let mut roots = Vec::new();
         for component in 0..components {
             let mut parts = Vec::new();
-            for (slot, coefficient) in flux.range(component * (1 + d)..(component + 1) * (1 + d)) {
-                let basis = self.graph.intern(Node::Basis(Argument::Test, slot % (1 + d)));
-                parts.push(self.graph.product(&[(*coefficient, 1), (weight, 1), (basis, 1)]));
+            for (derivative, coefficient) in of_component(flux, component) {
+                let basis = self.graph.intern(Node::Basis(Argument::Test, derivative));
+                parts.push(self.graph.product(&[(coefficient, 1), (weight, 1), (basis, 1)]));
             }
             roots.push(self.graph.sum(&parts));
         }
@@ -81,7 +82,7 @@ impl KernelWriter<'_> {
     pub fn bilinear(&mut self, name: &Ident, integral: &BilinearIntegral) -> TokenStream {
         let d = self.dimension;
         let [rows, columns] =
-            [integral.test, integral.trial].map(|field| self.fields[field].shape.iter().product::<usize>());
+            [integral.test, integral.trial].map(|one| self.fields[one.field].shape.iter().product::<usize>());
         let entries = rows * columns;
         let weight = self.graph.intern(Node::Weight);
 
@@ -265,6 +266,8 @@ impl KernelWriter<'_> {
         let terminal = |node: &Node| match node {
             Node::Geometry(Geometry::Diameter, _) => quote! { geometry.diameter },
             Node::Geometry(Geometry::CellVolume, _) => quote! { geometry.cell_volume },
+            Node::Opposite(Geometry::Diameter) => quote! { geometry.opposite_diameter },
+            Node::Opposite(_) => quote! { geometry.opposite_volume },
             _ => quote! { geometry.facet_area },
         };
         let body =
@@ -304,11 +307,9 @@ impl KernelWriter<'_> {
 
     fn basis(&self, node: &Node) -> TokenStream {
         match node {
-            Node::Basis(_, 0) => quote! { basis.value },
-            Node::Basis(_, slot) => {
-                let axis = slot - 1;
-                quote! { basis.gradient[#axis] }
-            }
+            Node::Basis(_, Derivative::Value) => quote! { basis.value },
+            Node::Basis(_, Derivative::First(axis)) => quote! { basis.gradient[#axis] },
+            Node::Basis(_, Derivative::Second(first, second)) => quote! { hessian[#first][#second] },
             Node::Accumulated(index) => quote! { accumulator[#index] },
             _ => quote! { f64::NAN },
         }
@@ -320,11 +321,13 @@ impl KernelWriter<'_> {
             Node::Geometry(Geometry::Normal, component) => quote! { geometry.normal[#component] },
             Node::Geometry(Geometry::Position, component) => quote! { geometry.position[#component] },
             Node::Geometry(Geometry::Curvature, _) => quote! { geometry.curvature },
-            Node::Field { field, component, direction } => {
-                let offset = layout.offsets[&(*field, direction.is_some())];
-                let index = match direction {
-                    Some(axis) => offset + component * self.dimension + axis,
-                    None => offset + component,
+            Node::Field { field, side, component, derivative } => {
+                let offset = layout.offsets[&(*field, *side, derivative.order())];
+                let d = self.dimension;
+                let index = match *derivative {
+                    Derivative::Value => offset + component,
+                    Derivative::First(axis) => offset + component * d + axis,
+                    Derivative::Second(first, second) => offset + (component * d + first) * d + second,
                 };
                 quote! { fields[#index] }
             }
@@ -334,40 +337,42 @@ impl KernelWriter<'_> {
 
     /// What the kernel reads, from the terminals that its roots hold.
     fn layout(&self, roots: &[Scalar]) -> Layout {
-        let mut geometry: Vec<Geometry> = Vec::new();
-        let mut read: BTreeMap<(usize, bool), usize> = BTreeMap::new();
-        for scalar in self.graph.reachable(roots) {
-            match self.graph.node(scalar) {
-                Node::Geometry(kind, _) => geometry.push(*kind),
-                Node::Field { field, direction, .. } => {
-                    read.insert((*field, direction.is_some()), 0);
-                }
-                _ => {}
+        let terminals = self.graph.reachable(roots);
+        let reads =
+            |test: &dyn Fn(&Node) -> bool| terminals.iter().any(|scalar| test(self.graph.node(*scalar)));
+        let has =
+            |wanted: Geometry| reads(&|node| matches!(node, Node::Geometry(kind, _) if *kind == wanted));
+        let opposite = |wanted: Geometry| reads(&|node| *node == Node::Opposite(wanted));
+        let hessian = reads(&|node| matches!(node, Node::Basis(_, Derivative::Second(..))));
+        let mut offsets: BTreeMap<(usize, Side, usize), usize> = BTreeMap::new();
+        for scalar in &terminals {
+            if let Node::Field { field, side, derivative, .. } = self.graph.node(*scalar) {
+                offsets.insert((*field, *side, derivative.order()), 0);
             }
         }
         let mut next = 0;
         let mut slots = Vec::new();
-        for ((field, gradient), offset) in &mut read {
+        for ((field, side, order), offset) in &mut offsets {
             let components: usize = self.fields[*field].shape.iter().product();
-            let order = if *gradient {
-                quote! { Gradient }
-            } else {
-                quote! { Value }
+            *offset = next;
+            next += components * self.dimension.pow(*order as u32);
+            let order = match order {
+                0 => quote! { Value },
+                1 => quote! { Gradient },
+                _ => quote! { Hessian },
             };
-            let start = next;
+            let side = name_of_side(*side);
+            let start = *offset;
             slots.push(quote! {
                 contract::FieldSlot {
                     field: #field,
                     order: contract::Order::#order,
-                    side: contract::Side::This,
+                    side: contract::Side::#side,
                     components: #components,
                     offset: #start,
                 }
             });
-            *offset = start;
-            next += if *gradient { components * self.dimension } else { components };
         }
-        let has = |kind: Geometry| geometry.contains(&kind);
         let [diameter, cell_volume, facet_area, position, normal, curvature] = [
             has(Geometry::Diameter),
             has(Geometry::CellVolume),
@@ -376,6 +381,8 @@ impl KernelWriter<'_> {
             has(Geometry::Normal),
             has(Geometry::Curvature),
         ];
+        let [opposite_diameter, opposite_volume] =
+            [opposite(Geometry::Diameter), opposite(Geometry::CellVolume)];
         let requirements = quote! {
             contract::Requirements {
                 diameter: #diameter,
@@ -384,13 +391,13 @@ impl KernelWriter<'_> {
                 position: #position,
                 normal: #normal,
                 curvature: #curvature,
-                opposite_diameter: false,
-                opposite_volume: false,
-                hessian: false,
+                opposite_diameter: #opposite_diameter,
+                opposite_volume: #opposite_volume,
+                hessian: #hessian,
                 fields: &[#(#slots),*],
                 field_length: #next,
             }
         };
-        Layout { offsets: read, requirements }
+        Layout { offsets, requirements }
     }
 }

@@ -13,8 +13,6 @@ use syntax::*;
 /// Reads a module; what cannot be read is reported and left out.
 pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
     let mut module = Module {
-        attributes: item.attrs,
-        visibility: item.vis,
         name: item.ident,
         data: None,
         regions: Vec::new(),
@@ -39,7 +37,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
                     None => module.mistaken.push(placeholder),
                 }
             }
-            // The vocabulary is built in: an import for the editor's sake does no harm.
+            // Read by `reuse::uses`.
             Item::Use(_) => {}
             other => diagnostics.error_with_help(
                 Place::of(&other),
@@ -173,7 +171,8 @@ fn placeholder(item: &ItemFn) -> Mistaken {
     }
 }
 
-fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {
+/// Reads a function. `None` after a report.
+pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {
     let before = &item.sig;
     let plain = before.generics.params.is_empty()
         && before.constness.is_none()
@@ -222,6 +221,7 @@ fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function
         arguments,
         output,
         body,
+        foreign: None,
     })
 }
 

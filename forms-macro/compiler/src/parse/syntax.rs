@@ -9,8 +9,6 @@ use crate::diagnostics::Place;
 
 /// A module of weak forms.
 pub struct Module {
-    pub attributes: Vec<Attribute>,
-    pub visibility: Visibility,
     pub name: Ident,
     pub data: Option<Data>,
     pub regions: Vec<Region>,
@@ -25,6 +23,7 @@ impl Module {
         let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
             Mistaken::Member(Member { name, .. })
             | Mistaken::Region(name)
+            | Mistaken::Import(name)
             | Mistaken::Function { name, .. } => name,
         });
         names.any(|other| other == name)
@@ -37,6 +36,8 @@ pub enum Mistaken {
     Member(Member),
     /// It stands among the module's regions, too.
     Region(Ident),
+    /// The name that an import would have here.
+    Import(Ident),
     Function {
         visibility: Visibility,
         name: Ident,
@@ -164,6 +165,18 @@ pub struct Function {
     pub output: Output,
     /// `None` when the body had a syntax error, which has been reported.
     pub body: Option<Block>,
+    /// It was imported from another module.
+    pub foreign: Option<Foreign>,
+}
+
+/// What is known of an imported function.
+pub struct Foreign {
+    /// "`stress` in contact/src/operators.rs:12".
+    pub origin: String,
+    /// It is a function of this module, too (`pub use`); otherwise it is called, and nothing to assemble by itself.
+    pub emitted: bool,
+    /// It has mistakes or lacks data, which has been told: what follows from that is no further mistake.
+    pub silent: bool,
 }
 
 pub struct Argument {
