@@ -109,6 +109,10 @@ impl Evaluator<'_> {
         place: Place,
         scope: &Scope,
     ) -> Option<Value> {
+        // One report is enough, and the rest of the walk must end.
+        if self.exhausted {
+            return None;
+        }
         let function = &self.module.functions[index];
         if self.calls.contains(&index) {
             let message = match self.calls.last() {

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use proc_macro2::Ident;
+
 use super::{Term, builtins};
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
@@ -15,6 +17,27 @@ pub enum Value {
     Form(Vec<Term>),
 }
 
+/// More nodes than any form has, and few enough to be walked in a second.
+const MOST_NODES: usize = 1_000_000;
+/// More integrals than any form has.
+const MOST_TERMS: usize = 10_000;
+
+/// A call, to be told from others: `diff(e, w)` by an argument relies on the identity of its node.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Call {
+    function: usize,
+    passed: Vec<Passed>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Passed {
+    Node(Tensor),
+    /// A field is a new node wherever it is named; so is a parameter.
+    Field(usize, usize),
+    Parameter(usize),
+    Nothing,
+}
+
 /// The state of a walk. Methods return `None` after a report.
 pub struct Evaluator<'a> {
     pub(super) module: &'a Module,
@@ -23,6 +46,10 @@ pub struct Evaluator<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Functions being inlined, outermost first.
     pub(super) calls: Vec<usize>,
+    /// What a function gave for arguments, so that an equal call is not unfolded again.
+    pub(super) given_calls: HashMap<Call, Option<Value>>,
+    /// Too large to go on, which has been reported.
+    pub(super) exhausted: bool,
     /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
     pub(super) uses: HashMap<Tensor, Place>,
     /// Field index of each `Given` member.
@@ -40,6 +67,8 @@ impl<'a> Evaluator<'a> {
             arena: Arena::default(),
             diagnostics,
             calls: vec![],
+            given_calls: HashMap::new(),
+            exhausted: false,
             uses: HashMap::new(),
             given: HashMap::new(),
         }
@@ -69,6 +98,25 @@ impl<'a> Evaluator<'a> {
     pub(super) fn inline(&mut self, index: usize, values: Vec<Option<Value>>) -> Option<Value> {
         let function = &self.module.functions[index];
         let body = function.body.as_ref()?;
+        let call = self.call_of(index, &values);
+        if let Some(known) = self.given_calls.get(&call) {
+            return known.clone();
+        }
+        let value = self.inline_body(index, body, values);
+        let terms = match &value {
+            Some(Value::Form(terms)) => terms.len(),
+            _ => 0,
+        };
+        if self.arena.len() > MOST_NODES || terms > MOST_TERMS {
+            self.report_exhausted(&function.name);
+            return None;
+        }
+        self.given_calls.insert(call, value.clone());
+        value
+    }
+
+    fn inline_body(&mut self, index: usize, body: &Block, values: Vec<Option<Value>>) -> Option<Value> {
+        let function = &self.module.functions[index];
         let names = function.arguments.iter().map(|argument| argument.name.to_string());
         let scope: Scope = names.zip(values).collect();
         self.calls.push(index);
@@ -105,6 +153,33 @@ impl<'a> Evaluator<'a> {
             }
         }
         Some(value)
+    }
+
+    /// Reports, once, that a function unfolds to more than can be handled.
+    fn report_exhausted(&mut self, name: &Ident) {
+        if !std::mem::replace(&mut self.exhausted, true) {
+            let (nodes, terms) = (MOST_NODES / 1_000_000, MOST_TERMS / 1_000);
+            self.diagnostics.error_with_help(
+                Place::of(name),
+                format!(
+                    "`{name}` unfolds to more than {nodes} million operations or {terms} thousand integrals: functions are inlined at each call"
+                ),
+                "compute what is used several times once, `let w = ..;`, and pass the name",
+            );
+        }
+    }
+
+    fn call_of(&self, index: usize, values: &[Option<Value>]) -> Call {
+        let passed = |value: &Option<Value>| match value {
+            Some(Value::Tensor(tensor)) => match self.arena.node(*tensor).operator {
+                Operator::Field { field, order } => Passed::Field(field, order),
+                Operator::Parameter(index) => Passed::Parameter(index),
+                _ => Passed::Node(*tensor),
+            },
+            // Arguments are neither mistakes nor integrals.
+            Some(Value::Form(_)) | None => Passed::Nothing,
+        };
+        Call { function: index, passed: values.iter().map(passed).collect() }
     }
 
     pub(super) fn block(&mut self, block: &Block, outer: &Scope) -> Option<Value> {

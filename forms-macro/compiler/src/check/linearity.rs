@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::Term;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::{ArgumentRole, Function};
-use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
 
 /// The test functions (by field index) in which a node is linear; empty: free of them.
 type Tests = Vec<usize>;
@@ -117,7 +117,18 @@ impl Algebra<'_> {
                 self.free(b, "a nonlinear function")
             }
             // The derivative is linear in its direction, and in what the expression was linear in.
-            Gateaux { expression, direction, .. } => self.product(tensor, expression, direction),
+            Gateaux { expression, variable, direction } => {
+                // A derivative by a test function puts the direction in its place.
+                if let Variable::Field(varied) = variable
+                    && matches!(self.fields[varied].role, FieldRole::Test(_))
+                {
+                    return match self.tests(expression)?.contains(&varied) {
+                        true => self.tests(direction),
+                        false => Some(vec![]),
+                    };
+                }
+                self.product(tensor, expression, direction)
+            }
         }
     }
 

@@ -38,7 +38,7 @@ pub struct ResidualPart {
 /// Carries out all derivatives of a function.
 pub fn differentiate(checked: CheckedFunction, diagnostics: &mut Diagnostics) -> Derived {
     let CheckedFunction { function, dimension, arena, mut fields, content } = checked;
-    let mut lowering = Lowering { arena, dimension, known: HashMap::new(), diagnostics };
+    let mut lowering = Lowering { arena, dimension, known: HashMap::new(), exhausted: false, diagnostics };
     let unknowns: Vec<(usize, usize)> = fields
         .iter()
         .enumerate()
@@ -80,7 +80,7 @@ pub fn differentiate(checked: CheckedFunction, diagnostics: &mut Diagnostics) ->
     let mut residual = Vec::new();
     for term in terms {
         let lowered = lowering.lower(term.density);
-        for part in lowering.additive_parts(lowered) {
+        for part in lowering.parts(lowered) {
             let mut tangent = Vec::new();
             for &(unknown, trial) in &trials {
                 let gateaux = lowering.gateaux(part, unknown, trial, &fields);
@@ -104,8 +104,13 @@ struct Lowering<'a> {
     arena: Arena,
     dimension: usize,
     known: HashMap<Tensor, Tensor>,
+    /// Too large to go on, which has been reported.
+    exhausted: bool,
     diagnostics: &'a mut Diagnostics,
 }
+
+/// More nodes than the derivatives of any form have.
+const MOST_NODES: usize = 4_000_000;
 
 impl Lowering<'_> {
     /// The node of a derivative in the direction of another field.
@@ -190,6 +195,14 @@ impl Lowering<'_> {
     }
 
     fn derive(&mut self, expression: Tensor, seed: Seed) -> Option<Tensor> {
+        if self.arena.len() > MOST_NODES {
+            if !std::mem::replace(&mut self.exhausted, true) {
+                let message = "the derivatives of this unfold to more than 4 million operations";
+                let help = "differentiate fewer times, or by tensors of lower rank";
+                self.diagnostics.error_with_help(self.arena.place(expression), message, help);
+            }
+            return None;
+        }
         let mut directions = Vec::new();
         if let Seed::Toward { direction, with_gradient, .. } = seed {
             directions.push(direction);
@@ -267,6 +280,30 @@ impl Lowering<'_> {
         let rows = entries.chunks(stride).map(|row| self.nest(row.to_vec(), rest, origin)).collect();
         let place = self.arena.place(origin);
         self.arena.push(Operator::Stack(rows), shape.to_vec(), place)
+    }
+
+    /// The additive parts of a density, or the density as one part if they are too many: a sum of shared sums
+    /// doubles with each level.
+    fn parts(&mut self, density: Tensor) -> Vec<Tensor> {
+        const MOST: usize = 1000;
+        match self.count_parts(density, &mut HashMap::new()) {
+            0..=MOST => self.additive_parts(density),
+            _ => vec![density],
+        }
+    }
+
+    fn count_parts(&self, density: Tensor, known: &mut HashMap<Tensor, usize>) -> usize {
+        if let Some(count) = known.get(&density) {
+            return *count;
+        }
+        let count = match self.arena.node(density).operator {
+            Operator::Add(a, b) => self.count_parts(a, known).saturating_add(self.count_parts(b, known)),
+            Operator::Negate(a) | Operator::Divide(a, _) => self.count_parts(a, known),
+            Operator::Scale(a, b) => self.count_parts(a, known).max(self.count_parts(b, known)),
+            _ => 1,
+        };
+        known.insert(density, count);
+        count
     }
 
     /// Splits a scalar density at `+`, `-` and factors that are parameters only.

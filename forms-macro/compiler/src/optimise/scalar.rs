@@ -96,7 +96,14 @@ pub enum Node {
 pub struct Graph {
     nodes: Vec<Node>,
     known: HashMap<Node, Scalar>,
+    /// Nodes and their operands.
+    size: usize,
+    /// Larger than can be handled: what has been built since means nothing.
+    pub exhausted: bool,
 }
+
+/// More nodes and operands than any form has, and few enough for a second and some hundred megabytes.
+const LARGEST: usize = 4_000_000;
 
 /// constant + Σ coefficient × term.
 struct Combination {
@@ -113,6 +120,15 @@ impl Graph {
     pub fn intern(&mut self, node: Node) -> Scalar {
         if let Some(known) = self.known.get(&node) {
             return *known;
+        }
+        self.size += match &node {
+            Node::Sum { terms, .. } => 1 + terms.len(),
+            Node::Product(factors) => 1 + factors.len(),
+            _ => 1,
+        };
+        if self.size > LARGEST {
+            self.exhausted = true;
+            return Scalar(0);
         }
         self.nodes.push(node.clone());
         let scalar = Scalar(self.nodes.len() as u32 - 1);
@@ -232,8 +248,16 @@ impl Graph {
             coefficient *= leading.powi(*exponent);
             match self.node(rest) {
                 Node::Number(_) => {}
-                Node::Product(inner) => {
+                Node::Product(inner)
+                    if inner.iter().all(|(_, inner)| is_moderate(inner.saturating_mul(*exponent))) =>
+                {
                     all.extend(inner.iter().map(|(factor, inner)| (*factor, inner * exponent)))
+                }
+                // A power of a power past all reason stays one factor.
+                Node::Product(_) => {
+                    let (one, exponent) = (self.number(1.0), *exponent);
+                    let whole = self.intern(Node::Power(rest, one));
+                    all.push((whole, exponent));
                 }
                 _ => all.push((rest, *exponent)),
             }
@@ -246,7 +270,7 @@ impl Graph {
         let mut merged: Vec<(Scalar, i32)> = Vec::new();
         for (factor, exponent) in all {
             match merged.last_mut() {
-                Some(last) if last.0 == factor => last.1 += exponent,
+                Some(last) if last.0 == factor => last.1 = last.1.saturating_add(exponent),
                 _ => merged.push((factor, exponent)),
             }
         }
@@ -375,6 +399,11 @@ impl Graph {
     pub fn depends(&self, root: Scalar, test: impl Fn(&Node) -> bool) -> bool {
         self.reachable(&[root]).into_iter().any(|scalar| test(self.node(scalar)))
     }
+}
+
+/// Is this an exponent that a product may have? Repeated squaring would run out of them.
+fn is_moderate(exponent: i32) -> bool {
+    exponent.unsigned_abs() <= 1 << 20
 }
 
 /// The value of a function where it is known here; the error function is computed at run time only.
