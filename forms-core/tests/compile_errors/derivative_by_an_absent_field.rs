@@ -21,7 +21,7 @@ pub mod elastic {
 
     /// A form that is called with the field need not depend on it.
     pub fn right(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        integral(Omega, derivative(energy(u), u, v)) + derivative(dead_load(u, v), u, v)
+        integral(Omega, derivative(energy(u), u, v)) + derivative(dead_load(u, v), u, u)
     }
     pub fn wrong(u: Unknown<Vector>, z: State<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, derivative(energy(u), z, v))

@@ -134,6 +134,13 @@ pub mod deep {
     pub fn wrong(u: Unknown<Scalar>) -> Energy {
         integral(Omega, f0(u))
     }
+}
+
+#[forms(crate = forms_core)]
+pub mod wide {
+    #[cells]
+    pub struct Omega;
+
     fn many(w: Scalar) -> Functional {
         let one = integral(Omega, w);
         let two = one + one + one + one + one + one + one + one + one + one;

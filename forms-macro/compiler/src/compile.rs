@@ -123,7 +123,7 @@ fn compile(
                 }
                 Err(Failure::TooLarge) => diagnostics.error_with_help(
                     Place::of(name),
-                    format!("`{name}` unfolds to more than 4 million scalar operations"),
+                    format!("`{name}` unfolds to more than 2 million scalar operations"),
                     "split it into several forms, or compute tensors of high rank in fewer steps",
                 ),
             }

@@ -17,8 +17,8 @@ pub enum Value {
     Form(Vec<Term>),
 }
 
-/// More nodes than any form has, and few enough to be walked in a second.
-const MOST_NODES: usize = 1_000_000;
+/// More nodes than any form has, and few enough to be walked in a second by a macro that is not optimised.
+const MOST_NODES: usize = 100_000;
 /// More integrals than any form has.
 const MOST_TERMS: usize = 10_000;
 
@@ -108,7 +108,8 @@ impl<'a> Evaluator<'a> {
             _ => 0,
         };
         if self.arena.len() > MOST_NODES || terms > MOST_TERMS {
-            self.report_exhausted(&function.name);
+            let outermost = self.calls.first().copied().unwrap_or(index);
+            self.report_exhausted(&self.module.functions[outermost].name);
             return None;
         }
         self.given_calls.insert(call, value.clone());
@@ -158,11 +159,11 @@ impl<'a> Evaluator<'a> {
     /// Reports, once, that a function unfolds to more than can be handled.
     fn report_exhausted(&mut self, name: &Ident) {
         if !std::mem::replace(&mut self.exhausted, true) {
-            let (nodes, terms) = (MOST_NODES / 1_000_000, MOST_TERMS / 1_000);
+            let (nodes, terms) = (MOST_NODES / 1_000, MOST_TERMS / 1_000);
             self.diagnostics.error_with_help(
                 Place::of(name),
                 format!(
-                    "`{name}` unfolds to more than {nodes} million operations or {terms} thousand integrals: functions are inlined at each call"
+                    "`{name}` unfolds to more than {nodes} thousand operations or {terms} thousand integrals: functions are inlined at each call"
                 ),
                 "compute what is used several times once, `let w = ..;`, and pass the name",
             );

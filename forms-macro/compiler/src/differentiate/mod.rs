@@ -110,7 +110,7 @@ struct Lowering<'a> {
 }
 
 /// More nodes than the derivatives of any form have.
-const MOST_NODES: usize = 4_000_000;
+const MOST_NODES: usize = 1_000_000;
 
 impl Lowering<'_> {
     /// The node of a derivative in the direction of another field.
@@ -197,7 +197,7 @@ impl Lowering<'_> {
     fn derive(&mut self, expression: Tensor, seed: Seed) -> Option<Tensor> {
         if self.arena.len() > MOST_NODES {
             if !std::mem::replace(&mut self.exhausted, true) {
-                let message = "the derivatives of this unfold to more than 4 million operations";
+                let message = "the derivatives of this unfold to more than a million operations";
                 let help = "differentiate fewer times, or by tensors of lower rank";
                 self.diagnostics.error_with_help(self.arena.place(expression), message, help);
             }

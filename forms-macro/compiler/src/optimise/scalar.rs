@@ -103,7 +103,7 @@ pub struct Graph {
 }
 
 /// More nodes and operands than any form has, and few enough for a second and some hundred megabytes.
-const LARGEST: usize = 4_000_000;
+const LARGEST: usize = 2_000_000;
 
 /// constant + Σ coefficient × term.
 struct Combination {
