@@ -112,7 +112,11 @@ fn compile(
     for &dimension in &options.dimensions {
         for checked in check(&module, dimension, &mut diagnostics).functions {
             let name = &module.functions[checked.function].name;
-            let derived = differentiate(checked, &mut diagnostics);
+            let before = diagnostics.reports();
+            let derived = differentiate(checked, &module.regions, &mut diagnostics);
+            if diagnostics.reports() > before {
+                continue;
+            }
             match optimise(derived, &module) {
                 Ok(one) => optimised.push(one),
                 Err(Failure::NotLinear(argument)) => {

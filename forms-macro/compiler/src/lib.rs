@@ -12,6 +12,10 @@ mod differentiate;
 mod emit;
 mod optimise;
 mod parse;
+#[cfg(test)]
+mod proof;
+#[cfg(test)]
+mod reference;
 mod reuse;
 mod tensor;
 

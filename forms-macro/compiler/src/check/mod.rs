@@ -9,6 +9,8 @@ mod integrals;
 mod linearity;
 mod names;
 mod operators;
+pub mod regions;
+mod sides;
 mod tensor_algebra;
 
 use std::collections::HashMap;
