@@ -17,6 +17,7 @@ use crate::optimise::{Failure, optimise};
 use crate::parse::parse;
 use crate::reuse::uses::{self, Import};
 use crate::reuse::{self, State, Subject, carrier, import, payload};
+use crate::show::formulas;
 
 /// `#[forms(dimension = 3, crate = my_backend)]`
 pub struct Options {
@@ -134,9 +135,14 @@ fn compile(
         }
         diagnostics.next_dimension();
     }
+    // A formula is the same in each dimension.
+    let formulas = match diagnostics.is_empty() {
+        true => formulas(&module, options.dimensions[0]),
+        false => Vec::new(),
+    };
     let text = payload::write(&item, &imported, !diagnostics.is_empty());
     let carrier = carrier::write(&item, &imported, &text);
     let errors = diagnostics.into_tokens();
-    let code = emit(&module, &options.dimensions, optimised, &options.backend);
+    let code = emit(&module, &options.dimensions, optimised, &formulas, &options.backend);
     quote! { #errors #code #carrier }
 }

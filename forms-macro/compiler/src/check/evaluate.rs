@@ -52,6 +52,8 @@ pub struct Evaluator<'a> {
     pub(super) exhausted: bool,
     /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
     pub(super) uses: HashMap<Tensor, Place>,
+    /// Functions of the module and `let`s stay names, as a formula shows them.
+    pub(super) outlined: bool,
     /// Field index of each `Given` member.
     pub(super) given: HashMap<String, (usize, Shape)>,
 }
@@ -70,6 +72,7 @@ impl<'a> Evaluator<'a> {
             given_calls: HashMap::new(),
             exhausted: false,
             uses: HashMap::new(),
+            outlined: false,
             given: HashMap::new(),
         }
     }
@@ -190,7 +193,7 @@ impl<'a> Evaluator<'a> {
             if builtins::constant(&name.to_string()).is_some() {
                 super::check_not_built_in(name, self.diagnostics);
             }
-            let value = self.evaluate(expression, &scope);
+            let value = self.evaluate(expression, &scope).map(|value| self.name_value(name, value));
             scope.insert(name.to_string(), value);
         }
         self.evaluate(&block.result, &scope)

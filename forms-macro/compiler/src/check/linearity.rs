@@ -129,6 +129,8 @@ impl Algebra<'_> {
                 }
                 self.product(tensor, expression, direction)
             }
+            // Formulas are made of what was checked already.
+            Named(_) => Some(vec![]),
         }
     }
 
