@@ -9,6 +9,12 @@ use forms_fem::forms;
 /// plus makes the obstacle pull (see `docs/method.md`).
 #[forms]
 pub mod nitsche {
+    pub use crate::operators::linear_elastic::{stress, von_mises};
+    use crate::operators::obstacle::{
+        augmented_stress, gamma, nitsche_density, nitsche_pressure, nitsche_test, normal_component,
+    };
+    pub use crate::operators::obstacle::{current_gap, normal_displacement, penetration};
+
     /// Data of all forms.
     pub struct Data {
         /// λ, first Lamé parameter \[stress\].
@@ -48,63 +54,19 @@ pub mod nitsche {
     #[facets]
     pub struct Boundary;
 
-    /// σ(w) = 2μ ε(w) + λ tr ε(w) I.
-    pub fn stress(w: Vector) -> Tensor {
-        2 * mu * eps(w) + lambda * tr(eps(w)) * I
-    }
-
-    /// Von Mises stress in plane strain (2D, with σ_zz = λ tr ε) or in 3D: √(3/2 s:s).
-    pub fn von_mises(w: Vector) -> Scalar {
-        let out_of_plane = if D < 3 { lambda * tr(eps(w)) } else { 0 };
-        let mean = (tr(stress(w)) + out_of_plane) / 3;
-        let in_plane = stress(w) - mean * I;
-        let rest = if D < 3 { pow(out_of_plane - mean, 2) } else { 0 };
-        sqrt(1.5 * (inner(in_plane, in_plane) + rest))
-    }
-
-    /// u_n = w·n_y.
-    pub fn normal_displacement(w: Vector) -> Scalar {
-        dot(w, obstacle_normal)
-    }
-
     /// σ_n(w) = (σ(w) n)·n_y.
     pub fn normal_stress(w: Vector) -> Scalar {
-        dot(stress(w) * n, obstacle_normal)
-    }
-
-    /// u_n − g: positive where the body would enter the obstacle.
-    pub fn penetration(w: Vector) -> Scalar {
-        normal_displacement(w) - gap
-    }
-
-    /// g − u_n: the gap of the deformed body.
-    pub fn current_gap(w: Vector) -> Scalar {
-        gap - normal_displacement(w)
-    }
-
-    /// γ = γ₀ / h_T.
-    fn gamma() -> Scalar {
-        gamma0 / h
-    }
-
-    /// σ_n(w) − γ (w_n − g); −β_h of the paper.
-    fn nitsche_pressure(w: Vector) -> Scalar {
-        normal_stress(w) - gamma() * penetration(w)
+        normal_component(stress(w))
     }
 
     /// β_h = −σ_n(w) + γ (w_n − g): contact where positive.
     pub fn contact_indicator(w: Vector) -> Scalar {
-        -nitsche_pressure(w)
+        -augmented_stress(normal_stress(w), w)
     }
 
     /// \[σ_n(w) − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
     pub fn contact_pressure(w: Vector) -> Scalar {
-        neg_part(nitsche_pressure(w))
-    }
-
-    /// θ σ_n(w) − γ w_n.
-    fn tested(w: Vector) -> Scalar {
-        theta * normal_stress(w) - gamma() * normal_displacement(w)
+        nitsche_pressure(normal_stress(w), w)
     }
 
     /// a(u, v) = ∫ σ(u):ε(v).
@@ -114,11 +76,8 @@ pub mod nitsche {
 
     /// The direct problem (14)-(15): a(u,v) − ∫ (θ/γ) σ_n(u) σ_n(v) − ∫ (1/γ) \[σ_n(u) − γ(u_n − g)\]₋ (θ σ_n(v) − γ v_n) − ℓ(v).
     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        elasticity(u, v)
-            - integral(Omega, dot(body_force, v))
-            - integral(GammaN, dot(traction, v))
-            - integral(GammaC, theta / gamma() * normal_stress(u) * normal_stress(v))
-            - integral(GammaC, neg_part(nitsche_pressure(u)) / gamma() * tested(v))
+        elasticity(u, v) - integral(Omega, dot(body_force, v)) - integral(GammaN, dot(traction, v))
+            + integral(GammaC, nitsche_density(normal_stress(u), u, normal_stress(v), v))
     }
 
     /// M(u) = F·u.
@@ -154,7 +113,9 @@ pub mod nitsche {
         elasticity(p, q) - integral(GammaC, theta / gamma() * (normal_stress(p) + slope) * normal_stress(q))
             + integral(
                 GammaC,
-                contact / gamma() * (normal_stress(p) + slope - gamma() * normal_displacement(p)) * tested(q),
+                contact / gamma()
+                    * (normal_stress(p) + slope - gamma() * normal_displacement(p))
+                    * nitsche_test(normal_stress(q), q),
             )
             + derivative(criterion(u), u, q)
     }

@@ -66,7 +66,7 @@ pub mod solve;
 pub mod space;
 
 pub use forms_core::contract;
-pub use forms_core::forms;
+pub use forms_core::{form, forms};
 
 /// What a program that states and solves forms needs.
 pub mod prelude {
@@ -77,7 +77,6 @@ pub mod prelude {
     pub use crate::contract::{Entity, Expression, Form, Functional, Given};
     pub use crate::element::CellShape;
     pub use crate::field::Field;
-    pub use crate::forms;
     pub use crate::mesh::{Facet, Mesh, annulus, cuboid, rectangle};
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
@@ -86,4 +85,5 @@ pub mod prelude {
         TangentSolverOptions,
     };
     pub use crate::space::Space;
+    pub use crate::{form, forms};
 }

@@ -2,7 +2,7 @@
 //! behind it a module with the form's type and its kernels.
 
 mod description;
-mod form;
+pub mod form;
 mod kernel;
 mod placeholder;
 mod print;

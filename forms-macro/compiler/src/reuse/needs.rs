@@ -7,11 +7,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{Fields, Item, ItemFn, ItemMod};
+use syn::{Fields, Item, ItemFn, ItemMod, Type};
 
 use super::payload::Payload;
 use super::uses::Import;
 use crate::diagnostics::{Diagnostics, Place};
+use crate::parse::declared_type::{self, word};
+use crate::parse::syntax::Rank;
 
 /// The markers of regions.
 pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets"];
@@ -107,11 +109,12 @@ impl Declarations {
     }
 }
 
-/// `Given<Vector>` → `Vector`; `Param` alone is a scalar.
-fn rank(ty: &str) -> &str {
-    match ty.split_once('<') {
-        Some((_, inner)) => inner.strip_suffix('>').unwrap_or(inner),
-        None => "Scalar",
+/// The rank in `Given<Vector>`; `Param` alone is a scalar. `None`: a mistake, which is told where it stands.
+fn rank(ty: &str) -> Option<Rank> {
+    let ty: Type = syn::parse_str(ty).ok()?;
+    match word(&ty)? {
+        (_, None) => Some(Rank::SCALAR),
+        (_, Some(inner)) => declared_type::rank(inner, &mut Diagnostics::default()).ok(),
     }
 }
 

@@ -81,6 +81,8 @@ fn read_tree(
 fn is_vocabulary(name: &str) -> bool {
     const TYPES: &[&str] = &[
         "Scalar",
+        "Matrix",
+        "Tensor4",
         "Vector",
         "Tensor",
         "Param",
