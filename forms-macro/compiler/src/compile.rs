@@ -192,7 +192,11 @@ impl Unit<'_> {
             for checked in check(&module, dimension, &mut diagnostics).functions {
                 let name = &module.functions[checked.function].name;
                 dump.checked(&module, &checked);
-                let derived = differentiate(checked, &mut diagnostics);
+                let before = diagnostics.reports();
+                let derived = differentiate(checked, &module.regions, &mut diagnostics);
+                if diagnostics.reports() > before {
+                    continue;
+                }
                 dump.differentiated(&module, &derived);
                 match optimise(derived, &module) {
                     Ok(one) => {

@@ -35,6 +35,8 @@ pub struct Diagnostics {
     found: Vec<Diagnostic>,
     /// So many were found in earlier dimensions.
     settled: usize,
+    /// How often a mistake was reported, the same one again included.
+    reports: usize,
     /// The imported functions that have mistakes inside: each with its file and line.
     origins: Vec<String>,
     /// The imported function that is being read, if any.
@@ -54,6 +56,7 @@ impl Diagnostics {
     /// Records a mistake; the same message on the same tokens is recorded once (a function is checked
     /// in each dimension and at each call).
     pub fn error(&mut self, place: Place, message: impl Into<String>) {
+        self.reports += 1;
         let mut message = message.into();
         let place = match self.inside {
             Some(Inside { silent: true, .. }) => return,
@@ -70,6 +73,11 @@ impl Diagnostics {
         if !self.found.iter().enumerate().any(told) {
             self.found.push(Diagnostic { place, message });
         }
+    }
+
+    /// Grows with every report: a function for which it has grown is mistaken.
+    pub fn reports(&self) -> usize {
+        self.reports
     }
 
     /// Are we inside an imported function?

@@ -14,6 +14,10 @@ mod emit;
 mod one_form;
 mod optimise;
 mod parse;
+#[cfg(test)]
+mod proof;
+#[cfg(test)]
+mod reference;
 mod reuse;
 mod tensor;
 

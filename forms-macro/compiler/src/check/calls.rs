@@ -35,12 +35,14 @@ impl Evaluator<'_> {
             self.diagnostics.error_with_help(place, "this integral has no region", help);
             return None;
         }
-        if arguments.len() != count {
-            let message = format!(
-                "`{text}` takes {count} argument{}, not {}",
-                if count == 1 { "" } else { "s" },
-                arguments.len()
-            );
+        let normal_jump = builtin == Builtin::Jump && arguments.len() == 2;
+        if arguments.len() != count && !normal_jump {
+            let expected = match (builtin, count) {
+                (Builtin::Jump, _) => "1 or 2 arguments".into(),
+                (_, 1) => "1 argument".into(),
+                _ => format!("{count} arguments"),
+            };
+            let message = format!("`{text}` takes {expected}, not {}", arguments.len());
             self.diagnostics.error_with_help(place, message, format!("write `{usage}`"));
             return None;
         }
@@ -65,6 +67,10 @@ impl Evaluator<'_> {
             Builtin::Cofactor => self.of_tensor(a, place, &text, Operator::Cofactor)?,
             Builtin::Gradient => self.gradient(a, place)?,
             Builtin::Hessian => self.hessian(a, place)?,
+            Builtin::Restrict(side) => self.restrict(side, a, place)?,
+            Builtin::Jump if normal_jump => self.jump_along(a, values[1], place)?,
+            Builtin::Jump => self.jump(a, place)?,
+            Builtin::Average => self.average(a, place)?,
             Builtin::Divergence => self.divergence(a, place)?,
             Builtin::Strain => self.strain(a, place)?,
             Builtin::Apply(function) => {

@@ -8,6 +8,8 @@ mod integrals;
 mod linearity;
 mod names;
 mod operators;
+pub mod regions;
+mod sides;
 
 use std::collections::HashMap;
 

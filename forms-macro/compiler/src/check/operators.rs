@@ -23,7 +23,7 @@ impl Evaluator<'_> {
     }
 
     /// Where an operand stands.
-    fn place_of(&self, tensor: Tensor) -> Place {
+    pub(super) fn place_of(&self, tensor: Tensor) -> Place {
         self.uses.get(&tensor).copied().unwrap_or_else(|| self.arena.place(tensor))
     }
 

@@ -5,8 +5,10 @@ mod rules;
 
 use std::collections::HashMap;
 
+use crate::check::regions::{check_existence, check_sides};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::diagnostics::Diagnostics;
+use crate::parse::syntax::{Entity, Region};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
 use rules::{Differentiation, Seed};
 
@@ -36,7 +38,7 @@ pub struct ResidualPart {
 }
 
 /// Carries out all derivatives of a function.
-pub fn differentiate(checked: CheckedFunction, diagnostics: &mut Diagnostics) -> Derived {
+pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: &mut Diagnostics) -> Derived {
     let CheckedFunction { function, dimension, arena, mut fields, content } = checked;
     let mut lowering = Lowering { arena, dimension, known: HashMap::new(), diagnostics };
     let unknowns: Vec<(usize, usize)> = fields
@@ -52,10 +54,23 @@ pub fn differentiate(checked: CheckedFunction, diagnostics: &mut Diagnostics) ->
     let mut from_energy = false;
     let mut terms = Vec::new();
     match content {
-        Content::Form(form) => terms = form,
-        Content::Functional(functional) => density = functional,
-        Content::Value(tensor) => value = Some(lowering.lower(tensor)),
+        Content::Form(form) => {
+            terms = form;
+            lowering.check_regions(&terms, &fields, regions);
+        }
+        Content::Functional(functional) => {
+            density = functional;
+            lowering.check_regions(&density, &fields, regions);
+        }
+        Content::Value(tensor) => {
+            let lowered = lowering.lower(tensor);
+            if lowering.has_sides(lowered) {
+                check_sides(&lowering.arena, &fields, lowered, None, lowering.diagnostics);
+            }
+            value = Some(lowered);
+        }
         Content::Energy(energy) => {
+            lowering.check_regions(&energy, &fields, regions);
             from_energy = true;
             for &(index, number) in &unknowns {
                 let name = format!("δ{}", fields[index].name);
@@ -108,6 +123,24 @@ struct Lowering<'a> {
 }
 
 impl Lowering<'_> {
+    /// Reports what does not exist where it is integrated. Derivatives that were asked for may have brought
+    /// it there, so they are carried out first.
+    fn check_regions(&mut self, terms: &[Term], fields: &[FieldInfo], regions: &[Region]) {
+        for term in terms {
+            let (density, region) = (self.lower(term.density), &regions[term.region]);
+            check_existence(&self.arena, density, region, self.diagnostics);
+            if region.entity == Entity::InteriorFacets {
+                check_sides(&self.arena, fields, density, Some(&region.name), self.diagnostics);
+            }
+        }
+    }
+
+    /// Does it hold a limit from one side of a facet?
+    fn has_sides(&self, tensor: Tensor) -> bool {
+        let restricted = |node: &Tensor| matches!(self.arena.node(*node).operator, Operator::Restrict(..));
+        self.arena.reachable(&[tensor]).iter().any(restricted)
+    }
+
     /// The node of a derivative in the direction of another field.
     fn gateaux(
         &mut self,

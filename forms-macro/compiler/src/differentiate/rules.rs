@@ -166,7 +166,7 @@ impl<'a> Differentiation<'a> {
                 self.diagnostics.error_with_help(
                     self.arena.place(tensor),
                     "third derivatives of a field are not available",
-                    "up to second derivatives are: `grad(grad(u))`, `hess(u)`; make a gradient an unknown of its own",
+                    "second derivatives are the highest, `hess(u)`: for more, make a derivative an unknown of its own",
                 );
                 None
             }

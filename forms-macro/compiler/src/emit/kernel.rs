@@ -1,29 +1,21 @@
 //! Kernels: `impl LinearKernel<D>`, `impl BilinearKernel<D>`, `impl ExpressionKernel<D>`.
 
-use std::collections::BTreeMap;
-
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::description::name_of_side;
+use super::layout::Layout;
 use super::print::{Demand, Store, from_point};
 use super::straight_line::{Code, Level, Value};
 use crate::optimise::linear::{Coefficients, of_component};
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use crate::optimise::{BilinearIntegral, BilinearPlan};
-use crate::tensor::{FieldInfo, Geometry, Side};
+use crate::tensor::{FieldInfo, Geometry};
 
 /// Writes the kernels of one function in one dimension.
 pub struct KernelWriter<'a> {
     pub graph: &'a mut Graph,
     pub fields: &'a [FieldInfo],
     pub dimension: usize,
-}
-
-/// Where each derivative of a field stands in the `fields` slice: (field, side, order) → offset.
-struct Layout {
-    offsets: BTreeMap<(usize, Side, usize), usize>,
-    requirements: TokenStream,
 }
 
 impl KernelWriter<'_> {
@@ -41,7 +33,7 @@ impl KernelWriter<'_> {
             }
             roots.push(self.graph.sum(&parts));
         }
-        let layout = self.layout(&roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
         let mut code = Code::new(self.graph, &roots);
         let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
 
@@ -119,7 +111,7 @@ impl KernelWriter<'_> {
             }
         };
         let roots: Vec<Scalar> = tests.iter().chain(&trials).chain(&block).copied().collect();
-        let layout = self.layout(&roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
         let mut code = Code::new(self.graph, &roots);
         let mut lower =
             |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
@@ -205,7 +197,7 @@ impl KernelWriter<'_> {
     pub fn expression(&mut self, name: &Ident, components: &[Scalar], shape: &[usize]) -> TokenStream {
         let d = self.dimension;
         let count = components.len();
-        let layout = self.layout(components);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, components);
         let mut code = Code::new(self.graph, components);
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let (mut form, mut cell) = (Store::default(), Store::default());
@@ -322,82 +314,10 @@ impl KernelWriter<'_> {
             Node::Geometry(Geometry::Position, component) => quote! { geometry.position[#component] },
             Node::Geometry(Geometry::Curvature, _) => quote! { geometry.curvature },
             Node::Field { field, side, component, derivative } => {
-                let offset = layout.offsets[&(*field, *side, derivative.order())];
-                let d = self.dimension;
-                let index = match *derivative {
-                    Derivative::Value => offset + component,
-                    Derivative::First(axis) => offset + component * d + axis,
-                    Derivative::Second(first, second) => offset + (component * d + first) * d + second,
-                };
+                let index = layout.position(*field, *side, *component, *derivative);
                 quote! { fields[#index] }
             }
             _ => quote! { f64::NAN },
         }
-    }
-
-    /// What the kernel reads, from the terminals that its roots hold.
-    fn layout(&self, roots: &[Scalar]) -> Layout {
-        let terminals = self.graph.reachable(roots);
-        let reads =
-            |test: &dyn Fn(&Node) -> bool| terminals.iter().any(|scalar| test(self.graph.node(*scalar)));
-        let has =
-            |wanted: Geometry| reads(&|node| matches!(node, Node::Geometry(kind, _) if *kind == wanted));
-        let opposite = |wanted: Geometry| reads(&|node| *node == Node::Opposite(wanted));
-        let hessian = reads(&|node| matches!(node, Node::Basis(_, Derivative::Second(..))));
-        let mut offsets: BTreeMap<(usize, Side, usize), usize> = BTreeMap::new();
-        for scalar in &terminals {
-            if let Node::Field { field, side, derivative, .. } = self.graph.node(*scalar) {
-                offsets.insert((*field, *side, derivative.order()), 0);
-            }
-        }
-        let mut next = 0;
-        let mut slots = Vec::new();
-        for ((field, side, order), offset) in &mut offsets {
-            let components: usize = self.fields[*field].shape.iter().product();
-            *offset = next;
-            next += components * self.dimension.pow(*order as u32);
-            let order = match order {
-                0 => quote! { Value },
-                1 => quote! { Gradient },
-                _ => quote! { Hessian },
-            };
-            let side = name_of_side(*side);
-            let start = *offset;
-            slots.push(quote! {
-                contract::FieldSlot {
-                    field: #field,
-                    order: contract::Order::#order,
-                    side: contract::Side::#side,
-                    components: #components,
-                    offset: #start,
-                }
-            });
-        }
-        let [diameter, cell_volume, facet_area, position, normal, curvature] = [
-            has(Geometry::Diameter),
-            has(Geometry::CellVolume),
-            has(Geometry::FacetArea),
-            has(Geometry::Position),
-            has(Geometry::Normal),
-            has(Geometry::Curvature),
-        ];
-        let [opposite_diameter, opposite_volume] =
-            [opposite(Geometry::Diameter), opposite(Geometry::CellVolume)];
-        let requirements = quote! {
-            contract::Requirements {
-                diameter: #diameter,
-                cell_volume: #cell_volume,
-                facet_area: #facet_area,
-                position: #position,
-                normal: #normal,
-                curvature: #curvature,
-                opposite_diameter: #opposite_diameter,
-                opposite_volume: #opposite_volume,
-                hessian: #hessian,
-                fields: &[#(#slots),*],
-                field_length: #next,
-            }
-        };
-        Layout { offsets, requirements }
     }
 }

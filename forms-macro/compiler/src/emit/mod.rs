@@ -4,6 +4,7 @@
 mod description;
 pub mod form;
 mod kernel;
+mod layout;
 mod placeholder;
 mod print;
 mod straight_line;
@@ -108,15 +109,15 @@ fn value_type(rank: Rank) -> TokenStream {
 }
 
 fn emit_region(region: &Region) -> TokenStream {
-    let Region { attributes, visibility, name, facets } = region;
+    let Region { attributes, visibility, name, entity } = region;
     if let Some(path) = imported_path(attributes) {
         return quote! { #[allow(unused_imports)] #visibility use #path as #name; };
     }
     let symbol = name.to_string();
-    let entity = if *facets {
-        quote! { Facets }
-    } else {
-        quote! { Cells }
+    let entity = match entity {
+        Entity::Cells => quote! { Cells },
+        Entity::Facets => quote! { Facets },
+        Entity::InteriorFacets => quote! { InteriorFacets },
     };
     quote! {
         #(#attributes)*

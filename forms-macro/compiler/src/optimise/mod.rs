@@ -190,6 +190,7 @@ fn plan_group(
     let tests: Vec<SidedField> = (0..fields.len())
         .filter(|field| matches!(fields[*field].role, FieldRole::Test(_)))
         .flat_map(on_sides)
+        .filter(|test| graph.depends(group.density, |node| test.owns(node)))
         .collect();
     for test in tests.iter().copied() {
         // What is linear in several functions is a sum; each takes its own share.

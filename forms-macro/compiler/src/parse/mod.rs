@@ -42,7 +42,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
             other => diagnostics.error_with_help(
                 Place::of(&other),
                 "unsupported item in a forms module",
-                "a forms module holds one data struct, `#[cells]` and `#[facets]` regions, and functions",
+                "a forms module holds one data struct, regions (`#[cells]`, `#[facets]`, `#[interior_facets]`), and functions",
             ),
         }
     }
@@ -50,8 +50,13 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
 }
 
 fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
-    let marker = |name: &str| item.attrs.iter().any(|attribute| attribute.path().is_ident(name));
-    let (cells, facets) = (marker("cells"), marker("facets"));
+    let marker = |attribute: &syn::Attribute| {
+        let found = Entity::MARKERS.iter().find(|(name, _)| attribute.path().is_ident(name));
+        found.map(|(_, entity)| *entity)
+    };
+    let markers: Vec<Entity> = item.attrs.iter().filter_map(marker).collect();
+    // After a mistake the region exists all the same.
+    let entity = markers.first().copied().unwrap_or(Entity::Cells);
     if !item.generics.params.is_empty() {
         diagnostics.error_with_help(
             Place::of(&item.generics),
@@ -59,24 +64,24 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
             "the dimension is generic by itself; ranks are `Scalar`, `Vector` and `Tensor`",
         );
     }
-    let attributes = item
-        .attrs
-        .iter()
-        .filter(|attribute| !attribute.path().is_ident("cells") && !attribute.path().is_ident("facets"))
-        .cloned()
-        .collect();
+    let attributes = item.attrs.iter().filter(|attribute| marker(attribute).is_none()).cloned().collect();
     match item.fields {
-        Fields::Unit if cells != facets => {
-            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
-        }
         Fields::Unit => {
-            diagnostics.error_with_help(
-                Place::of(&item.ident),
-                format!("the region `{}` does not say what it consists of", item.ident),
-                "write `#[cells]` or `#[facets]` (one of the two) before the struct",
-            );
-            module.mistaken.push(Mistaken::Region(item.ident.clone()));
-            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
+            if markers.len() != 1 {
+                let (message, help) = match markers.is_empty() {
+                    true => (
+                        format!("the region `{}` does not say what it consists of", item.ident),
+                        "write `#[cells]`, `#[facets]` or `#[interior_facets]` before the struct",
+                    ),
+                    false => (
+                        format!("the region `{}` has {} markers", item.ident, markers.len()),
+                        "a region consists of one kind: keep one of `#[cells]`, `#[facets]`, `#[interior_facets]`",
+                    ),
+                };
+                diagnostics.error_with_help(Place::of(&item.ident), message, help);
+                module.mistaken.push(Mistaken::Region(item.ident.clone()));
+            }
+            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, entity });
         }
         Fields::Named(fields) if module.data.is_none() => {
             let mut members = Vec::new();

@@ -148,12 +148,36 @@ impl fmt::Display for Rank {
     }
 }
 
-/// `#[cells] struct Omega;` or `#[facets] struct GammaC;`
+/// What a region consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entity {
+    Cells,
+    /// Exterior facets.
+    Facets,
+    InteriorFacets,
+}
+
+impl Entity {
+    /// The marker before a region's struct.
+    pub const MARKERS: [(&'static str, Entity); 3] =
+        [("cells", Entity::Cells), ("facets", Entity::Facets), ("interior_facets", Entity::InteriorFacets)];
+
+    /// For messages.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Entity::Cells => "cells",
+            Entity::Facets => "exterior facets",
+            Entity::InteriorFacets => "interior facets",
+        }
+    }
+}
+
+/// `#[cells] struct Omega;`, `#[facets] struct GammaC;` or `#[interior_facets] struct Skeleton;`
 pub struct Region {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
-    pub facets: bool,
+    pub entity: Entity,
 }
 
 /// A function of the module: a form, an energy, a functional, or a local function.
