@@ -10,9 +10,7 @@ use forms_fem::forms;
 #[forms]
 pub mod nitsche {
     pub use crate::operators::linear_elastic::{stress, von_mises};
-    use crate::operators::obstacle::{
-        augmented_stress, gamma, nitsche_density, nitsche_pressure, nitsche_test, normal_component,
-    };
+    use crate::operators::obstacle::gamma;
     pub use crate::operators::obstacle::{current_gap, normal_displacement, penetration};
 
     /// Data of all forms.
@@ -26,18 +24,25 @@ pub mod nitsche {
         /// γ₀ \[stress\]; γ = γ₀ / h_T.
         pub gamma0: Param,
         /// C in ξ = C √h_T of the extended-Neumann adjoint (41); only `extended_adjoint` reads it.
+        #[doc(alias = "C")]
         pub extension: Param,
         /// n_y, unit normal pointing into the obstacle.
+        #[doc(alias = "n_y")]
         pub obstacle_normal: Given<Vector>,
         /// g, the initial gap \[length\].
+        #[doc(alias = "g")]
         pub gap: Given<Scalar>,
         /// f, force per volume.
+        #[doc(alias = "f")]
         pub body_force: Given<Vector>,
         /// g_N, force per area on Γ_N.
+        #[doc(alias = "g_N")]
         pub traction: Given<Vector>,
         /// F in the criterion's M(u) = F·u.
+        #[doc(alias = "F")]
         pub criterion_force: Given<Vector>,
         /// c in the criterion's N(u) = ½ c |u|²; zero where N does not act.
+        #[doc(alias = "c")]
         pub criterion_weight: Given<Scalar>,
     }
 
@@ -51,51 +56,74 @@ pub mod nitsche {
     #[facets]
     pub struct GammaC;
     /// ∂Ω, where the criterion's N acts.
+    #[doc(alias = "∂Ω")]
     #[facets]
     pub struct Boundary;
 
     /// σ_n(w) = (σ(w) n)·n_y.
+    #[doc(alias = "σ_n")]
     pub fn normal_stress(w: Vector) -> Scalar {
-        normal_component(stress(w))
+        dot(stress(w) * n, obstacle_normal)
+    }
+
+    /// σ_n(w) − γ (w_n − g); −β_h of the paper.
+    #[doc(alias = "P")]
+    fn nitsche_pressure(w: Vector) -> Scalar {
+        normal_stress(w) - gamma() * penetration(w)
     }
 
     /// β_h = −σ_n(w) + γ (w_n − g): contact where positive.
+    #[doc(alias = "β_h")]
     pub fn contact_indicator(w: Vector) -> Scalar {
-        -augmented_stress(normal_stress(w), w)
+        -nitsche_pressure(w)
     }
 
     /// \[σ_n(w) − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
     pub fn contact_pressure(w: Vector) -> Scalar {
-        nitsche_pressure(normal_stress(w), w)
+        neg_part(nitsche_pressure(w))
+    }
+
+    /// θ σ_n(w) − γ w_n.
+    #[doc(alias = "P_θ")]
+    fn tested(w: Vector) -> Scalar {
+        theta * normal_stress(w) - gamma() * normal_displacement(w)
     }
 
     /// a(u, v) = ∫ σ(u):ε(v).
+    #[doc(alias = "a")]
     pub fn elasticity(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(stress(u), eps(v)))
     }
 
     /// The direct problem (14)-(15): a(u,v) − ∫ (θ/γ) σ_n(u) σ_n(v) − ∫ (1/γ) \[σ_n(u) − γ(u_n − g)\]₋ (θ σ_n(v) − γ v_n) − ℓ(v).
     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        elasticity(u, v) - integral(Omega, dot(body_force, v)) - integral(GammaN, dot(traction, v))
-            + integral(GammaC, nitsche_density(normal_stress(u), u, normal_stress(v), v))
+        elasticity(u, v)
+            - integral(Omega, dot(body_force, v))
+            - integral(GammaN, dot(traction, v))
+            - integral(GammaC, theta / gamma() * normal_stress(u) * normal_stress(v))
+            - integral(GammaC, neg_part(nitsche_pressure(u)) / gamma() * tested(v))
     }
 
     /// M(u) = F·u.
+    #[doc(alias = "M")]
     fn cell_criterion(w: Vector) -> Scalar {
         dot(criterion_force, w)
     }
 
     /// N(u) = ½ c |u|².
+    #[doc(alias = "N")]
     fn boundary_criterion(w: Vector) -> Scalar {
         criterion_weight / 2 * dot(w, w)
     }
 
     /// N′(u).
+    #[doc(alias = "N_prime")]
     fn boundary_slope(w: Vector) -> Vector {
         diff(boundary_criterion(w), w)
     }
 
     /// The criterion (3): J = ∫_Ω M(u) + ∫_∂Ω N(u).
+    #[doc(alias = "J")]
     pub fn criterion(u: State<Vector>) -> Functional {
         integral(Omega, cell_criterion(u)) + integral(Boundary, boundary_criterion(u))
     }
@@ -113,9 +141,7 @@ pub mod nitsche {
         elasticity(p, q) - integral(GammaC, theta / gamma() * (normal_stress(p) + slope) * normal_stress(q))
             + integral(
                 GammaC,
-                contact / gamma()
-                    * (normal_stress(p) + slope - gamma() * normal_displacement(p))
-                    * nitsche_test(normal_stress(q), q),
+                contact / gamma() * (normal_stress(p) + slope - gamma() * normal_displacement(p)) * tested(q),
             )
             + derivative(criterion(u), u, q)
     }

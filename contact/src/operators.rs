@@ -35,22 +35,26 @@ use forms_fem::forms;
 #[forms]
 pub mod strains {
     /// ε(w) = (∇w + ∇wᵀ)/2.
+    #[doc(alias = "ε")]
     pub fn strain(w: Vector) -> Tensor {
         eps(w)
     }
 
     /// F = I + ∇u.
+    #[doc(alias = "F")]
     pub fn deformation_gradient(u: Vector) -> Tensor {
         I + grad(u)
     }
 
     /// C = FᵀF.
+    #[doc(alias = "C")]
     pub fn right_cauchy_green(u: Vector) -> Tensor {
         let F = deformation_gradient(u);
         transpose(F) * F
     }
 
     /// E = (C − I)/2.
+    #[doc(alias = "E")]
     pub fn green_lagrange(u: Vector) -> Tensor {
         (right_cauchy_green(u) - I) / 2
     }
@@ -59,8 +63,6 @@ pub mod strains {
 /// Isotropic linear elasticity; in two dimensions plane strain.
 #[forms]
 pub mod linear_elastic {
-    use super::strains::strain;
-
     /// Lamé's parameters.
     pub struct Data {
         /// λ \[stress\].
@@ -70,18 +72,20 @@ pub mod linear_elastic {
     }
 
     /// σ(w) = 2μ ε(w) + λ tr ε(w) I.
+    #[doc(alias = "σ")]
     pub fn stress(w: Vector) -> Tensor {
-        2 * mu * strain(w) + lambda * tr(strain(w)) * I
+        2 * mu * eps(w) + lambda * tr(eps(w)) * I
     }
 
     /// ½ σ(w):ε(w), per volume.
     pub fn energy_density(w: Vector) -> Scalar {
-        inner(stress(w), strain(w)) / 2
+        inner(stress(w), eps(w)) / 2
     }
 
     /// Von Mises stress in plane strain (2D, with σ_zz = λ tr ε) or in 3D: √(3/2 s:s).
+    #[doc(alias = "σ_vM")]
     pub fn von_mises(w: Vector) -> Scalar {
-        let out_of_plane = if D < 3 { lambda * tr(strain(w)) } else { 0 };
+        let out_of_plane = if D < 3 { lambda * tr(eps(w)) } else { 0 };
         let mean = (tr(stress(w)) + out_of_plane) / 3;
         let in_plane = stress(w) - mean * I;
         let rest = if D < 3 { pow(out_of_plane - mean, 2) } else { 0 };
@@ -110,12 +114,14 @@ pub mod st_venant_kirchhoff {
     }
 
     /// S = 2μ E + λ tr E I, the second Piola stress.
+    #[doc(alias = "S")]
     pub fn second_piola(u: Vector) -> Tensor {
         let E = green_lagrange(u);
         2 * mu * E + lambda * tr(E) * I
     }
 
     /// P = F S, the first Piola stress.
+    #[doc(alias = "P")]
     pub fn first_piola(u: Vector) -> Tensor {
         deformation_gradient(u) * second_piola(u)
     }
@@ -134,6 +140,7 @@ pub mod neo_hookean {
         pub mu: Param,
     }
 
+    #[doc(alias = "W")]
     fn density(F: Tensor) -> Scalar {
         let J = det(F);
         mu / 2 * (inner(F, F) - D - 2 * ln(J)) + lambda / 2 * pow(ln(J), 2)
@@ -145,12 +152,14 @@ pub mod neo_hookean {
     }
 
     /// P = ∂W/∂F, the first Piola stress.
+    #[doc(alias = "P")]
     pub fn first_piola(u: Vector) -> Tensor {
         let F = deformation_gradient(u);
         diff(density(F), F)
     }
 
     /// σ = P Fᵀ / J, Cauchy's stress.
+    #[doc(alias = "σ")]
     pub fn cauchy_stress(u: Vector) -> Tensor {
         let F = deformation_gradient(u);
         first_piola(u) * transpose(F) / det(F)
@@ -176,6 +185,7 @@ pub mod obstacle {
     }
 
     /// u_n = w·n_y.
+    #[doc(alias = "·_n")]
     pub fn normal_displacement(w: Vector) -> Scalar {
         dot(w, obstacle_normal)
     }
@@ -201,6 +211,7 @@ pub mod obstacle {
     }
 
     /// P_γ = σ_n − γ (w_n − g), whose negative part in (15) is the pressure; −β_h of the paper.
+    #[doc(alias = "P_γ")]
     pub fn augmented_stress(sigma_n: Scalar, w: Vector) -> Scalar {
         sigma_n - gamma() * penetration(w)
     }
@@ -211,6 +222,7 @@ pub mod obstacle {
     }
 
     /// θ σ_n − γ w_n, with which (15) tests the pressure.
+    #[doc(alias = "P_θ")]
     pub fn nitsche_test(sigma_n: Scalar, w: Vector) -> Scalar {
         theta * sigma_n - gamma() * normal_displacement(w)
     }

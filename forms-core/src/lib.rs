@@ -19,7 +19,7 @@ pub use forms_macro::{form, forms};
 /// crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).
 pub mod contract {
     pub use crate::form::{
-        BilinearVisitor, Dependence, Entity, Expression, ExpressionVisitor, FieldDescription, Form,
+        BilinearVisitor, Dependence, Entity, Expression, ExpressionVisitor, FieldDescription, Form, Formula,
         Functional, Inputs, Integral, LinearVisitor, Region, Role,
     };
     pub use crate::kernel::{

@@ -21,6 +21,7 @@ use crate::parse::parse;
 use crate::reuse::import::Arrived;
 use crate::reuse::uses::{self, Import};
 use crate::reuse::{self, State, Subject, carrier, import, payload};
+use crate::show::formulas;
 
 /// `#[forms(dimension = 3, crate = my_backend)]`
 pub struct Options {
@@ -213,6 +214,11 @@ impl Unit<'_> {
             }
             diagnostics.next_dimension();
         }
+        // A formula is the same in each dimension.
+        let formulas = match diagnostics.is_empty() {
+            true => formulas(&module, options.dimensions[0]),
+            false => Vec::new(),
+        };
         let text = payload::write(&item, &imported, !diagnostics.is_empty());
         let carrier = carrier::write(&item, &imported, &text);
         let first: Vec<&Optimised> = optimised.iter().filter(|one| one.function == 0).collect();
@@ -222,7 +228,7 @@ impl Unit<'_> {
             used.map(|region| module.regions[region].name.clone()).collect()
         });
         let errors = diagnostics.into_tokens();
-        let code = emit(&module, &options.dimensions, optimised, &options.backend);
+        let code = emit(&module, &options.dimensions, optimised, &formulas, &options.backend);
         let names: Vec<String> = module.functions.iter().map(|function| function.name.to_string()).collect();
         dump.emitted(&names, &options.dimensions, &code);
         let tracker = dump::tracker();

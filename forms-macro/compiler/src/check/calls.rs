@@ -147,6 +147,9 @@ impl Evaluator<'_> {
         if values.iter().any(Option::is_none) {
             return None;
         }
+        if let (true, Output::Value(rank)) = (self.outlined, function.output) {
+            return Some(self.name_call(index, rank, values, place));
+        }
         match &function.foreign {
             Some(foreign) if !self.diagnostics.is_inside() => {
                 self.inline_foreign(index, foreign, values, place)

@@ -25,6 +25,8 @@ pub struct Evaluator<'a> {
     pub(super) calls: Vec<usize>,
     /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
     pub(super) uses: HashMap<Tensor, Place>,
+    /// Functions of the module and `let`s stay names, as a formula shows them.
+    pub(super) outlined: bool,
     /// Field index of each `Given` member.
     pub(super) given: HashMap<String, (usize, Shape)>,
 }
@@ -41,6 +43,7 @@ impl<'a> Evaluator<'a> {
             diagnostics,
             calls: vec![],
             uses: HashMap::new(),
+            outlined: false,
             given: HashMap::new(),
         }
     }
@@ -111,7 +114,7 @@ impl<'a> Evaluator<'a> {
         let mut scope = outer.clone();
         for (name, expression) in &block.lets {
             super::check_not_built_in(name, self.diagnostics);
-            let value = self.evaluate(expression, &scope);
+            let value = self.evaluate(expression, &scope).map(|value| self.name_value(name, value));
             scope.insert(name.to_string(), value);
         }
         self.evaluate(&block.result, &scope)

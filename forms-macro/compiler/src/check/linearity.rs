@@ -112,6 +112,8 @@ impl Algebra<'_> {
             }
             // The derivative is linear in its direction, and in what the expression was linear in.
             Gateaux { expression, direction, .. } => self.product(tensor, expression, direction),
+            // Formulas are made of what was checked already.
+            Named(_) => Some(vec![]),
         }
     }
 

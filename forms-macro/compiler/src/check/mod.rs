@@ -8,6 +8,7 @@ mod integrals;
 mod linearity;
 mod names;
 mod operators;
+mod outline;
 pub mod regions;
 mod sides;
 
@@ -60,6 +61,8 @@ pub fn check(module: &Module, dimension: usize, diagnostics: &mut Diagnostics) -
         .collect();
     Checked { functions }
 }
+
+pub use outline::outline;
 
 /// Is this function one that others call, and nothing to assemble by itself?
 /// A `Form`, `Energy` or `Functional` whose arguments have no roles is a building block.

@@ -40,7 +40,8 @@ impl Evaluator<'_> {
                 Constant::Dimension => (Operator::Number(d as f64), vec![]),
                 Constant::Pi => (Operator::Number(std::f64::consts::PI), vec![]),
             };
-            return Some(Value::Tensor(self.arena.push(operator, shape, place)));
+            let value = self.arena.push(operator, shape, place);
+            return Some(Value::Tensor(self.name_constant(constant, value)));
         }
         if !self.module.is_mistaken(name) {
             self.unknown_name(name, place, scope);

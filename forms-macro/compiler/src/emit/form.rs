@@ -4,6 +4,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
+use super::formula;
 use super::kernel::KernelWriter;
 use super::placeholder::{likely_regions, placeholder};
 use crate::check::{fields_of, given_members};
@@ -11,6 +12,7 @@ use crate::optimise::degree::Degree;
 use crate::optimise::linear::SidedField;
 use crate::optimise::{Dependence, Description, Optimised};
 use crate::parse::syntax::*;
+use crate::show::Shown;
 use crate::tensor::{FieldInfo, FieldRole};
 
 /// Constructor and module of a function.
@@ -19,6 +21,7 @@ pub fn emit_function(
     function: &Function,
     dimensions: &[usize],
     optimised: Vec<Optimised>,
+    formula: Option<&Shown>,
     backend: &syn::Path,
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
@@ -35,9 +38,12 @@ pub fn emit_function(
         implementations.extend(implementation(module, function, *dimension, found, &used));
     }
     let own_inputs = own("inputs");
+    let page = formula.map(|shown| formula::page(shown, module, function));
+    let shown = formula::formula(formula);
     let constructor = match complete {
         true => quote! {
             #(#attributes)*
+            #page
             #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
                 #inputs
                 #name::Form::with(#own_inputs)
@@ -63,6 +69,11 @@ pub fn emit_function(
             impl<const D: usize> Form<D> {
                 pub(super) fn with(inputs: contract::Inputs<D>) -> Self {
                     Form { inputs }
+                }
+                /// The function as mathematics.
+                pub fn formula(&self) -> &'static contract::Formula {
+                    const FORMULA: contract::Formula = #shown;
+                    &FORMULA
                 }
             }
             #implementations
@@ -309,5 +320,6 @@ fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> Token
         fn name(&self) -> &'static str { #text }
         fn fields(&self) -> &'static [contract::FieldDescription] { &[#(#fields),*] }
         fn inputs(&self) -> &contract::Inputs<#dimension> { &self.inputs }
+        fn formula(&self) -> &'static contract::Formula { Form::formula(self) }
     }
 }

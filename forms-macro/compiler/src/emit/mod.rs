@@ -3,6 +3,7 @@
 
 mod description;
 pub mod form;
+mod formula;
 mod kernel;
 mod layout;
 mod placeholder;
@@ -18,6 +19,7 @@ use crate::check::{RESERVED, is_building_block};
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 use crate::reuse::import::imported_path;
+use crate::show::Shown;
 
 /// Writes what stands in the module. After a mistake all names still exist, so that what refers to them gives no further
 /// errors: a function without an optimised version (it had a mistake) is written as [`placeholder`].
@@ -25,6 +27,7 @@ pub fn emit(
     module: &Module,
     dimensions: &[usize],
     optimised: Vec<Optimised>,
+    formulas: &[Option<Shown>],
     backend: &syn::Path,
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
@@ -38,11 +41,14 @@ pub fn emit(
     for one in optimised {
         by_function[one.function].push(one);
     }
-    let functions =
-        module.functions.iter().zip(by_function).filter(|(function, _)| !is_building_block(function));
+    let functions = module.functions.iter().zip(by_function).enumerate();
+    let functions = functions.filter(|(_, (function, _))| !is_building_block(function));
     let functions: Vec<_> = functions
-        .filter(|(function, _)| is_first(&function.name))
-        .map(|(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend))
+        .filter(|(_, (function, _))| is_first(&function.name))
+        .map(|(index, (function, optimised))| {
+            let formula = formulas.get(index).and_then(Option::as_ref);
+            form::emit_function(module, function, dimensions, optimised, formula, backend)
+        })
         .collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Function { visibility, name, arguments, integrates } => {

@@ -134,7 +134,7 @@ impl<'a> Degrees<'a> {
                 }
                 _ => self.of(*a).plus(Degree::constant(2)),
             },
-            Gradient(_) | Partial(..) | Gateaux { .. } => zero,
+            Gradient(_) | Partial(..) | Gateaux { .. } | Named(_) => zero,
         }
     }
 }

@@ -156,7 +156,7 @@ impl Scalariser<'_> {
                 self.zip(*a, *b, |graph, a, b| graph.select(truth, a, b))
             }
             // `differentiate` has removed these.
-            Gradient(_) | Partial(..) | Gateaux { .. } => vec![self.graph.number(f64::NAN); count],
+            Gradient(_) | Partial(..) | Gateaux { .. } | Named(_) => vec![self.graph.number(f64::NAN); count],
         }
     }
 

@@ -11,6 +11,8 @@
 //! ```
 
 pub mod carrier;
+#[cfg(test)]
+pub mod flatten;
 pub mod import;
 mod needs;
 pub mod payload;

@@ -80,7 +80,8 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
 fn function(item: &ItemFn, origin: &str, known: &BTreeMap<String, String>) -> TokenStream {
     let docs = item.attrs.iter().filter(|attribute| attribute.path().is_ident("doc"));
     let public = !matches!(item.vis, Visibility::Inherited);
-    let docs = docs.filter(|_| public);
+    // `#[doc(alias = "σ")]` is the function's sign in formulas, which those of an importing module show, too.
+    let docs = docs.filter(|doc| public || matches!(doc.meta, syn::Meta::List(_)));
     let visibility = public.then(|| quote! { pub });
     let signature = &item.sig;
     let body = rename_calls(item.block.to_token_stream(), known);
