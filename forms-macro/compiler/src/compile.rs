@@ -82,7 +82,7 @@ pub fn start(state: State) -> TokenStream {
 /// What emitted modules are free of.
 pub fn allow() -> TokenStream {
     quote! {
-        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
+        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
         #[allow(clippy::all)]
     }
 }

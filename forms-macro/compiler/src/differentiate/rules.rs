@@ -6,9 +6,12 @@
 
 use std::collections::HashMap;
 
+use super::multi_indices;
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{Arena, Function, Geometry, LinearMap, Named, Operator, Tensor, Truth, Variable};
+use crate::tensor::{
+    Arena, External, Function, Geometry, LinearMap, Named, Operator, Tensor, Truth, Variable,
+};
 
 /// What is varied, and how.
 #[derive(Clone, Copy, Debug)]
@@ -139,6 +142,7 @@ impl<'a> Differentiation<'a> {
                 let (da, db) = (self.derive(a), self.derive(b));
                 self.choose(truth, da, db, tensor)
             }
+            External { function, arguments, order } => self.external(tensor, function, arguments, order),
             // A limit from one side commutes with every derivative.
             Restrict(side, a) => {
                 let da = self.derive(a)?;
@@ -371,6 +375,35 @@ impl<'a> Differentiation<'a> {
             }
             Function::Sign | Function::Heaviside => return None,
         })
+    }
+
+    /// d f⁽ⁿ⁾(a, b, …) = f⁽ⁿ⁺¹⁾(a, b, …) · (da, db, …), all arguments flattened to one list.
+    fn external(
+        &mut self,
+        tensor: Tensor,
+        function: External,
+        arguments: Vec<Tensor>,
+        order: usize,
+    ) -> Option<Tensor> {
+        let derived: Vec<_> = arguments.iter().map(|argument| self.derive(*argument)).collect();
+        if derived.iter().all(Option::is_none) {
+            return None;
+        }
+        let mut changes = Vec::new();
+        for (argument, change) in arguments.iter().zip(derived) {
+            for index in multi_indices(&self.arena.shape(*argument).to_vec()) {
+                changes.push(match change {
+                    Some(change) => self.push(Operator::Component(change, index), vec![], tensor),
+                    None => self.push(Operator::Zero, vec![], tensor),
+                });
+            }
+        }
+        let shape = self.arena.shape(tensor).to_vec();
+        let count = changes.len();
+        let slope = Operator::External { function, arguments, order: order + 1 };
+        let slope = self.push(slope, [&shape[..], &[count]].concat(), tensor);
+        let changes = self.push(Operator::Stack(changes), vec![count], tensor);
+        Some(self.push(Operator::Contract(slope, changes), shape, tensor))
     }
 
     fn power(&mut self, tensor: Tensor, a: Tensor, b: Tensor) -> Option<Tensor> {

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{Fields, Item, ItemFn, ItemMod, Type};
+use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
 use super::payload::Payload;
 use super::uses::Import;
@@ -39,7 +39,7 @@ pub fn check(
     let (mut missing, mut complete) = (Vec::new(), true);
     for (name, ty) in theirs.members.iter().filter(|(name, _)| names.contains(name)) {
         match ours.members.iter().find(|(other, _)| other == name) {
-            Some((_, own)) if rank(own) == rank(ty) => {}
+            Some((_, own)) if rank(own) == rank(ty) && (own == "Table") == (ty == "Table") => {}
             Some((_, own)) => {
                 let message = format!("`{}` reads `{name}` as `{ty}`, and here it is `{own}`", import.name);
                 let help = format!("the ranks must agree: declare `{name}: {ty}`");
@@ -48,6 +48,13 @@ pub fn check(
             }
             None => missing.push((name, ty)),
         }
+    }
+    for external in externals(&payload.item).filter(|name| names.contains(name)) {
+        let message =
+            format!("`{}` calls `{external}`, which is written in Rust and cannot be imported", import.name);
+        let help = "import functions that do not call it, or take what it gives as an argument";
+        diagnostics.error_with_help(place, message, help);
+        complete = false;
     }
     if !missing.is_empty() {
         let list: Vec<String> = missing.iter().map(|(name, _)| format!("`{name}`")).collect();
@@ -74,6 +81,18 @@ pub fn check(
         complete = false;
     }
     complete
+}
+
+/// The functions of a module's `extern` blocks.
+fn externals(item: &ItemMod) -> impl Iterator<Item = String> {
+    let blocks = item.content.iter().flat_map(|(_, items)| items).filter_map(|item| match item {
+        Item::ForeignMod(block) => Some(&block.items),
+        _ => None,
+    });
+    blocks.flatten().filter_map(|item| match item {
+        ForeignItem::Fn(item) => Some(item.sig.ident.to_string()),
+        _ => None,
+    })
 }
 
 /// What a module declares beside its functions: names with the texts of their types and markers.

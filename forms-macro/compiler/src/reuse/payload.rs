@@ -50,6 +50,7 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
                 content.extend(item.into_token_stream());
             }
             Item::Fn(item) => content.extend(function(item, &origin(item), &known)),
+            Item::ForeignMod(item) => content.extend(item.into_token_stream()),
             _ => {}
         }
     }

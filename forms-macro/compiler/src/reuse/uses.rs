@@ -86,6 +86,8 @@ fn is_vocabulary(name: &str) -> bool {
         "Vector",
         "Tensor",
         "Param",
+        "Table",
+        "History",
         "Given",
         "Unknown",
         "Test",
