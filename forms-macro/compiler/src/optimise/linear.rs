@@ -137,11 +137,11 @@ pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> S
     if functions.is_empty() {
         return scalar;
     }
-    without_known(graph, scalar, functions, &mut HashMap::new())
+    without_shared(graph, scalar, functions, &mut HashMap::new())
 }
 
-/// Shared parts are rewritten once: each may stand in the next several times.
-fn without_known(
+/// Shared nodes are changed once.
+fn without_shared(
     graph: &mut Graph,
     scalar: Scalar,
     functions: &[SidedField],
@@ -151,37 +151,39 @@ fn without_known(
         return *known;
     }
     let has = |node: &Node| functions.iter().any(|function| function.owns(node));
-    if !graph.depends(scalar, has) {
-        known.insert(scalar, scalar);
-        return scalar;
-    }
-    let mut inside = |graph: &mut Graph, part| without_known(graph, part, functions, known);
-    let rest = match graph.node(scalar).clone() {
-        Node::Sum { constant, terms } => {
-            let mut parts = vec![graph.number(f64::from_bits(constant))];
-            for (coefficient, term) in terms {
-                let term = inside(graph, term);
-                parts.push(graph.scale(f64::from_bits(coefficient), term));
+    let changed = if !graph.depends(scalar, has) {
+        scalar
+    } else {
+        match graph.node(scalar).clone() {
+            Node::Sum { constant, terms } => {
+                let mut parts = vec![graph.number(f64::from_bits(constant))];
+                for (coefficient, term) in terms {
+                    let term = without_shared(graph, term, functions, known);
+                    parts.push(graph.scale(f64::from_bits(coefficient), term));
+                }
+                graph.sum(&parts)
             }
-            graph.sum(&parts)
+            Node::Product(factors) => {
+                let factors: Vec<_> = factors
+                    .iter()
+                    .map(|(factor, exponent)| (without_shared(graph, *factor, functions, known), *exponent))
+                    .collect();
+                graph.product(&factors)
+            }
+            Node::Select(truth, a, b) => {
+                let a = without_shared(graph, a, functions, known);
+                let b = without_shared(graph, b, functions, known);
+                graph.select(truth, a, b)
+            }
+            _ => graph.number(0.0),
         }
-        Node::Product(factors) => {
-            let factors: Vec<_> =
-                factors.iter().map(|(factor, exponent)| (inside(graph, *factor), *exponent)).collect();
-            graph.product(&factors)
-        }
-        Node::Select(truth, a, b) => {
-            let (a, b) = (inside(graph, a), inside(graph, b));
-            graph.select(truth, a, b)
-        }
-        _ => graph.number(0.0),
     };
-    known.insert(scalar, rest);
-    rest
+    known.insert(scalar, changed);
+    changed
 }
 
-/// More products than these are no gain over the slots themselves: nine components have 9 × 12 of each.
-const MOST_PRODUCTS: usize = 2_000;
+/// Past this many products a factored plan is out of the question.
+const MOST_PRODUCTS: usize = 4096;
 
 /// The expression as a sum of products (test factor, trial factor), each factor linear in its field;
 /// `None` where it has not that structure.
@@ -198,7 +200,6 @@ pub fn factors(
             for (coefficient, term) in terms {
                 let scale = graph.scale(f64::from_bits(coefficient), scale);
                 all.extend(factors(graph, term, scale, is_test, is_trial)?);
-                // Names that each stand in the next several times: written out, they double each time.
                 if all.len() > MOST_PRODUCTS {
                     return None;
                 }
