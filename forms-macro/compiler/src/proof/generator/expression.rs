@@ -329,7 +329,17 @@ impl Writer<'_, '_> {
         };
         let expression = self.expression(shape, expression);
         let direction = self.expression(variable.shape, direction);
-        Some(format!("derivative({expression}, {}, {direction})", variable.text))
+        let factor = self.factor_of(&variable.text);
+        Some(format!("derivative({factor} * {expression}, {}, {direction})", variable.text))
+    }
+
+    /// A scalar that holds a name: what is differentiated must hold what it is differentiated by.
+    fn factor_of(&mut self, name: &str) -> String {
+        match self.choices.below(3) {
+            0 => format!("inner({name}, {name})"),
+            1 => format!("sin(inner({name}, {name}))"),
+            _ => format!("(2 - inner({name}, {name}))"),
+        }
     }
 
     /// `diff(e, w)` of a shape.
@@ -357,7 +367,8 @@ impl Writer<'_, '_> {
         if !names.is_empty() && self.choices.below(2) == 0 {
             let name = self.choices.one_of(&names).clone();
             let expression = self.expression(of, inside);
-            return Some(format!("diff({expression}, {})", name.text));
+            let factor = self.factor_of(&name.text);
+            return Some(format!("diff({factor} * {expression}, {})", name.text));
         }
         // By the argument of a helper, or by a `let` name: these must stand in the expression.
         let plain: Vec<Name> = self
@@ -369,7 +380,8 @@ impl Writer<'_, '_> {
         if !plain.is_empty() && self.choices.below(2) == 0 {
             let text = self.choices.one_of(&plain).text.clone();
             let expression = self.expression(of, inside);
-            return Some(format!("diff(inner({text}, {text}) * {expression}, {text})"));
+            let factor = self.factor_of(&text);
+            return Some(format!("diff({factor} * {expression}, {text})"));
         }
         let value = self.expression(by, inside.free());
         self.lets += 1;
@@ -386,10 +398,7 @@ impl Writer<'_, '_> {
         self.names.push(name);
         let expression = self.expression(of, inside);
         self.names.truncate(before);
-        let factor = match self.choices.below(2) {
-            0 => format!("inner({text}, {text})"),
-            _ => format!("sin(inner({text}, {text}))"),
-        };
+        let factor = self.factor_of(&text);
         Some(format!("({{ let {text} = {value}; diff({factor} * {expression}, {text}) }})"))
     }
 }
