@@ -130,7 +130,8 @@ class Crate:
 def wrapped(arguments):
     """What cargo calls in place of rustc: rustc, with its time taken."""
     start = time.perf_counter()
-    code = subprocess.run(arguments).returncode
+    # cargo hands the job server over as open files.
+    code = subprocess.run(arguments, close_fds=False).returncode
     wall = time.perf_counter() - start
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     record = os.environ.get("COMPILE_COST_RECORD")
