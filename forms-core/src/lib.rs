@@ -8,6 +8,7 @@
 //! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`form`] (how a
 //! form hands its kernels over), [`source`] (where data come from).
 
+mod error_function;
 pub mod form;
 pub mod kernel;
 pub mod lane;

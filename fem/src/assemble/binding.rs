@@ -64,6 +64,24 @@ impl<'a> Entities<'a> {
         };
         found.map_err(|source| AssemblyError::Region { form, symbol: region.symbol, source })
     }
+
+    /// Number of cells or facets.
+    pub fn count(&self) -> usize {
+        match self {
+            Entities::Cells(cells) => cells.len(),
+            Entities::Facets(facets) => facets.len(),
+            Entities::InteriorFacets(facets) => facets.len(),
+        }
+    }
+
+    /// The sides of a facet: one or two. Cells have none.
+    pub fn sides(&self, index: usize) -> &'a [Facet] {
+        match self {
+            Entities::Cells(_) => &[],
+            Entities::Facets(facets) => &facets[index..index + 1],
+            Entities::InteriorFacets(facets) => &facets[index],
+        }
+    }
 }
 
 impl<'a, const D: usize> Binding<'a, D> {

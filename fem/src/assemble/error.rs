@@ -19,6 +19,16 @@ pub enum AssemblyError {
         /// What the mesh says.
         source: MeshError,
     },
+    /// Facets whose sides do not fit each other.
+    #[error("form `{form}`, {place}: {source}")]
+    Facets {
+        /// The form.
+        form: &'static str,
+        /// The region.
+        place: String,
+        /// What is wrong with the mesh.
+        source: MeshError,
+    },
     /// A quadrature rule that does not exist or is not accepted.
     #[error("form `{form}`: {source}")]
     Quadrature {

@@ -13,7 +13,7 @@ use crate::check::check;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::differentiate::differentiate;
 use crate::emit::emit;
-use crate::optimise::optimise;
+use crate::optimise::{Failure, optimise};
 use crate::parse::parse;
 use crate::reuse::uses::{self, Import};
 use crate::reuse::{self, State, Subject, carrier, import, payload};
@@ -120,12 +120,17 @@ fn compile(
             }
             match optimise(derived, &module) {
                 Ok(one) => optimised.push(one),
-                Err(argument) => {
+                Err(Failure::NotLinear(argument)) => {
                     diagnostics.error(
                         Place::of(name),
                         format!("`{name}` could not be brought into a form linear in `{argument}`"),
                     );
                 }
+                Err(Failure::TooLarge) => diagnostics.error_with_help(
+                    Place::of(name),
+                    format!("`{name}` unfolds to more than 2 million scalar operations"),
+                    "split it into several forms, or compute tensors of high rank in fewer steps",
+                ),
             }
         }
         diagnostics.next_dimension();

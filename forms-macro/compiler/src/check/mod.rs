@@ -4,6 +4,7 @@
 pub mod builtins;
 mod calls;
 mod evaluate;
+mod indices;
 mod integrals;
 mod linearity;
 mod names;
@@ -11,6 +12,7 @@ mod operators;
 mod outline;
 pub mod regions;
 mod sides;
+mod tensor_algebra;
 
 use std::collections::HashMap;
 
@@ -56,8 +58,13 @@ pub struct Term {
 /// Checks all functions of a module.
 pub fn check(module: &Module, dimension: usize, diagnostics: &mut Diagnostics) -> Checked {
     check_declarations(module, diagnostics);
+    let mut exhausted = false;
     let functions = (0..module.functions.len())
-        .filter_map(|index| check_function(module, index, dimension, diagnostics))
+        .filter_map(|index| match exhausted {
+            // A function that unfolds without end ends the check: most likely the others do, too.
+            true => None,
+            false => check_function(module, index, dimension, &mut exhausted, diagnostics),
+        })
         .collect();
     Checked { functions }
 }
@@ -113,6 +120,7 @@ fn check_function(
     module: &Module,
     index: usize,
     dimension: usize,
+    exhausted: &mut bool,
     diagnostics: &mut Diagnostics,
 ) -> Option<CheckedFunction> {
     let function = &module.functions[index];
@@ -122,6 +130,7 @@ fn check_function(
     let fields = fields_of(module, function, dimension);
     let mut evaluator = evaluate::Evaluator::new(module, dimension, diagnostics);
     let value = evaluator.enter(index, &fields);
+    *exhausted = evaluator.exhausted;
     let arena = evaluator.arena;
     let content = match (value?, function.output) {
         (evaluate::Value::Tensor(value), Output::Value(_)) => Content::Value(value),

@@ -83,6 +83,8 @@ fn is_vocabulary(name: &str) -> bool {
         "Scalar",
         "Vector",
         "Tensor",
+        "Tensor4",
+        "Matrix",
         "Param",
         "Given",
         "Unknown",
