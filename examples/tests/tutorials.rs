@@ -44,6 +44,12 @@ fn signorini_gives_the_force_of_the_pressed_block() {
 }
 
 #[test]
+fn plasticity_gives_the_curve_of_uniaxial_strain() {
+    let printed = run(env!("CARGO_BIN_EXE_05_plasticity"), "05_plasticity.png");
+    assert!(printed.contains("back at 0"), "{printed}");
+}
+
+#[test]
 fn stokes_gives_the_flux_through_the_bend() {
     run(env!("CARGO_BIN_EXE_06_stokes"), "06_stokes.png");
 }

@@ -5,6 +5,7 @@
 
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
 use crate::source::{FieldValue, Source};
+use crate::table::Table;
 
 /// What a region consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +38,7 @@ pub enum Role {
     Test(usize),
     /// A known field that came as an argument.
     State,
-    /// A field or function of position among the data.
+    /// A field, function of position or history among the data.
     Given,
 }
 
@@ -105,6 +106,8 @@ pub struct Inputs<const D: usize> {
     pub parameters: Vec<f64>,
     /// Names of the entries of `parameters` (`n_y[1]`), for messages.
     pub parameter_names: Vec<String>,
+    /// The tabulated laws of the `Data` struct, in their order.
+    pub tables: Vec<Table>,
 }
 
 impl<const D: usize> Inputs<D> {
@@ -115,6 +118,7 @@ impl<const D: usize> Inputs<D> {
             regions: Vec::new(),
             parameters: Vec::new(),
             parameter_names: Vec::new(),
+            tables: Vec::new(),
         }
     }
 

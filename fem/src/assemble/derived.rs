@@ -11,11 +11,12 @@ use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
 use crate::element::{CellShape, Lagrange};
 use crate::field::Field;
+use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
 use crate::norms::{Measure, Measured};
-use crate::quadrature::QuadratureRule;
+use crate::quadrature::{Quadrature, QuadratureRule};
 use crate::space::Space;
 
 /// A derived field at a list of points.
@@ -54,6 +55,7 @@ impl<const D: usize> Assembler<D> {
         points: &[[f64; D]],
     ) -> Result<PointValues<D>, AssemblyError> {
         let form = expression.name();
+        self.expect_no_history(expression)?;
         let locator = Locator::new(&self.mesh);
         let mut places = Vec::new();
         for point in points {
@@ -74,7 +76,8 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// A derived field at the quadrature points of a cell or facet region, with their weights. Where the
-    /// choice of quadrature is the compiler's estimate, `degree` is taken.
+    /// choice of quadrature is the compiler's estimate, `degree` is taken, unless the function reads a history:
+    /// then it is evaluated at that history's points.
     ///
     /// # Errors
     /// An unknown region, a function that needs a facet, a value that is not finite, or data that do not
@@ -90,6 +93,7 @@ impl<const D: usize> Assembler<D> {
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
         let shape = self.mesh.shape();
+        let degree = self.history_degree(expression)?.unwrap_or(degree);
         let found = match entity {
             Entity::Cells => {
                 let cells = self.mesh.cell_region(region).map_err(missing)?.to_vec();
@@ -122,6 +126,7 @@ impl<const D: usize> Assembler<D> {
         parameters: &[[f64; 2]],
     ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
         let form = expression.name();
+        self.expect_no_history(expression)?;
         let interior = self.mesh.interior_facet_region(region).is_ok();
         let entity = if interior { Entity::InteriorFacets } else { Entity::Facets };
         let facets = self.facets(form, entity, region)?;
@@ -178,7 +183,7 @@ impl<const D: usize> Assembler<D> {
         let values = self.at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
         let rule = self
             .quadrature
-            .cell_rule(self.mesh.shape(), degree)
+            .cell_rule(self.mesh.shape(), self.history_degree(expression)?.unwrap_or(degree))
             .map_err(|source| AssemblyError::Quadrature { form, source })?;
         let tables = space.element.tabulate(&rule.points);
         let mut load = vec![vec![0.0; space.node_count()]; components];
@@ -221,6 +226,7 @@ impl<const D: usize> Assembler<D> {
             let (expected, found) = (components, space.components());
             return Err(AssemblyError::Components { form, field: "the space", expected, found });
         }
+        self.expect_no_history(expression)?;
         if let Some(region) = space.facet_region() {
             let (place, region) = ("its cells".to_owned(), region.to_owned());
             return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
@@ -281,6 +287,27 @@ impl<const D: usize> Assembler<D> {
         Ok(ordered.into_iter().flatten().collect())
     }
 
+    /// The degree of the rule of the histories that a function reads, if it reads any.
+    fn history_degree<E: Expression<D>>(&self, expression: &E) -> Result<Option<usize>, AssemblyError> {
+        let binding =
+            Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        let mut visitor = HistoryVisitor { binding: &binding, quadrature: &self.quadrature, read: None };
+        expression.expression(&mut visitor)?;
+        Ok(visitor.read.map(|(_, degree)| degree))
+    }
+
+    /// Points that are not those of a rule have no history.
+    fn expect_no_history<E: Expression<D>>(&self, expression: &E) -> Result<(), AssemblyError> {
+        let form = expression.name();
+        let binding = Binding::new(form, expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        let mut visitor = HistoryVisitor { binding: &binding, quadrature: &self.quadrature, read: None };
+        expression.expression(&mut visitor)?;
+        match visitor.read {
+            Some((field, _)) => Err(AssemblyError::History { form, field, source: HistoryMismatch::Points }),
+            None => Ok(()),
+        }
+    }
+
     /// (position, weight, value) at every point of the groups, in their order.
     fn values<E: Expression<D>>(
         &self,
@@ -330,6 +357,22 @@ impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
             all.values.push(value);
         }
         all
+    }
+}
+
+struct HistoryVisitor<'a, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    quadrature: &'a Quadrature<D>,
+    /// The name of a history, and the degree of its rule.
+    read: Option<(&'static str, usize)>,
+}
+
+impl<const D: usize> ExpressionVisitor<D> for HistoryVisitor<'_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, _: &K) -> Result<(), AssemblyError> {
+        self.read = self.binding.history_degree(&K::REQUIREMENTS, self.quadrature)?;
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::mesh::MeshError;
 use crate::quadrature::QuadratureError;
@@ -98,6 +99,16 @@ pub enum AssemblyError {
         form: &'static str,
         /// The field's name in the form.
         field: &'static str,
+    },
+    /// A history that does not fit.
+    #[error("form `{form}`, history `{field}`: {source}")]
+    History {
+        /// The form.
+        form: &'static str,
+        /// The history's name in the form.
+        field: &'static str,
+        /// Why.
+        source: HistoryMismatch,
     },
     /// The wrong number of unknowns or test spaces.
     #[error("form `{form}` has {expected} {what}, {found} were given")]

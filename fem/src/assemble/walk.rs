@@ -171,7 +171,7 @@ impl Tabulated {
 }
 
 /// The groups of an integral's region; where the compiler's estimate of the quadrature degree is wanted,
-/// it is made from the degrees of the form's fields.
+/// it is made from the degrees of the form's fields. A kernel that reads a history takes the history's degree.
 pub(super) fn groups<const D: usize>(
     binding: &Binding<D>,
     integral: &Integral,
@@ -181,7 +181,10 @@ pub(super) fn groups<const D: usize>(
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
     let shape = mesh.shape();
-    let degree = (integral.degree)(degrees, mesh.degree(), shape.is_simplex());
+    let degree = match binding.history_degree(requirements, quadrature)? {
+        Some((_, degree)) => degree,
+        None => (integral.degree)(degrees, mesh.degree(), shape.is_simplex()),
+    };
     let region = &binding.regions[integral.region];
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
     let hessians = reads_hessians(requirements);

@@ -67,7 +67,7 @@ pub fn start(state: State) -> TokenStream {
     let content = proceed(&options, &state);
     quote! {
         #(#attributes)*
-        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
+        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
         #[allow(clippy::all)]
         #visibility mod #name {
             #content

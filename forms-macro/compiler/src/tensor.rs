@@ -90,6 +90,18 @@ pub enum Function {
     NegativePart,
 }
 
+/// A function whose inside the compiler does not see. Its derivatives exist at run time, by dual numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum External {
+    /// Written in Rust, by index in [`crate::parse::syntax::Module::externals`].
+    Function(usize),
+    /// A tabulated law, by index of the data member.
+    Table(usize),
+    TensorExponential,
+    TensorLogarithm,
+    TensorSquareRoot,
+}
+
 /// A truth value at a point.
 #[derive(Clone, Debug)]
 pub enum Truth {
@@ -206,6 +218,13 @@ pub enum Operator {
     Minimum(Tensor, Tensor),
     Maximum(Tensor, Tensor),
     Select(Truth, Tensor, Tensor),
+    /// The `order`-th derivative of a function: the axes of its value, then `order` axes as long as the list of
+    /// all scalar inputs (the arguments one after the other, each row-major).
+    External {
+        function: External,
+        arguments: Vec<Tensor>,
+        order: usize,
+    },
     /// The limit of an expression at an interior facet, from one of its two cells.
     Restrict(Side, Tensor),
 
@@ -293,7 +312,7 @@ impl Operator {
             | Minimum(a, b)
             | Maximum(a, b) => vec![*a, *b],
             Gateaux { expression, direction, .. } => vec![*expression, *direction],
-            Stack(entries) => entries.clone(),
+            Stack(entries) | External { arguments: entries, .. } => entries.clone(),
             Named(named) => named.operands(),
             Select(truth, a, b) => {
                 let mut all = truth.operands();
@@ -401,8 +420,17 @@ pub enum FieldRole {
     Test(usize),
     State,
     Given,
+    /// Known at quadrature points only: it has no gradient.
+    History,
     /// The direction in which the tangent differentiates the k-th unknown.
     Trial(usize),
+}
+
+impl FieldRole {
+    /// A member of the data struct.
+    pub fn is_data(self) -> bool {
+        matches!(self, FieldRole::Given | FieldRole::History)
+    }
 }
 
 /// A field of a form.

@@ -7,7 +7,7 @@ use proc_macro2::Ident;
 use super::{Term, builtins};
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
-use crate::tensor::{Arena, FieldInfo, Operator, Shape, Tensor, Truth};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
 
 /// What an expression stands for.
 #[derive(Clone)]
@@ -54,8 +54,10 @@ pub struct Evaluator<'a> {
     pub(super) uses: HashMap<Tensor, Place>,
     /// Functions of the module and `let`s stay names, as a formula shows them.
     pub(super) outlined: bool,
-    /// Field index of each `Given` member.
+    /// Field index of each `Given` or `History` member.
     pub(super) given: HashMap<String, (usize, Shape)>,
+    /// Field indices of the `History` members.
+    pub(super) histories: Vec<usize>,
 }
 
 /// Names of one function: arguments and `let`s. `None`: its value had a mistake, which was reported.
@@ -74,6 +76,7 @@ impl<'a> Evaluator<'a> {
             uses: HashMap::new(),
             outlined: false,
             given: HashMap::new(),
+            histories: vec![],
         }
     }
 
@@ -88,6 +91,9 @@ impl<'a> Evaluator<'a> {
         }
         for (index, field) in fields.iter().enumerate().skip(arguments.len()) {
             self.given.insert(field.name.clone(), (index, field.shape.clone()));
+            if field.role == FieldRole::History {
+                self.histories.push(index);
+            }
         }
         match &self.module.functions[function].foreign {
             Some(foreign) => {

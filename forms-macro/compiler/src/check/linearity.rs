@@ -116,6 +116,12 @@ impl Algebra<'_> {
                 self.free(a, "a nonlinear function")?;
                 self.free(b, "a nonlinear function")
             }
+            External { arguments, .. } => {
+                for argument in arguments {
+                    self.free(argument, "a function that may be nonlinear")?;
+                }
+                Some(vec![])
+            }
             // The derivative is linear in its direction, and in what the expression was linear in.
             Gateaux { expression, variable, direction } => {
                 // A derivative by a test function puts the direction in its place.

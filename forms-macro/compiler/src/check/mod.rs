@@ -4,6 +4,7 @@
 pub mod builtins;
 mod calls;
 mod evaluate;
+mod externals;
 mod indices;
 mod integrals;
 mod linearity;
@@ -33,7 +34,7 @@ pub struct CheckedFunction {
     pub function: usize,
     pub dimension: usize,
     pub arena: Arena,
-    /// Arguments in their order, then the module's `Given` members in theirs.
+    /// Arguments in their order, then the module's `Given` and `History` members in theirs.
     pub fields: Vec<FieldInfo>,
     pub content: Content,
 }
@@ -103,17 +104,18 @@ pub fn fields_of(module: &Module, function: &Function, dimension: usize) -> Vec<
             shape: argument.rank.shape(dimension),
         });
     }
-    for member in given_members(module) {
+    for member in field_members(module) {
         let shape = member.rank.shape(dimension);
-        fields.push(FieldInfo { name: member.name.to_string(), role: FieldRole::Given, shape });
+        let role = if member.kind == MemberKind::History { FieldRole::History } else { FieldRole::Given };
+        fields.push(FieldInfo { name: member.name.to_string(), role, shape });
     }
     fields
 }
 
 /// The members of the data struct that are fields.
-pub fn given_members(module: &Module) -> impl Iterator<Item = &Member> {
+pub fn field_members(module: &Module) -> impl Iterator<Item = &Member> {
     let members = module.data.iter().flat_map(|data| &data.members);
-    members.filter(|member| member.kind == MemberKind::Given)
+    members.filter(|member| matches!(member.kind, MemberKind::Given | MemberKind::History))
 }
 
 fn check_function(
@@ -172,7 +174,8 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
     let data = module.data.iter().map(|data| &data.name);
-    check_names(members.chain(data).chain(regions).chain(functions), diagnostics);
+    let externals = module.externals.iter().map(|external| &external.name);
+    check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
     }

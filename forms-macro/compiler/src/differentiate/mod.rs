@@ -426,6 +426,10 @@ pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tens
         Minimum(a, b) => Minimum(change(*a), change(*b)),
         Maximum(a, b) => Maximum(change(*a), change(*b)),
         Stack(entries) => Stack(entries.iter().map(|entry| change(*entry)).collect()),
+        External { function, arguments, order } => {
+            let arguments = arguments.iter().map(|argument| change(*argument)).collect();
+            External { function: *function, arguments, order: *order }
+        }
         Select(truth, a, b) => {
             let truth = truth.map(change);
             Select(truth, change(*a), change(*b))

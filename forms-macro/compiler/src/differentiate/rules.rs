@@ -148,6 +148,7 @@ impl<'a> Differentiation<'a> {
                 let (da, db) = (self.derive(a), self.derive(b));
                 self.choose(truth, da, db, tensor)
             }
+            External { function, arguments, order } => self.external(tensor, function, arguments, order),
             // A limit from one side commutes with every derivative.
             Restrict(side, a) => {
                 let da = self.derive(a)?;

@@ -4,10 +4,11 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
+use super::external::ExternalNames;
 use super::formula;
 use super::kernel::KernelWriter;
 use super::placeholder::{likely_regions, placeholder};
-use crate::check::{fields_of, given_members};
+use crate::check::{field_members, fields_of};
 use crate::optimise::degree::Degree;
 use crate::optimise::linear::SidedField;
 use crate::optimise::{Dependence, Description, Optimised};
@@ -160,10 +161,12 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
             quote! { Some(#name.into()) }
         }
     });
-    let given = given_members(module).map(|member| {
+    let given = field_members(module).map(|member| {
         let name = &member.name;
         quote! { Some(#own_data.#name.source().clone()) }
     });
+    let tables = module.data.iter().flat_map(|data| &data.members);
+    let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
     // An energy has a test function per unknown that no argument names.
     let variations = function
         .arguments
@@ -178,6 +181,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         let mut #own_inputs = contract::Inputs::<D>::empty();
         #(#parameters)*
         #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
+        #own_inputs.tables = ::std::vec![#(#own_data.#tables.clone()),*];
         #own_inputs.regions = ::std::vec![#(#regions),*];
     }
 }
@@ -197,9 +201,11 @@ fn implementation(
     if let Some(mut optimised) = optimised {
         fields = std::mem::take(&mut optimised.fields);
         let mut graph = std::mem::take(&mut optimised.graph);
-        let mut writer = KernelWriter { graph: &mut graph, fields: &fields, dimension };
+        let externals = ExternalNames::new(module, dimension);
+        let mut writer =
+            KernelWriter { graph: &mut graph, fields: &fields, externals: &externals, dimension };
         let visit = |description: TokenStream, kernel: &Ident| {
-            quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters))?; }
+            quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters, &self.inputs.tables))?; }
         };
         for (index, integral) in optimised.residual.iter().enumerate() {
             let kernel = format_ident!("Residual{index}");
@@ -297,7 +303,7 @@ fn implementation(
 fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
     let number = match fields[function.field].role {
         FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,
-        FieldRole::State | FieldRole::Given => 0,
+        FieldRole::State | FieldRole::Given | FieldRole::History => 0,
     };
     Described { number, side: function.side }
 }
@@ -309,7 +315,7 @@ fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> Token
             FieldRole::Unknown(number) => quote! { Unknown(#number) },
             FieldRole::Test(number) => quote! { Test(#number) },
             FieldRole::State => quote! { State },
-            FieldRole::Given => quote! { Given },
+            FieldRole::Given | FieldRole::History => quote! { Given },
             FieldRole::Trial(_) => return None,
         };
         let (name, shape) = (&field.name, &field.shape);

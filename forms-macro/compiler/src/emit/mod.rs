@@ -2,6 +2,7 @@
 //! behind it a module with the form's type and its kernels.
 
 mod description;
+mod external;
 mod form;
 mod formula;
 mod kernel;
@@ -61,13 +62,15 @@ pub fn emit(
                 }
             })
         }
-        Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::Import(_) => None,
+        Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) => None,
     });
+    let externals = module.externals.iter().map(|one| external::emit_external(one, dimensions));
     quote! {
         use #backend::contract;
         #data
         #(#regions)*
         #(#functions)*
+        #(#externals)*
         #(#unread)*
     }
 }
@@ -81,7 +84,7 @@ fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let members = members.iter().filter(|member| taken.insert(member.name.to_string())).map(emit_member);
     let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Member(member) => Some(emit_member(member)),
-        Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::Function { .. } => None,
+        Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) | Mistaken::Function { .. } => None,
     });
     let members = members.chain(unread);
     quote! {
@@ -99,6 +102,8 @@ fn emit_member(member: &Member) -> TokenStream {
     let ty = match kind {
         MemberKind::Param => value,
         MemberKind::Given => quote! { contract::Given<#value, D> },
+        MemberKind::History => quote! { contract::History<#value, D> },
+        MemberKind::Table => quote! { contract::Table },
     };
     quote! { #(#attributes)* pub #name: #ty }
 }

@@ -231,9 +231,7 @@ fn list(
     for node in arena.reachable(roots) {
         let member = match &arena.node(node).operator {
             Operator::Parameter(index) => Some(*index),
-            Operator::Field { field, .. } if fields[*field].role == FieldRole::Given => {
-                given(&fields[*field].name)
-            }
+            Operator::Field { field, .. } if fields[*field].role.is_data() => given(&fields[*field].name),
             Operator::Named(Named::Value { name, value }) if name != "D" && name != "PI" => {
                 let equation = Equation { left: reader.read(node), right: reader.read(*value) };
                 if !shown

@@ -101,7 +101,7 @@ impl<'a> Outlines<'a> {
         let mut value = self.carry_out(arena, value, fields)?;
         // A function knows the data by itself: they vary inside it.
         let data = match variable {
-            Variable::Field(field) => fields[field].role == FieldRole::Given,
+            Variable::Field(field) => fields[field].role.is_data(),
             Variable::Parameter(_) => true,
             Variable::Node(_) => false,
         };
@@ -223,9 +223,8 @@ impl<'a> Outlines<'a> {
             }
         }
         for (value, field) in values.iter_mut().zip(&definition.fields) {
-            if field.role == FieldRole::Given && value.is_none() {
-                let here =
-                    fields.iter().position(|one| one.role == FieldRole::Given && one.name == field.name)?;
+            if field.role.is_data() && value.is_none() {
+                let here = fields.iter().position(|one| one.role.is_data() && one.name == field.name)?;
                 let place = arguments.first().map(|argument| arena.place(*argument));
                 let place = place.or_else(|| definition.value.map(|value| definition.arena.place(value)))?;
                 let operator = Operator::Field { field: here, order: 0 };

@@ -6,8 +6,7 @@ use super::same::same;
 use super::symbols::Symbol;
 use crate::parse::syntax::{Comparison, Module};
 use crate::tensor::{
-    Arena, FieldInfo, FieldRole, Function, Geometry, LinearMap, Named, Operator, Side, Tensor, Truth,
-    Variable,
+    Arena, External, FieldInfo, Function, Geometry, LinearMap, Named, Operator, Side, Tensor, Truth, Variable,
 };
 use syn::Attribute;
 
@@ -95,6 +94,7 @@ impl Reader<'_> {
             Named(self::Named::Call { function, arguments, directions }) => {
                 self.call(*function, arguments, directions)
             }
+            External { function, arguments, order } => self.external(*function, arguments, *order),
             other => self.word(&function_name(other), &other.operands()),
         }
     }
@@ -102,8 +102,7 @@ impl Reader<'_> {
     pub fn field(&self, field: usize) -> Formula {
         let info = &self.fields[field];
         let members = self.module.data.iter().flat_map(|data| &data.members);
-        let member =
-            members.filter(|_| info.role == FieldRole::Given).find(|member| member.name == info.name);
+        let member = members.filter(|_| info.role.is_data()).find(|member| member.name == info.name);
         match member {
             Some(member) => Formula::Symbol(symbol(&member.name, &member.attributes)),
             None => Formula::name(&info.name),
@@ -140,6 +139,22 @@ impl Reader<'_> {
 
     fn word(&self, word: &str, operands: &[Tensor]) -> Formula {
         Formula::call(Formula::word(word), operands.iter().map(|operand| self.read(*operand)).collect())
+    }
+
+    /// A function whose inside is not seen, or its derivative by all arguments.
+    fn external(&self, function: External, arguments: &[Tensor], order: usize) -> Formula {
+        let name = match function {
+            External::Function(index) => Formula::name(&self.module.externals[index].name.to_string()),
+            External::Table(member) => self.parameter(member),
+            External::TensorExponential => Formula::word("exp"),
+            External::TensorLogarithm => Formula::word("ln"),
+            External::TensorSquareRoot => Formula::word("sqrt"),
+        };
+        let head = match order {
+            0 => name,
+            _ => Formula::Derivative { order, by: None, of: Box::new(name) },
+        };
+        Formula::call(head, arguments.iter().map(|argument| self.read(*argument)).collect())
     }
 
     /// What the node is the gradient of, as a formula.

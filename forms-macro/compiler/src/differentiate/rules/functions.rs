@@ -1,7 +1,8 @@
-//! The rules of the scalar functions.
+//! The rules of functions: the scalar ones, and those from outside.
 
 use super::Differentiation;
-use crate::tensor::{Function, Operator, Tensor};
+use crate::differentiate::multi_indices;
+use crate::tensor::{External, Function, Operator, Tensor};
 
 impl Differentiation<'_> {
     /// f′(a); `None` where it is zero.
@@ -120,5 +121,34 @@ impl Differentiation<'_> {
             (self.push(Scale(x, x), vec![], tensor), self.push(Scale(y, y), vec![], tensor));
         let radius = self.push(Add(square_of_x, square_of_y), vec![], tensor);
         Some(self.push(DivideOrZero(numerator, radius), vec![], tensor))
+    }
+
+    /// d f⁽ⁿ⁾(a, b, …) = f⁽ⁿ⁺¹⁾(a, b, …) · (da, db, …), all arguments flattened to one list.
+    pub(super) fn external(
+        &mut self,
+        tensor: Tensor,
+        function: External,
+        arguments: Vec<Tensor>,
+        order: usize,
+    ) -> Option<Tensor> {
+        let derived: Vec<_> = arguments.iter().map(|argument| self.derive(*argument)).collect();
+        if derived.iter().all(Option::is_none) {
+            return None;
+        }
+        let mut changes = Vec::new();
+        for (argument, change) in arguments.iter().zip(derived) {
+            for index in multi_indices(&self.arena.shape(*argument).to_vec()) {
+                changes.push(match change {
+                    Some(change) => self.push(Operator::Component(change, index), vec![], tensor),
+                    None => self.push(Operator::Zero, vec![], tensor),
+                });
+            }
+        }
+        let shape = self.arena.shape(tensor).to_vec();
+        let count = changes.len();
+        let slope = Operator::External { function, arguments, order: order + 1 };
+        let slope = self.push(slope, [&shape[..], &[count]].concat(), tensor);
+        let changes = self.push(Operator::Stack(changes), vec![count], tensor);
+        Some(self.push(Operator::Contract(slope, changes), shape, tensor))
     }
 }
