@@ -22,7 +22,7 @@ pub mod source;
 pub mod spectral;
 pub mod table;
 
-pub use forms_macro::forms;
+pub use forms_macro::{form, forms};
 
 /// Everything that emitted code and backends name. Emitted paths read `<crate>::contract::Name`, so a
 /// crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).

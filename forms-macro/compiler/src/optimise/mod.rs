@@ -65,6 +65,8 @@ pub struct BilinearIntegral {
     pub trial: SidedField,
     pub symmetric: bool,
     pub plan: BilinearPlan,
+    /// What each plan would cost, for the dump.
+    pub candidates: Vec<(&'static str, usize)>,
 }
 
 /// A function of position on a region.
@@ -226,9 +228,16 @@ fn plan_group(
                 let components = [first, second].map(|field| field.shape.iter().product());
                 let found = factor::plan(graph, derivative, [test, trial], components, diagonal, from_energy)
                     .ok_or_else(not_linear)?;
-                if let Some((plan, symmetric)) = found {
+                if let Some(factor::Planned { plan, symmetric, candidates }) = found {
                     let description = group.description.clone();
-                    planned.tangent.push(BilinearIntegral { description, test, trial, symmetric, plan });
+                    planned.tangent.push(BilinearIntegral {
+                        description,
+                        test,
+                        trial,
+                        symmetric,
+                        plan,
+                        candidates,
+                    });
                 }
             }
         }
