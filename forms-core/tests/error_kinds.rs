@@ -100,6 +100,8 @@ const WITHOUT_CASE: &[(&str, &str)] = &[
         "`check` rules it out: a guard against mistakes of the compiler",
     ),
     ("needs the module's body", "rustc itself refuses an attribute on a module in another file"),
+    ("the derivatives of this unfold to more", "a limit of size: its case would compile for long"),
+    ("unfolds to more than 2 million scalar operations", "a limit of size: its case would compile for long"),
     ("does not come from a forms module", "the text of an import comes from another attribute's macro"),
 ];
 
