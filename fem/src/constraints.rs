@@ -7,7 +7,7 @@ use forms_core::contract::FieldValue;
 use thiserror::Error;
 
 use crate::mesh::MeshError;
-use crate::space::Space;
+use crate::space::{Family, Space};
 
 /// Prescribed unknowns of a space. Solvers eliminate them: their rows and columns do not enter the system.
 #[derive(Clone, Debug)]
@@ -41,6 +41,22 @@ pub enum ConstraintsError {
         component: usize,
         /// Components of the space.
         components: usize,
+    },
+    /// The region has no nodes of the space: nothing would be prescribed.
+    #[error("{place} has no nodes of the space, which has Lagrange elements of degree {degree} {family}")]
+    NoNodes {
+        /// The region.
+        place: String,
+        /// Degree of the space.
+        degree: usize,
+        /// Family of the space.
+        family: Family,
+    },
+    /// No node is near a point that is not finite.
+    #[error("there is no node nearest to {point:?}")]
+    NoNearest {
+        /// The point.
+        point: Vec<f64>,
     },
     /// No such node.
     #[error("there is no node {node}; the space has {count} (numbered from 0)")]
@@ -94,7 +110,7 @@ impl<const D: usize> Constraints<D> {
         &self.space
     }
 
-    /// Prescribes all components on a facet or cell region.
+    /// Prescribes all components on a region of facets (exterior or interior) or cells.
     ///
     /// # Errors
     /// An unknown region, a value that does not fit the space, is not finite, or contradicts an earlier one.
@@ -108,7 +124,7 @@ impl<const D: usize> Constraints<D> {
         if V::COMPONENTS != components {
             return Err(ConstraintsError::Components { place, space: components, value: V::COMPONENTS });
         }
-        let nodes = self.space.nodes_on(region)?;
+        let nodes = self.nodes_on(region, &place)?;
         let mut written = vec![0.0; components];
         let mut entries = Vec::with_capacity(nodes.len() * components);
         for node in nodes {
@@ -135,7 +151,7 @@ impl<const D: usize> Constraints<D> {
             let node = node as usize;
             (node * components + component, value(&self.space.positions()[node]))
         };
-        let entries: Vec<_> = self.space.nodes_on(region)?.into_iter().map(entry).collect();
+        let entries: Vec<_> = self.nodes_on(region, &place)?.into_iter().map(entry).collect();
         self.insert(&place, &entries)
     }
 
@@ -152,6 +168,26 @@ impl<const D: usize> Constraints<D> {
             return Err(ConstraintsError::Node { node, count });
         }
         self.insert(&place, &[(node * components + component, value)])
+    }
+
+    /// Prescribes all components at the node nearest to a point. This pins what is determined only up to a
+    /// constant, as the pressure of a flow in a closed vessel is.
+    ///
+    /// # Errors
+    /// A value that does not fit the space, is not finite, or contradicts an earlier one.
+    pub fn fix_nearest<V: FieldValue>(&mut self, point: &[f64; D], value: V) -> Result<(), ConstraintsError> {
+        let components = self.space.components();
+        let Some(node) = self.space.nearest_node(point) else {
+            return Err(ConstraintsError::NoNearest { point: point.to_vec() });
+        };
+        let place = format!("node {node}");
+        if V::COMPONENTS != components {
+            return Err(ConstraintsError::Components { place, space: components, value: V::COMPONENTS });
+        }
+        let mut written = vec![0.0; components];
+        value.write(&mut written);
+        let entries: Vec<_> = (node * components..).zip(written).collect();
+        self.insert(&place, &entries)
     }
 
     /// Prescribed unknowns and their values.
@@ -184,6 +220,15 @@ impl<const D: usize> Constraints<D> {
     pub fn homogeneous(&self) -> Self {
         let prescribed = self.prescribed.keys().map(|&unknown| (unknown, 0.0)).collect();
         Constraints { space: Arc::clone(&self.space), prescribed }
+    }
+
+    fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
+        let nodes = self.space.nodes_on(region)?;
+        if nodes.is_empty() {
+            let (degree, family) = (self.space.degree(), self.space.family().clone());
+            return Err(ConstraintsError::NoNodes { place: place.to_owned(), degree, family });
+        }
+        Ok(nodes)
     }
 
     fn check_component(&self, place: &str, component: usize) -> Result<usize, ConstraintsError> {

@@ -48,6 +48,14 @@ pub enum FieldError {
         /// The value.
         value: f64,
     },
+    /// The field lives on facets alone, and a point of the mesh is hardly ever on one.
+    #[error(
+        "the field lives on the facets of \"{region}\" alone: evaluate it along that region with a function"
+    )]
+    OnFacets {
+        /// The facet region of its space.
+        region: String,
+    },
     /// The point is in no cell.
     #[error("the point {point:?} lies outside the mesh")]
     Outside {
@@ -131,11 +139,11 @@ impl<const D: usize> Field<D> {
         &self.values[node * components..(node + 1) * components]
     }
 
-    /// The components at a point of the mesh.
+    /// The components at a point of the mesh; of a discontinuous field, in the cell with the lowest index.
     ///
     /// # Errors
-    /// [`FieldError::Outside`]; [`crate::locate::Locator::find_nearest`] helps with points that are nearly
-    /// inside.
+    /// [`FieldError::OnFacets`]; [`FieldError::Outside`], where [`crate::locate::Locator::find_nearest`] helps
+    /// with points that are nearly inside.
     pub fn evaluate(&self, point: &[f64; D]) -> Result<Vec<f64>, FieldError> {
         let (cell, reference) = self.find(point)?;
         Ok(self.evaluate_in(cell, &reference))
@@ -145,19 +153,20 @@ impl<const D: usize> Field<D> {
     /// is that of the cell with the lowest index.
     ///
     /// # Errors
-    /// [`FieldError::Outside`].
+    /// [`FieldError::OnFacets`], [`FieldError::Outside`].
     pub fn gradient(&self, point: &[f64; D]) -> Result<Vec<f64>, FieldError> {
         let (cell, reference) = self.find(point)?;
         Ok(self.gradient_in(cell, &reference))
     }
 
-    /// The components at a reference point of a cell, which may lie outside it (extrapolation).
+    /// The components at a reference point of a cell, which may lie outside it (extrapolation). NaN for a
+    /// field on facets.
     ///
     /// # Panics
     /// When the mesh has no such cell.
     pub fn evaluate_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
         let (value, _) = self.basis(reference);
-        let mut result = vec![0.0; self.space.components()];
+        let mut result = vec![self.empty_sum(); self.space.components()];
         for (&node, phi) in self.space.cell_nodes(cell).iter().zip(value) {
             for (sum, coefficient) in result.iter_mut().zip(self.at_node(node as usize)) {
                 *sum += phi * coefficient;
@@ -167,7 +176,7 @@ impl<const D: usize> Field<D> {
     }
 
     /// The gradient \[1/length\] at a reference point of a cell, row-major. Where the cell's Jacobian is
-    /// singular, which can only happen outside the cell, it is NaN.
+    /// singular, which can only happen outside the cell, it is NaN, and so it is for a field on facets.
     ///
     /// # Panics
     /// When the mesh has no such cell.
@@ -175,7 +184,7 @@ impl<const D: usize> Field<D> {
         let (_, slopes) = self.basis(reference);
         let (_, jacobian) = self.space.mesh().map(cell, reference);
         let inverse = inverse(&jacobian).unwrap_or([[f64::NAN; D]; D]);
-        let mut result = vec![0.0; self.space.components() * D];
+        let mut result = vec![self.empty_sum(); self.space.components() * D];
         for (&node, slope) in self.space.cell_nodes(cell).iter().zip(slopes) {
             let gradient: [f64; D] = std::array::from_fn(|j| (0..D).map(|k| slope[k] * inverse[k][j]).sum());
             for (sums, coefficient) in result.chunks_mut(D).zip(self.at_node(node as usize)) {
@@ -187,6 +196,10 @@ impl<const D: usize> Field<D> {
         result
     }
 
+    fn empty_sum(&self) -> f64 {
+        if self.space.facet_region().is_some() { f64::NAN } else { 0.0 }
+    }
+
     fn basis(&self, reference: &[f64; D]) -> ([f64; MAXIMUM_NODES], [[f64; D]; MAXIMUM_NODES]) {
         let mut value = [0.0; MAXIMUM_NODES];
         let mut gradient = [[0.0; D]; MAXIMUM_NODES];
@@ -195,6 +208,9 @@ impl<const D: usize> Field<D> {
     }
 
     fn find(&self, point: &[f64; D]) -> Result<(usize, [f64; D]), FieldError> {
+        if let Some(region) = self.space.facet_region() {
+            return Err(FieldError::OnFacets { region: region.to_owned() });
+        }
         self.space.locator().find(point).ok_or_else(|| FieldError::Outside { point: point.to_vec() })
     }
 }

@@ -83,8 +83,8 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        CondensedSolver, FormProblem, LinearSolver, NewtonError, NewtonOptions, NewtonStep, TangentSolver,
-        TangentSolverOptions,
+        CondensedSolver, FormProblem, LinearSolver, LuSolver, MixedProblem, NewtonError, NewtonOptions,
+        NewtonStep, TangentSolver, TangentSolverOptions,
     };
-    pub use crate::space::Space;
+    pub use crate::space::{Family, Space};
 }

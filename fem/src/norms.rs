@@ -49,6 +49,10 @@ mod squared {
         integral(Omega, inner(grad(w) - slope, grad(w) - slope))
     }
 
+    pub fn scalar_integral(w: State<Scalar>) -> Functional {
+        integral(Omega, w)
+    }
+
     /// The mass matrix.
     pub fn mass(w: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, w * v)
@@ -102,6 +106,29 @@ where
     Measured: Measure<D>,
 {
     Measured::l2_squared(assembler, field).map(f64::sqrt)
+}
+
+/// The mean of each component of a field over the mesh.
+///
+/// # Errors
+/// A value that is not finite, or a field on another mesh than the assembler's.
+pub fn mean<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<Vec<f64>, AssemblyError>
+where
+    Measured: Measure<D>,
+{
+    let one = Field {
+        space: field.space().scalar_nodes(),
+        values: Arc::new(vec![1.0; field.space().node_count()]),
+    };
+    let volume = Measured::integral(assembler, &one)?;
+    component_fields(field).iter().map(|part| Ok(Measured::integral(assembler, part)? / volume)).collect()
+}
+
+/// Each component as a scalar field.
+fn component_fields<const D: usize>(field: &Field<D>) -> Vec<Field<D>> {
+    let (space, count) = (field.space().scalar_nodes(), field.space().components());
+    let part = |component| field.values().iter().skip(component).step_by(count).copied().collect();
+    (0..count).map(|component| Field { space: space.clone(), values: Arc::new(part(component)) }).collect()
 }
 
 /// The norms of field − exact, for a scalar or vector field; `gradient` writes component × direction.
@@ -190,6 +217,11 @@ pub trait Measure<const D: usize> {
     /// # Errors
     /// As there.
     fn l2_squared(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>;
+    /// The integral of a scalar field.
+    ///
+    /// # Errors
+    /// As in [`mean`].
+    fn integral(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>;
     /// See [`errors`].
     ///
     /// # Errors
@@ -229,11 +261,21 @@ macro_rules! measure_in {
                 assembler: &Assembler<$dimension>,
                 field: &Field<$dimension>,
             ) -> Result<f64, AssemblyError> {
-                match field.space().shape().len() {
-                    0 => assembler.functional(&squared::scalar_l2(&everywhere(), field), &[]),
-                    1 => assembler.functional(&squared::vector_l2(&everywhere(), field), &[]),
-                    _ => assembler.functional(&squared::tensor_l2(&everywhere(), field), &[]),
+                match field.space().shape() {
+                    [] => assembler.functional(&squared::scalar_l2(&everywhere(), field), &[]),
+                    [$dimension] => assembler.functional(&squared::vector_l2(&everywhere(), field), &[]),
+                    [$dimension, $dimension] => {
+                        assembler.functional(&squared::tensor_l2(&everywhere(), field), &[])
+                    }
+                    _ => component_fields(field).iter().map(|part| Self::l2_squared(assembler, part)).sum(),
                 }
+            }
+
+            fn integral(
+                assembler: &Assembler<$dimension>,
+                field: &Field<$dimension>,
+            ) -> Result<f64, AssemblyError> {
+                assembler.functional(&squared::scalar_integral(&everywhere(), field), &[])
             }
 
             fn errors(

@@ -1,25 +1,42 @@
-//! Finite element spaces: unknowns on the nodes of a mesh.
+//! Finite element spaces: unknowns on the nodes of a mesh, or of its facets.
 
-use std::collections::HashMap;
+mod numbering;
+
+use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 use thiserror::Error;
 
 use crate::element::{ElementError, Lagrange};
 use crate::locate::Locator;
-use crate::mesh::{Mesh, MeshError};
+use crate::mesh::{Facet, Mesh, MeshError};
+
+/// Where the nodes of a space lie, and which cells share them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Lagrange elements of degree 1 or 2; cells share the nodes on the facets that they share.
+    Continuous,
+    /// Lagrange elements of degree 0, 1 or 2; each cell has nodes of its own. In degree 0 it is the centre.
+    Discontinuous,
+    /// Traces of continuous Lagrange elements of degree 1 or 2 on the facets of a region, exterior or
+    /// interior, and nothing elsewhere; in degree 0, one constant per facet. For multipliers.
+    OnFacets(String),
+}
 
 /// A Lagrange space with a number of components per node. Unknown number = node * components + component.
 ///
-/// Nodes are numbered in the order in which the cells first use them.
+/// Nodes are numbered in the order in which the cells (or facets) first use them.
 #[derive(Debug)]
 pub struct Space<const D: usize> {
     pub(crate) mesh: Arc<Mesh<D>>,
     pub(crate) element: Lagrange,
-    /// `[]` scalar, `[D]` vector, `[D, D]` tensor.
+    pub(crate) family: Family,
+    /// `[]` scalar, `[D]` vector, `[D, D]` tensor, or any other.
     pub(crate) shape: Vec<usize>,
-    /// Nodes of the space, cell after cell, in the order of the element's nodes.
+    /// Nodes of the space, cell after cell, in the order of the element's nodes; none on facets.
     pub(crate) cell_nodes: Vec<u32>,
+    /// The facets that a space on facets lives on, sorted, with their nodes.
+    pub(crate) facets: Vec<(Facet, Vec<u32>)>,
     /// Position of each node.
     pub(crate) positions: Vec<[f64; D]>,
     // Built when a field is first evaluated at a point.
@@ -32,6 +49,23 @@ pub enum SpaceError {
     /// No such element.
     #[error(transparent)]
     Element(#[from] ElementError),
+    /// No such element in a family that has degree 0.
+    #[error("there is no Lagrange element of degree {degree} {family}; the degrees are 0, 1 and 2")]
+    Degree {
+        /// The family asked for.
+        family: Family,
+        /// The degree asked for.
+        degree: usize,
+    },
+    /// No such facet region.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A value without components.
+    #[error("a value of shape {shape:?} has no components")]
+    Shape {
+        /// The shape asked for.
+        shape: Vec<usize>,
+    },
     /// Unknowns are numbered with `u32`.
     #[error("the space would have {unknowns} unknowns, more than 4294967295")]
     TooLarge {
@@ -40,29 +74,131 @@ pub enum SpaceError {
     },
 }
 
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Family::Continuous => write!(f, "with continuous values"),
+            Family::Discontinuous => write!(f, "with discontinuous values"),
+            Family::OnFacets(region) => write!(f, "on the facet region \"{region}\""),
+        }
+    }
+}
+
 impl<const D: usize> Space<D> {
-    /// The scalar Lagrange space of a degree, which need not be that of the geometry.
+    /// The continuous scalar Lagrange space of a degree, which need not be that of the geometry.
     ///
     /// # Errors
     /// [`SpaceError::Element`] unless the degree is 1 or 2; [`SpaceError::TooLarge`].
     pub fn scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, degree, vec![])
+        Space::new(mesh, Family::Continuous, degree, &[])
     }
 
-    /// The space of vectors with D components.
+    /// The continuous space of vectors with D components.
     ///
     /// # Errors
     /// As [`Space::scalar`].
     pub fn vector(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, degree, vec![D])
+        Space::new(mesh, Family::Continuous, degree, &[D])
     }
 
-    /// The space of tensors with D × D components, row-major.
+    /// The continuous space of tensors with D × D components, row-major.
     ///
     /// # Errors
     /// As [`Space::scalar`].
     pub fn tensor(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, degree, vec![D, D])
+        Space::new(mesh, Family::Continuous, degree, &[D, D])
+    }
+
+    /// The discontinuous scalar space of degree 0 (constant on each cell), 1 or 2.
+    ///
+    /// # Errors
+    /// [`SpaceError::Degree`], [`SpaceError::TooLarge`].
+    pub fn discontinuous_scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+        Space::new(mesh, Family::Discontinuous, degree, &[])
+    }
+
+    /// The discontinuous space of vectors with D components.
+    ///
+    /// # Errors
+    /// As [`Space::discontinuous_scalar`].
+    pub fn discontinuous_vector(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+        Space::new(mesh, Family::Discontinuous, degree, &[D])
+    }
+
+    /// The discontinuous space of tensors with D × D components, row-major.
+    ///
+    /// # Errors
+    /// As [`Space::discontinuous_scalar`].
+    pub fn discontinuous_tensor(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+        Space::new(mesh, Family::Discontinuous, degree, &[D, D])
+    }
+
+    /// The scalar space on the facets of a region alone: continuous of degree 1 or 2, or constant on each
+    /// facet in degree 0.
+    ///
+    /// # Errors
+    /// [`SpaceError::Mesh`] for an unknown region, [`SpaceError::Degree`], [`SpaceError::TooLarge`].
+    pub fn on_facets(mesh: &Arc<Mesh<D>>, region: &str, degree: usize) -> Result<Arc<Self>, SpaceError> {
+        Space::new(mesh, Family::OnFacets(region.to_owned()), degree, &[])
+    }
+
+    /// The space of vectors with D components on the facets of a region alone.
+    ///
+    /// # Errors
+    /// As [`Space::on_facets`].
+    pub fn vector_on_facets(
+        mesh: &Arc<Mesh<D>>,
+        region: &str,
+        degree: usize,
+    ) -> Result<Arc<Self>, SpaceError> {
+        Space::new(mesh, Family::OnFacets(region.to_owned()), degree, &[D])
+    }
+
+    /// A space of any family with values of any shape: `[]` scalar, `[3]` vectors of three components in any
+    /// dimension, `[2, 3]` matrices (row-major).
+    ///
+    /// # Errors
+    /// [`SpaceError`]: a degree that the family does not have, an unknown region, a shape without
+    /// components, too many unknowns.
+    pub fn new(
+        mesh: &Arc<Mesh<D>>,
+        family: Family,
+        degree: usize,
+        shape: &[usize],
+    ) -> Result<Arc<Self>, SpaceError> {
+        if shape.contains(&0) {
+            return Err(SpaceError::Shape { shape: shape.to_vec() });
+        }
+        let element = match family {
+            Family::Continuous => Lagrange::new(mesh.shape(), degree)?,
+            _ if degree > 2 => return Err(SpaceError::Degree { family, degree }),
+            _ => Lagrange { shape: mesh.shape(), degree },
+        };
+        let (mut cell_nodes, mut facets) = (vec![], vec![]);
+        let positions = match &family {
+            Family::Continuous => {
+                cell_nodes = numbering::share_nodes(mesh, &element);
+                numbering::node_positions(mesh, &element, &cell_nodes)
+            }
+            Family::Discontinuous => {
+                let nodes = mesh.cell_count() * element.nodes();
+                let last = u32::try_from(nodes).map_err(|_| SpaceError::TooLarge { unknowns: nodes })?;
+                cell_nodes = (0..last).collect();
+                numbering::node_positions(mesh, &element, &cell_nodes)
+            }
+            Family::OnFacets(region) => {
+                let entities = mesh.sides_of(region)?;
+                let (found, positions) = numbering::facet_nodes(mesh, &element, &entities);
+                facets = found;
+                positions
+            }
+        };
+        let unknowns = positions.len() * shape.iter().product::<usize>();
+        if u32::try_from(unknowns).is_err() {
+            return Err(SpaceError::TooLarge { unknowns });
+        }
+        let (mesh, shape, locator) = (Arc::clone(mesh), shape.to_vec(), OnceLock::new());
+        Ok(Arc::new(Space { mesh, element, family, shape, cell_nodes, facets, positions, locator }))
     }
 
     /// The scalar space on the same nodes.
@@ -70,23 +206,13 @@ impl<const D: usize> Space<D> {
         Arc::new(Space {
             mesh: Arc::clone(&self.mesh),
             element: self.element,
+            family: self.family.clone(),
             shape: vec![],
             cell_nodes: self.cell_nodes.clone(),
+            facets: self.facets.clone(),
             positions: self.positions.clone(),
             locator: OnceLock::new(),
         })
-    }
-
-    fn new(mesh: &Arc<Mesh<D>>, degree: usize, shape: Vec<usize>) -> Result<Arc<Self>, SpaceError> {
-        let element = Lagrange::new(mesh.shape(), degree)?;
-        let cell_nodes = number_nodes(mesh, &element);
-        let positions = node_positions(mesh, &element, &cell_nodes);
-        let unknowns = positions.len() * shape.iter().product::<usize>();
-        if u32::try_from(unknowns).is_err() {
-            return Err(SpaceError::TooLarge { unknowns });
-        }
-        let mesh = Arc::clone(mesh);
-        Ok(Arc::new(Space { mesh, element, shape, cell_nodes, positions, locator: OnceLock::new() }))
     }
 
     /// The mesh.
@@ -94,9 +220,22 @@ impl<const D: usize> Space<D> {
         &self.mesh
     }
 
-    /// The element.
+    /// The element on a cell; a space on facets has the traces of its basis functions.
     pub fn element(&self) -> Lagrange {
         self.element
+    }
+
+    /// Where the nodes lie, and which cells share them.
+    pub fn family(&self) -> &Family {
+        &self.family
+    }
+
+    /// The region of a space that lives on facets alone.
+    pub fn facet_region(&self) -> Option<&str> {
+        match &self.family {
+            Family::OnFacets(region) => Some(region),
+            _ => None,
+        }
     }
 
     /// The polynomial degree.
@@ -124,11 +263,14 @@ impl<const D: usize> Space<D> {
         self.node_count() * self.components()
     }
 
-    /// Nodes of a cell, in the order of the element's nodes.
+    /// Nodes of a cell, in the order of the element's nodes; none for a space on facets.
     ///
     /// # Panics
     /// When the mesh has no such cell.
     pub fn cell_nodes(&self, cell: usize) -> &[u32] {
+        if self.cell_nodes.is_empty() {
+            return &[];
+        }
         let count = self.element.nodes();
         &self.cell_nodes[cell * count..(cell + 1) * count]
     }
@@ -138,33 +280,66 @@ impl<const D: usize> Space<D> {
         &self.cell_nodes
     }
 
+    /// Nodes whose basis functions live on a cell seen from one of its facets (or from inside): the cell's,
+    /// or the facet's for a space on facets.
+    pub(crate) fn nodes_at(&self, cell: u32, facet: Option<u8>) -> &[u32] {
+        match (&self.family, facet) {
+            (Family::OnFacets(_), Some(local)) => {
+                let facet = Facet { cell, local };
+                let place = self.facets.binary_search_by_key(&facet, |(known, _)| *known);
+                place.map_or(&[], |place| &self.facets[place].1)
+            }
+            _ => self.cell_nodes(cell as usize),
+        }
+    }
+
+    /// Whether the unknowns of both spaces have the same numbers and places.
+    pub(crate) fn numbers_as(self: &Arc<Self>, other: &Arc<Self>) -> bool {
+        Arc::ptr_eq(self, other)
+            || (Arc::ptr_eq(&self.mesh, &other.mesh)
+                && self.element == other.element
+                && self.family == other.family
+                && self.components() == other.components())
+    }
+
     /// Position of each node \[length\].
     pub fn positions(&self) -> &[[f64; D]] {
         &self.positions
     }
 
-    /// All nodes on a facet region or in a cell region, ascending.
+    /// The node nearest to a point; of several the one with the lowest number. `None` for a NaN.
+    pub fn nearest_node(&self, point: &[f64; D]) -> Option<usize> {
+        let distance = |x: &[f64; D]| -> f64 { x.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum() };
+        let squares = self.positions.iter().map(distance).enumerate();
+        squares
+            .filter(|(_, square)| !square.is_nan())
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(node, _)| node)
+    }
+
+    /// All nodes on a facet region (exterior or interior) or in a cell region, ascending. Nodes inside cells
+    /// are not on facets: of a discontinuous space of degree 0 no node is.
     ///
     /// # Errors
     /// [`MeshError::UnknownRegion`], which lists the names that exist.
     pub fn nodes_on(&self, region: &str) -> Result<Vec<u32>, MeshError> {
         let mesh = &self.mesh;
-        let mut nodes: Vec<u32> = if let Ok(facets) = mesh.facet_region(region) {
+        let mut nodes: Vec<u32> = if let Ok(sides) = mesh.sides_of(region) {
             let local: Vec<Vec<usize>> =
                 (0..mesh.shape().facets()).map(|facet| self.element.facet_nodes(facet)).collect();
-            let of_facet = |facet: &crate::mesh::Facet| {
-                let cell = self.cell_nodes(facet.cell as usize);
-                local[usize::from(facet.local)].iter().map(|&node| cell[node])
-            };
-            facets.iter().flat_map(of_facet).collect()
+            let mut nodes = Vec::new();
+            for facet in sides.iter().flatten() {
+                let of_entity = self.nodes_at(facet.cell, Some(facet.local));
+                match self.family {
+                    Family::OnFacets(_) => nodes.extend_from_slice(of_entity),
+                    _ => nodes.extend(local[usize::from(facet.local)].iter().map(|&node| of_entity[node])),
+                }
+            }
+            nodes
         } else if let Ok(cells) = mesh.cell_region(region) {
             cells.iter().flat_map(|&cell| self.cell_nodes(cell as usize)).copied().collect()
         } else {
-            return Err(MeshError::UnknownRegion {
-                name: region.to_owned(),
-                cells: mesh.cell_region_names().map(str::to_owned).collect(),
-                facets: mesh.facet_region_names().map(str::to_owned).collect(),
-            });
+            return Err(mesh.unknown_region(region));
         };
         nodes.sort_unstable();
         nodes.dedup();
@@ -177,162 +352,5 @@ impl<const D: usize> Space<D> {
     }
 }
 
-const UNNUMBERED: u32 = u32::MAX;
-
-// Cells share the nodes of the vertices, edges and faces that they share; an edge or face is known by its
-// sorted vertices.
-fn number_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) -> Vec<u32> {
-    let shape = element.shape;
-    let mut next = 0;
-    let mut fresh = || {
-        next += 1;
-        next - 1
-    };
-    let mut of_vertex = vec![UNNUMBERED; mesh.node_count()];
-    let mut of_entity: HashMap<[u32; 4], u32> = HashMap::new();
-    let mut cell_nodes = Vec::with_capacity(mesh.cell_count() * element.nodes());
-    for cell in 0..mesh.cell_count() {
-        let vertices = &mesh.cell(cell)[..shape.vertices()];
-        for &vertex in vertices {
-            let node = &mut of_vertex[vertex as usize];
-            if *node == UNNUMBERED {
-                *node = fresh();
-            }
-            cell_nodes.push(*node);
-        }
-        if element.degree == 1 {
-            continue;
-        }
-        let mut shared = |entity: &[usize]| {
-            let mut key = [u32::MAX; 4];
-            for (entry, &vertex) in key.iter_mut().zip(entity) {
-                *entry = vertices[vertex];
-            }
-            key.sort_unstable();
-            cell_nodes.push(*of_entity.entry(key).or_insert_with(&mut fresh));
-        };
-        for edge in shape.edges() {
-            shared(edge);
-        }
-        if shape.dimension() == 3 && !shape.is_simplex() {
-            for local in 0..shape.facets() {
-                shared(shape.facet_vertices(local));
-            }
-        }
-        if !shape.is_simplex() {
-            cell_nodes.push(fresh());
-        }
-    }
-    cell_nodes
-}
-
-fn node_positions<const D: usize>(mesh: &Mesh<D>, element: &Lagrange, cell_nodes: &[u32]) -> Vec<[f64; D]> {
-    let count = cell_nodes.iter().max().map_or(0, |last| *last as usize + 1);
-    let mut positions = vec![[0.0; D]; count];
-    let mut placed = vec![false; count];
-    let tables = mesh.element().tabulate(&element.node_points::<D>());
-    for (cell, nodes) in cell_nodes.chunks(element.nodes()).enumerate() {
-        let geometry = mesh.cell(cell);
-        for (q, &node) in nodes.iter().enumerate() {
-            if std::mem::replace(&mut placed[node as usize], true) {
-                continue;
-            }
-            let phi = &tables.value[q * tables.nodes..(q + 1) * tables.nodes];
-            let position = &mut positions[node as usize];
-            for (phi, &corner) in phi.iter().zip(geometry) {
-                for (x, corner) in position.iter_mut().zip(mesh.nodes()[corner as usize]) {
-                    *x += phi * corner;
-                }
-            }
-        }
-    }
-    positions
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::element::CellShape;
-    use crate::mesh::{annulus, cuboid, rectangle};
-
-    #[test]
-    fn counts_follow_from_euler() -> Result<(), Box<dyn std::error::Error>> {
-        // Vertices + edges + faces + centres of structured grids, closed forms.
-        for geometry in 1..=2 {
-            for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-                let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 4], shape, geometry)?);
-                assert_eq!(Space::scalar(&mesh, 1)?.node_count(), 4 * 5);
-                let space = Space::vector(&mesh, 2)?;
-                assert_eq!((space.node_count(), space.unknowns()), (7 * 9, 2 * 7 * 9));
-                assert_eq!(space.nodes_on("left")?.len(), 9);
-                assert_eq!(space.nodes_on("boundary")?.len(), 2 * (6 + 8));
-                assert_eq!(space.nodes_on("all")?.len(), 7 * 9);
-            }
-            for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-                let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [1, 2, 3], shape, geometry)?);
-                assert_eq!(Space::scalar(&mesh, 1)?.node_count(), 2 * 3 * 4);
-                let space = Space::tensor(&mesh, 2)?;
-                assert_eq!((space.node_count(), space.components()), (3 * 5 * 7, 9));
-                assert_eq!(space.nodes_on("bottom")?.len(), 3 * 5);
-            }
-        }
-        Ok(())
-    }
-
-    // The numbering shares exactly the nodes that coincide, in order of first use.
-    #[test]
-    fn nodes_are_shared_where_they_coincide() -> Result<(), Box<dyn std::error::Error>> {
-        for (shape, geometry) in [(CellShape::Tetrahedron, 1), (CellShape::Hexahedron, 2)] {
-            let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 4.0], [2, 2, 2], shape, geometry)?);
-            let space = Space::scalar(&mesh, 2)?;
-            let points = space.element().node_points::<3>();
-            let mut next = 0;
-            for cell in 0..mesh.cell_count() {
-                for (&node, point) in space.cell_nodes(cell).iter().zip(&points) {
-                    assert!(node <= next);
-                    next = next.max(node + 1);
-                    let (x, _) = mesh.map(cell, point);
-                    let position = space.positions()[node as usize];
-                    assert!((0..3).all(|k| (x[k] - position[k]).abs() < 1e-14));
-                }
-            }
-            let mut places: Vec<_> = space.positions().iter().map(|x| x.map(|x| (16.0 * x) as i64)).collect();
-            places.sort_unstable();
-            places.dedup();
-            assert_eq!(places.len(), space.node_count());
-        }
-        Ok(())
-    }
-
-    #[test]
-    fn positions_follow_the_curved_geometry() -> Result<(), Box<dyn std::error::Error>> {
-        let mesh = Arc::new(annulus(1.0, 2.0, 1, 6, CellShape::Quadrilateral, 2)?);
-        let space = Space::scalar(&mesh, 2)?;
-        for node in space.nodes_on("outer")? {
-            let [x, y] = space.positions()[node as usize];
-            assert!((x.hypot(y) - 2.0).abs() < 1e-15);
-        }
-        // On straight cells the midpoints are on chords.
-        let mesh = Arc::new(annulus(1.0, 2.0, 1, 6, CellShape::Quadrilateral, 1)?);
-        let space = Space::scalar(&mesh, 2)?;
-        let radii = space.nodes_on("outer")?;
-        let radii = radii.iter().map(|&node| space.positions()[node as usize]).map(|[x, y]| x.hypot(y));
-        assert_eq!(radii.filter(|radius| (radius - 3f64.sqrt()).abs() < 1e-14).count(), 6);
-        Ok(())
-    }
-
-    #[test]
-    fn errors_name_degree_and_region() -> Result<(), Box<dyn std::error::Error>> {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
-        assert!(matches!(Space::scalar(&mesh, 3), Err(SpaceError::Element(_))));
-        let message = Space::scalar(&mesh, 1)?.nodes_on("lid").err().map(|error| error.to_string());
-        assert_eq!(
-            message.as_deref(),
-            Some(
-                "there is no region \"lid\"; the mesh has the cell regions \"all\" and the facet regions \
-                 \"bottom\", \"boundary\", \"left\", \"right\", \"top\""
-            )
-        );
-        Ok(())
-    }
-}
+mod tests;

@@ -1,58 +1,201 @@
 //! Several unknowns with their own spaces in one form: Taylor–Hood elements for Stokes flow.
 
-use std::collections::BTreeMap;
-
+use forms_fem::assemble::BlockPattern;
 use forms_fem::prelude::*;
-use forms_fem::solve::{Elimination, solve_linear};
+use forms_fem::solve::{LinearProblemError, SolverError};
 
 #[forms]
 mod stokes {
     pub struct Data {
         viscosity: Param,
+        force: Given<Vector>,
+        inertia: Param,
     }
     #[cells]
     pub struct Omega;
 
     pub fn flow(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
-        integral(Omega, 2 * viscosity * inner(eps(u), eps(v)) - p * div(v) - q * div(u))
+        integral(Omega, 2 * viscosity * inner(eps(u), eps(v)) - p * div(v) - q * div(u) - dot(force, v))
     }
+
+    pub fn navier(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        flow(u, p, v, q) + integral(Omega, inertia * dot(grad(u) * u, v))
+    }
+}
+
+const VISCOSITY: f64 = 0.7;
+
+type Exact = Box<dyn Fn(&[f64; 2], &mut [f64]) + Send + Sync>;
+
+fn data(force: Given<[f64; 2], 2>, inertia: f64) -> stokes::Data<2> {
+    stokes::Data { viscosity: VISCOSITY, force, inertia }
 }
 
 #[test]
 fn taylor_hood_elements_hold_poiseuille_flow_exactly() {
-    const VISCOSITY: f64 = 0.7;
-    let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [4, 3], CellShape::Triangle, 1).unwrap());
-    let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
-    // u = (y(1 − y), 0), p = 2ν (2 − x).
-    let profile = |x: &[f64; 2]| [x[1] * (1.0 - x[1]), 0.0];
-    let pressure = |x: &[f64; 2]| 2.0 * VISCOSITY * (2.0 - x[0]);
-    let form = stokes::flow(&stokes::Data { viscosity: VISCOSITY }, &stokes::Omega::on("all"));
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [4, 3], shape, 1).unwrap());
+        let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
+        // u = (y(1 − y), 0), p = 2ν (2 − x); the inertia of this flow vanishes.
+        let profile = |x: &[f64; 2]| [x[1] * (1.0 - x[1]), 0.0];
+        let pressure = |x: &[f64; 2]| 2.0 * VISCOSITY * (2.0 - x[0]);
+        let assembler = Assembler::new(&mesh);
+        let (u, p) = (Field::zero(&velocities), Field::zero(&pressures));
+        let mut walls = Constraints::new(&velocities);
+        walls.fix("boundary", profile).unwrap();
+        let mut level = Constraints::new(&pressures);
+        level.fix_nearest(&[0.0, 0.0], pressure(&[0.0, 0.0])).unwrap();
+
+        let form = stokes::flow(&data([0.0; 2].into(), 0.0), &stokes::Omega::on("all"));
+        let matrix = assembler.tangent(&form, &[&u, &p], &[&velocities, &pressures]).unwrap();
+        assert!(matrix.is_symmetric(1e-14).unwrap());
+        let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
+        let mut solver = TangentSolver::default();
+        let solution = problem.solve_affine([&walls, &level], &mut solver).unwrap();
+        assert_eq!(solver.report().lu_factorisations, 1);
+
+        let form = stokes::navier(&data([0.0; 2].into(), 3.0), &stokes::Omega::on("all"));
+        let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
+        let options = NewtonOptions::default();
+        let solved = problem.solve([&u, &p], [&walls, &level], &mut solver, &options, &mut |_| ()).unwrap();
+        assert!(solved.history.len() <= 7, "{:?}", solved.history);
+
+        for fields in [&solution, &solved.fields] {
+            for (value, exact) in fields[0].values().chunks(2).zip(velocities.positions().iter().map(profile))
+            {
+                assert!((value[0] - exact[0]).abs() < 1e-11 && (value[1] - exact[1]).abs() < 1e-11);
+            }
+            for (value, exact) in fields[1].values().iter().zip(pressures.positions().iter().map(pressure)) {
+                assert!((value - exact).abs() < 1e-10, "{value} against {exact}");
+            }
+        }
+    }
+}
+
+// Orders 3 and 2 in L² for velocity and pressure.
+#[test]
+fn taylor_hood_elements_converge() {
+    let mut errors = Vec::new();
+    for cells in [8, 16] {
+        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [cells, cells], CellShape::Triangle, 1).unwrap());
+        let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
+        // u = curl of sin(πx) sin(πy), p = sin(πx) cos(πy) with f = −ν Δu + ∇p.
+        const PI: f64 = std::f64::consts::PI;
+        let u = |x: &[f64; 2]| {
+            let (s, t) = (PI * x[0], PI * x[1]);
+            [PI * s.sin() * t.cos(), -PI * s.cos() * t.sin()]
+        };
+        let force = move |x: &[f64; 2]| {
+            let (s, t) = (PI * x[0], PI * x[1]);
+            let viscous = 2.0 * PI * PI * VISCOSITY;
+            let [a, b] = u(x);
+            [viscous * a + PI * s.cos() * t.cos(), viscous * b - PI * s.sin() * t.sin()]
+        };
+        let form = stokes::flow(&data(Given::function(force), 0.0), &stokes::Omega::on("all"));
+        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
+        let mut walls = Constraints::new(&velocities);
+        walls.fix("boundary", u).unwrap();
+        let mut level = Constraints::new(&pressures);
+        level.fix_nearest(&[0.0, 0.0], 0.0).unwrap();
+        let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
+        let [velocity, pressure] =
+            problem.solve_affine([&walls, &level], &mut TangentSolver::default()).unwrap();
+        let l2 = |field: &Field<2>, exact: Exact| {
+            let no_slope = |_: &[f64; 2], slope: &mut [f64]| slope.fill(0.0);
+            norms::errors(&assembler, field, exact, no_slope).unwrap().l2
+        };
+        // The pinned node moves the level by its own error: compared are pressures of equal mean.
+        let exact = |x: &[f64; 2]| (PI * x[0]).sin() * (PI * x[1]).cos();
+        let interpolated = Field::interpolate(&pressures, exact).unwrap();
+        let mean = |field: &Field<2>| norms::mean(&assembler, field).unwrap()[0];
+        let shift = mean(&pressure) - mean(&interpolated);
+        let values = pressure.values().iter().map(|value| value - shift).collect();
+        let pressure = Field::from_values(&pressures, values).unwrap();
+        errors.push([
+            l2(&velocity, Box::new(move |x, out| out.copy_from_slice(&u(x)))),
+            l2(&pressure, Box::new(move |x, out| out[0] = exact(x))),
+        ]);
+    }
+    let orders: Vec<f64> = errors[0].iter().zip(errors[1]).map(|(a, b)| (a / b).log2()).collect();
+    assert!(orders[0] > 2.8 && orders[1] > 1.9, "orders {orders:?}, errors {errors:?}");
+}
+
+#[test]
+fn what_no_integral_couples_is_not_stored() {
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Triangle, 1).unwrap());
+    let spaces = [&Space::vector(&mesh, 2).unwrap(), &Space::scalar(&mesh, 1).unwrap()];
+    let form = stokes::flow(&data([0.0; 2].into(), 0.0), &stokes::Omega::on("all"));
+    let (lean, full) = (
+        BlockPattern::for_form(&form, &spaces, &spaces).unwrap(),
+        BlockPattern::new(&spaces, &spaces).unwrap(),
+    );
+    let offset = lean.row_offset(1);
+    for row in 0..lean.pattern().rows() {
+        let kept: Vec<u32> = full.pattern().row(row).to_vec();
+        let expected: Vec<u32> =
+            kept.into_iter().filter(|&column| row < offset || (column as usize) < offset).collect();
+        assert_eq!(lean.pattern().row(row), expected);
+    }
+    assert!(lean.pattern().is_symmetric());
+    let zero = spaces.map(Field::zero);
+    let zero = zero.each_ref();
+    let matrix = Assembler::new(&mesh).tangent(&form, &zero, &spaces).unwrap();
+    assert_eq!(**matrix.pattern(), **lean.pattern());
+}
+
+#[test]
+fn a_pattern_of_another_form_is_an_error() {
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap());
+    let spaces = [&Space::vector(&mesh, 1).unwrap(), &Space::scalar(&mesh, 1).unwrap()];
     let assembler = Assembler::new(&mesh);
-    let (u, p) = (Field::zero(&velocities), Field::zero(&pressures));
-    let matrix = assembler.tangent(&form, &[&u, &p], &[&velocities, &pressures]).unwrap();
-    assert!(matrix.is_symmetric(1e-14).unwrap());
+    let part = {
+        let mut mesh = (*mesh).clone();
+        mesh.name_cells("part", |centre| centre[0] < 0.5).unwrap();
+        Arc::new(mesh)
+    };
+    let on_part = [&Space::vector(&part, 1).unwrap(), &Space::scalar(&part, 1).unwrap()];
+    let data = data([0.0; 2].into(), 0.0);
+    let small = stokes::flow(&data, &stokes::Omega::on("part"));
+    let pattern = BlockPattern::for_form(&small, &on_part, &on_part).unwrap();
+    let form = stokes::flow(&data, &stokes::Omega::on("all"));
+    let mut matrix = forms_fem::linear_algebra::CsrMatrix::zero(pattern.pattern());
+    let zero = spaces.map(Field::zero);
+    let error = assembler
+        .add_tangent(&form, &zero.each_ref(), &spaces, Parts::ALL, &pattern, &mut matrix)
+        .unwrap_err();
+    assert_eq!(error.to_string(), "form `flow` couples `v` with `u` where the matrix pattern has no entries");
+}
 
+#[test]
+fn an_undetermined_pressure_is_named() {
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [6, 6], CellShape::Triangle, 1).unwrap());
+    let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
+    let assembler = Assembler::new(&mesh);
+    let form = stokes::flow(&data([1.0, 0.0].into(), 0.0), &stokes::Omega::on("all"));
     let mut walls = Constraints::new(&velocities);
-    walls.fix("boundary", profile).unwrap();
-    let mut prescribed: BTreeMap<usize, f64> = walls.prescribed().clone();
-    // The pressure is fixed at one node.
-    let offset = velocities.unknowns();
-    prescribed.insert(offset, pressure(&pressures.positions()[0]));
-    let mut elimination = Elimination::new(matrix.rows(), &prescribed).unwrap();
-    let load = vec![0.0; matrix.rows()];
-    let mut solver = TangentSolver::default();
-    let solution = solve_linear(&matrix, &load, &mut elimination, &mut solver).unwrap().solution;
+    walls.fix("boundary", |_| [0.0, 0.0]).unwrap();
+    let nothing = Constraints::new(&pressures);
+    let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
+    let error = problem.solve_affine([&walls, &nothing], &mut TangentSolver::default()).unwrap_err();
+    assert!(
+        matches!(
+            &error,
+            LinearProblemError::Solver(SolverError::Undetermined { field: "p", component: None, .. })
+        ),
+        "{error}"
+    );
+    // Without any boundary condition the velocity is not determined either, and Newton says so.
+    let start = [&Field::zero(&velocities), &Field::zero(&pressures)];
+    let free = Constraints::new(&velocities);
+    let options = NewtonOptions::default();
+    let failed =
+        problem.solve(start, [&free, &nothing], &mut TangentSolver::default(), &options, &mut |_| ());
+    let message = failed.map(|_| ()).unwrap_err().to_string();
+    assert!(message.contains("the matrix is singular: nothing determines component"), "{message}");
 
-    let exact: Vec<f64> = velocities.positions().iter().flat_map(profile).collect();
-    let exact: Vec<f64> = exact.into_iter().chain(pressures.positions().iter().map(pressure)).collect();
-    for (value, exact) in solution.iter().zip(&exact) {
-        assert!((value - exact).abs() < 1e-11, "{value} against {exact}");
-    }
-    // The residual of the solution vanishes on free unknowns.
-    let u = Field::from_values(&velocities, solution[..offset].to_vec()).unwrap();
-    let p = Field::from_values(&pressures, solution[offset..].to_vec()).unwrap();
-    let residual = assembler.residual(&form, &[&u, &p], &[&velocities, &pressures]).unwrap();
-    for unknown in elimination.free() {
-        assert!(residual[*unknown].abs() < 1e-12);
-    }
+    let error = problem.solve_affine([&walls, &Constraints::new(&velocities)], &mut TangentSolver::default());
+    assert_eq!(
+        error.map(|_| ()).unwrap_err().to_string(),
+        "form `flow`: the constraints given for `p` belong to another space"
+    );
 }

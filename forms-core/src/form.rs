@@ -48,7 +48,7 @@ pub struct FieldDescription {
     pub name: &'static str,
     /// Its role.
     pub role: Role,
-    /// Shape in this dimension: `[]`, `[D]`, `[D, D]`.
+    /// Shape in this dimension: `[]`, `[D]`, `[D, D]`, or with extents of its own, `[3]`.
     pub shape: &'static [usize],
 }
 

@@ -211,7 +211,7 @@ pub trait BilinearKernel<const D: usize>: Send + Sync {
 pub trait ExpressionKernel<const D: usize>: Send + Sync {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;
-    /// Shape of the value: `[]` scalar, `[D]` vector, `[D, D]` tensor.
+    /// Shape of the value: `[]` scalar, `[D]` vector, `[D, D]` tensor, or any extents up to rank 4.
     const SHAPE: &'static [usize];
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;

@@ -28,4 +28,6 @@ pub mod contract {
     };
     pub use crate::lane::Lane;
     pub use crate::source::{DiscreteField, FieldHandle, FieldValue, Given, Source};
+    #[doc(hidden)]
+    pub use forms_macro::resume_forms;
 }

@@ -56,7 +56,7 @@ impl<const D: usize> fmt::Debug for Source<D> {
     }
 }
 
-/// A value of rank 0, 1 or 2 with `f64` components.
+/// A value of any rank with `f64` components, an array of arrays.
 pub trait FieldValue: Copy + Send + Sync + 'static {
     /// Number of scalar components.
     const COMPONENTS: usize;

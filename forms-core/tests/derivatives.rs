@@ -7,7 +7,7 @@ use forms_core::contract::*;
 use forms_core::forms;
 use toy_backend::mesh::{Mesh, determinant, inverse};
 use toy_backend::random::Random;
-use toy_backend::{Nodal, expression, residual, tangent};
+use toy_backend::{Nodal, differences, expression};
 
 type Matrix = Vec<Vec<f64>>;
 
@@ -142,44 +142,8 @@ impl<const D: usize> State<D> {
         }
     }
 
-    fn moved(&self, direction: &[f64], step: f64) -> [Nodal; 2] {
-        let mut moved = self.unknowns.clone();
-        let values = moved.iter_mut().flat_map(|field| &mut field.values);
-        values.zip(direction).for_each(|(value, direction)| *value += step * direction);
-        moved
-    }
-
     fn check_tangent<F: Form<D>>(&mut self, form: &F) {
-        let at = |unknowns: &[Nodal]| residual::<f64, F, D>(&self.mesh, form, unknowns);
-        let matrix = tangent::<f64, F, D>(&self.mesh, form, &self.unknowns);
-        let scale = matrix.iter().flatten().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
-        // Central differences, column by column: error h² f‴ / 6 + rounding / h.
-        let (columns, step) = (matrix[0].len(), 1e-5);
-        for column in 0..columns {
-            let unit: Vec<f64> = (0..columns).map(|k| if k == column { 1.0 } else { 0.0 }).collect();
-            let (above, below) = (at(&self.moved(&unit, step)), at(&self.moved(&unit, -step)));
-            for row in 0..matrix.len() {
-                let difference = (above[row] - below[row]) / (2.0 * step);
-                let entry = matrix[row][column];
-                assert!(
-                    (difference - entry).abs() <= 2e-8 * scale,
-                    "({row}, {column}): {entry}, by differences {difference}"
-                );
-            }
-        }
-        // Taylor: |R(u + t w) − R(u) − t K w| = O(t²), unless it is nothing but rounding.
-        let direction: Vec<f64> = (0..columns).map(|_| self.random.number()).collect();
-        let at = |unknowns: &[Nodal]| residual::<f64, F, D>(&self.mesh, form, unknowns);
-        let start = at(&self.unknowns);
-        let slope: Vec<f64> = matrix.iter().map(|row| dot(row, &direction)).collect();
-        let remainder = |step: f64| -> f64 {
-            let moved = at(&self.moved(&direction, step));
-            let rows = moved.iter().zip(&start).zip(&slope);
-            rows.map(|((moved, start), slope)| (moved - start - step * slope).powi(2)).sum::<f64>().sqrt()
-        };
-        let (first, second) = (remainder(1e-3), remainder(0.5e-3));
-        let order = (first / second).log2();
-        assert!(first <= 1e-14 * scale || order > 1.9, "order {order}: {first} then {second}");
+        differences::check_tangent(&self.mesh, form, &self.unknowns, &mut self.random);
     }
 }
 

@@ -8,3 +8,10 @@ use proc_macro::TokenStream;
 pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
     forms_compiler::forms(attribute.into(), item.into()).into()
 }
+
+/// Goes on with a module whose import has arrived; called by compiled modules only.
+#[doc(hidden)]
+#[proc_macro]
+pub fn resume_forms(input: TokenStream) -> TokenStream {
+    forms_compiler::resume_forms(input.into()).into()
+}

@@ -14,8 +14,12 @@ from pathlib import Path
 import numpy as np
 
 import meshes
+import mooney_rivlin
 import neo_hookean
+import p_laplacian
 import reference_file
+import stokes
+from checks import check_tangent, close, symmetric
 from discretisation import Discretisation, random_field
 from nitsche import Contact, elasticity
 
@@ -27,6 +31,8 @@ BODY_FORCE = np.array([0.3, -0.7])
 CRITERION_FORCE = np.array([0.4, -1.0])          # F of M(u) = F . u
 CRITERION_BOUNDARY = 3.0                         # c of N(u) = c |u|^2 / 2
 MADE_BY = "tests/scikit_fem/make_references.py with scikit-fem 12.0.1"
+# Forms whose cases stand beside them: a file each, with a function `cases` that gives (case, record).
+FORMS = [mooney_rivlin, p_laplacian, stokes]
 
 
 def elasticity_references():
@@ -203,22 +209,11 @@ def neo_hookean_references():
     }
 
 
-def check_tangent(residual, tangent, u, step, tolerance):
-    """Every column against central differences, relative to the largest entry."""
-    for column in range(len(u)):
-        moved = np.zeros(len(u))
-        moved[column] = step
-        difference = (residual(u + moved) - residual(u - moved)) / (2 * step)
-        error = np.abs(difference - np.asarray(tangent @ (moved / step)).ravel()).max()
-        assert error < tolerance * abs(tangent).max(), (column, error, abs(tangent).max())
-
-
-def close(a, b):
-    assert abs(a - b).max() < 1e-13 * abs(a).max(), abs(a - b).max() / abs(a).max()
-
-
-def symmetric(matrix):
-    close(matrix, matrix.T)
+def form_references():
+    """The cases of all other forms."""
+    for form in FORMS:
+        for case, record in form.cases():
+            yield f"{form.__name__}_{case}", {"made_by": MADE_BY, **record}
 
 
 def main():
@@ -226,7 +221,10 @@ def main():
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
     check = parser.parse_args().check
     problems, names = [], set()
-    for references in (elasticity_references, nitsche_references, poisson_references, neo_hookean_references):
+    families = [
+        elasticity_references, nitsche_references, poisson_references, neo_hookean_references, form_references
+    ]
+    for references in families:
         for name, record in references():
             path, fresh = FOLDER / f"{name}.json", reference_file.text(record)
             names.add(path.name)

@@ -7,3 +7,7 @@ pub mod contact_by_loops;
 pub mod dense;
 pub mod reference_file;
 pub mod taylor;
+
+/// The page of translations, whose blocks in our notation are compiled here (`cargo test --doc`).
+#[doc = include_str!("../../docs/coming_from.md")]
+pub mod coming_from {}

@@ -22,15 +22,29 @@ pub enum Family {
     Elasticity,
     /// Scalar matrices, a load, norms.
     Poisson,
-    /// An energy with its derivatives.
+    /// Energies with their derivatives.
     NeoHookean,
+    /// The same, with two invariants.
+    MooneyRivlin,
+    /// The same, for a scalar field.
+    PLaplacian,
+    /// Two unknowns.
+    Stokes,
     /// The direct contact problem and its adjoints.
     Nitsche,
 }
 
 impl Family {
     /// Every family.
-    pub const ALL: [Family; 4] = [Family::Elasticity, Family::Poisson, Family::NeoHookean, Family::Nitsche];
+    pub const ALL: [Family; 7] = [
+        Family::Elasticity,
+        Family::Poisson,
+        Family::NeoHookean,
+        Family::MooneyRivlin,
+        Family::PLaplacian,
+        Family::Stokes,
+        Family::Nitsche,
+    ];
 
     /// How the names of its files begin.
     pub fn prefix(self) -> &'static str {
@@ -38,6 +52,9 @@ impl Family {
             Family::Elasticity => "elasticity",
             Family::Poisson => "poisson",
             Family::NeoHookean => "neo_hookean",
+            Family::MooneyRivlin => "mooney_rivlin",
+            Family::PLaplacian => "p_laplacian",
+            Family::Stokes => "stokes",
             Family::Nitsche => "nitsche",
         }
     }
@@ -81,6 +98,7 @@ pub struct ReferenceFile {
     space_degree: usize,
     components: usize,
     space_nodes: Vec<Vec<f64>>,
+    second_space: Option<SecondSpace>,
     cell_quadrature: CellRule,
     facet_quadrature: Option<SegmentRule>,
     #[serde(default)]
@@ -96,6 +114,16 @@ pub struct ReferenceFile {
     vectors: BTreeMap<String, Vec<f64>>,
     #[serde(default)]
     numbers: BTreeMap<String, f64>,
+}
+
+/// The space of a second unknown, whose numbers follow those of the first, and its state.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SecondSpace {
+    space_degree: usize,
+    components: usize,
+    space_nodes: Vec<Vec<f64>>,
+    u: Vec<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -149,7 +177,9 @@ pub struct Reference<const D: usize> {
     pub largest_deviation: f64,
     data: BTreeMap<String, Value>,
     u: Option<Vec<f64>>,
-    /// Unknown of the file → unknown here.
+    second_space: Option<Arc<Space<D>>>,
+    second_u: Vec<f64>,
+    /// Unknown of the file → unknown here; those of the second space follow.
     number: Vec<usize>,
     matrices: BTreeMap<String, Triplets>,
     vectors: BTreeMap<String, Vec<f64>>,
@@ -182,13 +212,15 @@ impl<const D: usize> Reference<D> {
             }
         }
         let mesh = Arc::new(mesh);
-        let space = if file.components == 1 {
-            Space::scalar(&mesh, file.space_degree)
-        } else {
-            assert_eq!(file.components, D, "{name}");
-            Space::vector(&mesh, file.space_degree)
-        };
-        let space = space.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let space = space_on(&name, &mesh, file.space_degree, file.components);
+        let mut number = match_nodes(&name, &space, &file.space_nodes);
+        let (mut second_space, mut second_u) = (None, Vec::new());
+        if let Some(second) = file.second_space {
+            let space = space_on(&name, &mesh, second.space_degree, second.components);
+            let first = number.len();
+            number.extend(match_nodes(&name, &space, &second.space_nodes).iter().map(|k| first + k));
+            (second_space, second_u) = (Some(space), second.u);
+        }
         let cell = QuadratureRule {
             points: file.cell_quadrature.points.iter().map(|node| point(node)).collect(),
             weights: file.cell_quadrature.weights,
@@ -209,11 +241,13 @@ impl<const D: usize> Reference<D> {
             largest_deviation: 0.0,
             data: file.data,
             u: file.u,
-            number: match_nodes(&name, &space, &file.space_nodes),
+            second_u,
+            number,
             matrices: file.matrices,
             vectors: file.vectors,
             numbers: file.numbers,
             space,
+            second_space,
             name,
         }
     }
@@ -233,12 +267,23 @@ impl<const D: usize> Reference<D> {
     /// The file's state u.
     pub fn u(&self) -> Field<D> {
         let theirs = self.u.as_ref().unwrap_or_else(|| panic!("{}: u", self.name));
-        assert_eq!(theirs.len(), self.number.len(), "{}: u", self.name);
+        self.field(&self.space, theirs, 0)
+    }
+
+    /// The space of the second unknown and the file's state of it.
+    pub fn second(&self) -> (Arc<Space<D>>, Field<D>) {
+        let space = self.second_space.clone().unwrap_or_else(|| panic!("{}: one space only", self.name));
+        let field = self.field(&space, &self.second_u, self.space.unknowns());
+        (space, field)
+    }
+
+    fn field(&self, space: &Arc<Space<D>>, theirs: &[f64], first: usize) -> Field<D> {
+        assert_eq!(theirs.len(), space.unknowns(), "{}: u", self.name);
         let mut values = vec![0.0; theirs.len()];
-        for (value, number) in theirs.iter().zip(&self.number) {
-            values[*number] = *value;
+        for (value, number) in theirs.iter().zip(&self.number[first..]) {
+            values[*number - first] = *value;
         }
-        Field::from_values(&self.space, values).unwrap_or_else(|error| panic!("{}: {error}", self.name))
+        Field::from_values(space, values).unwrap_or_else(|error| panic!("{}: {error}", self.name))
     }
 
     /// Compares a matrix, also where only one side stores an entry.
@@ -297,6 +342,21 @@ impl<const D: usize> Reference<D> {
 
 fn point<const D: usize>(coordinates: &[f64]) -> [f64; D] {
     coordinates.try_into().unwrap_or_else(|_| panic!("{coordinates:?} has not {D} coordinates"))
+}
+
+fn space_on<const D: usize>(
+    name: &str,
+    mesh: &Arc<Mesh<D>>,
+    degree: usize,
+    components: usize,
+) -> Arc<Space<D>> {
+    let space = if components == 1 {
+        Space::scalar(mesh, degree)
+    } else {
+        assert_eq!(components, D, "{name}");
+        Space::vector(mesh, degree)
+    };
+    space.unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// The number here of each unknown of the file, by the positions of the nodes.

@@ -1,28 +1,11 @@
 //! A neo-Hookean solid stated by its energy alone, against scikit-fem's hand-written residual and tangent;
 //! and a Taylor test of the same.
 
+use forms_examples::neo_hookean::solid;
 use forms_fem::prelude::*;
 use forms_tests::dense::{assert_close, dense};
 use forms_tests::reference_file::{Family, Reference, ReferenceFile};
 use forms_tests::taylor::assert_second_order;
-
-#[forms]
-mod solid {
-    pub struct Data {
-        pub lambda: Param,
-        pub mu: Param,
-    }
-
-    #[cells]
-    pub struct Omega;
-
-    /// ∫ μ/2 (F:F − d) − μ ln J + λ/2 (ln J)², F = I + ∇u.
-    pub fn energy(u: Unknown<Vector>) -> Energy {
-        let F = I + grad(u);
-        let J = det(F);
-        integral(Omega, mu / 2 * (inner(F, F) - D) - mu * ln(J) + lambda / 2 * pow(ln(J), 2))
-    }
-}
 
 fn form(reference: &Reference<2>) -> solid::energy::Form<2> {
     let data = solid::Data::<2> { lambda: reference.number("lambda"), mu: reference.number("mu") };

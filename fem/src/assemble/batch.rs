@@ -3,12 +3,20 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{Basis, CellGeometry, FieldSlot, Lane, Order, PointGeometry, Requirements};
+mod side;
+
+use forms_core::contract::{
+    Basis, CellGeometry, FieldSlot, Hessian, Lane, Order, PointGeometry, Requirements, Side,
+};
+
+use self::side::{BatchSide, inverse_transposed, surface};
 
 use super::AssemblyError;
 use super::binding::{Binding, Values};
-use super::walk::Group;
-use crate::element::Tables;
+use super::walk::{Group, reads_hessians};
+
+/// The two sides of an interior facet see a point at the same place up to this part of h.
+const SAME_PLACE: f64 = 1e-10;
 
 /// The widest lane type of any instruction set.
 pub(super) const WIDEST: usize = 16;
@@ -18,16 +26,14 @@ pub(super) struct Batch<'a, L, const D: usize> {
     binding: &'a Binding<'a, D>,
     group: &'a Group<D>,
     requirements: Requirements,
-    /// Cells of this batch; the last one repeats to fill the lanes.
-    cells: [u32; WIDEST],
     /// How many lanes hold cells of their own.
     filled: usize,
-    /// Positions of the geometry nodes.
-    nodes: Vec<[L; D]>,
+    /// The cells on each side of the group.
+    sides: Vec<BatchSide<'a, L, D>>,
+    /// How far the two sides of an interior facet may be apart.
+    tolerance: [f64; WIDEST],
     /// Coefficients of the field of each slot: node × component.
     coefficients: Vec<Vec<L>>,
-    /// Basis functions at the current point, one list per element.
-    basis: Vec<Vec<Basis<L, D>>>,
     fields: Vec<L>,
 }
 
@@ -38,49 +44,63 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         requirements: Requirements,
     ) -> Result<Self, AssemblyError> {
         let zero = L::splat(0.0);
+        let form = binding.name;
+        let mut coefficients = Vec::new();
         for slot in requirements.fields {
-            if slot.order == Order::Gradient && matches!(binding.values[slot.field], Values::Function(_)) {
-                let field = binding.fields[slot.field].name;
-                return Err(AssemblyError::GradientOfFunction { form: binding.name, field });
-            }
+            let side = group.side(form, slot.side)?;
+            let field = binding.fields[slot.field].name;
+            coefficients.push(match &binding.values[slot.field] {
+                Values::Function(_) if slot.order != Order::Value => {
+                    return Err(AssemblyError::GradientOfFunction { form, field });
+                }
+                Values::Discrete { element, space, .. } => {
+                    group.check_support(form, field, space)?;
+                    if let (Order::Hessian, Some(region)) = (slot.order, space.facet_region()) {
+                        let region = region.to_owned();
+                        return Err(AssemblyError::HessianOnFacets { form, field, region });
+                    }
+                    vec![zero; group.sides[side].elements[*element].nodes * slot.components]
+                }
+                _ => vec![],
+            });
         }
         let needs_facet = requirements.normal || requirements.facet_area || requirements.curvature;
-        if needs_facet && group.facet.is_none() {
-            return Err(AssemblyError::NeedsFacet { form: binding.name });
+        if needs_facet && group.sides[0].facet.is_none() {
+            return Err(AssemblyError::NeedsFacet { form });
         }
-        let coefficients = requirements.fields.iter().map(|slot| match &binding.values[slot.field] {
-            Values::Discrete { element, .. } => {
-                vec![zero; group.elements[*element].nodes * slot.components]
-            }
-            _ => vec![],
-        });
-        let empty = Basis { value: zero, gradient: [zero; D] };
+        if requirements.opposite_diameter || requirements.opposite_volume {
+            group.side(form, Side::Other)?;
+        }
         Ok(Batch {
             binding,
             group,
             requirements,
-            cells: [0; WIDEST],
             filled: 0,
-            nodes: vec![[zero; D]; group.geometry.nodes],
-            coefficients: coefficients.collect(),
-            basis: group.elements.iter().map(|tables| vec![empty; tables.nodes]).collect(),
+            sides: group.sides.iter().map(BatchSide::new).collect(),
+            tolerance: [0.0; WIDEST],
+            coefficients,
             fields: vec![zero; requirements.field_length],
         })
     }
 
     /// Number of batches in the group.
     pub fn count(&self) -> usize {
-        self.group.cells.len().div_ceil(L::WIDTH)
+        self.group.sides[0].cells.len().div_ceil(L::WIDTH)
     }
 
-    /// The cells of this batch, without the repeated ones.
-    pub fn cells(&self) -> &[u32] {
-        &self.cells[..self.filled]
+    /// The cells of this batch on a side, without the repeated ones.
+    pub fn cells(&self, side: usize) -> &[u32] {
+        &self.sides[side].cells[..self.filled]
     }
 
     /// The basis functions of an element at the current point.
-    pub fn basis(&self, element: usize) -> &[Basis<L, D>] {
-        &self.basis[element]
+    pub fn basis(&self, side: usize, element: usize) -> &[Basis<L, D>] {
+        &self.sides[side].basis[element]
+    }
+
+    /// Second derivatives of the basis functions of an element at the current point.
+    pub fn hessians(&self, side: usize, element: usize) -> &[Hessian<L, D>] {
+        &self.sides[side].hessians[element]
     }
 
     /// The fields at the current point, as the kernel wants them.
@@ -90,30 +110,25 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
 
     /// Loads the index-th batch and gives what is constant on its cells.
     pub fn load(&mut self, index: usize) -> CellGeometry<L> {
-        let start = index * L::WIDTH;
-        let own = &self.group.cells[start..(start + L::WIDTH).min(self.group.cells.len())];
-        self.filled = own.len();
-        for lane in 0..L::WIDTH {
-            self.cells[lane] = own[lane.min(own.len() - 1)];
-        }
         let mesh = self.binding.mesh;
-        let mut lanes = [0.0; WIDEST];
-        for node in 0..self.nodes.len() {
-            for axis in 0..D {
-                for lane in 0..L::WIDTH {
-                    let number = mesh.cell(self.cells[lane] as usize)[node];
-                    lanes[lane] = mesh.nodes()[number as usize][axis];
-                }
-                self.nodes[node][axis] = L::load(&lanes);
-            }
+        let start = index * L::WIDTH;
+        self.filled = L::WIDTH.min(self.group.sides[0].cells.len() - start);
+        for side in &mut self.sides {
+            side.load(mesh, start, self.filled);
         }
+        let mut lanes = [0.0; WIDEST];
         for (slot, coefficients) in self.requirements.fields.iter().zip(&mut self.coefficients) {
             let Values::Discrete { space, values, .. } = &self.binding.values[slot.field] else { continue };
+            let side = &self.sides[side_index(slot.side)];
+            let local = side.tables.facet.map(|(local, _)| local);
+            let mut nodes: [&[u32]; WIDEST] = [&[]; WIDEST];
+            for lane in 0..L::WIDTH {
+                nodes[lane] = space.nodes_at(side.cells[lane], local);
+            }
             for (entry, coefficient) in coefficients.iter_mut().enumerate() {
                 let (node, component) = (entry / slot.components, entry % slot.components);
                 for lane in 0..L::WIDTH {
-                    let number = space.cell_nodes(self.cells[lane] as usize)[node] as usize;
-                    lanes[lane] = values[number * slot.components + component];
+                    lanes[lane] = values[nodes[lane][node] as usize * slot.components + component];
                 }
                 *coefficient = L::load(&lanes);
             }
@@ -121,8 +136,9 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         self.cell_geometry()
     }
 
-    fn cell_geometry(&self) -> CellGeometry<L> {
+    fn cell_geometry(&mut self) -> CellGeometry<L> {
         let zero = L::splat(0.0);
+        let requirements = &self.requirements;
         let mut geometry = CellGeometry {
             diameter: zero,
             cell_volume: zero,
@@ -130,91 +146,97 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
             opposite_diameter: zero,
             opposite_volume: zero,
         };
-        if self.requirements.diameter {
-            let mut lanes = [0.0; WIDEST];
-            for lane in 0..L::WIDTH {
-                lanes[lane] = self.binding.mesh.diameter(self.cells[lane] as usize);
-            }
-            geometry.diameter = L::load(&lanes);
+        let this = &self.sides[0];
+        if requirements.diameter {
+            geometry.diameter = this.diameter(self.binding.mesh);
         }
-        if self.requirements.cell_volume {
-            let measure = &self.group.measure;
-            for (q, weight) in measure.cell_weights.iter().enumerate() {
-                let (determinant, _) = inverse_transposed(&self.jacobian(&measure.cell, q));
-                geometry.cell_volume = determinant.multiply_add(L::splat(*weight), geometry.cell_volume);
-            }
+        if requirements.cell_volume {
+            geometry.cell_volume = this.volume();
         }
         if let (true, Some((tables, weights)), Some((_, tangents))) =
-            (self.requirements.facet_area, &self.group.measure.facet, &self.group.facet)
+            (requirements.facet_area, &this.tables.measure.facet, &this.tables.facet)
         {
             for (q, weight) in weights.iter().enumerate() {
-                let (element, _) = surface(&self.jacobian(tables, q), tangents);
+                let (element, _) = surface(&this.jacobian(tables, q), tangents);
                 geometry.facet_area = element.multiply_add(L::splat(*weight), geometry.facet_area);
+            }
+        }
+        if let Some(other) = self.sides.get(1) {
+            let diameter = other.diameter(self.binding.mesh);
+            diameter.store(&mut self.tolerance);
+            if requirements.opposite_diameter {
+                geometry.opposite_diameter = diameter;
+            }
+            if requirements.opposite_volume {
+                geometry.opposite_volume = other.volume();
             }
         }
         geometry
     }
 
-    /// ∂x_i/∂ξ_j at a point of a table of the geometry map.
-    fn jacobian(&self, tables: &Tables<D>, q: usize) -> [[L; D]; D] {
-        let mut jacobian = [[L::splat(0.0); D]; D];
-        for (node, slope) in self.nodes.iter().zip(&tables.gradient[q * tables.nodes..]) {
-            for i in 0..D {
-                for j in 0..D {
-                    jacobian[i][j] = node[i].multiply_add(L::splat(slope[j]), jacobian[i][j]);
-                }
-            }
-        }
-        jacobian
-    }
-
     /// Moves to the q-th point: geometry, basis functions, fields.
     pub fn point(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
         let zero = L::splat(0.0);
-        let group = self.group;
-        let jacobian = self.jacobian(&group.geometry, q);
+        let this = &mut self.sides[0];
+        let jacobian = this.jacobian(&this.tables.geometry, q);
         let (determinant, inverse) = inverse_transposed(&jacobian);
         let mut geometry = PointGeometry {
-            weight: L::splat(group.weights[q]),
-            position: [zero; D],
+            weight: L::splat(self.group.weights[q]),
+            position: this.position(q),
             normal: [zero; D],
             curvature: zero,
         };
-        match &group.facet {
+        match &this.tables.facet {
             None => geometry.weight = geometry.weight * determinant,
             Some((_, tangents)) => {
                 let (element, normal) = surface(&jacobian, tangents);
                 geometry.weight = geometry.weight * element;
                 geometry.normal = normal;
                 if self.requirements.curvature {
-                    geometry.curvature = self.curvature(q, &jacobian, tangents, &normal);
+                    geometry.curvature = this.curvature(q, &jacobian, tangents, &normal);
                 }
             }
         }
-        for (node, value) in self.nodes.iter().zip(&group.geometry.value[q * self.nodes.len()..]) {
-            for axis in 0..D {
-                geometry.position[axis] = node[axis].multiply_add(L::splat(*value), geometry.position[axis]);
-            }
-        }
-        for (tables, basis) in group.elements.iter().zip(&mut self.basis) {
-            let start = q * tables.nodes;
-            for (node, basis) in basis.iter_mut().enumerate() {
-                basis.value = L::splat(tables.value[start + node]);
-                let slope = &tables.gradient[start + node];
-                for i in 0..D {
-                    let mut sum = zero;
-                    for j in 0..D {
-                        sum = inverse[i][j].multiply_add(L::splat(slope[j]), sum);
-                    }
-                    basis.gradient[i] = sum;
-                }
-            }
+        let elements = &self.binding.elements;
+        let hessians = reads_hessians(&self.requirements);
+        this.evaluate_basis(elements, q, &inverse, &geometry.normal, hessians);
+        if let Some(other) = self.sides.get_mut(1) {
+            let (_, inverse) = inverse_transposed(&other.jacobian(&other.tables.geometry, q));
+            other.evaluate_basis(elements, q, &inverse, &geometry.normal, hessians);
+            self.check_facing(q, &geometry.position)?;
         }
         for index in 0..self.requirements.fields.len() {
             let slot = self.requirements.fields[index];
             self.evaluate(&slot, index, &geometry.position)?;
         }
         Ok(geometry)
+    }
+
+    /// Both sides of an interior facet must see its q-th point at one place.
+    fn check_facing(&self, q: usize, position: &[L; D]) -> Result<(), AssemblyError> {
+        let other = self.sides[1].position(q);
+        let mut square = L::splat(0.0);
+        for axis in 0..D {
+            let gap = other[axis] - position[axis];
+            square = gap.multiply_add(gap, square);
+        }
+        let mut gaps = [0.0; WIDEST];
+        square.sqrt().store(&mut gaps);
+        for lane in 0..self.filled {
+            let distance = gaps[lane];
+            if distance <= SAME_PLACE * self.tolerance[lane] {
+                continue;
+            }
+            let cells = [self.cells(0)[lane], self.cells(1)[lane]];
+            let mut lanes = [0.0; WIDEST];
+            let position = position.iter().map(|x| {
+                x.store(&mut lanes);
+                lanes[lane]
+            });
+            let (form, position) = (self.binding.name, position.collect());
+            return Err(AssemblyError::FacetMismatch { form, cells, position, distance });
+        }
+        Ok(())
     }
 
     fn evaluate(&mut self, slot: &FieldSlot, index: usize, position: &[L; D]) -> Result<(), AssemblyError> {
@@ -234,8 +256,10 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
             }
             Values::Discrete { element, .. } => {
                 target.fill(zero);
+                let side = &self.sides[side_index(slot.side)];
+                let basis = side.basis[*element].iter().zip(&side.hessians[*element]);
                 let coefficients = self.coefficients[index].chunks(slot.components);
-                for (basis, coefficients) in self.basis[*element].iter().zip(coefficients) {
+                for ((basis, hessian), coefficients) in basis.zip(coefficients) {
                     for (component, coefficient) in coefficients.iter().enumerate() {
                         match slot.order {
                             Order::Value => {
@@ -247,7 +271,14 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
                                     *entry = basis.gradient[axis].multiply_add(*coefficient, *entry);
                                 }
                             }
-                            Order::Hessian => {}
+                            Order::Hessian => {
+                                for i in 0..D {
+                                    for j in 0..D {
+                                        let entry = &mut target[(component * D + i) * D + j];
+                                        *entry = hessian[i][j].multiply_add(*coefficient, *entry);
+                                    }
+                                }
+                            }
                         }
                     }
                 }
@@ -280,104 +311,11 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         }
         Ok(())
     }
-
-    /// κ = div n = −g^{ij} x_{,ij} · n, with the surface metric g of the facet's tangents.
-    fn curvature(&self, q: usize, jacobian: &[[L; D]; D], tangents: &[[f64; D]; 2], normal: &[L; D]) -> L {
-        let zero = L::splat(0.0);
-        if self.group.bending.is_empty() {
-            return zero;
-        }
-        let mut second = [zero; 3];
-        let count = self.nodes.len();
-        for (node, bending) in self.nodes.iter().zip(&self.group.bending[q * count..]) {
-            for axis in 0..D {
-                for (second, bending) in second.iter_mut().zip(bending) {
-                    *second = (node[axis] * normal[axis]).multiply_add(L::splat(*bending), *second);
-                }
-            }
-        }
-        let images = tangents.map(|tangent| image(jacobian, &tangent));
-        let inner = |a: &[L; D], b: &[L; D]| {
-            let mut sum = zero;
-            for axis in 0..D {
-                sum = a[axis].multiply_add(b[axis], sum);
-            }
-            sum
-        };
-        let first = inner(&images[0], &images[0]);
-        if D == 2 {
-            return -second[0] / first;
-        }
-        let (mixed, last) = (inner(&images[0], &images[1]), inner(&images[1], &images[1]));
-        let determinant = first * last - mixed * mixed;
-        -(last * second[0] - (mixed + mixed) * second[1] + first * second[2]) / determinant
-    }
 }
 
-/// J t.
-#[inline(always)]
-fn image<L: Lane, const D: usize>(jacobian: &[[L; D]; D], tangent: &[f64; D]) -> [L; D] {
-    let mut result = [L::splat(0.0); D];
-    for i in 0..D {
-        for j in 0..D {
-            result[i] = jacobian[i][j].multiply_add(L::splat(tangent[j]), result[i]);
-        }
+fn side_index(side: Side) -> usize {
+    match side {
+        Side::This => 0,
+        Side::Other => 1,
     }
-    result
-}
-
-/// Surface element and outward unit normal.
-#[inline(always)]
-fn surface<L: Lane, const D: usize>(jacobian: &[[L; D]; D], tangents: &[[f64; D]; 2]) -> (L, [L; D]) {
-    let first = image(jacobian, &tangents[0]);
-    let mut normal = [L::splat(0.0); D];
-    if D == 2 {
-        normal[0] = first[1];
-        normal[1] = -first[0];
-    } else {
-        let second = image(jacobian, &tangents[1]);
-        for axis in 0..D {
-            let (i, j) = ((axis + 1) % D, (axis + 2) % D);
-            normal[axis] = first[i] * second[j] - first[j] * second[i];
-        }
-    }
-    let mut square = L::splat(0.0);
-    for axis in 0..D {
-        square = normal[axis].multiply_add(normal[axis], square);
-    }
-    let length = square.sqrt();
-    for axis in 0..D {
-        normal[axis] = normal[axis] / length;
-    }
-    (length, normal)
-}
-
-/// det J and J⁻ᵀ.
-#[inline(always)]
-fn inverse_transposed<L: Lane, const D: usize>(a: &[[L; D]; D]) -> (L, [[L; D]; D]) {
-    let mut cofactors = [[L::splat(0.0); D]; D];
-    if D == 2 {
-        cofactors[0][0] = a[1][1];
-        cofactors[0][1] = -a[1][0];
-        cofactors[1][0] = -a[0][1];
-        cofactors[1][1] = a[0][0];
-    } else {
-        for i in 0..D {
-            for j in 0..D {
-                let (i1, i2, j1, j2) = ((i + 1) % D, (i + 2) % D, (j + 1) % D, (j + 2) % D);
-                cofactors[i][j] = a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1];
-            }
-        }
-    }
-    let mut determinant = L::splat(0.0);
-    for j in 0..D {
-        determinant = a[0][j].multiply_add(cofactors[0][j], determinant);
-    }
-    let reciprocal = L::splat(1.0) / determinant;
-    for row in &mut cofactors {
-        for entry in row {
-            *entry = *entry * reciprocal;
-        }
-    }
-    (determinant, cofactors)
 }

@@ -31,14 +31,39 @@ pub(super) struct Binding<'a, const D: usize> {
     pub fields: &'static [FieldDescription],
     pub values: Vec<Values<'a, D>>,
     /// The distinct elements of all discrete fields and test spaces.
-    pub elements: Vec<Lagrange>,
+    pub elements: Vec<Tabulated>,
     pub regions: &'a [Region],
+}
+
+/// An element that is tabulated, on cells or as its trace on facets.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Tabulated {
+    pub element: Lagrange,
+    pub on_facets: bool,
 }
 
 /// The cells or facets of a region.
 pub(super) enum Entities<'a> {
     Cells(&'a [u32]),
     Facets(&'a [Facet]),
+    InteriorFacets(&'a [[Facet; 2]]),
+}
+
+impl<'a> Entities<'a> {
+    /// Those of a form's region.
+    pub fn of<const D: usize>(
+        mesh: &'a Mesh<D>,
+        form: &'static str,
+        region: &Region,
+    ) -> Result<Self, AssemblyError> {
+        let name = &region.name;
+        let found = match region.entity {
+            Entity::Cells => mesh.cell_region(name).map(Entities::Cells),
+            Entity::Facets => mesh.facet_region(name).map(Entities::Facets),
+            Entity::InteriorFacets => mesh.interior_facet_region(name).map(Entities::InteriorFacets),
+        };
+        found.map_err(|source| AssemblyError::Region { form, symbol: region.symbol, source })
+    }
 }
 
 impl<'a, const D: usize> Binding<'a, D> {
@@ -124,7 +149,7 @@ impl<'a, const D: usize> Binding<'a, D> {
 
     /// The index of a space's element among those that are tabulated.
     pub fn element(&mut self, space: &Space<D>) -> usize {
-        let element = space.element;
+        let element = Tabulated { element: space.element, on_facets: space.facet_region().is_some() };
         self.elements.iter().position(|known| *known == element).unwrap_or_else(|| {
             self.elements.push(element);
             self.elements.len() - 1
@@ -156,7 +181,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     pub fn degrees(&self, tests: &[&Arc<Space<D>>]) -> Vec<usize> {
         let degree = |(field, values): (&FieldDescription, &Values<D>)| match (field.role, values) {
             (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.element.degree),
-            (_, Values::Discrete { element, .. }) => self.elements[*element].degree,
+            (_, Values::Discrete { element, .. }) => self.elements[*element].element.degree,
             // A function of position is taken for a quadratic, as an interpolant on the mesh would be.
             (_, Values::Function(_)) => 2,
             _ => 0,
@@ -166,13 +191,11 @@ impl<'a, const D: usize> Binding<'a, D> {
 
     /// The cells or facets of a region of the form.
     pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
-        let region = &self.regions[region];
-        let found = match region.entity {
-            Entity::Cells => self.mesh.cell_region(&region.name).map(Entities::Cells),
-            Entity::Facets | Entity::InteriorFacets => {
-                self.mesh.facet_region(&region.name).map(Entities::Facets)
-            }
-        };
-        found.map_err(|source| AssemblyError::Region { form: self.name, symbol: region.symbol, source })
+        Entities::of(self.mesh, self.name, &self.regions[region])
+    }
+
+    /// The name of the field with a role, for messages.
+    pub fn name_of(&self, role: Role) -> &'static str {
+        self.fields.iter().find(|field| field.role == role).map_or("", |field| field.name)
     }
 }

@@ -8,7 +8,7 @@ use forms_core::contract::{Entity, Expression, ExpressionKernel, ExpressionVisit
 
 use super::batch::Batch;
 use super::binding::Binding;
-use super::walk::Group;
+use super::walk::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::field::Field;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
@@ -62,14 +62,8 @@ impl<const D: usize> Assembler<D> {
         }
         let build = |binding: &Binding<D>| {
             let one = |(cell, reference): &(usize, [f64; D])| {
-                Group::new(
-                    binding.mesh,
-                    &binding.elements,
-                    vec![*cell as u32],
-                    &[*reference],
-                    vec![0.0],
-                    None,
-                )
+                let places = Places { points: vec![*reference], facet: None };
+                Group::new(binding, "points".to_owned(), vec![*cell as u32], &places, vec![0.0], true)
             };
             places.iter().map(one).collect::<Result<Vec<_>, _>>()
         };
@@ -113,15 +107,23 @@ impl<const D: usize> Assembler<D> {
                 let cells = self.mesh.cell_region(region).map_err(missing)?.to_vec();
                 let rule = self.quadrature.cell_rule(shape, degree).map_err(quadrature)?;
                 self.values(expression, |binding| {
-                    let QuadratureRule { points, weights } = rule;
-                    Group::new(binding.mesh, &binding.elements, cells, &points, weights, None)
+                    let places = Places { points: rule.points, facet: None };
+                    Group::new(binding, place(region), cells, &places, rule.weights, true)
                         .map(|group| vec![group])
                         .map_err(quadrature)
                 })?
             }
+            // A derived field has one side only: that out of which the normal points.
             Entity::Facets | Entity::InteriorFacets => {
-                let facets = self.mesh.facet_region(region).map_err(missing)?;
-                self.facet_values(expression, facets, |local| {
+                let first;
+                let facets = if entity == Entity::Facets {
+                    self.mesh.facet_region(region).map_err(missing)?
+                } else {
+                    let sides = self.mesh.interior_facet_region(region).map_err(missing)?;
+                    first = sides.iter().map(|sides| sides[0]).collect::<Vec<_>>();
+                    &first[..]
+                };
+                self.facet_values(expression, place(region), facets, |local| {
                     self.quadrature.facet_rule(shape, usize::from(local), degree)
                 })?
             }
@@ -145,8 +147,9 @@ impl<const D: usize> Assembler<D> {
         let facets = self.mesh.facet_region(region).map_err(missing)?;
         let rule = QuadratureRule { points: parameters.to_vec(), weights: vec![0.0; parameters.len()] };
         let shape = self.mesh.shape();
-        let found = self
-            .facet_values(expression, facets, |local| map_to_facet::<D>(shape, usize::from(local), &rule))?;
+        let found = self.facet_values(expression, place(region), facets, |local| {
+            map_to_facet::<D>(shape, usize::from(local), &rule)
+        })?;
         let places =
             facets.iter().flat_map(|facet| parameters.iter().map(move |parameter| (*facet, *parameter)));
         let sample =
@@ -240,7 +243,7 @@ impl<const D: usize> Assembler<D> {
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let facets = self.mesh.facet_region(region).map_err(missing)?;
         let points = space.element.node_points::<D>();
-        let found = self.facet_values(expression, facets, |local| {
+        let found = self.facet_values(expression, place(region), facets, |local| {
             let local = usize::from(local);
             let empty = QuadratureRule { points: vec![], weights: vec![] };
             let tangents = map_to_facet::<D>(self.mesh.shape(), local, &empty)?.tangents;
@@ -272,6 +275,7 @@ impl<const D: usize> Assembler<D> {
     fn facet_values<E: Expression<D>>(
         &self,
         expression: &E,
+        place: String,
         facets: &[Facet],
         rule: impl Fn(u8) -> Result<FacetRule<D>, QuadratureError>,
     ) -> Result<Vec<PointValue<D>>, AssemblyError> {
@@ -285,9 +289,9 @@ impl<const D: usize> Assembler<D> {
             let mut groups = Vec::new();
             for (local, indices) in &by_local {
                 let cells = indices.iter().map(|index| facets[*index].cell).collect();
-                let group = rule(*local).and_then(|FacetRule { points, weights, tangents }| {
-                    let place = Some((*local, tangents));
-                    Group::new(binding.mesh, &binding.elements, cells, &points, weights, place)
+                let group = rule(*local).and_then(|rule| {
+                    let (places, weights) = Places::on_facet(*local, rule);
+                    Group::new(binding, place.clone(), cells, &places, weights, true)
                 });
                 let group = group.map_err(|source| AssemblyError::Quadrature { form, source })?;
                 counts.push(group.points());
@@ -318,6 +322,10 @@ impl<const D: usize> Assembler<D> {
         expression.expression(&mut visitor)?;
         Ok(visitor.found)
     }
+}
+
+fn place(region: &str) -> String {
+    format!("the region \"{region}\"")
 }
 
 /// One factorisation for one use.

@@ -79,9 +79,9 @@ pub enum AssemblyError {
         /// Where, if it is known.
         position: Option<Vec<f64>>,
     },
-    /// The gradient of data that have none.
+    /// A derivative of data that have none.
     #[error(
-        "form `{form}` reads the gradient of `{field}`, which is given as a function of position; give it as a field on a space"
+        "form `{form}` reads the gradient or second derivatives of `{field}`, which is given as a function of position; give it as a field on a space"
     )]
     GradientOfFunction {
         /// The form.
@@ -116,6 +116,76 @@ pub enum AssemblyError {
     NeedsFacet {
         /// The function.
         form: &'static str,
+    },
+    /// The other side of a facet that has only one.
+    #[error("`{form}` reads the other side of a facet, but {place} has no facets with two sides")]
+    NeedsInteriorFacet {
+        /// The form or function.
+        form: &'static str,
+        /// Where it is integrated or evaluated.
+        place: String,
+    },
+    /// A field that lives on facets is needed elsewhere.
+    #[error(
+        "form `{form}` needs `{field}` over {place}, but its space lives on the facets of \"{region}\" alone"
+    )]
+    OffItsFacets {
+        /// The form or function.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// Where it is integrated or evaluated.
+        place: String,
+        /// The facet region of the field's space.
+        region: String,
+    },
+    /// Second derivatives of a field that lives on facets.
+    #[error(
+        "form `{form}` reads second derivatives of `{field}`, whose space lives on the facets of \"{region}\" alone: \
+         it has values and a tangential gradient only"
+    )]
+    HessianOnFacets {
+        /// The form or function.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// The facet region of the field's space.
+        region: String,
+    },
+    /// The two sides of an interior facet do not meet.
+    #[error(
+        "form `{form}`: cells {} and {} share a facet, but at x = {position:?} their sides are {distance:e} apart",
+        .cells[0], .cells[1]
+    )]
+    FacetMismatch {
+        /// The form.
+        form: &'static str,
+        /// The two cells.
+        cells: [u32; 2],
+        /// Where.
+        position: Vec<f64>,
+        /// Distance between the two sides \[length\].
+        distance: f64,
+    },
+    /// A start or constraints of another space than the unknown's.
+    #[error("form `{form}`: the {what} given for `{field}` belong to another space")]
+    OtherSpace {
+        /// The form.
+        form: &'static str,
+        /// The unknown's name in the form.
+        field: &'static str,
+        /// "start" or "constraints".
+        what: &'static str,
+    },
+    /// A matrix pattern made for another form.
+    #[error("form `{form}` couples `{test}` with `{trial}` where the matrix pattern has no entries")]
+    Pattern {
+        /// The form.
+        form: &'static str,
+        /// The test function.
+        test: &'static str,
+        /// The unknown.
+        trial: &'static str,
     },
     /// A point outside the mesh.
     #[error("`{form}`: the point {position:?} is outside the mesh")]

@@ -132,7 +132,7 @@ fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
     let count: usize = K::SHAPE.iter().product();
     let mut lanes = vec![[0.0; WIDEST]; count + 1 + D];
     let mut value = vec![0.0; count];
-    for group in groups(binding, integral, quadrature, degrees)? {
+    for group in groups(binding, integral, quadrature, degrees, &K::REQUIREMENTS)? {
         let mut batch = Batch::<L, D>::new(binding, &group, K::REQUIREMENTS)?;
         for index in 0..batch.count() {
             let cell = kernel.cell(&batch.load(index));
@@ -143,7 +143,7 @@ fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
                 for (lanes, entry) in lanes.iter_mut().zip(all) {
                     entry.store(lanes);
                 }
-                for lane in 0..batch.cells().len() {
+                for lane in 0..batch.cells(0).len() {
                     for (value, lanes) in value.iter_mut().zip(&lanes) {
                         *value = lanes[lane];
                     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Integral, Lane, LinearKernel, LinearVisitor};
+use forms_core::contract::{Form, Integral, Lane, LinearKernel, LinearVisitor, Role};
 
 use super::batch::{Batch, WIDEST};
 use super::binding::Binding;
@@ -92,31 +92,39 @@ impl<const D: usize> ResidualVisitor<'_, D> {
         let element = self.elements[integral.test];
         let offset = self.offsets[integral.test];
         let zero = L::splat(0.0);
-        let straight = [[zero; D]; D];
         let components = K::TEST_COMPONENTS;
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
+        let name = self.binding.name_of(Role::Test(integral.test));
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
+            group.check_support(self.binding.name, name, space)?;
+            let side = group.side(self.binding.name, integral.test_side)?;
+            let facet = group.sides[side].facet.map(|(local, _)| local);
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
-            let mut sums = vec![zero; group.elements[element].nodes * components];
+            let mut sums = vec![zero; group.sides[side].elements[element].nodes * components];
+            let mut lanes = vec![[0.0; WIDEST]; sums.len()];
             for index in 0..batch.count() {
                 let cell = kernel.cell(&batch.load(index));
                 sums.fill(zero);
                 for q in 0..group.points() {
                     let geometry = batch.point(q)?;
                     let flux = kernel.point(&cell, &geometry, batch.fields());
-                    for (basis, sums) in batch.basis(element).iter().zip(sums.chunks_mut(components)) {
-                        let block = kernel.test(&flux, basis, &straight);
+                    let functions = batch.basis(side, element).iter().zip(batch.hessians(side, element));
+                    for ((basis, hessian), sums) in functions.zip(sums.chunks_mut(components)) {
+                        let block = kernel.test(&flux, basis, hessian);
                         for (sum, value) in sums.iter_mut().zip(block.as_ref()) {
                             *sum += *value;
                         }
                     }
                 }
-                for (entry, sum) in sums.iter().enumerate() {
-                    let (node, component) = (entry / components, entry % components);
-                    let mut lanes = [0.0; WIDEST];
-                    sum.store(&mut lanes);
-                    for (cell, value) in batch.cells().iter().zip(lanes) {
-                        let number = space.cell_nodes(*cell as usize)[node] as usize;
-                        self.vector[offset + number * components + component] += value;
+                for (sum, lanes) in sums.iter().zip(&mut lanes) {
+                    sum.store(lanes);
+                }
+                for (lane, cell) in batch.cells(side).iter().enumerate() {
+                    let nodes = space.nodes_at(*cell, facet);
+                    for (node, lanes) in nodes.iter().zip(lanes.chunks(components)) {
+                        let first = offset + *node as usize * components;
+                        for (component, lanes) in lanes.iter().enumerate() {
+                            self.vector[first + component] += lanes[lane];
+                        }
                     }
                 }
             }

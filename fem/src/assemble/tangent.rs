@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Lane};
+use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Lane, Role, Side};
 
 use super::batch::{Batch, WIDEST};
 use super::binding::Binding;
-use super::walk::groups;
+use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::field::Field;
 use crate::linear_algebra::CsrMatrix;
+use crate::mesh::Facet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 
@@ -26,14 +27,14 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
-        let pattern = BlockPattern::new(tests, &trials)
-            .map_err(|source| AssemblyError::LinearAlgebra { form: form.name(), source })?;
+        let pattern = BlockPattern::for_form(form, tests, &trials)?;
         let mut matrix = CsrMatrix::zero(pattern.pattern());
         self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix)
     }
 
-    /// Adds some of the integrals to a matrix on the pattern, which must be of the same spaces.
+    /// Adds some of the integrals to a matrix on the pattern, which must be of the same spaces and hold every
+    /// entry that the form touches.
     ///
     /// # Errors
     /// As [`Assembler::tangent`].
@@ -55,7 +56,8 @@ impl<const D: usize> Assembler<D> {
         )
     }
 
-    /// The element matrices of a form, cell by cell (or facet by facet), integral by integral.
+    /// The element matrices of a form, cell by cell (or facet by facet), integral by integral; on interior
+    /// facets one per pair of sides.
     ///
     /// # Errors
     /// As [`Assembler::tangent`].
@@ -102,10 +104,14 @@ impl<const D: usize> Assembler<D> {
 /// The contribution of one cell or facet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementMatrix {
-    /// Cell index.
+    /// Cell index; on an interior facet that of its first side.
     pub cell: u32,
     /// Local facet number, for a facet integral.
     pub facet: Option<u8>,
+    /// An interior facet from its other side.
+    pub opposite: Option<Facet>,
+    /// The sides on which the test functions (rows) and the trial functions (columns) live.
+    pub sides: [Side; 2],
     /// Number of rows: test nodes × components, `node * components + component`.
     pub rows: usize,
     /// Number of columns.
@@ -152,12 +158,22 @@ impl<const D: usize> TangentVisitor<'_, D> {
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
         let (test_element, trial_element) =
             (self.test_elements[integral.test], self.trial_elements[integral.trial]);
+        let form = self.binding.name;
+        let names = [
+            self.binding.name_of(Role::Test(integral.test)),
+            self.binding.name_of(Role::Unknown(integral.trial)),
+        ];
         // Half of the pairs suffice when test and trial nodes are the same.
-        let symmetric = K::SYMMETRIC && Arc::ptr_eq(test, trial);
-        let straight = [[L::splat(0.0); D]; D];
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees)? {
+        let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
+        let symmetric = K::SYMMETRIC && same_nodes;
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
+            group.check_support(form, names[0], test)?;
+            group.check_support(form, names[1], trial)?;
+            let (test_side, trial_side) =
+                (group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?);
             let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
-            let (rows, columns) = (group.elements[test_element].nodes, group.elements[trial_element].nodes);
+            let rows = group.sides[test_side].elements[test_element].nodes;
+            let columns = group.sides[trial_side].elements[trial_element].nodes;
             let mut accumulators = vec![K::zero::<L>(); rows * columns];
             let mut trial_factors = Vec::with_capacity(columns);
             let mut element = ElementBatch::new([rows, columns], [test.components(), trial.components()]);
@@ -168,11 +184,14 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     let geometry = batch.point(q)?;
                     let point = kernel.point(&cell, &geometry, batch.fields());
                     trial_factors.clear();
-                    for basis in batch.basis(trial_element) {
-                        trial_factors.push(kernel.trial(&point, basis, &straight));
+                    let hessians = batch.hessians(trial_side, trial_element);
+                    for (basis, hessian) in batch.basis(trial_side, trial_element).iter().zip(hessians) {
+                        trial_factors.push(kernel.trial(&point, basis, hessian));
                     }
-                    for (i, basis) in batch.basis(test_element).iter().enumerate() {
-                        let factors = kernel.test(&point, basis, &straight);
+                    let hessians = batch.hessians(test_side, test_element);
+                    let functions = batch.basis(test_side, test_element).iter().zip(hessians);
+                    for (i, (basis, hessian)) in functions.enumerate() {
+                        let factors = kernel.test(&point, basis, hessian);
                         let first = if symmetric { i } else { 0 };
                         let row = &mut accumulators[i * columns + first..(i + 1) * columns];
                         for (accumulator, trial) in row.iter_mut().zip(&trial_factors[first..]) {
@@ -186,39 +205,64 @@ impl<const D: usize> TangentVisitor<'_, D> {
                         element.put([i, j], block.as_ref(), symmetric);
                     }
                 }
-                let facet = group.facet.map(|(local, _)| local);
-                self.deliver(integral, batch.cells(), facet, &element);
+                for lane in 0..batch.cells(0).len() {
+                    self.deliver(integral, &group, index * L::WIDTH + lane, &element, lane)
+                        .ok_or(AssemblyError::Pattern { form, test: names[0], trial: names[1] })?;
+                }
             }
         }
         Ok(())
     }
 
-    fn deliver(&mut self, integral: &Integral, cells: &[u32], facet: Option<u8>, element: &ElementBatch) {
+    /// Hands over the element matrix of one lane, that of the group's `number`-th entity. `None`: the pattern
+    /// does not have its entries.
+    fn deliver(
+        &mut self,
+        integral: &Integral,
+        group: &Group<D>,
+        number: usize,
+        element: &ElementBatch,
+        lane: usize,
+    ) -> Option<()> {
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
-        for (lane, cell) in cells.iter().enumerate() {
-            match &mut self.target {
-                Target::Matrix { pattern, values } => {
-                    for (i, row) in test.cell_nodes(*cell as usize).iter().enumerate() {
-                        for (j, column) in trial.cell_nodes(*cell as usize).iter().enumerate() {
-                            let (row, column) =
-                                ((integral.test, *row as usize), (integral.trial, *column as usize));
-                            pattern.add(values, row, column, |entry| element.get([i, j], entry, lane));
-                        }
+        let seen_from = |side: usize| {
+            let side = &group.sides[side];
+            (side.cells[number], side.facet.map(|(local, _)| local))
+        };
+        let of_side = |side: Side| if side == Side::This { seen_from(0) } else { seen_from(1) };
+        match &mut self.target {
+            Target::Matrix { pattern, values } => {
+                let (cell, facet) = of_side(integral.test_side);
+                let rows = test.nodes_at(cell, facet);
+                let (cell, facet) = of_side(integral.trial_side);
+                let columns = trial.nodes_at(cell, facet);
+                for (i, row) in rows.iter().enumerate() {
+                    for (j, column) in columns.iter().enumerate() {
+                        let (row, column) =
+                            ((integral.test, *row as usize), (integral.trial, *column as usize));
+                        pattern.add(values, row, column, |entry| element.get([i, j], entry, lane))?;
                     }
                 }
-                Target::Elements(found) => {
-                    let (rows, columns) =
-                        (element.nodes[0] * element.components[0], element.nodes[1] * element.components[1]);
-                    let entry = |index: usize| {
-                        let (row, column) = (index / columns, index % columns);
-                        let [a, b] = element.components;
-                        element.get([row / a, column / b], row % a * b + column % b, lane)
-                    };
-                    let values = (0..rows * columns).map(entry).collect();
-                    found.push(ElementMatrix { cell: *cell, facet, rows, columns, values });
-                }
+            }
+            Target::Elements(found) => {
+                let (rows, columns) =
+                    (element.nodes[0] * element.components[0], element.nodes[1] * element.components[1]);
+                let entry = |index: usize| {
+                    let (row, column) = (index / columns, index % columns);
+                    let [a, b] = element.components;
+                    element.get([row / a, column / b], row % a * b + column % b, lane)
+                };
+                let values = (0..rows * columns).map(entry).collect();
+                let (cell, facet) = seen_from(0);
+                let opposite = (group.sides.len() == 2).then(|| {
+                    let (cell, local) = seen_from(1);
+                    Facet { cell, local: local.unwrap_or_default() }
+                });
+                let sides = [integral.test_side, integral.trial_side];
+                found.push(ElementMatrix { cell, facet, opposite, sides, rows, columns, values });
             }
         }
+        Some(())
     }
 }
 

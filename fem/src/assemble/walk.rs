@@ -1,26 +1,39 @@
 //! The order in which a region is walked: groups of entities that share tables, in batches of lanes.
-//! Facets group by their local number, because their points lie elsewhere in the reference cell.
+//! Facets group by their local number, because their points lie elsewhere in the reference cell; interior
+//! facets also by their local number on the other side, and by how the two sides are turned.
 
 use std::collections::BTreeMap;
 
-use forms_core::contract::Integral;
+use forms_core::contract::{Integral, Order, Requirements, Side};
 
 use super::AssemblyError;
-use super::binding::{Binding, Entities};
-use crate::element::{Lagrange, Tables};
-use crate::mesh::Mesh;
-use crate::quadrature::{FacetRule, Quadrature, cell_rule, facet_rule};
+use super::binding::{Binding, Entities, Tabulated};
+use crate::element::Tables;
+use crate::mesh::{Facet, Mesh};
+use crate::quadrature::{
+    FacetRule, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule, map_to_corners,
+    map_to_facet,
+};
+use crate::space::Space;
 
 /// Entities with the same points in the reference cell.
 pub(super) struct Group<const D: usize> {
+    /// Where this is, for messages.
+    pub place: String,
+    /// One side of cells and exterior facets, two of interior ones. Entry k of both sides' cells is one facet.
+    pub sides: Vec<GroupSide<D>>,
+    pub weights: Vec<f64>,
+}
+
+/// The cells on one side of a group's facets, or a group's cells, with their tables.
+pub(super) struct GroupSide<const D: usize> {
     /// Cells, or the cells that own the facets.
     pub cells: Vec<u32>,
     /// Local facet number and reference tangents; `None` inside cells.
     pub facet: Option<(u8, [[f64; D]; 2])>,
-    pub weights: Vec<f64>,
     /// The geometry map's basis.
     pub geometry: Tables<D>,
-    /// One table per element of the binding.
+    /// One table per element of the binding; of a space on facets, the traces that do not vanish.
     pub elements: Vec<Tables<D>>,
     /// Second derivatives of the geometry map's basis along the facet's tangents, for the curvature:
     /// [t₀t₀, t₀t₁, t₁t₁] at `q * nodes + i`.
@@ -36,69 +49,105 @@ pub(super) struct Measure<const D: usize> {
     pub facet: Option<(Tables<D>, Vec<f64>)>,
 }
 
+/// Points in a reference cell, and the facet that they are on.
+pub(super) struct Places<const D: usize> {
+    pub points: Vec<[f64; D]>,
+    pub facet: Option<(u8, [[f64; D]; 2])>,
+}
+
+impl<const D: usize> Places<D> {
+    /// Points of a facet rule.
+    pub fn on_facet(local: u8, rule: FacetRule<D>) -> (Self, Vec<f64>) {
+        (Places { points: rule.points, facet: Some((local, rule.tangents)) }, rule.weights)
+    }
+}
+
+/// Whether a kernel reads second derivatives.
+pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
+    requirements.hessian || requirements.fields.iter().any(|slot| slot.order == Order::Hessian)
+}
+
 impl<const D: usize> Group<D> {
-    fn inside_cells(
-        binding: &Binding<D>,
-        cells: Vec<u32>,
-        quadrature: &Quadrature<D>,
-        degree: usize,
-    ) -> Result<Self, AssemblyError> {
-        let mesh = binding.mesh;
-        let form = binding.name;
-        let rule = quadrature
-            .cell_rule(mesh.shape(), degree)
-            .map_err(|source| AssemblyError::Quadrature { form, source })?;
-        Group::new(mesh, &binding.elements, cells, &rule.points, rule.weights, None)
-            .map_err(|source| AssemblyError::Quadrature { form, source })
-    }
-
-    fn on_facets(
-        binding: &Binding<D>,
-        local: u8,
-        cells: Vec<u32>,
-        quadrature: &Quadrature<D>,
-        degree: usize,
-    ) -> Result<Self, AssemblyError> {
-        let mesh = binding.mesh;
-        let form = binding.name;
-        let rule = quadrature
-            .facet_rule(mesh.shape(), usize::from(local), degree)
-            .map_err(|source| AssemblyError::Quadrature { form, source })?;
-        let FacetRule { points, weights, tangents } = rule;
-        Group::new(mesh, &binding.elements, cells, &points, weights, Some((local, tangents)))
-            .map_err(|source| AssemblyError::Quadrature { form, source })
-    }
-
-    /// A group at given reference points; weights may be of any kind.
+    /// A group of cells or exterior facets; weights may be of any kind.
     pub fn new(
-        mesh: &Mesh<D>,
-        elements: &[Lagrange],
+        binding: &Binding<D>,
+        place: String,
         cells: Vec<u32>,
-        points: &[[f64; D]],
+        places: &Places<D>,
         weights: Vec<f64>,
-        facet: Option<(u8, [[f64; D]; 2])>,
-    ) -> Result<Self, crate::quadrature::QuadratureError> {
+        hessians: bool,
+    ) -> Result<Self, QuadratureError> {
+        let side = GroupSide::new(binding.mesh, &binding.elements, cells, places, hessians)?;
+        Ok(Group { place, sides: vec![side], weights })
+    }
+
+    pub fn points(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The index of a side.
+    pub fn side(&self, form: &'static str, side: Side) -> Result<usize, AssemblyError> {
+        match side {
+            Side::This => Ok(0),
+            Side::Other if self.sides.len() == 2 => Ok(1),
+            Side::Other => Err(AssemblyError::NeedsInteriorFacet { form, place: self.place.clone() }),
+        }
+    }
+
+    /// Checks that a space on facets has nodes on all of this.
+    pub fn check_support(
+        &self,
+        form: &'static str,
+        field: &'static str,
+        space: &Space<D>,
+    ) -> Result<(), AssemblyError> {
+        let Some(region) = space.facet_region() else { return Ok(()) };
+        let side = &self.sides[0];
+        let local = side.facet.map(|(local, _)| local);
+        if side.cells.iter().all(|cell| !space.nodes_at(*cell, local).is_empty()) {
+            return Ok(());
+        }
+        let (place, region) = (self.place.clone(), region.to_owned());
+        Err(AssemblyError::OffItsFacets { form, field, place, region })
+    }
+}
+
+impl<const D: usize> GroupSide<D> {
+    fn new(
+        mesh: &Mesh<D>,
+        elements: &[Tabulated],
+        cells: Vec<u32>,
+        places: &Places<D>,
+        hessians: bool,
+    ) -> Result<Self, QuadratureError> {
         let geometry = mesh.element();
+        let Places { points, facet } = places;
         // The Jacobian's determinant has at most this degree in each direction.
         let exact = D * mesh.degree();
         let rule = cell_rule::<D>(mesh.shape(), exact)?;
         let facet_measure = match facet {
             Some((local, _)) => {
-                let rule = facet_rule::<D>(mesh.shape(), usize::from(local), exact + 6)?;
+                let rule = facet_rule::<D>(mesh.shape(), usize::from(*local), exact + 6)?;
                 Some((geometry.tabulate(&rule.points), rule.weights))
             }
             None => None,
         };
-        let bending = match facet {
-            Some((_, tangents)) if mesh.degree() > 1 => bending(&geometry, points, &tangents),
-            _ => vec![],
+        let curved = facet.filter(|_| mesh.degree() > 1);
+        let map = if hessians || curved.is_some() {
+            geometry.tabulate_with_hessians(points)
+        } else {
+            geometry.tabulate(points)
         };
-        Ok(Group {
+        let bending = match curved {
+            Some((_, tangents)) => map.hessian.iter().map(|second| bending(second, &tangents)).collect(),
+            None => vec![],
+        };
+        let local = facet.map(|(local, _)| local);
+        Ok(GroupSide {
             cells,
-            facet,
-            weights,
-            geometry: geometry.tabulate(points),
-            elements: elements.iter().map(|element| element.tabulate(points)).collect(),
+            facet: *facet,
+            geometry: map,
+            elements: elements.iter().map(|element| element.tabulate(points, local, hessians)).collect(),
             bending,
             measure: Measure {
                 cell: geometry.tabulate(&rule.points),
@@ -107,9 +156,25 @@ impl<const D: usize> Group<D> {
             },
         })
     }
+}
 
-    pub fn points(&self) -> usize {
-        self.weights.len()
+impl Tabulated {
+    fn tabulate<const D: usize>(&self, points: &[[f64; D]], facet: Option<u8>, hessians: bool) -> Tables<D> {
+        let element = &self.element;
+        let whole = if hessians { element.tabulate_with_hessians(points) } else { element.tabulate(points) };
+        if !self.on_facets || element.degree == 0 {
+            return whole;
+        }
+        // Only the nodes on the facet have traces that do not vanish.
+        let kept = facet.map(|local| element.facet_nodes(usize::from(local))).unwrap_or_default();
+        let entries = || (0..points.len()).flat_map(|q| kept.iter().map(move |i| q * whole.nodes + i));
+        Tables {
+            nodes: kept.len(),
+            points: points.len(),
+            value: entries().map(|entry| whole.value[entry]).collect(),
+            gradient: entries().map(|entry| whole.gradient[entry]).collect(),
+            hessian: if hessians { entries().map(|entry| whole.hessian[entry]).collect() } else { vec![] },
+        }
     }
 }
 
@@ -120,46 +185,88 @@ pub(super) fn groups<const D: usize>(
     integral: &Integral,
     quadrature: &Quadrature<D>,
     degrees: &[usize],
+    requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
-    let degree = (integral.degree)(degrees, mesh.degree(), mesh.shape().is_simplex());
+    let shape = mesh.shape();
+    let degree = (integral.degree)(degrees, mesh.degree(), shape.is_simplex());
+    let region = &binding.regions[integral.region];
+    let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
+    let hessians = reads_hessians(requirements);
+    let form = binding.name;
+    let failed = |source| AssemblyError::Quadrature { form, source };
     match binding.entities(integral.region)? {
-        Entities::Cells(cells) => Ok(vec![Group::inside_cells(binding, cells.to_vec(), quadrature, degree)?]),
+        Entities::Cells(cells) => {
+            let rule = quadrature.cell_rule(shape, degree).map_err(failed)?;
+            let places = Places { points: rule.points, facet: None };
+            let group = Group::new(binding, place, cells.to_vec(), &places, rule.weights, hessians);
+            Ok(vec![group.map_err(failed)?])
+        }
         Entities::Facets(facets) => {
+            let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
             let mut by_local: BTreeMap<u8, Vec<u32>> = BTreeMap::new();
             for facet in facets {
                 by_local.entry(facet.local).or_default().push(facet.cell);
             }
-            by_local
-                .into_iter()
-                .map(|(local, cells)| Group::on_facets(binding, local, cells, quadrature, degree))
-                .collect()
+            let group = |(local, cells)| {
+                let rule = map_to_facet(shape, usize::from(local), &rule)?;
+                let (places, weights) = Places::on_facet(local, rule);
+                Group::new(binding, place.clone(), cells, &places, weights, hessians)
+            };
+            by_local.into_iter().map(|entry| group(entry).map_err(failed)).collect()
+        }
+        Entities::InteriorFacets(facets) => {
+            let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
+            let mut by_sides: BTreeMap<Sides, [Vec<u32>; 2]> = BTreeMap::new();
+            for sides in facets {
+                let symbol = region.symbol;
+                let facing =
+                    mesh.facing(sides).map_err(|source| AssemblyError::Region { form, symbol, source })?;
+                let cells = by_sides.entry((sides.map(|facet| facet.local), facing)).or_default();
+                for (cells, Facet { cell, .. }) in cells.iter_mut().zip(sides) {
+                    cells.push(*cell);
+                }
+            }
+            let group = |(sides, cells)| {
+                let sides = facing_sides(binding, &sides, cells, &rule, hessians)?;
+                Ok(Group { place: place.clone(), sides, weights: rule.weights.clone() })
+            };
+            by_sides.into_iter().map(|entry| group(entry).map_err(failed)).collect()
         }
     }
 }
 
-/// Second derivatives along the tangents by central differences of the gradient: along a facet a basis
-/// function of degree two is at most quadratic in each facet coordinate, so they are exact.
-fn bending<const D: usize>(
-    element: &Lagrange,
-    points: &[[f64; D]],
-    tangents: &[[f64; D]; 2],
-) -> Vec<[f64; 3]> {
-    const STEP: f64 = 0.25;
-    let shifted = |tangent: &[f64; D], sign: f64| {
-        let move_point = |point: &[f64; D]| std::array::from_fn(|k| point[k] + sign * STEP * tangent[k]);
-        element.tabulate::<D>(&points.iter().map(move_point).collect::<Vec<_>>())
+/// How the two sides of an interior facet are numbered: the local number on each, and [`Mesh::facing`].
+type Sides = ([u8; 2], [u8; 4]);
+
+/// Both sides of interior facets that are numbered alike, with the same points.
+fn facing_sides<const D: usize>(
+    binding: &Binding<D>,
+    (locals, facing): &Sides,
+    cells: [Vec<u32>; 2],
+    rule: &QuadratureRule<2>,
+    hessians: bool,
+) -> Result<Vec<GroupSide<D>>, QuadratureError> {
+    let shape = binding.mesh.shape();
+    let [first, second] = locals.map(|local| shape.facet_vertices(usize::from(local)));
+    // The same corners of the facet, as each of the two cells numbers them.
+    let corners = [0, 1, first.len() - 1];
+    let rules = [
+        map_to_corners(shape, corners.map(|corner| first[corner]), rule),
+        map_to_corners(shape, corners.map(|corner| second[usize::from(facing[corner])]), rule),
+    ];
+    let side = |((local, rule), cells): ((u8, FacetRule<D>), Vec<u32>)| {
+        let (places, _) = Places::on_facet(local, rule);
+        GroupSide::new(binding.mesh, &binding.elements, cells, &places, hessians)
     };
-    let along = |gradient: &[f64; D], tangent: &[f64; D]| -> f64 {
-        gradient.iter().zip(tangent).map(|(g, t)| g * t).sum()
+    locals.iter().copied().zip(rules).zip(cells).map(side).collect()
+}
+
+/// Second derivatives along the tangents: t₀ᵀHt₀, t₀ᵀHt₁, t₁ᵀHt₁.
+fn bending<const D: usize>(second: &[[f64; D]; D], tangents: &[[f64; D]; 2]) -> [f64; 3] {
+    let along = |a: &[f64; D], b: &[f64; D]| -> f64 {
+        (0..D).map(|k| (0..D).map(|l| a[k] * second[k][l] * b[l]).sum::<f64>()).sum()
     };
-    let tables = [0, 1].map(|axis| [shifted(&tangents[axis], 1.0), shifted(&tangents[axis], -1.0)]);
-    let second = |entry: usize, first: usize, axis: usize| {
-        let [plus, minus] = &tables[axis];
-        (along(&plus.gradient[entry], &tangents[first]) - along(&minus.gradient[entry], &tangents[first]))
-            / (2.0 * STEP)
-    };
-    (0..points.len() * element.nodes())
-        .map(|entry| [second(entry, 0, 0), second(entry, 0, 1), second(entry, 1, 1)])
-        .collect()
+    let [first, last] = tangents;
+    [along(first, first), along(first, last), along(last, last)]
 }

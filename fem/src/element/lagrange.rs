@@ -9,14 +9,15 @@ pub const MAXIMUM_NODES: usize = 27;
 
 /// The Lagrange element of a degree on a reference cell.
 ///
-/// The nodes are the vertices; in degree 2 then the edge midpoints in the order of
+/// In degree 0, which only discontinuous spaces have, the node is the cell's centre. Otherwise the nodes are
+/// the vertices; in degree 2 then the edge midpoints in the order of
 /// [`CellShape::edges`], then (hexahedron) the face centres in the order of the facets, and last
 /// (quadrilateral, hexahedron) the cell's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lagrange {
     /// Reference cell.
     pub shape: CellShape,
-    /// Polynomial degree, 1 or 2.
+    /// Polynomial degree: 0, 1 or 2.
     pub degree: usize,
 }
 
@@ -31,12 +32,14 @@ pub struct Tables<const D: usize> {
     pub value: Vec<f64>,
     /// ∇φ_i(x_q) in reference coordinates, at `q * nodes + i`.
     pub gradient: Vec<[f64; D]>,
+    /// ∂²φ_i/∂ξ_k∂ξ_l(x_q) in reference coordinates, at `q * nodes + i`; empty unless it was asked for.
+    pub hessian: Vec<[[f64; D]; D]>,
 }
 
 /// Why an element does not exist.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum ElementError {
-    /// Only degrees 1 and 2 exist.
+    /// Only degrees 1 and 2 exist with continuous values.
     #[error("there is no Lagrange element of degree {degree} on the {}; the degrees are 1 and 2", shape.name())]
     Degree {
         /// The shape asked for.
@@ -95,6 +98,7 @@ impl Lagrange {
     /// Number of nodes.
     pub fn nodes(&self) -> usize {
         match (self.shape, self.degree) {
+            (_, 0) => 1,
             (shape, 1) => shape.vertices(),
             (CellShape::Triangle, _) => 6,
             (CellShape::Quadrilateral, _) => 9,
@@ -109,6 +113,9 @@ impl Lagrange {
     /// When D is not the shape's dimension.
     pub fn node_points<const D: usize>(&self) -> Vec<[f64; D]> {
         self.check_dimension::<D>();
+        if self.degree == 0 {
+            return vec![self.shape.centre()];
+        }
         let vertices = self.shape.vertex_points();
         let mut points: Vec<[f64; D]> =
             vertices.iter().map(|vertex| std::array::from_fn(|k| vertex[k])).collect();
@@ -127,11 +134,15 @@ impl Lagrange {
     }
 
     /// The element's nodes on a facet: its vertices in the order of [`CellShape::facet_vertices`], then
-    /// the midpoints of the edges between successive vertices, then (hexahedron) the face centre.
+    /// the midpoints of the edges between successive vertices, then (hexahedron) the face centre. None in
+    /// degree 0.
     ///
     /// # Panics
     /// When `local` is not below [`CellShape::facets`].
     pub fn facet_nodes(&self, local: usize) -> Vec<usize> {
+        if self.degree == 0 {
+            return vec![];
+        }
         let vertices = self.shape.facet_vertices(local);
         let mut nodes = vertices.to_vec();
         if self.degree == 2 {
@@ -161,7 +172,46 @@ impl Lagrange {
             let range = q * nodes..(q + 1) * nodes;
             self.evaluate(point, &mut value[range.clone()], &mut gradient[range]);
         }
-        Tables { nodes, points: points.len(), value, gradient }
+        Tables { nodes, points: points.len(), value, gradient, hessian: vec![] }
+    }
+
+    /// [`Lagrange::tabulate`] with second derivatives.
+    ///
+    /// # Panics
+    /// When D is not the shape's dimension.
+    pub fn tabulate_with_hessians<const D: usize>(&self, points: &[[f64; D]]) -> Tables<D> {
+        let hessian = points.iter().flat_map(|point| self.hessians(point)).collect();
+        Tables { hessian, ..self.tabulate(points) }
+    }
+
+    /// Second derivatives of all basis functions at a point, in reference coordinates.
+    ///
+    /// # Panics
+    /// When D is not the shape's dimension.
+    pub fn hessians<const D: usize>(&self, point: &[f64; D]) -> Vec<[[f64; D]; D]> {
+        self.check_dimension::<D>();
+        let matrix = |entry: &dyn Fn(usize, usize) -> f64| -> [[f64; D]; D] {
+            std::array::from_fn(|k| std::array::from_fn(|l| entry(k, l)))
+        };
+        if self.degree == 0 || (self.degree == 1 && self.shape.is_simplex()) {
+            return vec![matrix(&|_, _| 0.0); self.nodes()];
+        }
+        if self.shape.is_simplex() {
+            let vertices = (0..=D).map(|v| matrix(&|k, l| 4.0 * slope(v, k) * slope(v, l)));
+            let edges =
+                self.shape.edges().iter().map(|&[a, b]| {
+                    matrix(&|k, l| 4.0 * (slope(a, k) * slope(b, l) + slope(a, l) * slope(b, k)))
+                });
+            return vertices.chain(edges).collect();
+        }
+        let factors: [[[f64; 3]; 3]; D] = std::array::from_fn(|k| self.factors(point[k]));
+        let at_node = |steps: &[u8; 3]| {
+            matrix(&|first, second| {
+                let order = |k: usize| usize::from(k == first) + usize::from(k == second);
+                (0..D).map(|k| factors[k][usize::from(steps[k])][order(k)]).product()
+            })
+        };
+        self.tensor_nodes().iter().map(at_node).collect()
     }
 
     /// Values and reference gradients at one point, written to slices of length [`Lagrange::nodes`].
@@ -170,7 +220,10 @@ impl Lagrange {
     /// When D is not the shape's dimension, or a slice is too short.
     pub fn evaluate<const D: usize>(&self, point: &[f64; D], value: &mut [f64], gradient: &mut [[f64; D]]) {
         self.check_dimension::<D>();
-        if self.shape.is_simplex() {
+        if self.degree == 0 {
+            value[0] = 1.0;
+            gradient[0] = [0.0; D];
+        } else if self.shape.is_simplex() {
             self.evaluate_simplex(point, value, gradient);
         } else {
             self.evaluate_tensor(point, value, gradient);
@@ -186,15 +239,6 @@ impl Lagrange {
         // Barycentric coordinates: λ_0 = 1 - Σ x_k, λ_{k+1} = x_k.
         let lambda = |vertex: usize| {
             if vertex == 0 { 1.0 - point.iter().sum::<f64>() } else { point[vertex - 1] }
-        };
-        let slope = |vertex: usize, k: usize| {
-            if vertex == 0 {
-                -1.0
-            } else if vertex == k + 1 {
-                1.0
-            } else {
-                0.0
-            }
         };
         for vertex in 0..=D {
             let l = lambda(vertex);
@@ -218,7 +262,7 @@ impl Lagrange {
         value: &mut [f64],
         gradient: &mut [[f64; D]],
     ) {
-        let factors: [[[f64; 2]; 3]; D] = std::array::from_fn(|k| self.factors(point[k]));
+        let factors: [[[f64; 3]; 3]; D] = std::array::from_fn(|k| self.factors(point[k]));
         for (node, steps) in self.tensor_nodes().iter().enumerate() {
             value[node] = (0..D).map(|k| factors[k][usize::from(steps[k])][0]).product();
             gradient[node] = std::array::from_fn(|direction| {
@@ -233,15 +277,15 @@ impl Lagrange {
         &nodes[..self.nodes()]
     }
 
-    // Value and slope at x of the Lagrange polynomials of the nodes 0, 1/2 and 1.
-    fn factors(&self, x: f64) -> [[f64; 2]; 3] {
+    // Value and both derivatives at x of the Lagrange polynomials of the nodes 0, 1/2 and 1.
+    fn factors(&self, x: f64) -> [[f64; 3]; 3] {
         if self.degree == 1 {
-            [[1.0 - x, -1.0], [0.0, 0.0], [x, 1.0]]
+            [[1.0 - x, -1.0, 0.0], [0.0; 3], [x, 1.0, 0.0]]
         } else {
             [
-                [(1.0 - x) * (1.0 - 2.0 * x), 4.0 * x - 3.0],
-                [4.0 * x * (1.0 - x), 4.0 - 8.0 * x],
-                [x * (2.0 * x - 1.0), 4.0 * x - 1.0],
+                [(1.0 - x) * (1.0 - 2.0 * x), 4.0 * x - 3.0, 4.0],
+                [4.0 * x * (1.0 - x), 4.0 - 8.0 * x, -8.0],
+                [x * (2.0 * x - 1.0), 4.0 * x - 1.0, 4.0],
             ]
         }
     }
@@ -251,141 +295,14 @@ impl Lagrange {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn elements() -> impl Iterator<Item = Lagrange> {
-        CellShape::ALL
-            .into_iter()
-            .flat_map(|shape| [1, 2].map(|degree| Lagrange::new(shape, degree).expect("degrees 1 and 2")))
-    }
-
-    // A few points, some outside the cell: the identities hold everywhere.
-    fn samples<const D: usize>() -> Vec<[f64; D]> {
-        [[0.1, 0.2, 0.3], [0.7, 0.05, 0.15], [0.0, 1.0, 0.25], [1.3, -0.4, 0.6]]
-            .iter()
-            .map(|point| std::array::from_fn(|k| point[k]))
-            .collect()
-    }
-
-    fn check_nodes<const D: usize>(element: Lagrange) {
-        let points = element.node_points::<D>();
-        assert_eq!(points.len(), element.nodes());
-        let tables = element.tabulate(&points);
-        for q in 0..points.len() {
-            for i in 0..element.nodes() {
-                // Exact: all coordinates are 0, 1/2 or 1.
-                assert_eq!(tables.value[q * tables.nodes + i], f64::from(u8::from(i == q)), "{element:?}");
-            }
-        }
-    }
-
-    // Interpolates a polynomial of the element's space and compares values and gradients.
-    fn check_reproduction<const D: usize>(element: Lagrange) {
-        let coefficient = [0.3, -1.7, 0.9];
-        // (1 + c·x)^degree is in P_k; for the tensor elements Π (1 + c_k x_k)^degree is in Q_k.
-        let p = element.degree as i32;
-        let simplex = element.shape.is_simplex();
-        let function = |x: &[f64; D]| -> (f64, [f64; D]) {
-            if simplex {
-                let s = 1.0 + (0..D).map(|k| coefficient[k] * x[k]).sum::<f64>();
-                (s.powi(p), std::array::from_fn(|k| f64::from(p) * s.powi(p - 1) * coefficient[k]))
-            } else {
-                let s: [f64; D] = std::array::from_fn(|k| 1.0 + coefficient[k] * x[k]);
-                let value = s.iter().map(|s| s.powi(p)).product();
-                let gradient = std::array::from_fn(|k| {
-                    let others: f64 = (0..D).filter(|&j| j != k).map(|j| s[j].powi(p)).product();
-                    f64::from(p) * s[k].powi(p - 1) * coefficient[k] * others
-                });
-                (value, gradient)
-            }
-        };
-        let nodal: Vec<f64> = element.node_points::<D>().iter().map(|x| function(x).0).collect();
-        let points = samples::<D>();
-        let tables = element.tabulate(&points);
-        for (q, point) in points.iter().enumerate() {
-            let row = q * tables.nodes..(q + 1) * tables.nodes;
-            let value: f64 = tables.value[row.clone()].iter().zip(&nodal).map(|(phi, u)| phi * u).sum();
-            let (expected, slope) = function(point);
-            assert!((value - expected).abs() < 1e-13, "{element:?}");
-            let unity: f64 = tables.value[row.clone()].iter().sum();
-            assert!((unity - 1.0).abs() < 1e-14, "{element:?}");
-            for k in 0..D {
-                let derivative: f64 =
-                    tables.gradient[row.clone()].iter().zip(&nodal).map(|(g, u)| g[k] * u).sum();
-                assert!((derivative - slope[k]).abs() < 1e-12, "{element:?}");
-            }
-        }
-    }
-
-    // Central differences are exact for quadratics along an axis, up to round-off.
-    fn check_differences<const D: usize>(element: Lagrange) {
-        let step = 0.01;
-        for point in samples::<D>() {
-            let centre = element.tabulate(&[point]);
-            for k in 0..D {
-                let (mut left, mut right) = (point, point);
-                left[k] -= step;
-                right[k] += step;
-                let tables = element.tabulate(&[left, right]);
-                for i in 0..tables.nodes {
-                    let difference = (tables.value[tables.nodes + i] - tables.value[i]) / (2.0 * step);
-                    assert!((difference - centre.gradient[i][k]).abs() < 1e-12, "{element:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn basis_is_one_at_its_node_and_zero_at_the_others() {
-        for element in elements() {
-            if element.shape.dimension() == 2 { check_nodes::<2>(element) } else { check_nodes::<3>(element) }
-        }
-    }
-
-    #[test]
-    fn polynomials_of_the_space_are_reproduced() {
-        for element in elements() {
-            if element.shape.dimension() == 2 {
-                check_reproduction::<2>(element);
-                check_differences::<2>(element);
-            } else {
-                check_reproduction::<3>(element);
-                check_differences::<3>(element);
-            }
-        }
-    }
-
-    #[test]
-    fn facet_nodes_are_those_on_the_facet() {
-        for element in elements().filter(|element| element.shape.dimension() == 3) {
-            let points = element.node_points::<3>();
-            for local in 0..element.shape.facets() {
-                let on_facet = |x: &[f64; 3]| match (element.shape, local) {
-                    (CellShape::Tetrahedron, 0) => x.iter().sum::<f64>() == 1.0,
-                    (CellShape::Tetrahedron, f) => x[f - 1] == 0.0,
-                    (_, f) => {
-                        [x[2] == 0.0, x[2] == 1.0, x[1] == 0.0, x[0] == 1.0, x[1] == 1.0, x[0] == 0.0][f]
-                    }
-                };
-                let expected: Vec<usize> = (0..points.len()).filter(|&i| on_facet(&points[i])).collect();
-                let mut nodes = element.facet_nodes(local);
-                nodes.sort_unstable();
-                assert_eq!(nodes, expected, "{element:?} facet {local}");
-            }
-        }
-        let quadratic = Lagrange { shape: CellShape::Quadrilateral, degree: 2 };
-        assert_eq!(quadratic.facet_nodes(3), [3, 0, 7]);
-    }
-
-    #[test]
-    fn other_degrees_are_errors() {
-        let message = Lagrange::new(CellShape::Triangle, 3).map_err(|error| error.to_string());
-        assert_eq!(
-            message,
-            Err("there is no Lagrange element of degree 3 on the triangle; the degrees are 1 and 2".into())
-        );
-        assert!(Lagrange::new(CellShape::Hexahedron, 0).is_err());
+/// ∂λ_vertex/∂ξ_k of a barycentric coordinate.
+fn slope(vertex: usize, k: usize) -> f64 {
+    match vertex {
+        0 => -1.0,
+        _ if vertex == k + 1 => 1.0,
+        _ => 0.0,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -64,11 +64,12 @@ pub enum LinearAlgebraError {
         unknown: usize,
     },
     /// A pivot is zero up to rounding.
-    #[error("the matrix is singular: the pivot of unknown {unknown} is {ratio:e} of its diagonal scale")]
+    #[error("the matrix is singular: the pivot of unknown {unknown} is {ratio:e} of its scale")]
     Singular {
         /// Unknown (row number of the matrix) with that pivot.
         unknown: usize,
-        /// Pivot divided by the largest entry of the row before elimination.
+        /// Pivot divided by the largest entry of the row before elimination; in an LU factorisation, the
+        /// smallest singular value of the scaled matrix.
         ratio: f64,
     },
     /// A solution could not be brought to a small residual.

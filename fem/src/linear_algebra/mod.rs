@@ -2,14 +2,15 @@
 //!
 //! [`CsrMatrix`] holds values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows
 //! and columns out of it. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
-//! Cholesky or a Bunch–Kaufman factor on it, and [`gmres()`] solves what is not symmetric.
+//! Cholesky or a Bunch–Kaufman factor on it, [`LuFactor`] is a factor with partial pivoting of any square
+//! matrix, and [`gmres()`] solves what is nearly symmetric.
 
 pub mod analysis;
 pub mod cholesky;
 pub mod csr;
 pub mod error;
 pub mod gmres;
-
+pub mod lu;
 pub mod ordering;
 pub mod partial_solves;
 pub mod pattern;
@@ -21,7 +22,7 @@ pub use cholesky::{Refined, SymmetricFactor};
 pub use csr::CsrMatrix;
 pub use error::LinearAlgebraError;
 pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};
-
+pub use lu::LuFactor;
 pub use ordering::Ordering;
 pub use pattern::SparsityPattern;
 pub use restriction::Restriction;

@@ -85,6 +85,25 @@ pub enum MeshError {
         /// Local facet number.
         local: u8,
     },
+    /// A listed facet that is not between two cells.
+    #[error("region \"{name}\": facet {local} of cell {cell} does not exist or is not between two cells")]
+    NotInterior {
+        /// The region's name.
+        name: String,
+        /// Cell index.
+        cell: u32,
+        /// Local facet number.
+        local: u8,
+    },
+    /// The vertices of two sides of a facet do not run in the same order around it.
+    #[error(
+        "cells {} and {} share the vertices of a facet, but not in the same order around it",
+        .cells[0], .cells[1]
+    )]
+    TwistedFacet {
+        /// The two cells.
+        cells: [u32; 2],
+    },
     /// More than two cells share a facet.
     #[error("the facet with vertices {vertices:?} belongs to more than two cells: {cells:?}")]
     SharedFacet {
@@ -102,18 +121,40 @@ pub enum MeshError {
         existing: Vec<String>,
     },
     /// No such facet region.
-    #[error("there is no facet region \"{name}\"; the mesh has {}", quoted(existing))]
+    #[error(
+        "there is no facet region \"{name}\"; the mesh has {}{}",
+        quoted(existing),
+        kind(*interior, name, "interior facets, which have two sides")
+    )]
     UnknownFacetRegion {
         /// The name asked for.
         name: String,
         /// The names that exist.
         existing: Vec<String>,
+        /// There is a region of interior facets of this name.
+        interior: bool,
+    },
+    /// No such region of interior facets.
+    #[error(
+        "there is no region \"{name}\" of interior facets; the mesh has {}{}",
+        quoted(existing),
+        kind(*exterior, name, "exterior facets, which have one side only")
+    )]
+    UnknownInteriorRegion {
+        /// The name asked for.
+        name: String,
+        /// The names that exist.
+        existing: Vec<String>,
+        /// There is a region of exterior facets of this name.
+        exterior: bool,
     },
     /// Neither a cell region nor a facet region.
     #[error(
-        "there is no region \"{name}\"; the mesh has the cell regions {} and the facet regions {}",
+        "there is no region \"{name}\"; the mesh has the cell regions {}, the facet regions {} and the \
+         interior facet regions {}",
         quoted(cells),
-        quoted(facets)
+        quoted(facets),
+        quoted(interior)
     )]
     UnknownRegion {
         /// The name asked for.
@@ -122,6 +163,8 @@ pub enum MeshError {
         cells: Vec<String>,
         /// The facet regions that exist.
         facets: Vec<String>,
+        /// The regions of interior facets that exist.
+        interior: Vec<String>,
     },
     /// The name is taken.
     #[error("the mesh already has a region \"{name}\"")]
@@ -147,6 +190,10 @@ pub enum MeshError {
         /// What it should be.
         requirement: &'static str,
     },
+}
+
+fn kind(exists: bool, name: &str, what: &str) -> String {
+    if exists { format!(" (\"{name}\" consists of {what})") } else { String::new() }
 }
 
 fn quoted(names: &[String]) -> String {

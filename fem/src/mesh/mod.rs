@@ -4,6 +4,7 @@ mod connectivity;
 mod error;
 mod generators;
 pub(crate) mod geometry;
+mod interior;
 mod regions;
 mod structured;
 
@@ -13,7 +14,7 @@ use crate::element::{CellShape, Lagrange};
 
 pub use error::MeshError;
 pub use generators::{annulus, cuboid, rectangle};
-pub use regions::{BOUNDARY, EVERYWHERE};
+pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
 pub use structured::{Grid, structured};
 
 /// A facet of a cell: the cell that owns it and its local number there.
@@ -28,7 +29,8 @@ pub struct Facet {
 /// A mesh of cells of one shape in D dimensions, with isoparametric geometry of degree 1 or 2.
 /// Geometry nodes of a cell stand in the order of [`crate::element::Lagrange`].
 ///
-/// The cell region "all" and the facet region "boundary" always exist.
+/// The cell region "all", the facet region "boundary" and (where cells share facets) the region "interior" of
+/// interior facets always exist.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     /// Shape of every cell.
@@ -43,8 +45,8 @@ pub struct Mesh<const D: usize> {
     pub(crate) cell_regions: BTreeMap<String, Vec<u32>>,
     /// Named sets of facets.
     pub(crate) facet_regions: BTreeMap<String, Vec<Facet>>,
-    // The two sides of each interior facet, the cell with the smaller index first.
-    interior_facets: Vec<[Facet; 2]>,
+    /// Named sets of interior facets, each with its two sides.
+    interior_regions: BTreeMap<String, Vec<[Facet; 2]>>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -77,7 +79,7 @@ impl<const D: usize> Mesh<D> {
             cells,
             cell_regions: BTreeMap::from([(EVERYWHERE.to_owned(), all)]),
             facet_regions: BTreeMap::from([(BOUNDARY.to_owned(), boundary)]),
-            interior_facets,
+            interior_regions: BTreeMap::from([(INTERIOR.to_owned(), interior_facets)]),
         };
         mesh.check_jacobians()?;
         Ok(mesh)
@@ -139,11 +141,11 @@ impl<const D: usize> Mesh<D> {
 
     /// The two sides of each facet between two cells, the cell with the smaller index first.
     pub fn interior_facets(&self) -> &[[Facet; 2]] {
-        &self.interior_facets
+        self.interior_regions.get(INTERIOR).map_or(&[], Vec::as_slice)
     }
 
     /// Number of facets, those between two cells counted once.
     pub fn facet_count(&self) -> usize {
-        self.boundary_facets().len() + self.interior_facets.len()
+        self.boundary_facets().len() + self.interior_facets().len()
     }
 }

@@ -1,4 +1,4 @@
-//! Named sets of cells and facets.
+//! Named sets of cells and exterior facets.
 
 use super::{Facet, Mesh, MeshError};
 
@@ -6,6 +6,8 @@ use super::{Facet, Mesh, MeshError};
 pub const EVERYWHERE: &str = "all";
 /// The facet region that consists of all exterior facets.
 pub const BOUNDARY: &str = "boundary";
+/// The region that consists of all interior facets.
+pub const INTERIOR: &str = "interior";
 
 impl<const D: usize> Mesh<D> {
     /// The cells of a region, in ascending order.
@@ -27,6 +29,7 @@ impl<const D: usize> Mesh<D> {
         self.facet_regions.get(name).map(Vec::as_slice).ok_or_else(|| MeshError::UnknownFacetRegion {
             name: name.to_owned(),
             existing: self.facet_regions.keys().cloned().collect(),
+            interior: self.interior_facet_region(name).is_ok(),
         })
     }
 
@@ -112,8 +115,11 @@ impl<const D: usize> Mesh<D> {
     }
 
     // One name, one region: boundary conditions accept regions of either kind.
-    fn check_name(&self, name: &str, entity: &'static str, empty: bool) -> Result<(), MeshError> {
-        if self.cell_regions.contains_key(name) || self.facet_regions.contains_key(name) {
+    pub(super) fn check_name(&self, name: &str, entity: &'static str, empty: bool) -> Result<(), MeshError> {
+        if self.cell_regions.contains_key(name)
+            || self.facet_regions.contains_key(name)
+            || self.interior_facet_region(name).is_ok()
+        {
             return Err(MeshError::RegionExists { name: name.to_owned() });
         }
         if empty {

@@ -19,29 +19,26 @@ fn lives_on<const D: usize>(field: &Field<D>, mesh: &Mesh<D>) -> bool {
     std::ptr::eq(own, mesh) || (own.cells() == mesh.cells() && own.nodes() == mesh.nodes())
 }
 
-/// Values of a field at the nodes of its mesh's geometry, `values[node * components + component]`;
-/// zero at nodes that belong to no cell. `None` if the field lives on another mesh.
-fn nodal_values<const D: usize>(mesh: &Mesh<D>, field: &Field<D>) -> Option<Vec<f64>> {
-    if !lives_on(field, mesh) {
-        return None;
-    }
+/// Values of a field at the nodes of each cell of its mesh's geometry, cell after cell,
+/// `values[(cell * nodes + node) * components + component]`.
+fn values_at_cell_nodes<const D: usize>(mesh: &Mesh<D>, field: &Field<D>) -> Vec<f64> {
     let space = field.space();
     let components = space.components();
     let per_cell = space.element().nodes();
     // The two elements number their nodes alike only if their degrees agree, and the space may number
     // its nodes in another way than the mesh: the field is evaluated cell by cell.
     let tables = space.element().tabulate::<D>(&mesh.element().node_points::<D>());
-    let mut values = vec![0.0; mesh.nodes().len() * components];
+    let mut values = Vec::with_capacity(mesh.cells().len() * components);
     for cell in 0..mesh.cell_count() {
         let unknowns = space.cell_nodes(cell);
-        for (point, &node) in mesh.cell(cell).iter().enumerate() {
-            let basis = &tables.value[point * per_cell..(point + 1) * per_cell];
+        for basis in tables.value.chunks(per_cell) {
             for component in 0..components {
                 let terms = basis.iter().zip(unknowns);
-                values[node as usize * components + component] =
-                    terms.map(|(phi, &n)| phi * field.values()[n as usize * components + component]).sum();
+                let value =
+                    |(phi, &n): (&f64, &u32)| phi * field.values()[n as usize * components + component];
+                values.push(terms.map(value).sum());
             }
         }
     }
-    Some(values)
+    values
 }

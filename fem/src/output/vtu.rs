@@ -13,6 +13,7 @@ use super::atomic::write_whole;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::mesh::Mesh;
+use crate::space::Family;
 
 /// Why a `.vtu` file could not be written.
 #[derive(Debug, Error)]
@@ -27,8 +28,8 @@ pub enum VtuError {
         /// Number of values given.
         found: usize,
     },
-    /// Components that are neither a scalar nor a vector nor a tensor of the mesh's dimension.
-    #[error("\"{name}\" has {components} components: a scalar, a vector or a tensor is needed")]
+    /// Values without components.
+    #[error("\"{name}\" has {components} components")]
     Components {
         /// Name of the data array.
         name: String,
@@ -50,6 +51,14 @@ pub enum VtuError {
     Twice {
         /// Name of the data arrays.
         name: String,
+    },
+    /// A field that has no values in cells.
+    #[error("the field \"{name}\" lives on the facets of \"{region}\" alone, and the file shows cells")]
+    OnFacets {
+        /// Name of the data array.
+        name: String,
+        /// The facet region of its space.
+        region: String,
     },
     /// A field on another mesh.
     #[error("the field \"{name}\" lives on another mesh")]
@@ -74,15 +83,18 @@ pub enum VtuError {
 /// A mesh and data on it, to be written as a `.vtu` file.
 ///
 /// Cells keep their degree: quadratic cells are written as VTK's quadratic cells. Vectors get three
-/// components and tensors nine (row-major); the missing ones are zero.
+/// components and tensors nine (row-major); the missing ones are zero. Values with other numbers of components
+/// are written as they are. Once a discontinuous field is among the data, each cell has points of its own.
 #[derive(Clone, Debug)]
 pub struct VtuFile<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     points: Vec<Array>,
+    /// One value per cell and node of it: fields that jump between cells.
+    corners: Vec<Array>,
     cells: Vec<Array>,
 }
 
-/// A data array with 1, 3 or 9 components.
+/// A data array.
 #[derive(Clone, Debug)]
 struct Array {
     name: String,
@@ -93,18 +105,40 @@ struct Array {
 impl<'a, const D: usize> VtuFile<'a, D> {
     /// A file with the mesh and no data yet.
     pub fn new(mesh: &'a Mesh<D>) -> Self {
-        VtuFile { mesh, points: Vec::new(), cells: Vec::new() }
+        VtuFile { mesh, points: Vec::new(), corners: Vec::new(), cells: Vec::new() }
     }
 
     /// Adds the values of a field at the mesh's nodes. The field's degree need not be the mesh's: the
-    /// field is evaluated at the nodes.
+    /// field is evaluated at the nodes. A discontinuous field has its value of each cell there; one of degree
+    /// 0 becomes data of the cells.
     ///
     /// # Errors
-    /// [`VtuError`] if the field lives on another mesh, is not finite, or the name is taken.
-    pub fn point_data(self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
-        let values =
-            super::nodal_values(self.mesh, field).ok_or_else(|| VtuError::OtherMesh { name: name.into() })?;
-        self.point_values(name, field.space().components(), &values)
+    /// [`VtuError`] if the field lives on another mesh or on facets alone, is not finite, or the name is taken.
+    pub fn point_data(mut self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
+        if !super::lives_on(field, self.mesh) {
+            return Err(VtuError::OtherMesh { name: name.into() });
+        }
+        let (space, components) = (field.space(), field.space().components());
+        match space.family() {
+            Family::OnFacets(region) => Err(VtuError::OnFacets { name: name.into(), region: region.clone() }),
+            Family::Discontinuous if space.degree() == 0 => self.cell_data(name, components, field.values()),
+            Family::Discontinuous => {
+                let values = super::values_at_cell_nodes(self.mesh, field);
+                let others = self.points.iter().chain(&self.corners);
+                let array = Array::new::<D>(name, components, &values, self.mesh.cells().len(), others)?;
+                self.corners.push(array);
+                Ok(self)
+            }
+            Family::Continuous => {
+                // Cells agree at the nodes that they share; nodes of no cell stay zero.
+                let of_cells = super::values_at_cell_nodes(self.mesh, field);
+                let mut values = vec![0.0; self.mesh.node_count() * components];
+                for (&node, value) in self.mesh.cells().iter().zip(of_cells.chunks(components)) {
+                    values[node as usize * components..][..components].copy_from_slice(value);
+                }
+                self.point_values(name, components, &values)
+            }
+        }
     }
 
     /// Adds values at the mesh's nodes, `values[node * components + component]`.
@@ -113,7 +147,8 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// [`VtuError`] if there is not one value per node and component, a value is not finite, or the
     /// name is taken.
     pub fn point_values(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
-        let array = Array::new::<D>(name, components, values, self.mesh.nodes().len(), &self.points)?;
+        let others = self.points.iter().chain(&self.corners);
+        let array = Array::new::<D>(name, components, values, self.mesh.nodes().len(), others)?;
         self.points.push(array);
         Ok(self)
     }
@@ -143,12 +178,27 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     fn model(&self) -> Result<Vtk, VtuError> {
         let cell_count = self.mesh.cell_count();
         let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
-        let points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), &[])?;
+        let mut points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), [])?;
+        let separate = !self.corners.is_empty();
+        let mut data = self.points.clone();
+        if separate {
+            // Points of the cells, one after the other, in place of the nodes that they share.
+            for array in data.iter_mut().chain([&mut points]) {
+                let count = array.components;
+                let nodes = self.mesh.cells().iter().map(|&node| node as usize);
+                array.values =
+                    nodes.flat_map(|node| &array.values[node * count..][..count]).copied().collect();
+            }
+            data.extend(self.corners.iter().cloned());
+        }
         let (cell_type, order) = cell_type(self.mesh.shape(), self.mesh.degree());
         let mut connectivity = Vec::with_capacity(cell_count * order.len());
         for cell in 0..cell_count {
             let nodes = self.mesh.cell(cell);
-            connectivity.extend(order.iter().map(|&node| u64::from(nodes[node])));
+            let number = |node: usize| {
+                if separate { (cell * nodes.len() + node) as u64 } else { u64::from(nodes[node]) }
+            };
+            connectivity.extend(order.iter().map(|&node| number(node)));
         }
         let offsets = (1..=cell_count).map(|cell| (cell * order.len()) as u64).collect();
         let attributes = |arrays: &[Array]| arrays.iter().map(Array::attribute).collect();
@@ -164,7 +214,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
                     cell_verts: VertexNumbers::XML { connectivity, offsets },
                     types: vec![cell_type; cell_count],
                 },
-                data: Attributes { point: attributes(&self.points), cell: attributes(&self.cells) },
+                data: Attributes { point: attributes(&data), cell: attributes(&self.cells) },
             }),
         })
     }
@@ -172,18 +222,18 @@ impl<'a, const D: usize> VtuFile<'a, D> {
 
 impl Array {
     /// Checks the values and pads vectors to 3 and tensors to 9 components.
-    fn new<const D: usize>(
+    fn new<'a, const D: usize>(
         name: &str,
         components: usize,
         values: &[f64],
         count: usize,
-        others: &[Array],
+        others: impl IntoIterator<Item = &'a Array>,
     ) -> Result<Array, VtuError> {
         let padded = match components {
-            1 => 1,
+            0 => return Err(VtuError::Components { name: name.into(), components }),
             _ if components == D => 3,
             _ if components == D * D => 9,
-            _ => return Err(VtuError::Components { name: name.into(), components }),
+            _ => components,
         };
         if values.len() != count * components {
             return Err(VtuError::Length {
@@ -192,7 +242,7 @@ impl Array {
                 found: values.len(),
             });
         }
-        if others.iter().any(|other| other.name == name) {
+        if others.into_iter().any(|other| other.name == name) {
             return Err(VtuError::Twice { name: name.into() });
         }
         if let Some(place) = values.iter().position(|value| !value.is_finite()) {
@@ -202,7 +252,7 @@ impl Array {
         let mut all = vec![0.0; count * padded];
         for (source, target) in values.chunks(components).zip(all.chunks_mut(padded)) {
             for (k, &value) in source.iter().enumerate() {
-                let place = if padded == 9 { 3 * (k / D) + k % D } else { k };
+                let place = if components == D * D { 3 * (k / D) + k % D } else { k };
                 target[place] = value;
             }
         }
@@ -213,9 +263,9 @@ impl Array {
         Attribute::DataArray(DataArray {
             name: self.name.clone(),
             elem: match self.components {
-                1 => ElementType::Scalars { num_comp: 1, lookup_table: None },
                 3 => ElementType::Vectors,
-                _ => ElementType::Tensors,
+                9 => ElementType::Tensors,
+                count => ElementType::Scalars { num_comp: count as u32, lookup_table: None },
             },
             data: IOBuffer::F64(self.values.clone()),
         })
@@ -298,6 +348,37 @@ mod tests {
         assert!(matches!(VtuFile::new(&other).point_data("u", &field), Err(VtuError::OtherMesh { .. })));
     }
 
+    /// A field that jumps between two cells, beside a continuous one.
+    #[test]
+    fn discontinuous_fields_have_points_of_their_own() {
+        let mesh =
+            Arc::new(mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1).unwrap());
+        let jump = Field::from_values(
+            &Space::discontinuous_scalar(&mesh, 1).unwrap(),
+            vec![1.0, 1.0, 1.0, 1.0, 5.0, 5.0, 5.0, 5.0],
+        );
+        let constant =
+            Field::from_values(&Space::discontinuous_vector(&mesh, 0).unwrap(), vec![1.0, 2.0, 3.0, 4.0]);
+        let smooth = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), |x| x[0] + x[1]).unwrap();
+        let file = VtuFile::new(&mesh).point_data("smooth", &smooth).unwrap();
+        let file =
+            file.point_data("jump", &jump.unwrap()).unwrap().point_data("constant", &constant.unwrap());
+        let grid = grid(&file.unwrap());
+        assert_eq!(grid.cells.cell_verts.into_xml().0, (0..8).collect::<Vec<u64>>());
+        let points: Vec<f64> = grid.points.cast_into().unwrap();
+        let (_, _, sums) = array(&grid.data.point[0]);
+        for (x, sum) in points.chunks(3).zip(sums) {
+            assert!((x[0] + x[1] - sum).abs() < 1e-14);
+        }
+        assert_eq!(array(&grid.data.point[1]).2, [1.0, 1.0, 1.0, 1.0, 5.0, 5.0, 5.0, 5.0]);
+        assert_eq!(array(&grid.data.cell[0]), ("constant".into(), 3, vec![1.0, 2.0, 0.0, 3.0, 4.0, 0.0]));
+        let trace = Field::zero(&Space::on_facets(&mesh, "top", 1).unwrap());
+        assert_eq!(
+            VtuFile::new(&mesh).point_data("trace", &trace).unwrap_err().to_string(),
+            "the field \"trace\" lives on the facets of \"top\" alone, and the file shows cells"
+        );
+    }
+
     /// VTK states the parametric coordinates of the face nodes: x = 0, x = 1, y = 0, y = 1, z = 0, z = 1.
     #[test]
     fn faces_of_hexahedra_stand_in_the_order_of_vtk() {
@@ -323,7 +404,7 @@ mod tests {
         assert_eq!(error.unwrap_err().to_string(), "value 1 of \"u\" is NaN");
         let file = VtuFile::new(&mesh);
         assert!(matches!(file.clone().cell_data("p", 1, &[]), Err(VtuError::Length { expected: 1, .. })));
-        assert!(matches!(file.clone().cell_data("p", 3, &[0.0; 3]), Err(VtuError::Components { .. })));
+        assert!(matches!(file.clone().cell_data("p", 0, &[]), Err(VtuError::Components { .. })));
         let twice = file.clone().cell_data("p", 1, &[0.0]).unwrap().cell_data("p", 1, &[0.0]);
         assert!(matches!(twice, Err(VtuError::Twice { .. })));
         let path = std::env::temp_dir().join("no such directory of forms-fem").join("mesh.vtu");

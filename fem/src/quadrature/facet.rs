@@ -64,9 +64,21 @@ pub fn map_to_facet<const D: usize>(
         return Err(QuadratureError::Facet { shape, local });
     }
     let vertices = shape.facet_vertices(local);
+    let last = vertices[vertices.len() - 1];
+    Ok(map_to_corners(shape, [vertices[0], vertices[1], last], rule))
+}
+
+/// Maps a rule from the facet's own reference cell to the facet with these vertices of the cell: the first
+/// facet coordinate runs from the first to the second, the other from the first to the last. In two
+/// dimensions the last one does not matter. Any order of a facet's vertices that runs around it will do, so
+/// that the points of one side of an interior facet can be found on the other.
+pub(crate) fn map_to_corners<const D: usize>(
+    shape: CellShape,
+    vertices: [usize; 3],
+    rule: &QuadratureRule<2>,
+) -> FacetRule<D> {
     let corner = shape.vertex_points();
-    let (first, second, last) =
-        (corner[vertices[0]], corner[vertices[1]], corner[vertices[vertices.len() - 1]]);
+    let [first, second, last] = vertices.map(|vertex| corner[vertex]);
     let along: [f64; D] = std::array::from_fn(|k| second[k] - first[k]);
     let across: [f64; D] = std::array::from_fn(|k| if D == 2 { 0.0 } else { last[k] - first[k] });
     let points = rule
@@ -74,5 +86,5 @@ pub fn map_to_facet<const D: usize>(
         .iter()
         .map(|[s, t]| std::array::from_fn(|k| first[k] + s * along[k] + t * across[k]))
         .collect();
-    Ok(FacetRule { points, weights: rule.weights.clone(), tangents: [along, across] })
+    FacetRule { points, weights: rule.weights.clone(), tangents: [along, across] }
 }

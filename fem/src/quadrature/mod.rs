@@ -6,6 +6,7 @@ mod simplex;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use facet::map_to_corners;
 pub use facet::{FacetRule, facet_reference_rule, facet_rule, map_to_facet};
 pub use gauss::gauss_jacobi;
 
@@ -188,9 +189,21 @@ impl<const D: usize> Quadrature<D> {
         local: usize,
         estimated: usize,
     ) -> Result<FacetRule<D>, QuadratureError> {
+        map_to_facet(shape, local, &self.facet_reference_rule(shape, estimated)?)
+    }
+
+    /// The rule on the facet's own reference cell, before it is mapped to a facet.
+    ///
+    /// # Errors
+    /// A degree that is too high, or points and weights that are not accepted.
+    pub fn facet_reference_rule(
+        &self,
+        shape: CellShape,
+        estimated: usize,
+    ) -> Result<QuadratureRule<2>, QuadratureError> {
         match self {
-            Quadrature::Degree(degree) => facet_rule(shape, local, *degree),
-            Quadrature::Estimated => facet_rule(shape, local, estimated),
+            Quadrature::Degree(degree) => facet_reference_rule(shape, *degree),
+            Quadrature::Estimated => facet_reference_rule(shape, estimated),
             Quadrature::Explicit { facet, .. } => {
                 let (reference, inside): (_, fn(&[f64; 2]) -> bool) = match shape {
                     CellShape::Triangle | CellShape::Quadrilateral => ("segment", |point| {
@@ -204,7 +217,7 @@ impl<const D: usize> Quadrature<D> {
                     }
                 };
                 facet.validate("facet", reference, inside)?;
-                map_to_facet(shape, local, facet)
+                Ok(facet.clone())
             }
         }
     }

@@ -86,6 +86,7 @@ impl CondensedSolver {
             analyses: own.analyses + other.analyses,
             factorisations: own.factorisations + other.factorisations,
             indefinite_factorisations: other.indefinite_factorisations,
+            lu_factorisations: other.lu_factorisations,
             solves: own.solves + other.solves,
             iterations: own.iterations.iter().chain(&other.iterations).copied().collect(),
             analysis_seconds: own.analysis_seconds + other.analysis_seconds,

@@ -52,6 +52,22 @@ pub enum SolverError {
     /// The matrix or a vector is unfit, or the factorisation failed.
     #[error(transparent)]
     LinearAlgebra(#[from] LinearAlgebraError),
+    /// The matrix is singular, and an unknown that it does not determine.
+    #[error(
+        "the matrix is singular: nothing determines {}`{field}` at {position:?} (a pivot is {ratio:e} of its scale); \
+         a boundary condition or a pinned value is missing, or the spaces do not fit each other",
+        of(component)
+    )]
+    Undetermined {
+        /// The unknown's name in the form.
+        field: &'static str,
+        /// Its component, where it has several.
+        component: Option<usize>,
+        /// Position of the node.
+        position: Vec<f64>,
+        /// As in [`LinearAlgebraError::Singular`].
+        ratio: f64,
+    },
     /// A solve was asked for before a matrix was set.
     #[error("no matrix was given to the linear solver")]
     NoMatrix,
@@ -61,4 +77,8 @@ pub enum SolverError {
         .0.relative_residual, .0.iterations
     )]
     NotConverged(GmresReport),
+}
+
+fn of(component: &Option<usize>) -> String {
+    component.map(|component| format!("component {component} of ")).unwrap_or_default()
 }

@@ -2,11 +2,14 @@
 //!
 //! [`newton()`] asks a [`NonlinearProblem`] for residuals and tangents, an [`Elimination`] takes the
 //! prescribed unknowns out, and a [`LinearSolver`] (the [`TangentSolver`] unless another is given) solves.
+//! [`FormProblem`] (one unknown) and [`MixedProblem`] (several) make such a problem of a compiled form.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 pub mod condensed_solver;
 pub mod elimination;
 pub mod linear_solver;
+pub mod lu_solver;
+pub mod mixed_problem;
 pub mod newton;
 pub mod problem;
 pub mod tangent_solver;
@@ -14,9 +17,11 @@ pub mod tangent_solver;
 pub use condensed_solver::CondensedSolver;
 pub use elimination::{Elimination, solve_linear, solve_linear_transposed};
 pub use linear_solver::{LinearSolution, LinearSolver, SolverError};
+pub use lu_solver::LuSolver;
+pub use mixed_problem::{LinearProblemError, MixedProblem, MixedSolved};
 pub use newton::{
     ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
     newton,
 };
-pub use problem::{FormProblem, LinearProblemError, Solved};
+pub use problem::{FormProblem, Solved};
 pub use tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};

@@ -1,31 +1,22 @@
-//! A compiled form with one unknown as a system of equations: what Newton's method and linear solvers ask
-//! for, with the integrals that no iterate changes assembled once.
+//! A compiled form with one unknown as a system of equations: a [`MixedProblem`] of one space.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use forms_core::contract::Form;
 
 use super::{
-    ActivePoints, Elimination, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem,
-    newton, solve_linear,
+    ActivePoints, LinearProblemError, LinearSolver, MixedProblem, MixedSolved, NewtonError, NewtonOptions,
+    NewtonStep, NonlinearProblem,
 };
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::field::Field;
-use crate::linear_algebra::{CsrMatrix, LinearAlgebraError};
-use crate::solve::SolverError;
+use crate::linear_algebra::CsrMatrix;
 use crate::space::Space;
 
-/// A form with one unknown and one test function, on one space.
+/// A form with one unknown and one test function, on one space. [`MixedProblem`] takes several.
 pub struct FormProblem<'a, F, const D: usize> {
-    form: &'a F,
-    assembler: &'a Assembler<D>,
-    space: Arc<Space<D>>,
-    pattern: Arc<BlockPattern>,
-    /// Residual at 0 and tangent of the integrals that are constant or linear in the unknown.
-    fixed: Option<Arc<(Vec<f64>, CsrMatrix)>>,
-    seconds: f64,
+    whole: MixedProblem<'a, F, D, 1>,
 }
 
 /// A solution by Newton's method.
@@ -39,57 +30,38 @@ pub struct Solved<const D: usize> {
     pub residual: Vec<f64>,
 }
 
-/// Why an affine problem was not solved.
-#[derive(Debug, thiserror::Error)]
-pub enum LinearProblemError {
-    /// The form or its data do not fit.
-    #[error(transparent)]
-    Assembly(#[from] AssemblyError),
-    /// The system could not be solved.
-    #[error(transparent)]
-    Solver(#[from] SolverError),
-}
-
-impl From<LinearAlgebraError> for LinearProblemError {
-    fn from(source: LinearAlgebraError) -> Self {
-        LinearProblemError::Solver(source.into())
-    }
-}
-
 impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
     /// Prepares the matrix pattern of the form on a space.
     ///
     /// # Errors
-    /// When the matrix is too large to be numbered.
+    /// When the form has several unknowns, a region does not exist, or the matrix is too large to be
+    /// numbered.
     pub fn new(
         form: &'a F,
         assembler: &'a Assembler<D>,
         space: &Arc<Space<D>>,
     ) -> Result<Self, AssemblyError> {
-        let pattern = BlockPattern::new(&[space], &[space])
-            .map_err(|source| AssemblyError::LinearAlgebra { form: form.name(), source })?;
-        Ok(Self::with_pattern(form, assembler, space, &Arc::new(pattern)))
+        Ok(FormProblem { whole: MixedProblem::new(form, assembler, [space])? })
     }
 
-    /// The same on a pattern made for this space before.
+    /// The same on a pattern made for this space before, which must hold every entry of this form.
     pub fn with_pattern(
         form: &'a F,
         assembler: &'a Assembler<D>,
         space: &Arc<Space<D>>,
         pattern: &Arc<BlockPattern>,
     ) -> Self {
-        let (space, pattern) = (space.clone(), pattern.clone());
-        FormProblem { form, assembler, space, pattern, fixed: None, seconds: 0.0 }
+        FormProblem { whole: MixedProblem::with_pattern(form, assembler, [space], pattern) }
     }
 
     /// The matrix pattern, for other forms on the same space.
     pub fn pattern(&self) -> &Arc<BlockPattern> {
-        &self.pattern
+        self.whole.pattern()
     }
 
     /// Seconds spent in assembly so far.
     pub fn assembly_seconds(&self) -> f64 {
-        self.seconds
+        self.whole.assembly_seconds()
     }
 
     /// Solves R(u) = 0 by semismooth Newton from u = `start` with the constraints imposed on it.
@@ -104,11 +76,9 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
     ) -> Result<Solved<D>, NewtonError<AssemblyError>> {
-        let start = start.values().to_vec();
-        let space = self.space.clone();
-        let found = newton(self, constraints.prescribed(), start, solver, options, progress)?;
-        let field = Field { space, values: Arc::new(found.u) };
-        Ok(Solved { field, history: found.history, residual: found.residual })
+        let found = self.whole.solve([start], [constraints], solver, options, progress)?;
+        let MixedSolved { fields: [field], history, residual } = found;
+        Ok(Solved { field, history, residual })
     }
 
     /// Solves a form that is affine in its unknown: one assembly, one linear system. The solver keeps the
@@ -121,39 +91,8 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
         constraints: &Constraints<D>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Field<D>, LinearProblemError> {
-        let zero = vec![0.0; self.space.unknowns()];
-        let mut load = self.residual(&zero)?;
-        let matrix = self.tangent(&zero)?;
-        for value in &mut load {
-            *value = -*value;
-        }
-        let mut elimination = Elimination::new(load.len(), constraints.prescribed())?;
-        let solution = solve_linear(&matrix, &load, &mut elimination, solver)?;
-        Ok(Field { space: self.space.clone(), values: Arc::new(solution.solution) })
-    }
-
-    fn fixed(&mut self) -> Result<Arc<(Vec<f64>, CsrMatrix)>, AssemblyError> {
-        if let Some(fixed) = &self.fixed {
-            return Ok(fixed.clone());
-        }
-        let start = Instant::now();
-        let zero = Field::zero(&self.space);
-        let spaces = [&self.space];
-        let residual = self.assembler.residual_parts(self.form, &[&zero], &spaces, Parts::FIXED)?;
-        let mut matrix = CsrMatrix::zero(self.pattern.pattern());
-        self.assembler.add_tangent(self.form, &[&zero], &spaces, Parts::FIXED, &self.pattern, &mut matrix)?;
-        let fixed = Arc::new((residual, matrix));
-        self.fixed = Some(fixed.clone());
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(fixed)
-    }
-
-    fn field(&self, u: &[f64]) -> Field<D> {
-        Field { space: self.space.clone(), values: Arc::new(u.to_vec()) }
-    }
-
-    fn fit(&self, source: LinearAlgebraError) -> AssemblyError {
-        AssemblyError::LinearAlgebra { form: self.form.name(), source }
+        let [field] = self.whole.solve_affine([constraints], solver)?;
+        Ok(field)
     }
 }
 
@@ -161,49 +100,18 @@ impl<F: Form<D>, const D: usize> NonlinearProblem for FormProblem<'_, F, D> {
     type Error = AssemblyError;
 
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        let field = self.field(u);
-        let fixed = self.fixed()?;
-        let mut residual = fixed.0.clone();
-        let linear = fixed.1.multiply(u).map_err(|source| self.fit(source))?;
-        let start = Instant::now();
-        let nonlinear =
-            self.assembler.residual_parts(self.form, &[&field], &[&self.space], Parts::NONLINEAR)?;
-        for ((sum, linear), nonlinear) in residual.iter_mut().zip(linear).zip(nonlinear) {
-            *sum += linear + nonlinear;
-        }
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(residual)
+        self.whole.residual(u)
     }
 
     fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, AssemblyError> {
-        let field = self.field(u);
-        let mut matrix = self.fixed()?.1.clone();
-        let start = Instant::now();
-        self.assembler.add_tangent(
-            self.form,
-            &[&field],
-            &[&self.space],
-            Parts::NONLINEAR,
-            &self.pattern,
-            &mut matrix,
-        )?;
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(matrix)
+        self.whole.tangent(u)
     }
 
     fn linear_part(&mut self) -> Result<Option<CsrMatrix>, AssemblyError> {
-        Ok(Some(self.fixed()?.1.clone()))
+        self.whole.linear_part()
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
-        let field = self.field(u);
-        let start = Instant::now();
-        let set = self.assembler.active_set(self.form, &[&field])?;
-        self.seconds += start.elapsed().as_secs_f64();
-        // A point with several switches counts once; which of them are on tells sets apart.
-        Ok(set.map(|bits| {
-            let on = bits.iter().enumerate().filter(|(_, bits)| **bits != 0);
-            ActivePoints::from_numbers(on.map(|(point, bits)| point << 32 | *bits as usize))
-        }))
+        self.whole.active_points(u)
     }
 }

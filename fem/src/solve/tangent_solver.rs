@@ -1,13 +1,15 @@
-//! Solver for tangents that are symmetric, or unsymmetric on few unknowns.
+//! Solver for tangents that are symmetric, or unsymmetric on few unknowns; saddle points go to LU.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use super::lu_solver::LuSolver;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, CsrMatrix, GmresError, GmresOptions, GmresReport, Ordering, SymmetricFactor, gmres,
+    Analysis, CsrMatrix, GmresError, GmresOptions, GmresReport, LinearAlgebraError, Ordering,
+    SymmetricFactor, gmres,
 };
 
 /// Choices of a [`TangentSolver`].
@@ -58,6 +60,8 @@ pub struct SolverReport {
     pub factorisations: usize,
     /// Those of them that were LBLᵀ because the symmetric part was not positive definite.
     pub indefinite_factorisations: usize,
+    /// LU factorisations: of saddle points, and where the other factors failed.
+    pub lu_factorisations: usize,
     /// Systems solved.
     pub solves: usize,
     /// GMRES iterations of each solve, in order; 0 for a direct one.
@@ -86,6 +90,9 @@ enum Side {
 /// A symmetric matrix is factored (LLᵀ, or LBLᵀ if it is indefinite) and solved directly with refinement. An
 /// unsymmetric one is solved by GMRES, preconditioned with the factor of the symmetric part of itself or of an
 /// earlier matrix; its transpose too, with the same factor. Analysis and factor are kept between matrices.
+///
+/// A matrix with a zero on its diagonal (a saddle point) is factored by LU with partial pivoting, because LBLᵀ
+/// pivots inside supernodes only; so is every matrix on which the other ways fail.
 #[derive(Debug, Default)]
 pub struct TangentSolver {
     options: TangentSolverOptions,
@@ -98,6 +105,11 @@ pub struct TangentSolver {
     /// GMRES iterations of the last solve with a fresh factor.
     fresh_iterations: Option<usize>,
     refresh_wanted: bool,
+    lu: LuSolver,
+    /// The current matrix is factored by LU.
+    by_lu: bool,
+    /// Matrices of this many unknowns defeated the other factors: LU from the start.
+    lu_size: Option<usize>,
     report: SolverReport,
 }
 
@@ -162,6 +174,28 @@ impl TangentSolver {
         Ok(())
     }
 
+    /// Hands the current matrix to LU.
+    fn factor_by_lu(&mut self) -> Result<(), SolverError> {
+        let matrix = self.matrix.clone().ok_or(SolverError::NoMatrix)?;
+        self.lu_size = Some(matrix.rows());
+        self.by_lu = true;
+        let start = Instant::now();
+        let result = self.lu.set_matrix(matrix);
+        self.report.factorisation_seconds += start.elapsed().as_secs_f64();
+        self.report.lu_factorisations += usize::from(result.is_ok());
+        result
+    }
+
+    fn solve_by_lu(&mut self, b: &[f64], side: Side) -> Result<LinearSolution, SolverError> {
+        let start = Instant::now();
+        let solution = match side {
+            Side::Matrix => self.lu.solve(b, 0.0),
+            Side::Transposed => self.lu.solve_transposed(b, 0.0),
+        };
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        solution
+    }
+
     fn solve_side(
         &mut self,
         b: &[f64],
@@ -170,10 +204,19 @@ impl TangentSolver {
     ) -> Result<LinearSolution, SolverError> {
         let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
         check_size("the right-hand side", matrix.rows(), b.len())?;
-        let solution = if self.symmetric {
-            self.solve_directly(b)?
+        let found = if self.by_lu {
+            self.solve_by_lu(b, side)
+        } else if self.symmetric {
+            self.solve_directly(b)
         } else {
-            self.solve_iteratively(b, absolute_tolerance, side)?
+            self.solve_iteratively(b, absolute_tolerance, side)
+        };
+        let solution = match found {
+            Err(error) if !self.by_lu && is_for_lu(&error) => {
+                self.factor_by_lu()?;
+                self.solve_by_lu(b, side)?
+            }
+            found => found?,
         };
         self.report.solves += 1;
         self.report.iterations.push(solution.iterations);
@@ -290,26 +333,46 @@ impl TangentSolver {
     }
 }
 
+/// Whether LU may succeed where this happened.
+fn is_for_lu(error: &SolverError) -> bool {
+    matches!(
+        error,
+        SolverError::NotConverged(_)
+            | SolverError::LinearAlgebra(
+                LinearAlgebraError::Singular { .. }
+                    | LinearAlgebraError::NotPositiveDefinite { .. }
+                    | LinearAlgebraError::Inaccurate { .. }
+                    | LinearAlgebraError::VectorNotFinite { what: "the solution", .. }
+            )
+    )
+}
+
 impl LinearSolver for TangentSolver {
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
-        if self.factor_is_fresh && self.matrix.as_ref() == Some(&matrix) {
+        if (self.factor_is_fresh || self.by_lu) && self.matrix.as_ref() == Some(&matrix) {
             return Ok(()); // an adjoint problem with the tangent that is already factored
         }
-        self.matrix = None;
-        self.factor_is_fresh = false;
+        (self.matrix, self.factor_is_fresh, self.by_lu) = (None, false, false);
         check_size("the set of columns of a square matrix", matrix.rows(), matrix.columns())?;
         matrix.check_finite()?;
         self.symmetric = matrix.is_symmetric(self.options.symmetry_tolerance)?;
         let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
+        let known = self.lu_size == Some(matrix.rows());
+        let saddle = (0..matrix.rows()).any(|row| matrix.get(row, row) == 0.0);
         self.matrix = Some(matrix);
-        if self.symmetric || self.refresh_wanted || !fits {
-            let result = self.refactor();
-            if result.is_err() {
-                self.matrix = None;
+        let mut result = Ok(());
+        if known || saddle {
+            result = self.factor_by_lu();
+        } else if self.symmetric || self.refresh_wanted || !fits {
+            result = self.refactor();
+            if result.as_ref().is_err_and(is_for_lu) {
+                result = self.factor_by_lu();
             }
-            return result;
         }
-        Ok(())
+        if result.is_err() {
+            self.matrix = None;
+        }
+        result
     }
 
     fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {

@@ -75,8 +75,8 @@ pub mod functions {
     pub fn doubled() -> Energy {
         if true { integral(Omega, 1) } else { integral(Omega, 2) }
     }
-    pub fn second(u: Unknown<Scalar>) -> Functional {
-        integral(Omega, tr(grad(grad(u))) + div(grad(sin(u))))
+    pub fn third(u: Unknown<Scalar>) -> Functional {
+        integral(Omega, tr(hess(div(grad(u)))) + div(hess(sin(u)))[0])
     }
     pub fn contract(s: Scalar) -> Scalar {
         if s < (s < s) { !s } else { s % 2 + (s == s) + *s }

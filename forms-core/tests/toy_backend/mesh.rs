@@ -1,6 +1,7 @@
-//! Linear simplices: a square of triangles or a cube of tetrahedra with moved nodes, and their boundary.
+//! Simplices: a square of triangles or a cube of tetrahedra with moved nodes, their boundary and the facets
+//! between them. Basis functions are linear or quadratic; cells are straight.
 
-use forms_core::contract::{Basis, CellGeometry, Entity, PointGeometry};
+use forms_core::contract::{Basis, CellGeometry, Entity, Hessian, PointGeometry, Side};
 
 use super::random::Random;
 
@@ -11,6 +12,18 @@ pub struct Place<const D: usize> {
     pub nodes: Vec<usize>,
     pub cell: CellGeometry<f64>,
     pub points: Vec<Point<D>>,
+    /// An interior facet seen from its other cell, with the same points.
+    pub across: Option<Box<Place<D>>>,
+}
+
+impl<const D: usize> Place<D> {
+    /// The place as one of its two cells sees it.
+    pub fn on(&self, side: Side) -> &Place<D> {
+        match side {
+            Side::This => self,
+            Side::Other => self.across.as_ref().expect("an interior facet"),
+        }
+    }
 }
 
 /// A quadrature point, with the basis functions of the place's nodes.
@@ -18,18 +31,29 @@ pub struct Place<const D: usize> {
 pub struct Point<const D: usize> {
     pub geometry: PointGeometry<f64, D>,
     pub basis: Vec<Basis<f64, D>>,
+    pub hessians: Vec<Hessian<f64, D>>,
 }
 
-/// Nodes, cells ("all"), boundary facets ("boundary").
+/// Nodes, cells ("all"), boundary facets ("boundary"), interior facets ("skeleton").
 pub struct Mesh<const D: usize> {
     pub nodes: Vec<[f64; D]>,
     cells: Vec<Place<D>>,
     facets: Vec<Place<D>>,
+    skeleton: Vec<Place<D>>,
 }
 
 impl<const D: usize> Mesh<D> {
     /// The unit square (cube), cut along a diagonal into D! simplices; inner freedom: moved corners.
     pub fn cube(random: &mut Random) -> Self {
+        Mesh::cut_cube(random, false)
+    }
+
+    /// The same mesh with quadratic basis functions: a node per vertex and per edge.
+    pub fn quadratic_cube(random: &mut Random) -> Self {
+        Mesh::cut_cube(random, true)
+    }
+
+    fn cut_cube(random: &mut Random, quadratic: bool) -> Self {
         let corner = |number: usize| -> [f64; D] { std::array::from_fn(|axis| (number >> axis & 1) as f64) };
         let mut nodes: Vec<[f64; D]> = (0..1 << D).map(corner).collect();
         for coordinate in nodes.iter_mut().flatten() {
@@ -47,28 +71,76 @@ impl<const D: usize> Mesh<D> {
             }
             cell
         };
-        Mesh::new(nodes, orders.iter().map(path).collect())
+        Mesh::new(nodes, orders.iter().map(path).collect(), quadratic)
+    }
+
+    /// The same mesh where each cell has nodes of its own: functions may jump.
+    pub fn broken(mut self) -> Self {
+        let before: Vec<Vec<usize>> = self.cells.iter().map(|cell| cell.nodes.clone()).collect();
+        self.nodes = before.iter().flatten().map(|node| self.nodes[*node]).collect();
+        let renumber = |place: &mut Place<D>| {
+            let cell = before.iter().position(|nodes| *nodes == place.nodes).expect("a cell of the mesh");
+            let count = place.nodes.len();
+            place.nodes = (cell * count..(cell + 1) * count).collect();
+        };
+        self.skeleton.iter_mut().filter_map(|place| place.across.as_mut()).for_each(|place| renumber(place));
+        self.cells.iter_mut().chain(&mut self.facets).chain(&mut self.skeleton).for_each(renumber);
+        self
     }
 
     /// One simplex.
     pub fn simplex(nodes: Vec<[f64; D]>) -> Self {
         let cell = (0..=D).collect();
-        Mesh::new(nodes, vec![cell])
+        Mesh::new(nodes, vec![cell], false)
     }
 
-    fn new(nodes: Vec<[f64; D]>, cells: Vec<Vec<usize>>) -> Self {
-        let mut facets = Vec::new();
+    fn new(mut nodes: Vec<[f64; D]>, cells: Vec<Vec<usize>>, quadratic: bool) -> Self {
+        let vertices = nodes.clone();
+        let mut edges: Vec<[usize; 2]> = Vec::new();
+        let mut node_of_edge = |edge: [usize; 2]| {
+            let known = edges.iter().position(|known| *known == edge);
+            vertices.len()
+                + known.unwrap_or_else(|| {
+                    edges.push(edge);
+                    nodes.push(std::array::from_fn(|k| 0.5 * (vertices[edge[0]][k] + vertices[edge[1]][k])));
+                    edges.len() - 1
+                })
+        };
+        let cells: Vec<Cell> = cells
+            .into_iter()
+            .map(|vertices| {
+                let edges = if quadratic { pairs(D + 1) } else { vec![] };
+                // The cells' vertices stand in rising order, so that both cells of an edge name it alike.
+                let added: Vec<usize> =
+                    edges.iter().map(|[i, j]| node_of_edge([vertices[*i], vertices[*j]])).collect();
+                let nodes = [&vertices[..], &added].concat();
+                Cell { vertices, edges, nodes }
+            })
+            .collect();
+        let (mut facets, mut skeleton) = (Vec::new(), Vec::new());
         for (index, cell) in cells.iter().enumerate() {
             for opposite in 0..=D {
-                let facet: Vec<usize> = (0..=D).filter(|i| *i != opposite).map(|i| cell[i]).collect();
-                let shared = |other: &Vec<usize>| facet.iter().all(|node| other.contains(node));
-                if cells.iter().enumerate().all(|(other, cell)| other == index || !shared(cell)) {
-                    facets.push(place(&nodes, cell, Some(opposite)));
+                let facet = cell.facet(opposite);
+                let across = cells.iter().enumerate().find_map(|(other, cell)| {
+                    let opposite = (0..=D).find(|opposite| cell.facet(*opposite) == facet)?;
+                    (other != index).then_some((other, opposite))
+                });
+                let mut seen = place(&vertices, cell, Some(opposite));
+                match across {
+                    None => facets.push(seen),
+                    Some((other, opposite)) if index < other => {
+                        let across = place(&vertices, &cells[other], Some(opposite));
+                        seen.cell.opposite_diameter = across.cell.diameter;
+                        seen.cell.opposite_volume = across.cell.cell_volume;
+                        seen.across = Some(Box::new(across));
+                        skeleton.push(seen);
+                    }
+                    Some(_) => {}
                 }
             }
         }
-        let cells = cells.iter().map(|cell| place(&nodes, cell, None)).collect();
-        Mesh { nodes, cells, facets }
+        let cells = cells.iter().map(|cell| place(&vertices, cell, None)).collect();
+        Mesh { nodes, cells, facets, skeleton }
     }
 
     /// The places of a region: all cells, or all facets of the boundary.
@@ -76,9 +148,60 @@ impl<const D: usize> Mesh<D> {
         match (entity, name) {
             (Entity::Cells, "all") => self.cells.iter().collect(),
             (Entity::Facets, "boundary") => self.facets.iter().collect(),
+            (Entity::InteriorFacets, "skeleton") => self.skeleton.iter().collect(),
             _ => panic!("no region `{name}` of {entity:?}"),
         }
     }
+}
+
+/// A simplex: its vertices, its edges by local vertices (if they hold nodes), all its nodes.
+struct Cell {
+    vertices: Vec<usize>,
+    edges: Vec<[usize; 2]>,
+    nodes: Vec<usize>,
+}
+
+impl Cell {
+    fn facet(&self, opposite: usize) -> Vec<usize> {
+        (0..self.vertices.len()).filter(|i| *i != opposite).map(|i| self.vertices[i]).collect()
+    }
+}
+
+/// All i < j < count.
+fn pairs(count: usize) -> Vec<[usize; 2]> {
+    (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])).collect()
+}
+
+/// Basis functions of a simplex at a point, from its barycentric coordinates λ and their gradients g: λ_i, or
+/// λ_i (2 λ_i − 1) and 4 λ_i λ_j.
+fn functions<const D: usize>(
+    values: &[f64],
+    gradients: &[[f64; D]],
+    edges: &[[usize; 2]],
+) -> Vec<(Basis<f64, D>, Hessian<f64, D>)> {
+    let product = |factor: f64, i: usize, j: usize| -> Hessian<f64, D> {
+        std::array::from_fn(|a| {
+            std::array::from_fn(|b| {
+                factor * 0.5 * (gradients[i][a] * gradients[j][b] + gradients[j][a] * gradients[i][b])
+            })
+        })
+    };
+    let mut all = Vec::new();
+    for (i, value) in values.iter().enumerate() {
+        let (value, slope, curvature) = match edges.is_empty() {
+            true => (*value, 1.0, 0.0),
+            false => (value * (2.0 * value - 1.0), 4.0 * value - 1.0, 4.0),
+        };
+        let gradient = gradients[i].map(|g| slope * g);
+        all.push((Basis { value, gradient }, product(curvature, i, i)));
+    }
+    for [i, j] in edges {
+        let value = 4.0 * values[*i] * values[*j];
+        let gradient =
+            std::array::from_fn(|k| 4.0 * (values[*i] * gradients[*j][k] + values[*j] * gradients[*i][k]));
+        all.push((Basis { value, gradient }, product(8.0, *i, *j)));
+    }
+    all
 }
 
 /// Points of degree 2 on a simplex with `count` vertices, barycentric, with equal weights.
@@ -92,8 +215,8 @@ fn barycentric_points(count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|point| (0..count).map(|i| if i == point { near } else { far }).collect()).collect()
 }
 
-fn place<const D: usize>(nodes: &[[f64; D]], cell: &[usize], opposite: Option<usize>) -> Place<D> {
-    let vertices: Vec<[f64; D]> = cell.iter().map(|node| nodes[*node]).collect();
+fn place<const D: usize>(nodes: &[[f64; D]], cell: &Cell, opposite: Option<usize>) -> Place<D> {
+    let vertices: Vec<[f64; D]> = cell.vertices.iter().map(|node| nodes[*node]).collect();
     // φ_i = a + g·x with φ_i(x_j) = δ_ij.
     let system: Vec<Vec<f64>> =
         vertices.iter().map(|x| [1.0].into_iter().chain(x.iter().copied()).collect()).collect();
@@ -130,16 +253,12 @@ fn place<const D: usize>(nodes: &[[f64; D]], cell: &[usize], opposite: Option<us
             let position = std::array::from_fn(|axis| {
                 values.iter().zip(&vertices).map(|(value, x)| value * x[axis]).sum()
             });
-            let basis = values
-                .iter()
-                .zip(&gradients)
-                .map(|(value, gradient)| Basis { value: *value, gradient: *gradient })
-                .collect();
-            Point { geometry: PointGeometry { weight, position, normal, curvature: 0.0 }, basis }
+            let (basis, hessians) = functions(values, &gradients, &cell.edges).into_iter().unzip();
+            Point { geometry: PointGeometry { weight, position, normal, curvature: 0.0 }, basis, hessians }
         })
         .collect();
     Place {
-        nodes: cell.to_vec(),
+        nodes: cell.nodes.clone(),
         cell: CellGeometry {
             diameter,
             cell_volume: volume,
@@ -148,6 +267,7 @@ fn place<const D: usize>(nodes: &[[f64; D]], cell: &[usize], opposite: Option<us
             opposite_volume: 0.0,
         },
         points,
+        across: None,
     }
 }
 

@@ -1,8 +1,11 @@
-//! A backend of two hundred lines that knows nothing but the contract: linear simplices, dense matrices.
+//! A backend of three hundred lines that knows nothing but the contract: linear or quadratic simplices,
+//! dense matrices.
 //!
 //! Each test file uses a part of it.
 #![allow(dead_code)]
 
+pub mod differences;
+pub mod interpolate;
 pub mod lanes;
 pub mod mesh;
 pub mod random;
@@ -64,8 +67,8 @@ fn cell<L: Lane, const D: usize>(batch: &[&Place<D>]) -> CellGeometry<L> {
         diameter: pack(batch, |place| place.cell.diameter),
         cell_volume: pack(batch, |place| place.cell.cell_volume),
         facet_area: pack(batch, |place| place.cell.facet_area),
-        opposite_diameter: L::splat(0.0),
-        opposite_volume: L::splat(0.0),
+        opposite_diameter: pack(batch, |place| place.cell.opposite_diameter),
+        opposite_volume: pack(batch, |place| place.cell.opposite_volume),
     }
 }
 
@@ -78,16 +81,25 @@ fn geometry<L: Lane, const D: usize>(batch: &[&Place<D>], point: usize) -> Point
     }
 }
 
-fn basis<L: Lane, const D: usize>(batch: &[&Place<D>], point: usize, node: usize) -> Basis<L, D> {
-    Basis {
-        value: pack(batch, |place| place.points[point].basis[node].value),
-        gradient: std::array::from_fn(|k| pack(batch, |place| place.points[point].basis[node].gradient[k])),
-    }
-}
-
-/// Linear basis functions have no second derivatives.
-fn straight<L: Lane, const D: usize>() -> Hessian<L, D> {
-    [[L::splat(0.0); D]; D]
+/// A basis function and its second derivatives, NaN where the kernel does not ask for them.
+fn basis<L: Lane, const D: usize>(
+    batch: &[&Place<D>],
+    side: Side,
+    point: usize,
+    node: usize,
+    requirements: &Requirements,
+) -> (Basis<L, D>, Hessian<L, D>) {
+    let read =
+        |read: &dyn Fn(&mesh::Point<D>) -> f64| pack(batch, |place| read(&place.on(side).points[point]));
+    let basis = Basis {
+        value: read(&|point| point.basis[node].value),
+        gradient: std::array::from_fn(|k| read(&|point| point.basis[node].gradient[k])),
+    };
+    let second = |a: usize, b: usize| match requirements.hessian {
+        true => read(&|point| point.hessians[node][a][b]),
+        false => L::splat(f64::NAN),
+    };
+    (basis, std::array::from_fn(|a| std::array::from_fn(|b| second(a, b))))
 }
 
 impl<const D: usize> Walk<'_, D> {
@@ -115,18 +127,22 @@ impl<const D: usize> Walk<'_, D> {
     }
 
     fn field(&self, slot: &FieldSlot, place: &Place<D>, point: usize, entry: usize) -> f64 {
+        let place = place.on(slot.side);
         let point = &place.points[point];
         let nodal = |nodal: &Nodal| -> f64 {
             assert_eq!(nodal.components, slot.components, "{}", self.fields[slot.field].name);
-            let (component, axis) = match slot.order {
-                Order::Value => (entry, None),
-                Order::Gradient => (entry / D, Some(entry % D)),
-                Order::Hessian => return 0.0,
+            let weight = |node: usize| match slot.order {
+                Order::Value => point.basis[node].value,
+                Order::Gradient => point.basis[node].gradient[entry % D],
+                Order::Hessian => point.hessians[node][entry / D % D][entry % D],
             };
-            let weights =
-                point.basis.iter().map(|basis| axis.map_or(basis.value, |axis| basis.gradient[axis]));
-            let values = place.nodes.iter().map(|node| nodal.values[node * nodal.components + component]);
-            weights.zip(values).map(|(weight, value)| weight * value).sum()
+            let component = match slot.order {
+                Order::Value => entry,
+                Order::Gradient => entry / D,
+                Order::Hessian => entry / (D * D),
+            };
+            let nodes = place.nodes.iter().enumerate();
+            nodes.map(|(i, node)| weight(i) * nodal.values[node * nodal.components + component]).sum()
         };
         match (self.fields[slot.field].role, &self.inputs.sources[slot.field]) {
             (Role::Unknown(number), None) => nodal(&self.unknowns[number]),
@@ -176,10 +192,13 @@ pub fn residual<L: Lane, F: Form<D>, const D: usize>(
                     let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
                     let flux = kernel.point(&constants, &geometry(batch, point), &fields);
                     for node in 0..batch[0].nodes.len() {
-                        let block = kernel.test(&flux, &basis(batch, point, node), &straight());
+                        let (basis, hessian) =
+                            basis(batch, integral.test_side, point, node, &K::REQUIREMENTS);
+                        let block = kernel.test(&flux, &basis, &hessian);
                         for (component, value) in block.as_ref().iter().enumerate() {
                             for (lane, place) in batch.iter().enumerate() {
-                                let row = start + place.nodes[node] * components + component;
+                                let node = place.on(integral.test_side).nodes[node];
+                                let row = start + node * components + component;
                                 self.2[row] += unpack(*value)[lane];
                             }
                         }
@@ -221,11 +240,17 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
                 for point in 0..batch[0].points.len() {
                     let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
                     let data = kernel.point(&constants, &geometry(batch, point), &fields);
-                    let functions: Vec<_> = (0..nodes).map(|node| basis(batch, point, node)).collect();
-                    let tests: Vec<_> =
-                        functions.iter().map(|basis| kernel.test(&data, basis, &straight())).collect();
-                    let trials: Vec<_> =
-                        functions.iter().map(|basis| kernel.trial(&data, basis, &straight())).collect();
+                    let functions = |side: Side| -> Vec<(Basis<L, D>, Hessian<L, D>)> {
+                        (0..nodes).map(|node| basis(batch, side, point, node, &K::REQUIREMENTS)).collect()
+                    };
+                    let tests: Vec<_> = functions(integral.test_side)
+                        .iter()
+                        .map(|(basis, hessian)| kernel.test(&data, basis, hessian))
+                        .collect();
+                    let trials: Vec<_> = functions(integral.trial_side)
+                        .iter()
+                        .map(|(basis, hessian)| kernel.trial(&data, basis, hessian))
+                        .collect();
                     for i in 0..nodes {
                         for j in (if K::SYMMETRIC { i } else { 0 })..nodes {
                             K::pair(&mut sums[i * nodes + j], &tests[i], &trials[j]);
@@ -239,7 +264,8 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
                             let (a, b) = (entry / columns, entry % columns);
                             for (lane, place) in batch.iter().enumerate() {
                                 let value = unpack(*value)[lane];
-                                let (first, second) = (place.nodes[i], place.nodes[j]);
+                                let first = place.on(integral.test_side).nodes[i];
+                                let second = place.on(integral.trial_side).nodes[j];
                                 self.2[row + first * rows + a][column + second * columns + b] += value;
                                 if K::SYMMETRIC && i != j {
                                     self.2[row + second * rows + b][column + first * columns + a] += value;

@@ -4,7 +4,7 @@
 //! syn::ItemMod ─parse→ Module ─check→ Checked ─differentiate→ Derived ─optimise→ Optimised ─emit→ Rust
 //! ```
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use syn::parse::{Parse, ParseStream};
 use syn::{Ident, ItemMod, LitInt, Path, Token};
@@ -15,6 +15,8 @@ use crate::differentiate::differentiate;
 use crate::emit::emit;
 use crate::optimise::optimise;
 use crate::parse::parse;
+use crate::reuse::uses::{self, Import};
+use crate::reuse::{self, State, Subject, carrier, import, payload};
 
 /// `#[forms(dimension = 3, crate = my_backend)]`
 pub struct Options {
@@ -53,15 +55,68 @@ impl Parse for Options {
     }
 }
 
-/// Compiles a module of weak forms. Mistakes become compiler errors, after which the module's names exist.
-pub fn compile(options: &Options, item: ItemMod) -> TokenStream {
+/// Begins to compile: the imports first.
+pub fn start(state: State) -> TokenStream {
+    let options = match syn::parse2::<Options>(state.attribute.clone()) {
+        Ok(options) => options,
+        Err(error) => return error.into_compile_error(),
+    };
+    let Subject::Module(item) = &state.subject;
+    let (attributes, visibility, name) = (&item.attrs, &item.vis, &item.ident);
+    let content = proceed(&options, &state);
+    quote! {
+        #(#attributes)*
+        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
+        #[allow(clippy::all)]
+        #visibility mod #name {
+            #content
+        }
+    }
+}
+
+/// Goes on when another import has arrived. The options have been read before.
+pub fn resume(state: State) -> TokenStream {
+    match syn::parse2::<Options>(state.attribute.clone()) {
+        Ok(options) => proceed(&options, &state),
+        Err(error) => error.into_compile_error(),
+    }
+}
+
+/// Asks for the next import, or compiles.
+fn proceed(options: &Options, state: &State) -> TokenStream {
+    let Subject::Module(item) = &state.subject;
     let mut diagnostics = Diagnostics::default();
-    let module = parse(item, &mut diagnostics);
+    let items = item.content.iter().flat_map(|(_, items)| items);
+    let imports = uses::read(items, &mut diagnostics);
+    match imports.get(state.received.len()) {
+        Some(next) => reuse::call(next, &options.backend, state),
+        None => compile(options, (**item).clone(), imports, &state.received, diagnostics),
+    }
+}
+
+/// Compiles a module whose imports have arrived. Mistakes become compiler errors, after which the module's names exist.
+fn compile(
+    options: &Options,
+    mut item: ItemMod,
+    imports: Vec<Import>,
+    received: &[Literal],
+    mut diagnostics: Diagnostics,
+) -> TokenStream {
+    let texts: Vec<String> =
+        received.iter().filter_map(|text| payload::string(text.clone().into())).collect();
+    let mut arrived = import::read(imports, &texts, &mut diagnostics);
+    import::add_declarations(&mut item, &mut arrived);
+    let mut module = parse(item.clone(), &mut diagnostics);
+    let imported = import::add_functions(arrived, &item, &mut module, &mut diagnostics);
     let mut optimised = Vec::new();
     for &dimension in &options.dimensions {
         for checked in check(&module, dimension, &mut diagnostics).functions {
             let name = &module.functions[checked.function].name;
-            let derived = differentiate(checked, &mut diagnostics);
+            let before = diagnostics.reports();
+            let derived = differentiate(checked, &module.regions, &mut diagnostics);
+            if diagnostics.reports() > before {
+                continue;
+            }
             match optimise(derived, &module) {
                 Ok(one) => optimised.push(one),
                 Err(argument) => {
@@ -74,7 +129,9 @@ pub fn compile(options: &Options, item: ItemMod) -> TokenStream {
         }
         diagnostics.next_dimension();
     }
+    let text = payload::write(&item, &imported, !diagnostics.is_empty());
+    let carrier = carrier::write(&item, &imported, &text);
     let errors = diagnostics.into_tokens();
     let code = emit(&module, &options.dimensions, optimised, &options.backend);
-    quote! { #errors #code }
+    quote! { #errors #code #carrier }
 }

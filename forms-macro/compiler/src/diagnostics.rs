@@ -8,6 +8,8 @@ use quote::ToTokens;
 pub struct Place {
     start: Span,
     end: Span,
+    /// The imported function that is called here, if what stands here came from its body: an index, counted from one.
+    origin: usize,
 }
 
 impl Place {
@@ -16,7 +18,7 @@ impl Place {
         let mut tokens = tokens.to_token_stream().into_iter();
         let start = tokens.next().map_or_else(Span::call_site, |token| token.span());
         let end = tokens.last().map_or(start, |token| token.span());
-        Place { start, end }
+        Place { start, end, origin: 0 }
     }
 }
 
@@ -33,13 +35,37 @@ pub struct Diagnostics {
     found: Vec<Diagnostic>,
     /// So many were found in earlier dimensions.
     settled: usize,
+    /// How often a mistake was reported, the same one again included.
+    reports: usize,
+    /// The imported functions that have mistakes inside: each with its file and line.
+    origins: Vec<String>,
+    /// The imported function that is being read, if any.
+    inside: Option<Inside>,
+}
+
+/// Where mistakes inside an imported function are told: its own tokens stand in another module.
+#[derive(Clone, Copy, Debug)]
+struct Inside {
+    /// The call.
+    place: Place,
+    /// What follows from a mistake that has been told is not told.
+    silent: bool,
 }
 
 impl Diagnostics {
     /// Records a mistake; the same message on the same tokens is recorded once (a function is checked
     /// in each dimension and at each call).
     pub fn error(&mut self, place: Place, message: impl Into<String>) {
-        let message = message.into();
+        self.reports += 1;
+        let mut message = message.into();
+        let place = match self.inside {
+            Some(Inside { silent: true, .. }) => return,
+            Some(Inside { place, .. }) => place,
+            None => place,
+        };
+        if let Some(origin) = place.origin.checked_sub(1).and_then(|index| self.origins.get(index)) {
+            message = format!("{message}\nnote: inside the imported function {origin}");
+        }
         let same_place = |other: &Diagnostic| format!("{:?}", other.place) == format!("{place:?}");
         let told = |(index, other): (usize, &Diagnostic)| {
             same_place(other) && (index < self.settled || other.message == message)
@@ -47,6 +73,38 @@ impl Diagnostics {
         if !self.found.iter().enumerate().any(told) {
             self.found.push(Diagnostic { place, message });
         }
+    }
+
+    /// Grows with every report: a function for which it has grown is mistaken.
+    pub fn reports(&self) -> usize {
+        self.reports
+    }
+
+    /// Are we inside an imported function?
+    pub fn is_inside(&self) -> bool {
+        self.inside.is_some()
+    }
+
+    /// From here on mistakes belong to an imported function, and are told at its call. Gives the place for its nodes.
+    pub fn enter(&mut self, call: Place, origin: &str, silent: bool) -> Place {
+        let known = self.origins.iter().position(|known| known == origin);
+        let index = known.unwrap_or_else(|| {
+            self.origins.push(origin.into());
+            self.origins.len() - 1
+        });
+        let place = Place { origin: index + 1, ..call };
+        self.inside = Some(Inside { place, silent });
+        place
+    }
+
+    /// The imported function ends.
+    pub fn leave(&mut self) {
+        self.inside = None;
+    }
+
+    /// Was a mistake found?
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
     }
 
     /// The next dimension begins: what it says of a place that has a mistake already is the same mistake
@@ -68,7 +126,7 @@ impl Diagnostics {
 
 /// `::core::compile_error! { "message" }`, whose first and last tokens carry the place.
 fn compile_error(diagnostic: &Diagnostic) -> TokenStream {
-    let Place { start, end } = diagnostic.place;
+    let Place { start, end, .. } = diagnostic.place;
     let punct = |character, spacing, span| {
         let mut punct = Punct::new(character, spacing);
         punct.set_span(span);

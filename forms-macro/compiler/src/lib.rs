@@ -3,6 +3,8 @@
 //! The stages, each a module: `parse` → `check` → `differentiate` → `optimise` → `emit`;
 //! `compile` drives them. No stage knows a mesh or an element.
 
+extern crate proc_macro;
+
 mod check;
 mod compile;
 mod diagnostics;
@@ -10,18 +12,31 @@ mod differentiate;
 mod emit;
 mod optimise;
 mod parse;
+#[cfg(test)]
+mod proof;
+#[cfg(test)]
+mod reference;
+mod reuse;
 mod tensor;
 
 use proc_macro2::TokenStream;
 
 /// What `#[forms(attribute)] item` becomes: kernels, or compiler errors on the tokens of the mistakes.
+/// A module with imports becomes a call that leads to [`resume_forms`].
 pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    let options = match syn::parse2::<compile::Options>(attribute) {
-        Ok(options) => options,
-        Err(error) => return error.into_compile_error(),
-    };
     match syn::parse2::<syn::ItemMod>(item) {
-        Ok(item) => compile::compile(&options, item),
+        Ok(item) => {
+            let subject = reuse::Subject::Module(Box::new(item));
+            compile::start(reuse::State { attribute, subject, received: vec![] })
+        }
+        Err(error) => error.into_compile_error(),
+    }
+}
+
+/// What becomes of a module when the text of one of its imports has arrived: the call for the next, or kernels.
+pub fn resume_forms(input: TokenStream) -> TokenStream {
+    match syn::parse2::<reuse::State>(input) {
+        Ok(state) => compile::resume(state),
         Err(error) => error.into_compile_error(),
     }
 }

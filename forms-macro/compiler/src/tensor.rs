@@ -3,6 +3,8 @@
 //! `check` builds them, still with the three operators of differentiation ([`Operator::Gradient`],
 //! [`Operator::Partial`], [`Operator::Gateaux`]); `differentiate` removes those.
 
+use std::collections::BTreeSet;
+
 use crate::diagnostics::Place;
 use crate::parse::syntax::Comparison;
 
@@ -28,6 +30,15 @@ pub enum Geometry {
     Position,
     /// κ = div n.
     Curvature,
+}
+
+/// A cell beside a facet. Inside cells and on exterior facets there is only `This`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Side {
+    /// The cell that owns the facet.
+    This,
+    /// The cell across it.
+    Other,
 }
 
 /// Linear maps of tensors, all with the derivative rule d(L a) = L da.
@@ -113,10 +124,11 @@ pub enum Operator {
     Identity,
     /// A parameter, by index of the data member.
     Parameter(usize),
-    /// A field's value (`gradient: false`) or gradient (component, then direction).
+    /// A field's derivative of an order: 0 the value, 1 the gradient, 2 the second derivatives (the
+    /// component, then one direction per order).
     Field {
         field: usize,
-        gradient: bool,
+        order: usize,
     },
     Geometry(Geometry),
     Add(Tensor, Tensor),
@@ -144,6 +156,8 @@ pub enum Operator {
     Minimum(Tensor, Tensor),
     Maximum(Tensor, Tensor),
     Select(Truth, Tensor, Tensor),
+    /// The limit of an expression at an interior facet, from one of its two cells.
+    Restrict(Side, Tensor),
 
     /// ∇ of an expression: a new trailing axis.
     Gradient(Tensor),
@@ -170,6 +184,7 @@ impl Operator {
             | Cofactor(a)
             | Component(a, _)
             | Apply(_, a)
+            | Restrict(_, a)
             | Gradient(a)
             | Partial(a, _) => vec![*a],
             Add(a, b)
@@ -223,6 +238,18 @@ impl Arena {
         self.node(tensor).place
     }
 
+    /// The number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Gives all nodes from the index `first` on another place.
+    pub fn move_to(&mut self, first: usize, place: Place) {
+        for node in &mut self.nodes[first..] {
+            node.place = place;
+        }
+    }
+
     /// Structurally zero.
     pub fn is_zero(&self, tensor: Tensor) -> bool {
         match self.node(tensor).operator {
@@ -242,6 +269,23 @@ impl Arena {
             }
         }
         (0..self.nodes.len() as u32).map(Tensor).filter(|tensor| seen[tensor.0 as usize]).collect()
+    }
+
+    /// Every node that `roots` are made of with each restriction under which it stands, operands first.
+    pub fn restrictions(&self, roots: &[Tensor]) -> BTreeSet<(Tensor, Option<Side>)> {
+        let mut seen = BTreeSet::new();
+        let mut pending: Vec<(Tensor, Option<Side>)> = roots.iter().map(|root| (*root, None)).collect();
+        while let Some((tensor, side)) = pending.pop() {
+            if seen.insert((tensor, side)) {
+                let operator = &self.node(tensor).operator;
+                let inside = match operator {
+                    Operator::Restrict(restriction, _) => Some(*restriction),
+                    _ => side,
+                };
+                pending.extend(operator.operands().into_iter().map(|operand| (operand, inside)));
+            }
+        }
+        seen
     }
 }
 

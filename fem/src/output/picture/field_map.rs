@@ -177,6 +177,10 @@ impl<'a> FieldMap<'a> {
                 }
             }
             Values::Field(field, shown) => {
+                if let Some(region) = field.space().facet_region() {
+                    let (name, region) = (self.label.clone(), region.into());
+                    return Err(PictureError::OnFacets { name, region });
+                }
                 let components = field.space().components();
                 if let Shown::Component(k) = *shown
                     && k >= components
@@ -239,6 +243,9 @@ impl<'a> FieldMap<'a> {
     fn check_vector(&self, field: &Field<2>, name: &str) -> Result<(), PictureError> {
         if !lives_on(field, self.mesh) {
             return Err(PictureError::OtherMesh { name: name.into() });
+        }
+        if let Some(region) = field.space().facet_region() {
+            return Err(PictureError::OnFacets { name: name.into(), region: region.into() });
         }
         let components = field.space().components();
         if components != 2 {

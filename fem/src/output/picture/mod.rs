@@ -74,6 +74,16 @@ pub enum PictureError {
         /// Name of the field.
         name: String,
     },
+    /// A field that has no values in cells.
+    #[error(
+        "the field \"{name}\" lives on the facets of \"{region}\" alone; sample it along them for a line plot"
+    )]
+    OnFacets {
+        /// Name of the field.
+        name: String,
+        /// The facet region of its space.
+        region: String,
+    },
     /// The mesh has no such region.
     #[error(transparent)]
     Mesh(#[from] crate::mesh::MeshError),

@@ -1,6 +1,6 @@
 //! The names that every forms module knows: operators, functions, geometry.
 
-use crate::tensor::{Function, Geometry, LinearMap};
+use crate::tensor::{Function, Geometry, LinearMap, Side};
 
 /// A name that is called with arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,12 +13,16 @@ pub enum Builtin {
     Inverse,
     Cofactor,
     Gradient,
+    Hessian,
     Divergence,
     Strain,
     Apply(Function),
     Power,
     Minimum,
     Maximum,
+    Restrict(Side),
+    Jump,
+    Average,
     Integral,
     Derivative,
     Partial,
@@ -47,6 +51,7 @@ pub const BUILTINS: &[(&str, Builtin, usize, &str)] = &[
     ("inv", Builtin::Inverse, 1, "inv(A)"),
     ("cof", Builtin::Cofactor, 1, "cof(A)"),
     ("grad", Builtin::Gradient, 1, "grad(u)"),
+    ("hess", Builtin::Hessian, 1, "hess(u)"),
     ("div", Builtin::Divergence, 1, "div(u)"),
     ("eps", Builtin::Strain, 1, "eps(u)"),
     ("sqrt", Builtin::Apply(Function::Sqrt), 1, "sqrt(a)"),
@@ -64,6 +69,10 @@ pub const BUILTINS: &[(&str, Builtin, usize, &str)] = &[
     ("pow", Builtin::Power, 2, "pow(base, exponent)"),
     ("min", Builtin::Minimum, 2, "min(a, b)"),
     ("max", Builtin::Maximum, 2, "max(a, b)"),
+    ("this", Builtin::Restrict(Side::This), 1, "this(e)"),
+    ("other", Builtin::Restrict(Side::Other), 1, "other(e)"),
+    ("jump", Builtin::Jump, 1, "jump(e)` or `jump(e, n)"),
+    ("avg", Builtin::Average, 1, "avg(e)"),
     ("integral", Builtin::Integral, 2, "integral(Region, density)"),
     ("derivative", Builtin::Derivative, 3, "derivative(form, field, direction)"),
     ("diff", Builtin::Partial, 2, "diff(expression, name)"),

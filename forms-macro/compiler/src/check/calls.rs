@@ -35,12 +35,14 @@ impl Evaluator<'_> {
             self.diagnostics.error_with_help(place, "this integral has no region", help);
             return None;
         }
-        if arguments.len() != count {
-            let message = format!(
-                "`{text}` takes {count} argument{}, not {}",
-                if count == 1 { "" } else { "s" },
-                arguments.len()
-            );
+        let normal_jump = builtin == Builtin::Jump && arguments.len() == 2;
+        if arguments.len() != count && !normal_jump {
+            let expected = match (builtin, count) {
+                (Builtin::Jump, _) => "1 or 2 arguments".into(),
+                (_, 1) => "1 argument".into(),
+                _ => format!("{count} arguments"),
+            };
+            let message = format!("`{text}` takes {expected}, not {}", arguments.len());
             self.diagnostics.error_with_help(place, message, format!("write `{usage}`"));
             return None;
         }
@@ -64,6 +66,11 @@ impl Evaluator<'_> {
             Builtin::Inverse => self.of_tensor(a, place, &text, Operator::Inverse)?,
             Builtin::Cofactor => self.of_tensor(a, place, &text, Operator::Cofactor)?,
             Builtin::Gradient => self.gradient(a, place)?,
+            Builtin::Hessian => self.hessian(a, place)?,
+            Builtin::Restrict(side) => self.restrict(side, a, place)?,
+            Builtin::Jump if normal_jump => self.jump_along(a, values[1], place)?,
+            Builtin::Jump => self.jump(a, place)?,
+            Builtin::Average => self.average(a, place)?,
             Builtin::Divergence => self.divergence(a, place)?,
             Builtin::Strain => self.strain(a, place)?,
             Builtin::Apply(function) => {
@@ -140,6 +147,27 @@ impl Evaluator<'_> {
         if values.iter().any(Option::is_none) {
             return None;
         }
-        self.inline(index, values)
+        match &function.foreign {
+            Some(foreign) if !self.diagnostics.is_inside() => {
+                self.inline_foreign(index, foreign, values, place)
+            }
+            _ => self.inline(index, values),
+        }
+    }
+
+    /// Inlines an imported function: its own tokens stand in another module, so the call is the place of all its nodes.
+    pub(super) fn inline_foreign(
+        &mut self,
+        index: usize,
+        foreign: &Foreign,
+        values: Vec<Option<Value>>,
+        place: Place,
+    ) -> Option<Value> {
+        let before = self.arena.len();
+        let place = self.diagnostics.enter(place, &foreign.origin, foreign.silent);
+        let value = self.inline(index, values);
+        self.diagnostics.leave();
+        self.arena.move_to(before, place);
+        value
     }
 }

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::Term;
-use super::operators::rank_name;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, Operator, Shape, Tensor, Truth};
@@ -51,14 +50,20 @@ impl<'a> Evaluator<'a> {
         let arguments = &self.module.functions[function].arguments;
         let mut values = Vec::new();
         for (index, argument) in arguments.iter().enumerate() {
-            let operator = Operator::Field { field: index, gradient: false };
+            let operator = Operator::Field { field: index, order: 0 };
             let node = self.arena.push(operator, fields[index].shape.clone(), Place::of(&argument.name));
             values.push(Some(Value::Tensor(node)));
         }
         for (index, field) in fields.iter().enumerate().skip(arguments.len()) {
             self.given.insert(field.name.clone(), (index, field.shape.clone()));
         }
-        self.inline(function, values)
+        match &self.module.functions[function].foreign {
+            Some(foreign) => {
+                let place = Place::of(&self.module.functions[function].name);
+                self.inline_foreign(function, foreign, values, place)
+            }
+            None => self.inline(function, values),
+        }
     }
 
     pub(super) fn inline(&mut self, index: usize, values: Vec<Option<Value>>) -> Option<Value> {
@@ -76,7 +81,7 @@ impl<'a> Evaluator<'a> {
                     let message = format!(
                         "`{}` is declared to give a `{}`, its body gives {}",
                         function.name,
-                        rank_name(rank),
+                        rank,
                         self.describe(*tensor)
                     );
                     self.diagnostics.error(body.result.place, message);
@@ -93,11 +98,8 @@ impl<'a> Evaluator<'a> {
                 return None;
             }
             (Value::Form(_), Output::Value(rank)) => {
-                let message = format!(
-                    "`{}` is declared to give a `{}`, its body gives integrals",
-                    function.name,
-                    rank_name(rank)
-                );
+                let message =
+                    format!("`{}` is declared to give a `{}`, its body gives integrals", function.name, rank);
                 self.diagnostics.error(body.result.place, message);
                 return None;
             }
@@ -133,8 +135,7 @@ impl<'a> Evaluator<'a> {
             ExpressionKind::Declared(rank, inner) => {
                 let tensor = self.tensor(inner, scope, "`let`")?;
                 if self.arena.shape(tensor) != rank.shape(self.dimension) {
-                    let message =
-                        format!("declared to be a `{}`, this is {}", rank_name(*rank), self.describe(tensor));
+                    let message = format!("declared to be a `{}`, this is {}", rank, self.describe(tensor));
                     self.diagnostics.error(inner.place, message);
                     return None;
                 }

@@ -1,13 +1,12 @@
 //! Integrals and their arithmetic, and the derivatives that are asked for by name.
 
-use proc_macro2::Ident;
-
 use super::Term;
 use super::builtins;
 use super::evaluate::{Evaluator, Scope, Value};
+use super::regions::check_existence;
 use crate::diagnostics::Place;
 use crate::parse::syntax::*;
-use crate::tensor::{Geometry, Operator, Tensor, Variable};
+use crate::tensor::{Operator, Tensor, Variable};
 
 impl Evaluator<'_> {
     pub(super) fn integral(
@@ -60,28 +59,10 @@ impl Evaluator<'_> {
         if self.module.is_mistaken(&regions[index].name) {
             return None;
         }
-        if !regions[index].facets {
-            self.check_cell_geometry(density, &regions[index].name);
-        }
+        check_existence(&self.arena, density, &regions[index], self.diagnostics);
         // The whole call is the density's place: errors on linearity speak of the integral.
         let _ = place;
         Some(Value::Form(vec![Term { region: index, density }]))
-    }
-
-    pub(super) fn check_cell_geometry(&mut self, density: Tensor, region: &Ident) {
-        for node in self.arena.reachable(&[density]) {
-            let what = match self.arena.node(node).operator {
-                Operator::Geometry(Geometry::Normal) => "the normal",
-                Operator::Geometry(Geometry::FacetArea) => "the area of a facet",
-                Operator::Geometry(Geometry::Curvature) => "the curvature",
-                _ => continue,
-            };
-            self.diagnostics.error_with_help(
-                self.arena.place(node),
-                format!("{what} does not exist inside cells, and `{region}` consists of cells"),
-                "integrate this over a region declared `#[facets]`",
-            );
-        }
     }
 
     pub(super) fn derivative(
@@ -95,7 +76,7 @@ impl Evaluator<'_> {
         let direction = self.tensor(&arguments[2], scope, "`derivative`");
         let (form, field, direction) = (form?, field?, direction?);
         let variable = match self.arena.node(field).operator {
-            Operator::Field { field, gradient: false } => Variable::Field(field),
+            Operator::Field { field, order: 0 } => Variable::Field(field),
             Operator::Parameter(index) => Variable::Parameter(index),
             _ => {
                 self.diagnostics.error_with_help(
@@ -144,7 +125,7 @@ impl Evaluator<'_> {
             _ => false,
         };
         let variable = match self.arena.node(name).operator {
-            Operator::Field { field, gradient: false } => Variable::Field(field),
+            Operator::Field { field, order: 0 } => Variable::Field(field),
             Operator::Parameter(index) => Variable::Parameter(index),
             // Even a constant: an argument that is the identity here is something else elsewhere.
             _ if local => Variable::Node(name),

@@ -88,7 +88,9 @@ impl Algebra<'_> {
                 FieldRole::Test(_) => vec![field],
                 _ => vec![],
             }),
-            Negate(a) | Map(_, a) | Component(a, _) | Gradient(a) | Partial(a, _) => self.tests(a),
+            Negate(a) | Map(_, a) | Component(a, _) | Restrict(_, a) | Gradient(a) | Partial(a, _) => {
+                self.tests(a)
+            }
             Scale(a, b) | Contract(a, b) | Inner(a, b) | Outer(a, b) => self.product(tensor, a, b),
             Add(a, b) => self.sum(&[a, b]),
             Stack(entries) => self.sum(&entries),

@@ -8,6 +8,8 @@ mod integrals;
 mod linearity;
 mod names;
 mod operators;
+pub mod regions;
+mod sides;
 
 use std::collections::HashMap;
 
@@ -61,7 +63,11 @@ pub fn check(module: &Module, dimension: usize, diagnostics: &mut Diagnostics) -
 
 /// Is this function one that others call, and nothing to assemble by itself?
 /// A `Form`, `Energy` or `Functional` whose arguments have no roles is a building block.
+/// So is what was imported to be called.
 pub fn is_building_block(function: &Function) -> bool {
+    if function.foreign.as_ref().is_some_and(|foreign| !foreign.emitted) {
+        return true;
+    }
     let plain = function.arguments.iter().all(|argument| argument.role == ArgumentRole::Plain);
     match function.output {
         Output::Form | Output::Energy => plain,
@@ -107,6 +113,9 @@ fn check_function(
     diagnostics: &mut Diagnostics,
 ) -> Option<CheckedFunction> {
     let function = &module.functions[index];
+    if function.foreign.as_ref().is_some_and(|foreign| !foreign.emitted) {
+        return None;
+    }
     let fields = fields_of(module, function, dimension);
     let mut evaluator = evaluate::Evaluator::new(module, dimension, diagnostics);
     let value = evaluator.enter(index, &fields);

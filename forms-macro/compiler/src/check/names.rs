@@ -14,14 +14,14 @@ impl Evaluator<'_> {
             // A field is a field wherever it is named: mistakes are told where it is used.
             if let Some(Value::Tensor(tensor)) = value {
                 let node = self.arena.node(*tensor).clone();
-                if matches!(node.operator, Operator::Field { gradient: false, .. } | Operator::Parameter(_)) {
+                if matches!(node.operator, Operator::Field { order: 0, .. } | Operator::Parameter(_)) {
                     return Some(Value::Tensor(self.arena.push(node.operator, node.shape, place)));
                 }
             }
             return value.clone();
         }
         if let Some((field, shape)) = self.given.get(&text).cloned() {
-            let operator = Operator::Field { field, gradient: false };
+            let operator = Operator::Field { field, order: 0 };
             return Some(Value::Tensor(self.arena.push(operator, shape, place)));
         }
         let members = self.module.data.iter().flat_map(|data| &data.members);

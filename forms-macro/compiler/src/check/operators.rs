@@ -2,7 +2,7 @@
 
 use crate::check::evaluate::Evaluator;
 use crate::diagnostics::Place;
-use crate::parse::syntax::{BinaryOperator, Rank};
+use crate::parse::syntax::BinaryOperator;
 use crate::tensor::{LinearMap, Operator, Tensor};
 
 /// "a vector" and the like, for messages.
@@ -12,17 +12,8 @@ pub fn describe(shape: &[usize], dimension: usize) -> String {
         [n] if *n == dimension => "a vector".into(),
         [n] => format!("a vector of length {n}"),
         [n, m] if *n == dimension && *m == dimension => "a tensor".into(),
-        [n, m] => format!("a {n} × {m} tensor"),
+        [n, m] => format!("a {n} × {m} matrix"),
         _ => format!("a tensor of rank {}", shape.len()),
-    }
-}
-
-/// "Vector" and the like, as it is written.
-pub fn rank_name(rank: Rank) -> &'static str {
-    match rank {
-        Rank::Scalar => "Scalar",
-        Rank::Vector => "Vector",
-        Rank::Tensor => "Tensor",
     }
 }
 
@@ -32,7 +23,7 @@ impl Evaluator<'_> {
     }
 
     /// Where an operand stands.
-    fn place_of(&self, tensor: Tensor) -> Place {
+    pub(super) fn place_of(&self, tensor: Tensor) -> Place {
         self.uses.get(&tensor).copied().unwrap_or_else(|| self.arena.place(tensor))
     }
 
@@ -228,14 +219,20 @@ impl Evaluator<'_> {
         Some(self.arena.push(operator, result, place))
     }
 
-    /// grad: a field's own gradient, or the chain rule on an expression.
+    /// grad: a field's own derivative, or the chain rule on an expression.
     pub(super) fn gradient(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
         let shape = [self.arena.shape(a), &[self.dimension]].concat();
         let operator = match self.arena.node(a).operator {
-            Operator::Field { field, gradient: false } => Operator::Field { field, gradient: true },
+            Operator::Field { field, order: order @ (0 | 1) } => Operator::Field { field, order: order + 1 },
             _ => Operator::Gradient(a),
         };
         Some(self.arena.push(operator, shape, place))
+    }
+
+    /// hess: grad(grad(e)).
+    pub(super) fn hessian(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+        let gradient = self.gradient(a, place)?;
+        self.gradient(gradient, place)
     }
 
     /// div: tr(grad u) of a vector, row by row of a tensor.

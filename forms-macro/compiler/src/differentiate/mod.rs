@@ -5,8 +5,10 @@ mod rules;
 
 use std::collections::HashMap;
 
+use crate::check::regions::{check_existence, check_sides};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::diagnostics::Diagnostics;
+use crate::parse::syntax::{Entity, Region};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
 use rules::{Differentiation, Seed};
 
@@ -36,7 +38,7 @@ pub struct ResidualPart {
 }
 
 /// Carries out all derivatives of a function.
-pub fn differentiate(checked: CheckedFunction, diagnostics: &mut Diagnostics) -> Derived {
+pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: &mut Diagnostics) -> Derived {
     let CheckedFunction { function, dimension, arena, mut fields, content } = checked;
     let mut lowering = Lowering { arena, dimension, known: HashMap::new(), diagnostics };
     let unknowns: Vec<(usize, usize)> = fields
@@ -52,10 +54,23 @@ pub fn differentiate(checked: CheckedFunction, diagnostics: &mut Diagnostics) ->
     let mut from_energy = false;
     let mut terms = Vec::new();
     match content {
-        Content::Form(form) => terms = form,
-        Content::Functional(functional) => density = functional,
-        Content::Value(tensor) => value = Some(lowering.lower(tensor)),
+        Content::Form(form) => {
+            terms = form;
+            lowering.check_regions(&terms, &fields, regions);
+        }
+        Content::Functional(functional) => {
+            density = functional;
+            lowering.check_regions(&density, &fields, regions);
+        }
+        Content::Value(tensor) => {
+            let lowered = lowering.lower(tensor);
+            if lowering.has_sides(lowered) {
+                check_sides(&lowering.arena, &fields, lowered, None, lowering.diagnostics);
+            }
+            value = Some(lowered);
+        }
         Content::Energy(energy) => {
+            lowering.check_regions(&energy, &fields, regions);
             from_energy = true;
             for &(index, number) in &unknowns {
                 let name = format!("δ{}", fields[index].name);
@@ -108,6 +123,24 @@ struct Lowering<'a> {
 }
 
 impl Lowering<'_> {
+    /// Reports what does not exist where it is integrated. Derivatives that were asked for may have brought
+    /// it there, so they are carried out first.
+    fn check_regions(&mut self, terms: &[Term], fields: &[FieldInfo], regions: &[Region]) {
+        for term in terms {
+            let (density, region) = (self.lower(term.density), &regions[term.region]);
+            check_existence(&self.arena, density, region, self.diagnostics);
+            if region.entity == Entity::InteriorFacets {
+                check_sides(&self.arena, fields, density, Some(&region.name), self.diagnostics);
+            }
+        }
+    }
+
+    /// Does it hold a limit from one side of a facet?
+    fn has_sides(&self, tensor: Tensor) -> bool {
+        let restricted = |node: &Tensor| matches!(self.arena.node(*node).operator, Operator::Restrict(..));
+        self.arena.reachable(&[tensor]).iter().any(restricted)
+    }
+
     /// The node of a derivative in the direction of another field.
     fn gateaux(
         &mut self,
@@ -117,7 +150,7 @@ impl Lowering<'_> {
         fields: &[FieldInfo],
     ) -> Tensor {
         let place = self.arena.place(expression);
-        let operator = Operator::Field { field: direction, gradient: false };
+        let operator = Operator::Field { field: direction, order: 0 };
         let direction = self.arena.push(operator, fields[direction].shape.clone(), place);
         let shape = self.arena.shape(expression).to_vec();
         let operator = Operator::Gateaux { expression, variable: Variable::Field(field), direction };
@@ -143,8 +176,10 @@ impl Lowering<'_> {
             }
             Operator::Gradient(expression) => {
                 let expression = self.lower(expression);
-                if let Operator::Field { field, gradient: false } = self.arena.node(expression).operator {
-                    let operator = Operator::Field { field, gradient: true };
+                if let Operator::Field { field, order: order @ (0 | 1) } =
+                    self.arena.node(expression).operator
+                {
+                    let operator = Operator::Field { field, order: order + 1 };
                     self.arena.push(operator, node.shape, place)
                 } else {
                     let directions: Vec<_> =
@@ -188,25 +223,32 @@ impl Lowering<'_> {
     }
 
     fn derive(&mut self, expression: Tensor, seed: Seed) -> Option<Tensor> {
-        let direction_gradient = match seed {
-            Seed::Toward { direction, with_gradient: true, .. } if self.reads_gradient(expression, seed) => {
-                let shape = [self.arena.shape(direction), &[self.dimension]].concat();
-                let place = self.arena.place(direction);
-                let gradient = self.arena.push(Operator::Gradient(direction), shape, place);
-                Some(self.lower(gradient))
+        let mut directions = Vec::new();
+        if let Seed::Toward { direction, with_gradient, .. } = seed {
+            directions.push(direction);
+            let highest = if with_gradient { self.highest_order(expression, seed) } else { 0 };
+            for order in 1..=highest {
+                let last = directions[order - 1];
+                let shape = [self.arena.shape(last), &[self.dimension]].concat();
+                let place = self.arena.place(last);
+                let gradient = self.arena.push(Operator::Gradient(last), shape, place);
+                directions.push(self.lower(gradient));
             }
-            _ => None,
-        };
-        Differentiation::new(&mut self.arena, self.dimension, seed, direction_gradient, self.diagnostics)
+        }
+        Differentiation::new(&mut self.arena, self.dimension, seed, directions, self.diagnostics)
             .derive(expression)
     }
 
-    /// Does the expression hold the gradient of the field that is varied?
-    fn reads_gradient(&self, expression: Tensor, seed: Seed) -> bool {
-        let Seed::Toward { variable: Variable::Field(varied), .. } = seed else { return false };
-        self.arena.reachable(&[expression]).into_iter().any(|node| {
-            matches!(self.arena.node(node).operator, Operator::Field { field, gradient: true } if field == varied)
-        })
+    /// The highest derivative in the expression of the field that is varied.
+    fn highest_order(&self, expression: Tensor, seed: Seed) -> usize {
+        let Seed::Toward { variable: Variable::Field(varied), .. } = seed else { return 0 };
+        let orders = self.arena.reachable(&[expression]).into_iter().filter_map(|node| {
+            match self.arena.node(node).operator {
+                Operator::Field { field, order } if field == varied => Some(order),
+                _ => None,
+            }
+        });
+        orders.max().unwrap_or(0)
     }
 
     /// The unit tensor of a shape whose `entry`-th component (row-major) is one.
@@ -287,6 +329,11 @@ impl Lowering<'_> {
                     .map(|part| self.arena.push(Operator::Divide(part, divisor), vec![], place))
                     .collect()
             }
+            Operator::Restrict(side, a) => {
+                let parts = self.additive_parts(a);
+                let operators = parts.into_iter().map(|part| Operator::Restrict(side, part));
+                operators.map(|operator| self.arena.push(operator, vec![], place)).collect()
+            }
             _ => vec![density],
         }
     }
@@ -314,6 +361,7 @@ fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tensor) 
     use Operator::*;
     match operator {
         Number(_) | Zero | Identity | Parameter(_) | Field { .. } | Geometry(_) => operator.clone(),
+        Restrict(side, a) => Restrict(*side, change(*a)),
         Negate(a) => Negate(change(*a)),
         Map(map, a) => Map(*map, change(*a)),
         Determinant(a) => Determinant(change(*a)),

@@ -25,7 +25,8 @@ pub struct Differentiation<'a> {
     arena: &'a mut Arena,
     dimension: usize,
     seed: Seed,
-    direction_gradient: Option<Tensor>,
+    /// The direction of [`Seed::Toward`] and its derivatives, by order, as far as the expression reads.
+    directions: Vec<Tensor>,
     diagnostics: &'a mut Diagnostics,
     known: HashMap<Tensor, Option<Tensor>>,
 }
@@ -35,10 +36,10 @@ impl<'a> Differentiation<'a> {
         arena: &'a mut Arena,
         dimension: usize,
         seed: Seed,
-        direction_gradient: Option<Tensor>,
+        directions: Vec<Tensor>,
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
-        Differentiation { arena, dimension, seed, direction_gradient, diagnostics, known: HashMap::new() }
+        Differentiation { arena, dimension, seed, directions, diagnostics, known: HashMap::new() }
     }
 
     /// The derivative; `None` if it is zero.
@@ -67,7 +68,7 @@ impl<'a> Differentiation<'a> {
                 }
                 _ => None,
             },
-            Field { field, gradient } => self.field(tensor, field, gradient),
+            Field { field, order } => self.field(tensor, field, order),
             Geometry(geometry) => self.geometry(tensor, geometry),
             Add(a, b) => {
                 let (da, db) = (self.derive(a), self.derive(b));
@@ -138,34 +139,34 @@ impl<'a> Differentiation<'a> {
                 let (da, db) = (self.derive(a), self.derive(b));
                 self.choose(truth, da, db, tensor)
             }
+            // A limit from one side commutes with every derivative.
+            Restrict(side, a) => {
+                let da = self.derive(a)?;
+                Some(self.push(Restrict(side, da), shape, tensor))
+            }
             // Removed before a derivative is taken of what holds them.
             Gradient(_) | Partial(..) | Gateaux { .. } => None,
         }
     }
 
-    fn field(&mut self, tensor: Tensor, field: usize, gradient: bool) -> Option<Tensor> {
+    fn field(&mut self, tensor: Tensor, field: usize, order: usize) -> Option<Tensor> {
         match self.seed {
-            Seed::Toward { variable: Variable::Field(varied), direction, with_gradient }
-                if varied == field =>
-            {
-                match (gradient, with_gradient) {
-                    (false, _) => Some(direction),
-                    (true, true) => self.direction_gradient,
-                    (true, false) => None,
-                }
+            // Without their gradients, only values move: the list of directions ends.
+            Seed::Toward { variable: Variable::Field(varied), .. } if varied == field => {
+                self.directions.get(order).copied()
             }
             Seed::Toward { .. } => None,
-            Seed::Along(axis) if !gradient => {
+            Seed::Along(axis) if order < 2 => {
                 let shape = self.arena.shape(tensor).to_vec();
                 let full = [&shape[..], &[self.dimension]].concat();
-                let gradient = self.push(Operator::Field { field, gradient: true }, full, tensor);
+                let gradient = self.push(Operator::Field { field, order: order + 1 }, full, tensor);
                 Some(self.column(gradient, &shape, axis, tensor))
             }
             Seed::Along(_) => {
                 self.diagnostics.error_with_help(
                     self.arena.place(tensor),
-                    "second derivatives of a field are not available",
-                    "`grad` is applied here to something that already holds a gradient",
+                    "third derivatives of a field are not available",
+                    "second derivatives are the highest, `hess(u)`: for more, make a derivative an unknown of its own",
                 );
                 None
             }

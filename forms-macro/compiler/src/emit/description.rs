@@ -1,17 +1,35 @@
 //! What the compiler knows of an integral, as a `contract::Integral`.
 
-use proc_macro2::TokenStream;
-use quote::quote;
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
 
 use crate::optimise::degree::{Degree, Part};
 use crate::optimise::{Dependence, Description};
+use crate::tensor::Side;
+
+/// A test or trial function: its number among its kind, and its side.
+#[derive(Clone, Copy)]
+pub struct Argument {
+    pub number: usize,
+    pub side: Side,
+}
+
+/// What is told of an integral that has no test (or no trial) function.
+pub const NO_ARGUMENT: Argument = Argument { number: 0, side: Side::This };
+
+/// The variant of `contract::Side`.
+pub fn name_of_side(side: Side) -> Ident {
+    match side {
+        Side::This => format_ident!("This"),
+        Side::Other => format_ident!("Other"),
+    }
+}
 
 /// The text of a description; `used` are the function's regions.
 pub fn describe(
     description: &Description,
     used: &[usize],
-    test: usize,
-    trial: usize,
+    [test, trial]: [Argument; 2],
     symmetric: bool,
 ) -> TokenStream {
     let region = used.iter().position(|region| *region == description.region).unwrap_or_default();
@@ -21,13 +39,15 @@ pub fn describe(
         Dependence::Nonlinear => quote! { Nonlinear },
     };
     let degree = degree(&description.degree);
+    let [test_side, trial_side] = [test.side, trial.side].map(name_of_side);
+    let [test, trial] = [test.number, trial.number];
     quote! {
         contract::Integral {
             region: #region,
             test: #test,
             trial: #trial,
-            test_side: contract::Side::This,
-            trial_side: contract::Side::This,
+            test_side: contract::Side::#test_side,
+            trial_side: contract::Side::#trial_side,
             dependence: contract::Dependence::#dependence,
             symmetric: #symmetric,
             degree: #degree,
@@ -41,8 +61,10 @@ fn degree(degree: &Degree) -> TokenStream {
         let constant = sum.constant;
         let parts = sum.parts.iter().map(|(part, count)| {
             let value = match part {
-                Part::Value(field) => quote! { fields[#field] },
-                Part::Gradient(field) => quote! { fields[#field].saturating_sub(simplex as usize) },
+                Part::Field { field, order: 0 } => quote! { fields[#field] },
+                Part::Field { field, order } => {
+                    quote! { fields[#field].saturating_sub(#order * simplex as usize) }
+                }
                 Part::Position => quote! { geometry },
                 Part::Normal => quote! { geometry.saturating_sub(1) },
             };

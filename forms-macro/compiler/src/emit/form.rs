@@ -3,11 +3,12 @@
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::description::describe;
+use super::description::{Argument as Described, NO_ARGUMENT, describe};
 use super::kernel::KernelWriter;
 use super::placeholder::{likely_regions, placeholder};
 use crate::check::{fields_of, given_members};
 use crate::optimise::degree::Degree;
+use crate::optimise::linear::SidedField;
 use crate::optimise::{Dependence, Description, Optimised};
 use crate::parse::syntax::*;
 use crate::tensor::{FieldInfo, FieldRole};
@@ -191,16 +192,17 @@ fn implementation(
         };
         for (index, integral) in optimised.residual.iter().enumerate() {
             let kernel = format_ident!("Residual{index}");
-            kernels.extend(writer.linear(&kernel, integral.test, &integral.flux));
-            let description = describe(&integral.description, used, number(&fields[integral.test]), 0, false);
+            kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
+            let arguments = [argument(integral.test, &fields), NO_ARGUMENT];
+            let description = describe(&integral.description, used, arguments, false);
             residual.push(visit(description, &kernel));
         }
         for (index, integral) in optimised.tangent.iter().enumerate() {
             let kernel = format_ident!("Tangent{index}");
             kernels.extend(writer.bilinear(&kernel, integral));
-            let (test, trial) = (number(&fields[integral.test]), number(&fields[integral.trial]));
-            tangent
-                .push(visit(describe(&integral.description, used, test, trial, integral.symmetric), &kernel));
+            let arguments = [integral.test, integral.trial].map(|one| argument(one, &fields));
+            let description = describe(&integral.description, used, arguments, integral.symmetric);
+            tangent.push(visit(description, &kernel));
         }
         for (list, integrals, prefix) in
             [(&mut switches, &optimised.switches, "Switches"), (&mut density, &optimised.density, "Density")]
@@ -209,7 +211,8 @@ fn implementation(
                 let kernel = format_ident!("{prefix}{index}");
                 let shape = if prefix == "Density" { vec![] } else { vec![integral.components.len()] };
                 kernels.extend(writer.expression(&kernel, &integral.components, &shape));
-                list.push(visit(describe(&integral.description, used, 0, 0, false), &kernel));
+                let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false);
+                list.push(visit(description, &kernel));
             }
         }
         if let Some((components, shape)) = &optimised.value {
@@ -217,7 +220,7 @@ fn implementation(
             kernels.extend(writer.expression(&kernel, components, shape));
             let description =
                 Description { region: 0, dependence: Dependence::Constant, degree: Degree::constant(0) };
-            value = Some(visit(describe(&description, &[0], 0, 0, false), &kernel));
+            value = Some(visit(describe(&description, &[0], [NO_ARGUMENT; 2], false), &kernel));
         }
     }
     let common = common_methods(&function.name, &fields, dimension);
@@ -279,12 +282,13 @@ fn implementation(
     }
 }
 
-/// The number of an unknown, test or trial function.
-fn number(field: &FieldInfo) -> usize {
-    match field.role {
+/// What a backend is told of a test or trial function.
+fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
+    let number = match fields[function.field].role {
         FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,
         FieldRole::State | FieldRole::Given => 0,
-    }
+    };
+    Described { number, side: function.side }
 }
 
 fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> TokenStream {

@@ -1,14 +1,13 @@
 //! Kernels: `impl LinearKernel<D>`, `impl BilinearKernel<D>`, `impl ExpressionKernel<D>`.
 
-use std::collections::BTreeMap;
-
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::layout::Layout;
 use super::print::{Demand, Store, from_point};
 use super::straight_line::{Code, Level, Value};
-use crate::optimise::linear::Coefficients;
-use crate::optimise::scalar::{Argument, Graph, Node, Scalar};
+use crate::optimise::linear::{Coefficients, of_component};
+use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use crate::optimise::{BilinearIntegral, BilinearPlan};
 use crate::tensor::{FieldInfo, Geometry};
 
@@ -17,12 +16,6 @@ pub struct KernelWriter<'a> {
     pub graph: &'a mut Graph,
     pub fields: &'a [FieldInfo],
     pub dimension: usize,
-}
-
-/// Where each field's value and gradient stand in the `fields` slice: (field, gradient) → offset.
-struct Layout {
-    offsets: BTreeMap<(usize, bool), usize>,
-    requirements: TokenStream,
 }
 
 impl KernelWriter<'_> {
@@ -34,13 +27,13 @@ impl KernelWriter<'_> {
         let mut roots = Vec::new();
         for component in 0..components {
             let mut parts = Vec::new();
-            for (slot, coefficient) in flux.range(component * (1 + d)..(component + 1) * (1 + d)) {
-                let basis = self.graph.intern(Node::Basis(Argument::Test, slot % (1 + d)));
-                parts.push(self.graph.product(&[(*coefficient, 1), (weight, 1), (basis, 1)]));
+            for (derivative, coefficient) in of_component(flux, component) {
+                let basis = self.graph.intern(Node::Basis(Argument::Test, derivative));
+                parts.push(self.graph.product(&[(coefficient, 1), (weight, 1), (basis, 1)]));
             }
             roots.push(self.graph.sum(&parts));
         }
-        let layout = self.layout(&roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
         let mut code = Code::new(self.graph, &roots);
         let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
 
@@ -81,7 +74,7 @@ impl KernelWriter<'_> {
     pub fn bilinear(&mut self, name: &Ident, integral: &BilinearIntegral) -> TokenStream {
         let d = self.dimension;
         let [rows, columns] =
-            [integral.test, integral.trial].map(|field| self.fields[field].shape.iter().product::<usize>());
+            [integral.test, integral.trial].map(|one| self.fields[one.field].shape.iter().product::<usize>());
         let entries = rows * columns;
         let weight = self.graph.intern(Node::Weight);
 
@@ -118,7 +111,7 @@ impl KernelWriter<'_> {
             }
         };
         let roots: Vec<Scalar> = tests.iter().chain(&trials).chain(&block).copied().collect();
-        let layout = self.layout(&roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
         let mut code = Code::new(self.graph, &roots);
         let mut lower =
             |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
@@ -204,7 +197,7 @@ impl KernelWriter<'_> {
     pub fn expression(&mut self, name: &Ident, components: &[Scalar], shape: &[usize]) -> TokenStream {
         let d = self.dimension;
         let count = components.len();
-        let layout = self.layout(components);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, components);
         let mut code = Code::new(self.graph, components);
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let (mut form, mut cell) = (Store::default(), Store::default());
@@ -265,6 +258,8 @@ impl KernelWriter<'_> {
         let terminal = |node: &Node| match node {
             Node::Geometry(Geometry::Diameter, _) => quote! { geometry.diameter },
             Node::Geometry(Geometry::CellVolume, _) => quote! { geometry.cell_volume },
+            Node::Opposite(Geometry::Diameter) => quote! { geometry.opposite_diameter },
+            Node::Opposite(_) => quote! { geometry.opposite_volume },
             _ => quote! { geometry.facet_area },
         };
         let body =
@@ -304,11 +299,9 @@ impl KernelWriter<'_> {
 
     fn basis(&self, node: &Node) -> TokenStream {
         match node {
-            Node::Basis(_, 0) => quote! { basis.value },
-            Node::Basis(_, slot) => {
-                let axis = slot - 1;
-                quote! { basis.gradient[#axis] }
-            }
+            Node::Basis(_, Derivative::Value) => quote! { basis.value },
+            Node::Basis(_, Derivative::First(axis)) => quote! { basis.gradient[#axis] },
+            Node::Basis(_, Derivative::Second(first, second)) => quote! { hessian[#first][#second] },
             Node::Accumulated(index) => quote! { accumulator[#index] },
             _ => quote! { f64::NAN },
         }
@@ -320,77 +313,11 @@ impl KernelWriter<'_> {
             Node::Geometry(Geometry::Normal, component) => quote! { geometry.normal[#component] },
             Node::Geometry(Geometry::Position, component) => quote! { geometry.position[#component] },
             Node::Geometry(Geometry::Curvature, _) => quote! { geometry.curvature },
-            Node::Field { field, component, direction } => {
-                let offset = layout.offsets[&(*field, direction.is_some())];
-                let index = match direction {
-                    Some(axis) => offset + component * self.dimension + axis,
-                    None => offset + component,
-                };
+            Node::Field { field, side, component, derivative } => {
+                let index = layout.position(*field, *side, *component, *derivative);
                 quote! { fields[#index] }
             }
             _ => quote! { f64::NAN },
         }
-    }
-
-    /// What the kernel reads, from the terminals that its roots hold.
-    fn layout(&self, roots: &[Scalar]) -> Layout {
-        let mut geometry: Vec<Geometry> = Vec::new();
-        let mut read: BTreeMap<(usize, bool), usize> = BTreeMap::new();
-        for scalar in self.graph.reachable(roots) {
-            match self.graph.node(scalar) {
-                Node::Geometry(kind, _) => geometry.push(*kind),
-                Node::Field { field, direction, .. } => {
-                    read.insert((*field, direction.is_some()), 0);
-                }
-                _ => {}
-            }
-        }
-        let mut next = 0;
-        let mut slots = Vec::new();
-        for ((field, gradient), offset) in &mut read {
-            let components: usize = self.fields[*field].shape.iter().product();
-            let order = if *gradient {
-                quote! { Gradient }
-            } else {
-                quote! { Value }
-            };
-            let start = next;
-            slots.push(quote! {
-                contract::FieldSlot {
-                    field: #field,
-                    order: contract::Order::#order,
-                    side: contract::Side::This,
-                    components: #components,
-                    offset: #start,
-                }
-            });
-            *offset = start;
-            next += if *gradient { components * self.dimension } else { components };
-        }
-        let has = |kind: Geometry| geometry.contains(&kind);
-        let [diameter, cell_volume, facet_area, position, normal, curvature] = [
-            has(Geometry::Diameter),
-            has(Geometry::CellVolume),
-            has(Geometry::FacetArea),
-            has(Geometry::Position),
-            has(Geometry::Normal),
-            has(Geometry::Curvature),
-        ];
-        let requirements = quote! {
-            contract::Requirements {
-                diameter: #diameter,
-                cell_volume: #cell_volume,
-                facet_area: #facet_area,
-                position: #position,
-                normal: #normal,
-                curvature: #curvature,
-                opposite_diameter: false,
-                opposite_volume: false,
-                hessian: false,
-                fields: &[#(#slots),*],
-                field_length: #next,
-            }
-        };
-        Layout { offsets: read, requirements }
     }
 }

@@ -4,6 +4,7 @@
 mod description;
 mod form;
 mod kernel;
+mod layout;
 mod placeholder;
 mod print;
 mod straight_line;
@@ -16,8 +17,9 @@ use quote::quote;
 use crate::check::{RESERVED, is_building_block};
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
+use crate::reuse::import::imported_path;
 
-/// Writes the module. After a mistake all names still exist, so that what refers to them gives no further
+/// Writes what stands in the module. After a mistake all names still exist, so that what refers to them gives no further
 /// errors: a function without an optimised version (it had a mistake) is written as [`placeholder`].
 pub fn emit(
     module: &Module,
@@ -25,7 +27,6 @@ pub fn emit(
     optimised: Vec<Optimised>,
     backend: &syn::Path,
 ) -> TokenStream {
-    let Module { attributes, visibility, name, .. } = module;
     let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
     // A name declared twice, or one that belongs to the emitted code, has been reported: the first stands.
     let mut taken: BTreeSet<String> = RESERVED.iter().map(ToString::to_string).collect();
@@ -54,29 +55,27 @@ pub fn emit(
                 }
             })
         }
-        Mistaken::Member(_) | Mistaken::Region(_) => None,
+        Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::Import(_) => None,
     });
     quote! {
-        #(#attributes)*
-        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
-        #[allow(clippy::all)]
-        #visibility mod #name {
-            use #backend::contract;
-            #data
-            #(#regions)*
-            #(#functions)*
-            #(#unread)*
-        }
+        use #backend::contract;
+        #data
+        #(#regions)*
+        #(#functions)*
+        #(#unread)*
     }
 }
 
 fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let Data { attributes, visibility, name, members } = data;
+    if let Some(path) = imported_path(attributes) {
+        return quote! { #[allow(unused_imports)] #visibility use #path as #name; };
+    }
     let mut taken = BTreeSet::new();
     let members = members.iter().filter(|member| taken.insert(member.name.to_string())).map(emit_member);
     let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Member(member) => Some(emit_member(member)),
-        Mistaken::Region(_) | Mistaken::Function { .. } => None,
+        Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::Function { .. } => None,
     });
     let members = members.chain(unread);
     quote! {
@@ -98,26 +97,32 @@ fn emit_member(member: &Member) -> TokenStream {
     quote! { #(#attributes)* pub #name: #ty }
 }
 
+/// `[[f64; D]; 2]` for a matrix of two rows.
 fn value_type(rank: Rank) -> TokenStream {
-    match rank {
-        Rank::Scalar => quote! { f64 },
-        Rank::Vector => quote! { [f64; D] },
-        Rank::Tensor => quote! { [[f64; D]; D] },
-    }
+    rank.extents().iter().rev().fold(quote! { f64 }, |entry, extent| {
+        let extent = match extent {
+            Extent::Dimension => quote! { D },
+            Extent::Fixed(number) => quote! { #number },
+        };
+        quote! { [#entry; #extent] }
+    })
 }
 
 fn emit_region(region: &Region) -> TokenStream {
-    let Region { attributes, visibility, name, facets } = region;
+    let Region { attributes, visibility, name, entity } = region;
+    if let Some(path) = imported_path(attributes) {
+        return quote! { #[allow(unused_imports)] #visibility use #path as #name; };
+    }
     let symbol = name.to_string();
-    let entity = if *facets {
-        quote! { Facets }
-    } else {
-        quote! { Cells }
+    let entity = match entity {
+        Entity::Cells => quote! { Cells },
+        Entity::Facets => quote! { Facets },
+        Entity::InteriorFacets => quote! { InteriorFacets },
     };
     quote! {
         #(#attributes)*
         #[derive(Clone, Debug)]
-        #visibility struct #name(contract::Region);
+        #visibility struct #name(#[doc(hidden)] pub contract::Region);
         impl #name {
             /// Binds this region to a name of the mesh.
             pub fn on(name: impl Into<::std::string::String>) -> Self {

@@ -290,7 +290,8 @@ impl<'a> Code<'a> {
 
 fn terminal_level(node: &Node) -> Level {
     match node {
-        Node::Geometry(Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea, _) => Level::Cell,
+        Node::Geometry(Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea, _)
+        | Node::Opposite(_) => Level::Cell,
         Node::Field { .. } | Node::Geometry(..) | Node::Weight => Level::Point,
         Node::Basis(Argument::Test | Argument::Trial, _) | Node::Accumulated(_) => Level::Node,
         _ => Level::Form,

@@ -8,8 +8,11 @@ use crate::tensor::{Arena, Geometry, Operator, Tensor};
 /// What contributes to a degree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    Value(usize),
-    Gradient(usize),
+    /// A field's derivative of an order.
+    Field {
+        field: usize,
+        order: usize,
+    },
     Position,
     Normal,
 }
@@ -103,14 +106,13 @@ impl<'a> Degrees<'a> {
         let zero = Degree::constant(0);
         match &arena.node(tensor).operator {
             Number(_) | Zero | Identity | Parameter(_) => zero,
-            Field { field, gradient: false } => Degree::part(Part::Value(*field)),
-            Field { field, gradient: true } => Degree::part(Part::Gradient(*field)),
+            Field { field, order } => Degree::part(Part::Field { field: *field, order: *order }),
             Geometry(geometry) => match geometry {
                 self::Geometry::Position => Degree::part(Part::Position),
                 self::Geometry::Normal | self::Geometry::Curvature => Degree::part(Part::Normal),
                 _ => zero,
             },
-            Negate(a) | Map(_, a) | Component(a, _) => self.of(*a),
+            Negate(a) | Map(_, a) | Component(a, _) | Restrict(_, a) => self.of(*a),
             Add(a, b) | Minimum(a, b) | Maximum(a, b) | Select(_, a, b) => self.of(*a).largest(self.of(*b)),
             Scale(a, b) | Contract(a, b) | Inner(a, b) | Outer(a, b) | Divide(a, b) => {
                 self.of(*a).plus(self.of(*b))

@@ -1,23 +1,23 @@
 //! Three ways to compute a node pair's block, and the choice among them by counted operations.
 //!
 //! accumulated: the coefficients are constant on the cell. Sums S_kl of weight × test slot k × trial
-//!              slot l are accumulated, and contracted with the coefficients once per pair.
+//!              slot l (values or derivatives of the basis functions) are accumulated, and contracted with the coefficients once per pair.
 //! factored:    the integrand is a sum of few products (linear in the test function) × (linear in the
 //!              trial function), as contact terms are; each factor is computed once per basis function.
 //! dense:       a factored plan whose test factors are the slots themselves.
 
 use std::collections::BTreeMap;
 
-use super::linear::{Coefficients, Linear, factors};
+use super::linear::{Coefficients, Linear, SidedField, Slot, factors, of_component};
 use super::polynomial;
-use super::scalar::{Argument, Graph, Node, Scalar};
+use super::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use crate::tensor::Geometry;
 
 /// How the blocks of a bilinear integral are computed.
 pub enum BilinearPlan {
     Accumulated {
-        /// (test slot, trial slot) of each accumulated sum.
-        sums: Vec<(usize, usize)>,
+        /// Derivatives of the test and of the trial basis function in each accumulated sum.
+        sums: Vec<(Derivative, Derivative)>,
         /// Row-major block in terms of [`Node::Accumulated`].
         block: Vec<Scalar>,
     },
@@ -36,17 +36,16 @@ const NODES: usize = 8;
 pub fn plan(
     graph: &mut Graph,
     density: Scalar,
-    fields: [usize; 2],
+    functions: [SidedField; 2],
     components: [usize; 2],
-    dimension: usize,
     diagonal: bool,
     from_energy: bool,
 ) -> Option<Option<(BilinearPlan, bool)>> {
-    let [test, trial] = fields;
-    let flux = Linear::new(graph, test, dimension).coefficients(density)?;
-    let mut matrix: BTreeMap<usize, Coefficients> = BTreeMap::new();
+    let [test, trial] = functions;
+    let flux = Linear::new(graph, test).coefficients(density)?;
+    let mut matrix: BTreeMap<Slot, Coefficients> = BTreeMap::new();
     {
-        let mut linear = Linear::new(graph, trial, dimension);
+        let mut linear = Linear::new(graph, trial);
         for (slot, coefficient) in flux.iter() {
             let row = linear.coefficients(*coefficient)?;
             if !row.is_empty() {
@@ -59,19 +58,19 @@ pub fn plan(
     }
     let symmetric = diagonal && (from_energy || is_symmetric(graph, &matrix));
 
-    let structured = structured_factors(graph, density, fields, dimension);
+    let structured = structured_factors(graph, density, functions);
     let dense = matrix
         .iter()
         .map(|(slot, row)| (Coefficients::from([(*slot, graph.number(1.0))]), row.clone()))
         .collect();
-    let mut best = factored(graph, dense, components, dimension);
+    let mut best = factored(graph, dense, components);
     if let Some(structured) = structured {
-        let candidate = factored(graph, structured, components, dimension);
+        let candidate = factored(graph, structured, components);
         if candidate.cost <= best.cost {
             best = candidate;
         }
     }
-    if let Some(candidate) = accumulated(graph, &matrix, components, dimension)
+    if let Some(candidate) = accumulated(graph, &matrix, components)
         && candidate.cost <= best.cost
     {
         best = candidate;
@@ -85,7 +84,7 @@ struct Candidate {
     cost: usize,
 }
 
-fn is_symmetric(graph: &Graph, matrix: &BTreeMap<usize, Coefficients>) -> bool {
+fn is_symmetric(graph: &Graph, matrix: &BTreeMap<Slot, Coefficients>) -> bool {
     matrix.iter().all(|(row, entries)| {
         entries.iter().all(|(column, entry)| match matrix.get(column).and_then(|other| other.get(row)) {
             Some(mirrored) => polynomial::equal(graph, *entry, *mirrored),
@@ -97,10 +96,9 @@ fn is_symmetric(graph: &Graph, matrix: &BTreeMap<usize, Coefficients>) -> bool {
 fn structured_factors(
     graph: &mut Graph,
     density: Scalar,
-    [test, trial]: [usize; 2],
-    dimension: usize,
+    [test, trial]: [SidedField; 2],
 ) -> Option<Vec<(Coefficients, Coefficients)>> {
-    let is = |wanted: usize| move |node: &Node| matches!(node, Node::Field { field, .. } if *field == wanted);
+    let is = |wanted: SidedField| move |node: &Node| wanted.owns(node);
     let one = graph.number(1.0);
     let products = factors(graph, density, one, &is(test), &is(trial))?;
     // Products with one test factor are one product.
@@ -116,8 +114,8 @@ fn structured_factors(
     let mut result = Vec::new();
     for (second, firsts) in by_trial {
         let first = graph.sum(&firsts);
-        let first = Linear::new(graph, test, dimension).coefficients(first)?;
-        let second = Linear::new(graph, trial, dimension).coefficients(second)?;
+        let first = Linear::new(graph, test).coefficients(first)?;
+        let second = Linear::new(graph, trial).coefficients(second)?;
         if !first.is_empty() && !second.is_empty() {
             result.push(((*first).clone(), (*second).clone()));
         }
@@ -129,7 +127,6 @@ fn factored(
     graph: &mut Graph,
     products: Vec<(Coefficients, Coefficients)>,
     [rows, columns]: [usize; 2],
-    dimension: usize,
 ) -> Candidate {
     let weight = graph.intern(Node::Weight);
     let one = graph.number(1.0);
@@ -137,8 +134,8 @@ fn factored(
     let (mut per_node, mut per_pair) = (0, 0);
     for (test, trial) in products {
         per_node += test.len() + trial.len();
-        let test = on_basis(graph, &test, rows, dimension, Argument::Test, one);
-        let trial = on_basis(graph, &trial, columns, dimension, Argument::Trial, weight);
+        let test = on_basis(graph, &test, rows, Argument::Test, one);
+        let trial = on_basis(graph, &trial, columns, Argument::Trial, weight);
         for (row, first) in test.iter().enumerate() {
             for (column, second) in trial.iter().enumerate() {
                 if let (Some(first), Some(second)) = (first, second) {
@@ -157,17 +154,15 @@ fn on_basis(
     graph: &mut Graph,
     coefficients: &Coefficients,
     components: usize,
-    dimension: usize,
     argument: Argument,
     factor: Scalar,
 ) -> Vec<Option<Scalar>> {
-    let slots = 1 + dimension;
     (0..components)
         .map(|component| {
             let mut parts = Vec::new();
-            for (slot, coefficient) in coefficients.range(component * slots..(component + 1) * slots) {
-                let basis = graph.intern(Node::Basis(argument, slot % slots));
-                parts.push(graph.product(&[(factor, 1), (*coefficient, 1), (basis, 1)]));
+            for (derivative, coefficient) in of_component(coefficients, component) {
+                let basis = graph.intern(Node::Basis(argument, derivative));
+                parts.push(graph.product(&[(factor, 1), (coefficient, 1), (basis, 1)]));
             }
             (!parts.is_empty()).then(|| graph.sum(&parts))
         })
@@ -176,12 +171,10 @@ fn on_basis(
 
 fn accumulated(
     graph: &mut Graph,
-    matrix: &BTreeMap<usize, Coefficients>,
+    matrix: &BTreeMap<Slot, Coefficients>,
     [rows, columns]: [usize; 2],
-    dimension: usize,
 ) -> Option<Candidate> {
-    let slots = 1 + dimension;
-    let mut sums: Vec<(usize, usize)> = Vec::new();
+    let mut sums: Vec<(Derivative, Derivative)> = Vec::new();
     let mut block: Vec<Vec<Scalar>> = vec![Vec::new(); rows * columns];
     let mut contraction = 0;
     for (row, entries) in matrix {
@@ -189,14 +182,14 @@ fn accumulated(
             if graph.depends(*coefficient, varies_over_cell) {
                 return None;
             }
-            let key = (row % slots, column % slots);
+            let key = (row.1, column.1);
             let index = sums.iter().position(|known| *known == key).unwrap_or_else(|| {
                 sums.push(key);
                 sums.len() - 1
             });
             let sum = graph.intern(Node::Accumulated(index));
             let part = graph.multiply(*coefficient, sum);
-            block[row / slots * columns + column / slots].push(part);
+            block[row.0 * columns + column.0].push(part);
             contraction += 1;
         }
     }

@@ -3,26 +3,51 @@
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-use super::scalar::{Graph, Node, Scalar};
+use super::scalar::{Derivative, Graph, Node, Scalar};
+use crate::tensor::Side;
 
-/// Slot → coefficient. The slots of a field in dimension D: `component * (1 + D)` is the component's
-/// value, `component * (1 + D) + 1 + k` its derivative along axis k.
-pub type Coefficients = BTreeMap<usize, Scalar>;
+/// A test or trial function (by field index) in the cell on one side: what kernels are linear in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SidedField {
+    pub field: usize,
+    pub side: Side,
+}
 
-/// Reads off coefficients with respect to one field.
+impl SidedField {
+    /// Is the node a component of this function, or a derivative of one?
+    pub fn owns(self, node: &Node) -> bool {
+        matches!(node, Node::Field { field, side, .. } if *field == self.field && *side == self.side)
+    }
+}
+
+/// What a coefficient stands before: a component, and which derivative of it.
+pub type Slot = (usize, Derivative);
+
+/// Slot → coefficient.
+pub type Coefficients = BTreeMap<Slot, Scalar>;
+
+/// The coefficients that belong to one component.
+pub fn of_component(
+    coefficients: &Coefficients,
+    component: usize,
+) -> impl Iterator<Item = (Derivative, Scalar)> {
+    let own = coefficients.iter().filter(move |(slot, _)| slot.0 == component);
+    own.map(|(slot, coefficient)| (slot.1, *coefficient))
+}
+
+/// Reads off coefficients with respect to one function.
 pub struct Linear<'a> {
     pub graph: &'a mut Graph,
-    pub field: usize,
-    pub dimension: usize,
+    pub function: SidedField,
     known: HashMap<Scalar, Option<Rc<Coefficients>>>,
 }
 
 impl<'a> Linear<'a> {
-    pub fn new(graph: &'a mut Graph, field: usize, dimension: usize) -> Self {
-        Linear { graph, field, dimension, known: HashMap::new() }
+    pub fn new(graph: &'a mut Graph, function: SidedField) -> Self {
+        Linear { graph, function, known: HashMap::new() }
     }
 
-    /// The coefficients (empty: free of the field); `None` if the expression is not linear in it.
+    /// The coefficients (empty: free of the function); `None` if the expression is not linear in it.
     pub fn coefficients(&mut self, scalar: Scalar) -> Option<Rc<Coefficients>> {
         if let Some(known) = self.known.get(&scalar) {
             return known.clone();
@@ -35,12 +60,13 @@ impl<'a> Linear<'a> {
     fn read(&mut self, scalar: Scalar) -> Option<Coefficients> {
         let mut result = Coefficients::new();
         match self.graph.node(scalar).clone() {
-            Node::Field { field, component, direction } if field == self.field => {
-                let slot = component * (1 + self.dimension) + direction.map_or(0, |axis| 1 + axis);
-                result.insert(slot, self.graph.number(1.0));
+            Node::Field { field, side, component, derivative }
+                if (SidedField { field, side }) == self.function =>
+            {
+                result.insert((component, derivative), self.graph.number(1.0));
             }
             Node::Sum { constant, terms } => {
-                let mut gathered: BTreeMap<usize, Vec<Scalar>> = BTreeMap::new();
+                let mut gathered: BTreeMap<Slot, Vec<Scalar>> = BTreeMap::new();
                 let mut every = f64::from_bits(constant) == 0.0;
                 for (coefficient, term) in terms {
                     let inner = self.coefficients(term)?;
@@ -83,7 +109,7 @@ impl<'a> Linear<'a> {
                 }
                 let (first, second) = (self.coefficients(a)?, self.coefficients(b)?);
                 let zero = self.graph.number(0.0);
-                let slots: Vec<usize> = first.keys().chain(second.keys()).copied().collect();
+                let slots: Vec<Slot> = first.keys().chain(second.keys()).copied().collect();
                 for slot in slots {
                     let (a, b) = (
                         first.get(&slot).copied().unwrap_or(zero),
@@ -106,17 +132,17 @@ impl<'a> Linear<'a> {
     }
 }
 
-/// The expression with some fields set to zero. These fields stand in it linearly, if at all.
-pub fn without(graph: &mut Graph, scalar: Scalar, fields: &[usize]) -> Scalar {
-    let has = |node: &Node| matches!(node, Node::Field { field, .. } if fields.contains(field));
-    if fields.is_empty() || !graph.depends(scalar, has) {
+/// The expression with some functions set to zero. These stand in it linearly, if at all.
+pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> Scalar {
+    let has = |node: &Node| functions.iter().any(|function| function.owns(node));
+    if functions.is_empty() || !graph.depends(scalar, has) {
         return scalar;
     }
     match graph.node(scalar).clone() {
         Node::Sum { constant, terms } => {
             let mut parts = vec![graph.number(f64::from_bits(constant))];
             for (coefficient, term) in terms {
-                let term = without(graph, term, fields);
+                let term = without(graph, term, functions);
                 parts.push(graph.scale(f64::from_bits(coefficient), term));
             }
             graph.sum(&parts)
@@ -124,12 +150,12 @@ pub fn without(graph: &mut Graph, scalar: Scalar, fields: &[usize]) -> Scalar {
         Node::Product(factors) => {
             let factors: Vec<_> = factors
                 .iter()
-                .map(|(factor, exponent)| (without(graph, *factor, fields), *exponent))
+                .map(|(factor, exponent)| (without(graph, *factor, functions), *exponent))
                 .collect();
             graph.product(&factors)
         }
         Node::Select(truth, a, b) => {
-            let (a, b) = (without(graph, a, fields), without(graph, b, fields));
+            let (a, b) = (without(graph, a, functions), without(graph, b, functions));
             graph.select(truth, a, b)
         }
         _ => graph.number(0.0),

@@ -13,10 +13,10 @@ use std::collections::{BTreeMap, HashMap};
 use crate::check::Term;
 use crate::differentiate::{Derived, ResidualPart};
 use crate::parse::syntax::{MemberKind, Module};
-use crate::tensor::{FieldInfo, FieldRole, Function, Operator, Tensor};
+use crate::tensor::{FieldInfo, FieldRole, Function, Operator, Side, Tensor};
 use degree::{Degree, Degrees};
 pub use factor::BilinearPlan;
-use linear::{Coefficients, Linear, without};
+use linear::{Coefficients, Linear, SidedField, without};
 use scalar::{Graph, Node, Scalar};
 use scalarise::Scalariser;
 
@@ -52,16 +52,15 @@ pub struct Description {
 /// Linear in a test function: coefficients of its slots, without weight.
 pub struct LinearIntegral {
     pub description: Description,
-    /// Field index of the test function.
-    pub test: usize,
+    pub test: SidedField,
     pub flux: Coefficients,
 }
 
 /// Linear in a test and a trial function.
 pub struct BilinearIntegral {
     pub description: Description,
-    pub test: usize,
-    pub trial: usize,
+    pub test: SidedField,
+    pub trial: SidedField,
     pub symmetric: bool,
     pub plan: BilinearPlan,
 }
@@ -83,6 +82,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, String> 
         graph: &mut graph,
         parameter_offsets: &offsets,
         dimension,
+        side: Side::This,
         known: HashMap::new(),
     };
     let mut degrees = Degrees::new(&arena);
@@ -101,7 +101,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, String> 
     };
     for group in groups {
         let switches = switches(&group, &arena, &mut scalariser, &planned.fields);
-        plan_group(group, from_energy, dimension, scalariser.graph, &mut planned)?;
+        plan_group(group, from_energy, scalariser.graph, &mut planned)?;
         planned.switches.extend(switches);
     }
     planned.graph = graph;
@@ -176,40 +176,46 @@ fn group(
     groups.into_values().collect()
 }
 
+/// Splits a group by test function, trial function, and the sides on which they stand.
 fn plan_group(
     group: Group,
     from_energy: bool,
-    dimension: usize,
     graph: &mut Graph,
     planned: &mut Optimised,
 ) -> Result<(), String> {
-    let tests: Vec<usize> = (0..planned.fields.len())
-        .filter(|field| matches!(planned.fields[*field].role, FieldRole::Test(_)))
+    let fields = &planned.fields;
+    let on_sides = |field: usize| [Side::This, Side::Other].map(|side| SidedField { field, side });
+    let tests: Vec<SidedField> = (0..fields.len())
+        .filter(|field| matches!(fields[*field].role, FieldRole::Test(_)))
+        .flat_map(on_sides)
+        .filter(|test| graph.depends(group.density, |node| test.owns(node)))
         .collect();
-    let not_linear = |field: &FieldInfo| field.name.clone();
     for test in tests.iter().copied() {
-        // A form of several test functions is a sum; each takes its own share.
-        let others: Vec<usize> = tests.iter().copied().filter(|other| *other != test).collect();
+        // What is linear in several functions is a sum; each takes its own share.
+        let others: Vec<SidedField> = tests.iter().copied().filter(|other| *other != test).collect();
+        let not_linear = || fields[test.field].name.clone();
         let density = without(graph, group.density, &others);
-        let flux = Linear::new(graph, test, dimension)
-            .coefficients(density)
-            .ok_or_else(|| not_linear(&planned.fields[test]))?;
+        let flux = Linear::new(graph, test).coefficients(density).ok_or_else(not_linear)?;
         if !flux.is_empty() {
             let flux = (*flux).clone();
             planned.residual.push(LinearIntegral { description: group.description.clone(), test, flux });
         }
         for (trial, derivative) in &group.tangent {
-            let roles = (planned.fields[test].role, planned.fields[*trial].role);
-            let diagonal = matches!(roles, (FieldRole::Test(a), FieldRole::Trial(b)) if a == b)
-                && planned.fields[test].shape == planned.fields[*trial].shape;
             let derivative = without(graph, *derivative, &others);
-            let components = [test, *trial].map(|field| planned.fields[field].shape.iter().product());
-            let found =
-                factor::plan(graph, derivative, [test, *trial], components, dimension, diagonal, from_energy)
-                    .ok_or_else(|| not_linear(&planned.fields[test]))?;
-            if let Some((plan, symmetric)) = found {
-                let description = group.description.clone();
-                planned.tangent.push(BilinearIntegral { description, test, trial: *trial, symmetric, plan });
+            let [this, other] = on_sides(*trial);
+            for (trial, rest) in [(this, other), (other, this)] {
+                let derivative = without(graph, derivative, &[rest]);
+                let [first, second] = [test, trial].map(|function| &fields[function.field]);
+                let diagonal = matches!((first.role, second.role), (FieldRole::Test(a), FieldRole::Trial(b)) if a == b)
+                    && first.shape == second.shape
+                    && test.side == trial.side;
+                let components = [first, second].map(|field| field.shape.iter().product());
+                let found = factor::plan(graph, derivative, [test, trial], components, diagonal, from_energy)
+                    .ok_or_else(not_linear)?;
+                if let Some((plan, symmetric)) = found {
+                    let description = group.description.clone();
+                    planned.tangent.push(BilinearIntegral { description, test, trial, symmetric, plan });
+                }
             }
         }
     }
@@ -245,7 +251,8 @@ fn switches(
         return None;
     }
     let mut found = Vec::new();
-    for node in arena.reachable(&group.parts) {
+    for (node, side) in arena.restrictions(&group.parts) {
+        scalariser.side = side.unwrap_or(Side::This);
         let mut difference = |a: Tensor, b: Tensor| {
             let (a, b) = (scalariser.scalar(a), scalariser.scalar(b));
             let minus = scalariser.graph.negate(b);
@@ -272,6 +279,7 @@ fn switches(
             _ => {}
         }
     }
+    scalariser.side = Side::This;
     found.sort_unstable();
     found.dedup();
     let varies = |node: &Node| match node {

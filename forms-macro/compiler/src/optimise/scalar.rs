@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use crate::tensor::{Function, Geometry};
+use crate::tensor::{Function, Geometry, Side};
 
 /// A node of a [`Graph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -16,24 +16,58 @@ pub enum Argument {
     Trial,
 }
 
+/// A derivative of a scalar component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Derivative {
+    /// None: the value.
+    Value,
+    /// Along an axis.
+    First(usize),
+    /// Along two axes, the smaller one first: second derivatives are symmetric.
+    Second(usize, usize),
+}
+
+impl Derivative {
+    /// Along axes in any order.
+    pub fn along(axes: &[usize]) -> Self {
+        match *axes {
+            [] => Derivative::Value,
+            [axis] => Derivative::First(axis),
+            [first, second, ..] => Derivative::Second(first.min(second), first.max(second)),
+        }
+    }
+
+    /// How many times the component is differentiated.
+    pub fn order(self) -> usize {
+        match self {
+            Derivative::Value => 0,
+            Derivative::First(_) => 1,
+            Derivative::Second(..) => 2,
+        }
+    }
+}
+
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
     /// Bits of an `f64`.
     Number(u64),
     /// Entry of the flattened parameters.
     Parameter(usize),
-    /// Component of a field's value, or of its gradient in a direction.
+    /// A derivative of a field's component, in the cell on one side.
     Field {
         field: usize,
+        side: Side,
         component: usize,
-        direction: Option<usize>,
+        derivative: Derivative,
     },
     Geometry(Geometry, usize),
+    /// The diameter or volume of the cell across an interior facet.
+    Opposite(Geometry),
     /// Quadrature weight times measure.
     Weight,
-    /// The basis function's value (slot 0) or its derivative along axis slot − 1.
-    Basis(Argument, usize),
-    /// Σ over the points of weight × test slot × trial slot.
+    /// A derivative of the basis function.
+    Basis(Argument, Derivative),
+    /// Σ over the points of weight × derivative of the test × derivative of the trial basis function.
     Accumulated(usize),
     /// constant + Σ coefficient × term; terms sorted, no Number, no Sum with coefficient one.
     Sum {

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::scalar::{Graph, Node, Scalar};
+use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{Arena, LinearMap, Operator, Tensor, Truth};
+use crate::tensor::{Arena, Geometry, LinearMap, Operator, Side, Tensor, Truth};
 
 /// Components of tensors, each computed once.
 pub struct Scalariser<'a> {
@@ -14,17 +14,27 @@ pub struct Scalariser<'a> {
     /// Start of each parameter in the flattened list.
     pub parameter_offsets: &'a [usize],
     pub dimension: usize,
-    pub known: HashMap<Tensor, Vec<Scalar>>,
+    /// The side from which the expression at hand is seen.
+    pub side: Side,
+    pub known: HashMap<(Tensor, Side), Vec<Scalar>>,
 }
 
 impl Scalariser<'_> {
     /// Row-major components.
     pub fn components(&mut self, tensor: Tensor) -> Vec<Scalar> {
-        if let Some(known) = self.known.get(&tensor) {
+        if let Some(known) = self.known.get(&(tensor, self.side)) {
             return known.clone();
         }
         let components = self.expand(tensor);
-        self.known.insert(tensor, components.clone());
+        self.known.insert((tensor, self.side), components.clone());
+        components
+    }
+
+    /// The components seen from a side.
+    fn components_on(&mut self, side: Side, tensor: Tensor) -> Vec<Scalar> {
+        let outside = std::mem::replace(&mut self.side, side);
+        let components = self.components(tensor);
+        self.side = outside;
         components
     }
 
@@ -47,18 +57,19 @@ impl Scalariser<'_> {
                 let offset = self.parameter_offsets[*index];
                 (0..count).map(|component| self.graph.intern(Node::Parameter(offset + component))).collect()
             }
-            Field { field, gradient } => (0..count)
-                .map(|entry| {
-                    let (component, direction) = match gradient {
-                        true => (entry / self.dimension, Some(entry % self.dimension)),
-                        false => (entry, None),
-                    };
-                    self.graph.intern(Node::Field { field: *field, component, direction })
-                })
-                .collect(),
-            Geometry(geometry) => {
-                (0..count).map(|component| self.graph.intern(Node::Geometry(*geometry, component))).collect()
+            Field { field, order } => {
+                let axes = multi_indices(&vec![self.dimension; *order]);
+                let side = self.side;
+                (0..count)
+                    .map(|entry| {
+                        let component = entry / axes.len();
+                        let derivative = Derivative::along(&axes[entry % axes.len()]);
+                        self.graph.intern(Node::Field { field: *field, side, component, derivative })
+                    })
+                    .collect()
             }
+            Geometry(geometry) => (0..count).map(|component| self.geometry(*geometry, component)).collect(),
+            Restrict(side, a) => self.components_on(*side, *a),
             Add(a, b) => self.zip(*a, *b, Graph::add),
             Negate(a) => self.map(*a, Graph::negate),
             Scale(factor, a) => {
@@ -146,6 +157,18 @@ impl Scalariser<'_> {
             }
             // `differentiate` has removed these.
             Gradient(_) | Partial(..) | Gateaux { .. } => vec![self.graph.number(f64::NAN); count],
+        }
+    }
+
+    /// Geometry seen from a side: what belongs to a cell is that cell's, and the outward normal turns.
+    fn geometry(&mut self, geometry: Geometry, component: usize) -> Scalar {
+        let this = self.graph.intern(Node::Geometry(geometry, component));
+        match (self.side, geometry) {
+            (Side::This, _) | (Side::Other, Geometry::Position | Geometry::FacetArea) => this,
+            (Side::Other, Geometry::Diameter | Geometry::CellVolume) => {
+                self.graph.intern(Node::Opposite(geometry))
+            }
+            (Side::Other, Geometry::Normal | Geometry::Curvature) => self.graph.negate(this),
         }
     }
 

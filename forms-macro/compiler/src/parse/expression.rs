@@ -1,8 +1,9 @@
 //! Rust expressions → the expressions of a weak form; anything else is reported on its tokens.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, Type, UnOp};
+use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, UnOp};
 
+use super::declared_type::{self, Unread};
 use super::syntax::*;
 use crate::diagnostics::{Diagnostics, Place};
 
@@ -59,14 +60,14 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
     }
     let value = read(&init.expr, diagnostics)?;
     let Some(ty) = declared else { return Some((name.ident.clone(), value)) };
-    let rank = match ty {
-        Type::Path(path) => path.path.get_ident().and_then(|word| super::rank_of(&word.to_string())),
-        _ => None,
-    };
-    let Some(rank) = rank else {
-        let help = "leave it out, or write `Scalar`, `Vector` or `Tensor`";
-        diagnostics.error_with_help(Place::of(ty), "this type is not known here", help);
-        return None;
+    let rank = match declared_type::rank(ty, diagnostics) {
+        Ok(rank) => rank,
+        Err(Unread::Reported) => return None,
+        Err(Unread::Unknown) => {
+            let help = "leave it out, or write `Scalar`, `Vector` or `Tensor`";
+            diagnostics.error_with_help(Place::of(ty), "this type is not known here", help);
+            return None;
+        }
     };
     let declared = Expression { place: value.place, kind: ExpressionKind::Declared(rank, Box::new(value)) };
     Some((name.ident.clone(), declared))

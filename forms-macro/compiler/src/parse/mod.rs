@@ -1,20 +1,18 @@
 //! Stage 1: Rust tokens (`syn::ItemMod`) → [`syntax::Module`]. Knows Rust's grammar and no mathematics.
 
+mod declared_type;
 mod expression;
 pub mod syntax;
 
-use syn::{
-    Fields, FnArg, GenericArgument, Item, ItemFn, ItemMod, ItemStruct, Pat, PathArguments, ReturnType, Type,
-};
+use syn::{Fields, FnArg, Item, ItemFn, ItemMod, ItemStruct, Pat, ReturnType, Type};
 
 use crate::diagnostics::{Diagnostics, Place};
+use declared_type::Unread;
 use syntax::*;
 
 /// Reads a module; what cannot be read is reported and left out.
 pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
     let mut module = Module {
-        attributes: item.attrs,
-        visibility: item.vis,
         name: item.ident,
         data: None,
         regions: Vec::new(),
@@ -39,12 +37,12 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
                     None => module.mistaken.push(placeholder),
                 }
             }
-            // The vocabulary is built in: an import for the editor's sake does no harm.
+            // Read by `reuse::uses`.
             Item::Use(_) => {}
             other => diagnostics.error_with_help(
                 Place::of(&other),
                 "unsupported item in a forms module",
-                "a forms module holds one data struct, `#[cells]` and `#[facets]` regions, and functions",
+                "a forms module holds one data struct, regions (`#[cells]`, `#[facets]`, `#[interior_facets]`), and functions",
             ),
         }
     }
@@ -52,8 +50,13 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
 }
 
 fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
-    let marker = |name: &str| item.attrs.iter().any(|attribute| attribute.path().is_ident(name));
-    let (cells, facets) = (marker("cells"), marker("facets"));
+    let marker = |attribute: &syn::Attribute| {
+        let found = Entity::MARKERS.iter().find(|(name, _)| attribute.path().is_ident(name));
+        found.map(|(_, entity)| *entity)
+    };
+    let markers: Vec<Entity> = item.attrs.iter().filter_map(marker).collect();
+    // After a mistake the region exists all the same.
+    let entity = markers.first().copied().unwrap_or(Entity::Cells);
     if !item.generics.params.is_empty() {
         diagnostics.error_with_help(
             Place::of(&item.generics),
@@ -61,24 +64,24 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
             "the dimension is generic by itself; ranks are `Scalar`, `Vector` and `Tensor`",
         );
     }
-    let attributes = item
-        .attrs
-        .iter()
-        .filter(|attribute| !attribute.path().is_ident("cells") && !attribute.path().is_ident("facets"))
-        .cloned()
-        .collect();
+    let attributes = item.attrs.iter().filter(|attribute| marker(attribute).is_none()).cloned().collect();
     match item.fields {
-        Fields::Unit if cells != facets => {
-            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
-        }
         Fields::Unit => {
-            diagnostics.error_with_help(
-                Place::of(&item.ident),
-                format!("the region `{}` does not say what it consists of", item.ident),
-                "write `#[cells]` or `#[facets]` (one of the two) before the struct",
-            );
-            module.mistaken.push(Mistaken::Region(item.ident.clone()));
-            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, facets });
+            if markers.len() != 1 {
+                let (message, help) = match markers.is_empty() {
+                    true => (
+                        format!("the region `{}` does not say what it consists of", item.ident),
+                        "write `#[cells]`, `#[facets]` or `#[interior_facets]` before the struct",
+                    ),
+                    false => (
+                        format!("the region `{}` has {} markers", item.ident, markers.len()),
+                        "a region consists of one kind: keep one of `#[cells]`, `#[facets]`, `#[interior_facets]`",
+                    ),
+                };
+                diagnostics.error_with_help(Place::of(&item.ident), message, help);
+                module.mistaken.push(Mistaken::Region(item.ident.clone()));
+            }
+            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, entity });
         }
         Fields::Named(fields) if module.data.is_none() => {
             let mut members = Vec::new();
@@ -108,29 +111,32 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
 
 fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Member> {
     let name = field.ident.clone()?;
-    let (kind, rank) = match type_words(&field.ty) {
+    let found = match declared_type::word(&field.ty) {
         Some((outer, inner)) => {
-            let kind = match outer.as_str() {
+            let kind = match outer.to_string().as_str() {
                 "Param" => Some(MemberKind::Param),
                 "Given" => Some(MemberKind::Given),
                 _ => None,
             };
-            let rank = match (&inner, kind) {
-                (None, Some(MemberKind::Param)) => Some(Rank::Scalar),
-                (Some(word), _) => rank_of(word),
-                _ => None,
-            };
-            (kind, rank)
+            match (kind, inner) {
+                (Some(MemberKind::Param), None) => Ok((MemberKind::Param, Rank::SCALAR)),
+                (Some(kind), Some(inner)) => declared_type::rank(inner, diagnostics).map(|rank| (kind, rank)),
+                _ => Err(Unread::Unknown),
+            }
         }
-        None => (None, None),
+        None => Err(Unread::Unknown),
     };
-    let (Some(kind), Some(rank)) = (kind, rank) else {
-        diagnostics.error_with_help(
-            Place::of(&field.ty),
-            format!("`{name}` has a type that is not known here"),
-            "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`",
-        );
-        return None;
+    let (kind, rank) = match found {
+        Ok(found) => found,
+        Err(Unread::Reported) => return None,
+        Err(Unread::Unknown) => {
+            diagnostics.error_with_help(
+                Place::of(&field.ty),
+                format!("`{name}` has a type that is not known here"),
+                "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`",
+            );
+            return None;
+        }
     };
     Some(Member { attributes: field.attrs.clone(), name, kind, rank })
 }
@@ -140,9 +146,9 @@ fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
     let text = quote::ToTokens::to_token_stream(ty).to_string();
     let kind = if text.contains("Given") { MemberKind::Given } else { MemberKind::Param };
     let rank = match text {
-        text if text.contains('V') => Rank::Vector,
-        text if text.contains('T') => Rank::Tensor,
-        _ => Rank::Scalar,
+        text if text.contains('V') => Rank::VECTOR,
+        text if text.contains(['T', 'M']) => Rank::TENSOR,
+        _ => Rank::SCALAR,
     };
     Member { attributes: vec![], name: name.clone(), kind, rank }
 }
@@ -151,12 +157,15 @@ fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
 fn placeholder(item: &ItemFn) -> Mistaken {
     let known = item.sig.inputs.iter().filter(|input| match input {
         FnArg::Typed(input) => {
-            !matches!(type_words(&input.ty), Some((outer, _)) if outer == "Unknown" || outer == "Test")
+            !matches!(declared_type::word(&input.ty), Some((outer, _)) if outer == "Unknown" || outer == "Test")
         }
         FnArg::Receiver(_) => false,
     });
     let value = match &item.sig.output {
-        ReturnType::Type(_, ty) => matches!(read_output(ty), Some(Output::Value(_))),
+        // What is wrong in it has been reported.
+        ReturnType::Type(_, ty) => {
+            matches!(read_output(ty, &mut Diagnostics::default()), Ok(Output::Value(_)))
+        }
         ReturnType::Default => false,
     };
     Mistaken::Function {
@@ -167,7 +176,8 @@ fn placeholder(item: &ItemFn) -> Mistaken {
     }
 }
 
-fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {
+/// Reads a function. `None` after a report.
+pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {
     let before = &item.sig;
     let plain = before.generics.params.is_empty()
         && before.constness.is_none()
@@ -192,21 +202,21 @@ fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function
             None => complete = false,
         }
     }
-    let output = match &item.sig.output {
-        ReturnType::Type(_, ty) => read_output(ty),
-        ReturnType::Default => None,
+    let (output, place) = match &item.sig.output {
+        ReturnType::Type(_, ty) => (read_output(ty, diagnostics), Place::of(ty)),
+        ReturnType::Default => (Err(Unread::Unknown), Place::of(&item.sig.ident)),
     };
-    let Some(output) = output else {
-        let place = match &item.sig.output {
-            ReturnType::Type(_, ty) => Place::of(ty),
-            ReturnType::Default => Place::of(&item.sig.ident),
-        };
-        diagnostics.error_with_help(
-            place,
-            format!("`{}` does not say what it gives", item.sig.ident),
-            "the return type is one of `Scalar`, `Vector`, `Tensor`, `Form`, `Energy`, `Functional`",
-        );
-        return None;
+    let output = match output {
+        Ok(output) => output,
+        Err(Unread::Reported) => return None,
+        Err(Unread::Unknown) => {
+            diagnostics.error_with_help(
+                place,
+                format!("`{}` does not say what it gives", item.sig.ident),
+                "the return type is one of `Scalar`, `Vector`, `Tensor`, `Form`, `Energy`, `Functional`",
+            );
+            return None;
+        }
     };
     let body = expression::read_block(&item.block, diagnostics);
     complete.then_some(Function {
@@ -216,6 +226,7 @@ fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function
         arguments,
         output,
         body,
+        foreign: None,
     })
 }
 
@@ -228,61 +239,36 @@ fn read_argument(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<Argumen
         diagnostics.error(Place::of(&input.pat), "unsupported argument pattern: an argument is a name");
         return None;
     };
-    let found = type_words(&input.ty).and_then(|(outer, inner)| match inner {
-        None => rank_of(&outer).map(|rank| (ArgumentRole::Plain, rank)),
-        Some(inner) => {
-            let role = match outer.as_str() {
-                "Unknown" => ArgumentRole::Unknown,
-                "Test" => ArgumentRole::Test,
-                "State" => ArgumentRole::State,
-                _ => return None,
-            };
-            rank_of(&inner).map(|rank| (role, rank))
+    let role = match declared_type::word(&input.ty) {
+        Some((word, Some(inner))) => match word.to_string().as_str() {
+            "Unknown" => Some((ArgumentRole::Unknown, inner)),
+            "Test" => Some((ArgumentRole::Test, inner)),
+            "State" => Some((ArgumentRole::State, inner)),
+            _ => None,
+        },
+        _ => None,
+    };
+    let (role, ty) = role.unwrap_or((ArgumentRole::Plain, &input.ty));
+    let rank = match declared_type::rank(ty, diagnostics) {
+        Ok(rank) => rank,
+        Err(Unread::Reported) => return None,
+        Err(Unread::Unknown) => {
+            diagnostics.error_with_help(
+                Place::of(&input.ty),
+                format!("the argument `{}` has a type that is not known here", pattern.ident),
+                "write `Scalar`, `Vector`, `Tensor`, or one of them in `Unknown<..>`, `Test<..>`, `State<..>`",
+            );
+            return None;
         }
-    });
-    let Some((role, rank)) = found else {
-        diagnostics.error_with_help(
-            Place::of(&input.ty),
-            format!("the argument `{}` has a type that is not known here", pattern.ident),
-            "write `Scalar`, `Vector`, `Tensor`, or one of them in `Unknown<..>`, `Test<..>`, `State<..>`",
-        );
-        return None;
     };
     Some(Argument { name: pattern.ident.clone(), role, rank })
 }
 
-fn read_output(ty: &Type) -> Option<Output> {
-    match type_words(ty)? {
-        (word, None) => match word.as_str() {
-            "Form" => Some(Output::Form),
-            "Energy" => Some(Output::Energy),
-            "Functional" => Some(Output::Functional),
-            other => rank_of(other).map(Output::Value),
-        },
-        _ => None,
+fn read_output(ty: &Type, diagnostics: &mut Diagnostics) -> Result<Output, Unread> {
+    match declared_type::word(ty) {
+        Some((word, None)) if word == "Form" => Ok(Output::Form),
+        Some((word, None)) if word == "Energy" => Ok(Output::Energy),
+        Some((word, None)) if word == "Functional" => Ok(Output::Functional),
+        _ => declared_type::rank(ty, diagnostics).map(Output::Value),
     }
-}
-
-fn rank_of(word: &str) -> Option<Rank> {
-    match word {
-        "Scalar" => Some(Rank::Scalar),
-        "Vector" => Some(Rank::Vector),
-        "Tensor" => Some(Rank::Tensor),
-        _ => None,
-    }
-}
-
-/// `Param<Vector>` → ("Param", Some("Vector")); `Scalar` → ("Scalar", None).
-fn type_words(ty: &Type) -> Option<(String, Option<String>)> {
-    let Type::Path(path) = ty else { return None };
-    let segment = path.path.segments.last()?;
-    let inner = match &segment.arguments {
-        PathArguments::None => None,
-        PathArguments::AngleBracketed(arguments) if arguments.args.len() == 1 => match &arguments.args[0] {
-            GenericArgument::Type(Type::Path(inner)) => Some(inner.path.get_ident()?.to_string()),
-            _ => return None,
-        },
-        _ => return None,
-    };
-    Some((segment.ident.to_string(), inner))
 }

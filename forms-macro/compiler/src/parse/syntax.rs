@@ -1,5 +1,7 @@
 //! The syntax tree of a forms module: what `parse` gives and `check` reads.
 
+use std::fmt;
+
 use proc_macro2::Ident;
 use syn::{Attribute, Visibility};
 
@@ -7,8 +9,6 @@ use crate::diagnostics::Place;
 
 /// A module of weak forms.
 pub struct Module {
-    pub attributes: Vec<Attribute>,
-    pub visibility: Visibility,
     pub name: Ident,
     pub data: Option<Data>,
     pub regions: Vec<Region>,
@@ -23,6 +23,7 @@ impl Module {
         let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
             Mistaken::Member(Member { name, .. })
             | Mistaken::Region(name)
+            | Mistaken::Import(name)
             | Mistaken::Function { name, .. } => name,
         });
         names.any(|other| other == name)
@@ -35,6 +36,8 @@ pub enum Mistaken {
     Member(Member),
     /// It stands among the module's regions, too.
     Region(Ident),
+    /// The name that an import would have here.
+    Import(Ident),
     Function {
         visibility: Visibility,
         name: Ident,
@@ -69,30 +72,112 @@ pub enum MemberKind {
     Given,
 }
 
-/// `Scalar`, `Vector` or `Tensor`, in the dimension of the form.
+/// The extent of one axis of a declared shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rank {
-    Scalar,
-    Vector,
-    Tensor,
+pub enum Extent {
+    /// D, the dimension of the form.
+    Dimension,
+    /// The same number in every dimension.
+    Fixed(usize),
+}
+
+/// A declared shape: the extents of its axes, at most four. `Scalar` has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rank {
+    axes: usize,
+    /// Those after the first `axes` mean nothing and are [`Extent::Dimension`].
+    extents: [Extent; Rank::LARGEST],
 }
 
 impl Rank {
+    /// No declared shape has more axes.
+    pub const LARGEST: usize = 4;
+    /// `Scalar`
+    pub const SCALAR: Rank = Rank::of_dimension(0);
+    /// `Vector`
+    pub const VECTOR: Rank = Rank::of_dimension(1);
+    /// `Tensor`
+    pub const TENSOR: Rank = Rank::of_dimension(2);
+    /// `Tensor4`
+    pub const TENSOR4: Rank = Rank::of_dimension(4);
+
+    const fn of_dimension(axes: usize) -> Rank {
+        Rank { axes, extents: [Extent::Dimension; Rank::LARGEST] }
+    }
+
+    /// `None` for more than [`Rank::LARGEST`] axes.
+    pub fn new(extents: &[Extent]) -> Option<Rank> {
+        let mut rank = Rank::of_dimension(extents.len());
+        rank.extents.get_mut(..extents.len())?.copy_from_slice(extents);
+        Some(rank)
+    }
+
+    /// One per axis.
+    pub fn extents(&self) -> &[Extent] {
+        &self.extents[..self.axes]
+    }
+
+    /// The extents in numbers.
     pub fn shape(self, dimension: usize) -> Vec<usize> {
+        let number = |extent: &Extent| match extent {
+            Extent::Dimension => dimension,
+            Extent::Fixed(number) => *number,
+        };
+        self.extents().iter().map(number).collect()
+    }
+}
+
+/// As it is written: `Tensor`, `Vector<3>`.
+impl fmt::Display for Rank {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = match (*self, self.axes) {
+            (Rank::SCALAR, _) => return f.write_str("Scalar"),
+            (Rank::VECTOR, _) => return f.write_str("Vector"),
+            (Rank::TENSOR, _) => return f.write_str("Tensor"),
+            (Rank::TENSOR4, _) => return f.write_str("Tensor4"),
+            (_, 1) => "Vector",
+            (_, 2) => "Matrix",
+            // Not to be written, yet a result may be of it.
+            _ => "Tensor",
+        };
+        let extents = self.extents().iter().map(|extent| match extent {
+            Extent::Dimension => "D".to_string(),
+            Extent::Fixed(number) => number.to_string(),
+        });
+        write!(f, "{word}<{}>", extents.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// What a region consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entity {
+    Cells,
+    /// Exterior facets.
+    Facets,
+    InteriorFacets,
+}
+
+impl Entity {
+    /// The marker before a region's struct.
+    pub const MARKERS: [(&'static str, Entity); 3] =
+        [("cells", Entity::Cells), ("facets", Entity::Facets), ("interior_facets", Entity::InteriorFacets)];
+
+    /// For messages.
+    pub fn plural(self) -> &'static str {
         match self {
-            Rank::Scalar => vec![],
-            Rank::Vector => vec![dimension],
-            Rank::Tensor => vec![dimension, dimension],
+            Entity::Cells => "cells",
+            Entity::Facets => "exterior facets",
+            Entity::InteriorFacets => "interior facets",
         }
     }
 }
 
-/// `#[cells] struct Omega;` or `#[facets] struct GammaC;`
+/// `#[cells] struct Omega;`, `#[facets] struct GammaC;` or `#[interior_facets] struct Skeleton;`
 pub struct Region {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
-    pub facets: bool,
+    pub entity: Entity,
 }
 
 /// A function of the module: a form, an energy, a functional, or a local function.
@@ -104,6 +189,18 @@ pub struct Function {
     pub output: Output,
     /// `None` when the body had a syntax error, which has been reported.
     pub body: Option<Block>,
+    /// It was imported from another module.
+    pub foreign: Option<Foreign>,
+}
+
+/// What is known of an imported function.
+pub struct Foreign {
+    /// "`stress` in contact/src/operators.rs:12".
+    pub origin: String,
+    /// It is a function of this module, too (`pub use`); otherwise it is called, and nothing to assemble by itself.
+    pub emitted: bool,
+    /// It has mistakes or lacks data, which has been told: what follows from that is no further mistake.
+    pub silent: bool,
 }
 
 pub struct Argument {

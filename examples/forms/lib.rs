@@ -1,0 +1,8 @@
+//! Forms as a user writes them, one file each, none longer than 40 lines of code. Each is compared with scikit-fem entry by
+//! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`docs/compile_cost.md`).
+//! Contact by Nitsche's method stands in the package `forms-contact`.
+
+pub mod mooney_rivlin;
+pub mod neo_hookean;
+pub mod p_laplacian;
+pub mod stokes;

@@ -1,0 +1,140 @@
+//! Basis functions against polynomials and differences.
+
+use super::*;
+
+fn elements() -> impl Iterator<Item = Lagrange> {
+    CellShape::ALL
+        .into_iter()
+        .flat_map(|shape| [1, 2].map(|degree| Lagrange::new(shape, degree).expect("degrees 1 and 2")))
+}
+
+// A few points, some outside the cell: the identities hold everywhere.
+fn samples<const D: usize>() -> Vec<[f64; D]> {
+    [[0.1, 0.2, 0.3], [0.7, 0.05, 0.15], [0.0, 1.0, 0.25], [1.3, -0.4, 0.6]]
+        .iter()
+        .map(|point| std::array::from_fn(|k| point[k]))
+        .collect()
+}
+
+fn check_nodes<const D: usize>(element: Lagrange) {
+    let points = element.node_points::<D>();
+    assert_eq!(points.len(), element.nodes());
+    let tables = element.tabulate(&points);
+    for q in 0..points.len() {
+        for i in 0..element.nodes() {
+            // Exact: all coordinates are 0, 1/2 or 1.
+            assert_eq!(tables.value[q * tables.nodes + i], f64::from(u8::from(i == q)), "{element:?}");
+        }
+    }
+}
+
+// Interpolates a polynomial of the element's space and compares values and gradients.
+fn check_reproduction<const D: usize>(element: Lagrange) {
+    let coefficient = [0.3, -1.7, 0.9];
+    // (1 + c·x)^degree is in P_k; for the tensor elements Π (1 + c_k x_k)^degree is in Q_k.
+    let p = element.degree as i32;
+    let simplex = element.shape.is_simplex();
+    let function = |x: &[f64; D]| -> (f64, [f64; D]) {
+        if simplex {
+            let s = 1.0 + (0..D).map(|k| coefficient[k] * x[k]).sum::<f64>();
+            (s.powi(p), std::array::from_fn(|k| f64::from(p) * s.powi(p - 1) * coefficient[k]))
+        } else {
+            let s: [f64; D] = std::array::from_fn(|k| 1.0 + coefficient[k] * x[k]);
+            let value = s.iter().map(|s| s.powi(p)).product();
+            let gradient = std::array::from_fn(|k| {
+                let others: f64 = (0..D).filter(|&j| j != k).map(|j| s[j].powi(p)).product();
+                f64::from(p) * s[k].powi(p - 1) * coefficient[k] * others
+            });
+            (value, gradient)
+        }
+    };
+    let nodal: Vec<f64> = element.node_points::<D>().iter().map(|x| function(x).0).collect();
+    let points = samples::<D>();
+    let tables = element.tabulate(&points);
+    for (q, point) in points.iter().enumerate() {
+        let row = q * tables.nodes..(q + 1) * tables.nodes;
+        let value: f64 = tables.value[row.clone()].iter().zip(&nodal).map(|(phi, u)| phi * u).sum();
+        let (expected, slope) = function(point);
+        assert!((value - expected).abs() < 1e-13, "{element:?}");
+        let unity: f64 = tables.value[row.clone()].iter().sum();
+        assert!((unity - 1.0).abs() < 1e-14, "{element:?}");
+        for k in 0..D {
+            let derivative: f64 =
+                tables.gradient[row.clone()].iter().zip(&nodal).map(|(g, u)| g[k] * u).sum();
+            assert!((derivative - slope[k]).abs() < 1e-12, "{element:?}");
+        }
+    }
+}
+
+// Central differences are exact for quadratics along an axis, up to round-off.
+fn check_differences<const D: usize>(element: Lagrange) {
+    let step = 0.01;
+    for point in samples::<D>() {
+        let centre = element.tabulate_with_hessians(&[point]);
+        for k in 0..D {
+            let (mut left, mut right) = (point, point);
+            left[k] -= step;
+            right[k] += step;
+            let tables = element.tabulate(&[left, right]);
+            for i in 0..tables.nodes {
+                let difference = (tables.value[tables.nodes + i] - tables.value[i]) / (2.0 * step);
+                assert!((difference - centre.gradient[i][k]).abs() < 1e-12, "{element:?}");
+                for l in 0..D {
+                    let second =
+                        (tables.gradient[tables.nodes + i][l] - tables.gradient[i][l]) / (2.0 * step);
+                    assert!((second - centre.hessian[i][k][l]).abs() < 1e-11, "{element:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn basis_is_one_at_its_node_and_zero_at_the_others() {
+    for element in elements() {
+        if element.shape.dimension() == 2 { check_nodes::<2>(element) } else { check_nodes::<3>(element) }
+    }
+}
+
+#[test]
+fn polynomials_of_the_space_are_reproduced() {
+    for element in elements() {
+        if element.shape.dimension() == 2 {
+            check_reproduction::<2>(element);
+            check_differences::<2>(element);
+        } else {
+            check_reproduction::<3>(element);
+            check_differences::<3>(element);
+        }
+    }
+}
+
+#[test]
+fn facet_nodes_are_those_on_the_facet() {
+    for element in elements().filter(|element| element.shape.dimension() == 3) {
+        let points = element.node_points::<3>();
+        for local in 0..element.shape.facets() {
+            let on_facet = |x: &[f64; 3]| match (element.shape, local) {
+                (CellShape::Tetrahedron, 0) => x.iter().sum::<f64>() == 1.0,
+                (CellShape::Tetrahedron, f) => x[f - 1] == 0.0,
+                (_, f) => [x[2] == 0.0, x[2] == 1.0, x[1] == 0.0, x[0] == 1.0, x[1] == 1.0, x[0] == 0.0][f],
+            };
+            let expected: Vec<usize> = (0..points.len()).filter(|&i| on_facet(&points[i])).collect();
+            let mut nodes = element.facet_nodes(local);
+            nodes.sort_unstable();
+            assert_eq!(nodes, expected, "{element:?} facet {local}");
+        }
+    }
+    let quadratic = Lagrange { shape: CellShape::Quadrilateral, degree: 2 };
+    assert_eq!(quadratic.facet_nodes(3), [3, 0, 7]);
+}
+
+#[test]
+fn other_degrees_are_errors() {
+    let message = Lagrange::new(CellShape::Triangle, 3).map_err(|error| error.to_string());
+    assert_eq!(
+        message,
+        Err("there is no Lagrange element of degree 3 on the triangle; the degrees are 1 and 2".into())
+    );
+    assert!(Lagrange::new(CellShape::Hexahedron, 0).is_err());
+}

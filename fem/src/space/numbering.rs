@@ -1,0 +1,121 @@
+//! Numbers of the nodes of a space, and their positions.
+
+use std::collections::HashMap;
+
+use crate::element::Lagrange;
+use crate::mesh::{Facet, Mesh};
+
+const UNNUMBERED: u32 = u32::MAX;
+
+// Cells share the nodes of the vertices, edges and faces that they share; an edge or face is known by its
+// sorted vertices.
+pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) -> Vec<u32> {
+    let shape = element.shape;
+    let mut next = 0;
+    let mut fresh = || {
+        next += 1;
+        next - 1
+    };
+    let mut of_vertex = vec![UNNUMBERED; mesh.node_count()];
+    let mut of_entity: HashMap<[u32; 4], u32> = HashMap::new();
+    let mut cell_nodes = Vec::with_capacity(mesh.cell_count() * element.nodes());
+    for cell in 0..mesh.cell_count() {
+        let vertices = &mesh.cell(cell)[..shape.vertices()];
+        for &vertex in vertices {
+            let node = &mut of_vertex[vertex as usize];
+            if *node == UNNUMBERED {
+                *node = fresh();
+            }
+            cell_nodes.push(*node);
+        }
+        if element.degree == 1 {
+            continue;
+        }
+        let mut shared = |entity: &[usize]| {
+            let mut key = [u32::MAX; 4];
+            for (entry, &vertex) in key.iter_mut().zip(entity) {
+                *entry = vertices[vertex];
+            }
+            key.sort_unstable();
+            cell_nodes.push(*of_entity.entry(key).or_insert_with(&mut fresh));
+        };
+        for edge in shape.edges() {
+            shared(edge);
+        }
+        if shape.dimension() == 3 && !shape.is_simplex() {
+            for local in 0..shape.facets() {
+                shared(shape.facet_vertices(local));
+            }
+        }
+        if !shape.is_simplex() {
+            cell_nodes.push(fresh());
+        }
+    }
+    cell_nodes
+}
+
+pub(super) fn node_positions<const D: usize>(
+    mesh: &Mesh<D>,
+    element: &Lagrange,
+    cell_nodes: &[u32],
+) -> Vec<[f64; D]> {
+    let count = cell_nodes.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut positions = vec![[0.0; D]; count];
+    let mut placed = vec![false; count];
+    let tables = mesh.element().tabulate(&element.node_points::<D>());
+    for (cell, nodes) in cell_nodes.chunks(element.nodes()).enumerate() {
+        let geometry = mesh.cell(cell);
+        for (q, &node) in nodes.iter().enumerate() {
+            if std::mem::replace(&mut placed[node as usize], true) {
+                continue;
+            }
+            let phi = &tables.value[q * tables.nodes..(q + 1) * tables.nodes];
+            let position = &mut positions[node as usize];
+            for (phi, &corner) in phi.iter().zip(geometry) {
+                for (x, corner) in position.iter_mut().zip(mesh.nodes()[corner as usize]) {
+                    *x += phi * corner;
+                }
+            }
+        }
+    }
+    positions
+}
+
+/// Facets with the nodes of each.
+pub(super) type FacetNodes = Vec<(Facet, Vec<u32>)>;
+
+/// The nodes of a space that lives on some facets: those of each facet in the order of
+/// [`Lagrange::facet_nodes`], shared where facets share vertices, edges and faces; one per facet in degree 0,
+/// where the two sides of an interior facet share it. Facets come in sorted order, positions with the nodes.
+pub(super) fn facet_nodes<const D: usize>(
+    mesh: &Mesh<D>,
+    element: &Lagrange,
+    entities: &[Vec<Facet>],
+) -> (FacetNodes, Vec<[f64; D]>) {
+    let mut positions = Vec::new();
+    let mut found = Vec::new();
+    if element.degree == 0 {
+        for sides in entities {
+            let node = positions.len() as u32;
+            positions.push(mesh.facet_centre(sides[0]));
+            found.extend(sides.iter().map(|facet| (*facet, vec![node])));
+        }
+    } else {
+        // The numbers of the whole mesh's space, renumbered in the order of first use.
+        let whole = share_nodes(mesh, element);
+        let places = node_positions(mesh, element, &whole);
+        let mut renumbered: HashMap<u32, u32> = HashMap::new();
+        for facet in entities.iter().flatten() {
+            let cell = &whole[facet.cell as usize * element.nodes()..];
+            let nodes = element.facet_nodes(usize::from(facet.local)).into_iter().map(|local| {
+                *renumbered.entry(cell[local]).or_insert_with(|| {
+                    positions.push(places[cell[local] as usize]);
+                    positions.len() as u32 - 1
+                })
+            });
+            found.push((*facet, nodes.collect()));
+        }
+    }
+    found.sort_unstable();
+    (found, positions)
+}

@@ -1,0 +1,18 @@
+use forms_core::forms;
+
+#[forms(crate = forms_core)]
+pub mod poisson {
+    #[facets]
+    #[interior_facets]
+    pub struct Skeleton;
+
+    pub fn energy(u: Unknown<Scalar>) -> Energy {
+        integral(Skeleton, pow(jump(u), 2))
+    }
+}
+
+/// What a user does with the module: it gives no further errors.
+fn main() {
+    let energy = poisson::energy::<2>(&poisson::Skeleton::on("all"));
+    drop(energy);
+}

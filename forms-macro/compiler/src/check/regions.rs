@@ -1,0 +1,77 @@
+//! What exists on a region: the normal on facets only, the two sides of a facet on interior facets only;
+//! and there, what needs a side.
+
+use proc_macro2::Ident;
+
+use crate::diagnostics::Diagnostics;
+use crate::parse::syntax::{Entity, Region};
+use crate::tensor::{Arena, FieldInfo, Geometry, Operator, Tensor};
+
+/// Reports what a density holds and its region has not.
+pub fn check_existence(arena: &Arena, density: Tensor, region: &Region, diagnostics: &mut Diagnostics) {
+    let Region { name, entity, .. } = region;
+    for node in arena.reachable(&[density]) {
+        let what = match (&arena.node(node).operator, entity) {
+            (Operator::Geometry(Geometry::Normal), Entity::Cells) => "the normal",
+            (Operator::Geometry(Geometry::FacetArea), Entity::Cells) => "the area of a facet",
+            (Operator::Geometry(Geometry::Curvature), Entity::Cells) => "the curvature",
+            (Operator::Restrict(..), Entity::Cells | Entity::Facets) => {
+                diagnostics.error_with_help(
+                    arena.place(node),
+                    format!(
+                        "only interior facets have two sides, and `{name}` consists of {}",
+                        entity.plural()
+                    ),
+                    "integrate this over a region declared `#[interior_facets]`",
+                );
+                continue;
+            }
+            _ => continue,
+        };
+        diagnostics.error_with_help(
+            arena.place(node),
+            format!("{what} does not exist inside cells, and `{name}` consists of cells"),
+            "integrate this over a region declared `#[facets]`",
+        );
+    }
+}
+
+/// On interior facets, reports what has two values and does not say which, and what says it twice. The
+/// density holds no derivatives that are still to be taken: their directions get sides as they are.
+pub fn check_sides(
+    arena: &Arena,
+    fields: &[FieldInfo],
+    density: Tensor,
+    region: Option<&Ident>,
+    diagnostics: &mut Diagnostics,
+) {
+    let facet = match region {
+        Some(name) => format!("a facet of `{name}`"),
+        None => "an interior facet".into(),
+    };
+    for (node, side) in arena.restrictions(&[density]) {
+        let what = match (&arena.node(node).operator, side) {
+            (Operator::Restrict(..), Some(_)) => {
+                diagnostics.error_with_help(
+                    arena.place(node),
+                    "this has a side of the facet already, and takes no second one",
+                    "restrict it once; a direction of `derivative` gets the sides of the field that it varies",
+                );
+                continue;
+            }
+            (Operator::Field { field, order: 0 }, None) => format!("`{}`", fields[*field].name),
+            (Operator::Field { field, order: 1 }, None) => {
+                format!("the gradient of `{}`", fields[*field].name)
+            }
+            (Operator::Field { field, .. }, None) => format!("the Hessian of `{}`", fields[*field].name),
+            (Operator::Geometry(Geometry::Diameter), None) => "the diameter of the cell".into(),
+            (Operator::Geometry(Geometry::CellVolume), None) => "the volume of the cell".into(),
+            _ => continue,
+        };
+        diagnostics.error_with_help(
+            arena.place(node),
+            format!("{what} has two values on {facet}, one from each of its cells"),
+            "say which around it, or around the expression in which it stands: `avg(..)`, `jump(..)`, `this(..)`, `other(..)`",
+        );
+    }
+}

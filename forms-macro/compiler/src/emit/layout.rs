@@ -1,0 +1,95 @@
+//! What a kernel reads: `contract::Requirements`, and the layout of its field data.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use super::description::name_of_side;
+use crate::optimise::scalar::{Derivative, Graph, Node, Scalar};
+use crate::tensor::{FieldInfo, Geometry, Side};
+
+/// Where each derivative of a field stands in the `fields` slice: (field, side, order) → offset.
+pub struct Layout {
+    dimension: usize,
+    offsets: BTreeMap<(usize, Side, usize), usize>,
+    pub requirements: TokenStream,
+}
+
+impl Layout {
+    /// What the kernel reads, from the terminals that its roots hold.
+    pub fn new(graph: &Graph, fields: &[FieldInfo], dimension: usize, roots: &[Scalar]) -> Self {
+        let terminals = graph.reachable(roots);
+        let reads = |test: &dyn Fn(&Node) -> bool| terminals.iter().any(|scalar| test(graph.node(*scalar)));
+        let has =
+            |wanted: Geometry| reads(&|node| matches!(node, Node::Geometry(kind, _) if *kind == wanted));
+        let opposite = |wanted: Geometry| reads(&|node| *node == Node::Opposite(wanted));
+        let hessian = reads(&|node| matches!(node, Node::Basis(_, Derivative::Second(..))));
+        let mut offsets: BTreeMap<(usize, Side, usize), usize> = BTreeMap::new();
+        for scalar in &terminals {
+            if let Node::Field { field, side, derivative, .. } = graph.node(*scalar) {
+                offsets.insert((*field, *side, derivative.order()), 0);
+            }
+        }
+        let mut next = 0;
+        let mut slots = Vec::new();
+        for ((field, side, order), offset) in &mut offsets {
+            let components: usize = fields[*field].shape.iter().product();
+            *offset = next;
+            next += components * dimension.pow(*order as u32);
+            let order = match order {
+                0 => quote! { Value },
+                1 => quote! { Gradient },
+                _ => quote! { Hessian },
+            };
+            let side = name_of_side(*side);
+            let start = *offset;
+            slots.push(quote! {
+                contract::FieldSlot {
+                    field: #field,
+                    order: contract::Order::#order,
+                    side: contract::Side::#side,
+                    components: #components,
+                    offset: #start,
+                }
+            });
+        }
+        let [diameter, cell_volume, facet_area, position, normal, curvature] = [
+            has(Geometry::Diameter),
+            has(Geometry::CellVolume),
+            has(Geometry::FacetArea),
+            has(Geometry::Position),
+            has(Geometry::Normal),
+            has(Geometry::Curvature),
+        ];
+        let [opposite_diameter, opposite_volume] =
+            [opposite(Geometry::Diameter), opposite(Geometry::CellVolume)];
+        let requirements = quote! {
+            contract::Requirements {
+                diameter: #diameter,
+                cell_volume: #cell_volume,
+                facet_area: #facet_area,
+                position: #position,
+                normal: #normal,
+                curvature: #curvature,
+                opposite_diameter: #opposite_diameter,
+                opposite_volume: #opposite_volume,
+                hessian: #hessian,
+                fields: &[#(#slots),*],
+                field_length: #next,
+            }
+        };
+        Layout { dimension, offsets, requirements }
+    }
+
+    /// Where a derivative of a component stands.
+    pub fn position(&self, field: usize, side: Side, component: usize, derivative: Derivative) -> usize {
+        let offset = self.offsets[&(field, side, derivative.order())];
+        let d = self.dimension;
+        match derivative {
+            Derivative::Value => offset + component,
+            Derivative::First(axis) => offset + component * d + axis,
+            Derivative::Second(first, second) => offset + (component * d + first) * d + second,
+        }
+    }
+}

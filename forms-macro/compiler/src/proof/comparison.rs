@@ -1,0 +1,322 @@
+//! Compares emitted kernels with the reference evaluator at random data, and what the compiler claims of
+//! an integral (symmetric, linear, constant) with the numbers.
+
+use super::assembly::{Basis, Points, bilinear, expression, linear};
+use super::data::{Random, component, points};
+use super::emitted::{Function, Integral, read};
+use super::source::Source;
+use crate::check::{CheckedFunction, Content};
+use crate::reference::{Condition, Evaluator};
+use crate::tensor::{FieldRole, Side};
+
+/// Arguments nearer to a kink or a singularity than this are not compared.
+const DISTANCE: f64 = 1e-3;
+/// Larger numbers are not compared.
+const MAGNITUDE: f64 = 1e6;
+/// Relative to the largest intermediate number: 4e6 units in the last place, for what cancels twice.
+const TOLERANCE: f64 = 1e-9;
+
+/// How many numbers were compared, and how many were left out as badly conditioned.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    pub compared: usize,
+    pub skipped: usize,
+}
+
+/// The first difference, in words.
+pub type Difference = String;
+
+/// Compares all functions of a module.
+pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
+    let checked = source.checked()?;
+    let module = source.module();
+    let emitted = read(source.emitted());
+    let mut tally = Tally::default();
+    for checked in &checked {
+        let name = module.functions[checked.function].name.to_string();
+        let emitted = emitted.get(&name).ok_or_else(|| format!("`{name}` was not emitted"))?;
+        let regions: Vec<usize> = emitted
+            .argument_types
+            .iter()
+            .filter_map(|ty| module.regions.iter().position(|region| region.name == ty))
+            .collect();
+        let count_of_regions = module.regions.len();
+        let mut random = Random(seed);
+        let here = points(&module, checked, 2, &mut random);
+        let mut elsewhere = here.clone();
+        for (_, point) in &mut elsewhere {
+            for fields in &mut point.fields {
+                for (jet, field) in fields.iter_mut().zip(&checked.fields) {
+                    if matches!(field.role, FieldRole::Unknown(_)) {
+                        *jet = random.jet(field.shape.iter().product(), checked.dimension);
+                    }
+                }
+            }
+        }
+        let nodes =
+            [0, 1].map(|_| -> Vec<_> { here.iter().map(|_| random.jet(1, checked.dimension)).collect() });
+        let comparison =
+            Comparison { checked, emitted, regions, count_of_regions, name, here, elsewhere, nodes };
+        comparison.run(&mut tally)?;
+    }
+    Ok(tally)
+}
+
+struct Comparison<'a> {
+    checked: &'a CheckedFunction,
+    emitted: &'a Function,
+    /// The module's region of each region of the emitted form.
+    regions: Vec<usize>,
+    count_of_regions: usize,
+    name: String,
+    here: Vec<(f64, crate::reference::Point)>,
+    /// The same with other values of the unknowns.
+    elsewhere: Vec<(f64, crate::reference::Point)>,
+    /// Two basis functions.
+    nodes: [Vec<crate::reference::Jet>; 2],
+}
+
+/// A test or trial function on one side.
+struct Argument {
+    number: usize,
+    side: Side,
+    field: usize,
+    components: usize,
+}
+
+impl Comparison<'_> {
+    fn run(&self, tally: &mut Tally) -> Result<(), Difference> {
+        match self.checked.content {
+            Content::Value(_) => self.value(tally)?,
+            Content::Functional(_) => self.densities(tally)?,
+            Content::Energy(_) => {
+                self.densities(tally)?;
+                self.form(tally)?;
+            }
+            Content::Form(_) => self.form(tally)?,
+        }
+        self.claims(tally)
+    }
+
+    /// The indices of the fields that play a role, in its order, with their components.
+    fn of_role(&self, is: impl Fn(FieldRole) -> bool) -> Vec<(usize, usize)> {
+        let fields = self.checked.fields.iter().enumerate().filter(|(_, field)| is(field.role));
+        fields.map(|(index, field)| (index, field.shape.iter().product())).collect()
+    }
+
+    fn unknowns(&self) -> Vec<(usize, usize)> {
+        self.of_role(|role| matches!(role, FieldRole::Unknown(_)))
+    }
+
+    /// An energy is tested with variations of its unknowns.
+    fn tests(&self) -> Vec<(usize, usize)> {
+        match self.checked.content {
+            Content::Energy(_) => self.unknowns(),
+            _ => self.of_role(|role| matches!(role, FieldRole::Test(_))),
+        }
+    }
+
+    /// Compares a number with the weighted sum of the reference over the points.
+    fn near(
+        &self,
+        what: &str,
+        found: f64,
+        points: &Points,
+        reference: impl Fn(&Evaluator, usize) -> f64,
+        tally: &mut Tally,
+    ) -> Result<(), Difference> {
+        let mut expected = 0.0;
+        let mut condition = Condition { distance: f64::INFINITY, magnitude: 1.0 };
+        for (index, (weight, point)) in points.iter().enumerate() {
+            let evaluator = Evaluator::new(self.checked, point);
+            expected += weight * reference(&evaluator, index);
+            let own = evaluator.condition();
+            condition.distance = condition.distance.min(own.distance);
+            condition.magnitude = condition.magnitude.max(own.magnitude);
+        }
+        if condition.distance < DISTANCE || condition.magnitude > MAGNITUDE {
+            tally.skipped += 1;
+            return Ok(());
+        }
+        tally.compared += 1;
+        // Written so that a NaN is a difference.
+        if (found - expected).abs() <= TOLERANCE * condition.magnitude {
+            return Ok(());
+        }
+        Err(format!(
+            "{what} of `{}` in {}D: the kernel gives {found}, the reference {expected} ({condition:?})",
+            self.name, self.checked.dimension
+        ))
+    }
+
+    fn value(&self, tally: &mut Tally) -> Result<(), Difference> {
+        let [integral] = &self.emitted.expression[..] else { return Err("a value has one kernel".into()) };
+        for (point, values) in self.here.iter().zip(expression(&integral.kernel, &self.here)) {
+            let alone = std::slice::from_ref(point);
+            for (entry, value) in values.iter().enumerate() {
+                let found = point.0 * value;
+                self.near(
+                    &format!("component {entry}"),
+                    found,
+                    alone,
+                    |at, _| at.components()[entry],
+                    tally,
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    fn on<'i>(&self, list: &'i [Integral], region: usize) -> Vec<&'i Integral> {
+        list.iter().filter(|integral| self.regions[integral.region] == region).collect()
+    }
+
+    fn densities(&self, tally: &mut Tally) -> Result<(), Difference> {
+        for region in 0..self.count_of_regions {
+            let mut found = 0.0;
+            for integral in self.on(&self.emitted.density, region) {
+                let values = expression(&integral.kernel, &self.here);
+                found +=
+                    self.here.iter().zip(values).map(|((weight, _), value)| weight * value[0]).sum::<f64>();
+            }
+            self.near("the density", found, &self.here, |at, _| at.density(region), tally)?;
+        }
+        Ok(())
+    }
+
+    /// All test functions (or trial functions), on each side if there are two.
+    fn arguments(&self, fields: &[(usize, usize)]) -> Vec<Argument> {
+        let sides: &[Side] = match Evaluator::reads_other_side(self.checked) {
+            true => &[Side::This, Side::Other],
+            false => &[Side::This],
+        };
+        let fields = fields.iter().enumerate();
+        fields
+            .flat_map(|(number, (field, components))| {
+                let argument = move |side| Argument { number, side, field: *field, components: *components };
+                sides.iter().copied().map(argument)
+            })
+            .collect()
+    }
+
+    /// Residual and tangent, for all regions, test functions and unknowns, at both states.
+    fn form(&self, tally: &mut Tally) -> Result<(), Difference> {
+        let (tests, trials) = (self.arguments(&self.tests()), self.arguments(&self.unknowns()));
+        for points in [&self.here, &self.elsewhere] {
+            for region in 0..self.count_of_regions {
+                for test in &tests {
+                    self.residual(points, region, test, tally)?;
+                    for trial in &trials {
+                        self.tangent(points, region, [test, trial], tally)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn residual(
+        &self,
+        points: &Points,
+        region: usize,
+        test: &Argument,
+        tally: &mut Tally,
+    ) -> Result<(), Difference> {
+        let node = &self.nodes[0];
+        let mut found = vec![0.0; test.components];
+        for integral in self.on(&self.emitted.residual, region) {
+            if integral.test == (test.number, test.side) {
+                let block = linear(&integral.kernel, points, node);
+                found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
+            }
+        }
+        for (entry, found) in found.iter().enumerate() {
+            let reference = |at: &Evaluator, point: usize| {
+                let row = component(&node[point], entry, test.components);
+                at.residual(region, (test.field, test.side, &row))
+            };
+            let what = format!("residual {}, {:?}, entry {entry}", test.number, test.side);
+            self.near(&what, *found, points, reference, tally)?;
+        }
+        Ok(())
+    }
+
+    fn tangent(
+        &self,
+        points: &Points,
+        region: usize,
+        [test, trial]: [&Argument; 2],
+        tally: &mut Tally,
+    ) -> Result<(), Difference> {
+        let [first, second] = &self.nodes;
+        let mut found = vec![0.0; test.components * trial.components];
+        for integral in self.on(&self.emitted.tangent, region) {
+            if (integral.test, integral.trial) == ((test.number, test.side), (trial.number, trial.side)) {
+                let block = bilinear(&integral.kernel, points, first, second);
+                found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
+            }
+        }
+        for (entry, found) in found.iter().enumerate() {
+            let (row, column) = (entry / trial.components, entry % trial.components);
+            let reference = |at: &Evaluator, point: usize| {
+                let row = component(&first[point], row, test.components);
+                let column = component(&second[point], column, trial.components);
+                at.tangent(region, (test.field, test.side, &row), (trial.field, trial.side, &column))
+            };
+            let what = format!(
+                "tangent {} {:?}, {} {:?}, entry {entry}",
+                test.number, test.side, trial.number, trial.side
+            );
+            self.near(&what, *found, points, reference, tally)?;
+        }
+        Ok(())
+    }
+
+    /// What is proved of single integrals holds: their sums have been compared already.
+    fn claims(&self, tally: &mut Tally) -> Result<(), Difference> {
+        let [first, second] = &self.nodes;
+        let states = |run: &dyn Fn(&Points) -> Vec<f64>| [run(&self.here), run(&self.elsewhere)];
+        for integral in self.emitted.residual.iter().filter(|integral| integral.dependence == "Constant") {
+            let [here, elsewhere] = states(&|points| linear(&integral.kernel, points, first));
+            self.same("a constant residual", &here, &elsewhere, tally)?;
+        }
+        for integral in &self.emitted.tangent {
+            match integral.dependence.as_str() {
+                "Constant" => return Err(format!("`{}` has a tangent of a load", self.name)),
+                "Linear" => {
+                    let [here, elsewhere] =
+                        states(&|points| bilinear(&integral.kernel, points, first, second));
+                    self.same("a linear integral's tangent", &here, &elsewhere, tally)?;
+                }
+                _ => {}
+            }
+            if integral.symmetric != integral.kernel.constants["SYMMETRIC"].truth() {
+                return Err(format!("`{}`: kernel and integral differ on symmetry", self.name));
+            }
+            if integral.symmetric {
+                let size = integral.kernel.constants["TEST_COMPONENTS"].index();
+                let block = |a: &Basis, b: &Basis| bilinear(&integral.kernel, &self.here, a, b);
+                let (here, there) = (block(first, second), block(second, first));
+                let transposed: Vec<f64> =
+                    (0..size * size).map(|entry| there[entry % size * size + entry / size]).collect();
+                self.same("a symmetric tangent", &here, &transposed, tally)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn same(&self, what: &str, a: &[f64], b: &[f64], tally: &mut Tally) -> Result<(), Difference> {
+        let scale = a.iter().chain(b).fold(1.0, |largest: f64, entry| largest.max(entry.abs()));
+        for (a, b) in a.iter().zip(b) {
+            if !a.is_finite() || !b.is_finite() || scale > MAGNITUDE {
+                tally.skipped += 1;
+                continue;
+            }
+            tally.compared += 1;
+            if (a - b).abs() > TOLERANCE * scale {
+                return Err(format!("{what} of `{}`: {a} and {b}", self.name));
+            }
+        }
+        Ok(())
+    }
+}

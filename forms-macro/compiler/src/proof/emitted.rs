@@ -1,0 +1,229 @@
+//! Reads the tokens that the attribute gives: per function, its integrals and their kernels.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::TokenStream;
+use syn::{Expr, FnArg, ImplItem, ImplItemFn, Item, ItemMod, Pat, Stmt, Type};
+
+use crate::tensor::Side;
+
+use super::interpreter::{Scope, Value, evaluate, run};
+
+/// What was emitted for one function in one dimension.
+#[derive(Default)]
+pub struct Function {
+    /// Types of the constructor's arguments that are plain names.
+    pub argument_types: Vec<String>,
+    pub residual: Vec<Integral>,
+    pub tangent: Vec<Integral>,
+    pub switches: Vec<Integral>,
+    pub density: Vec<Integral>,
+    pub expression: Vec<Integral>,
+}
+
+/// A `contract::Integral` with its kernel.
+pub struct Integral {
+    pub region: usize,
+    /// Number of the test function, and its side.
+    pub test: (usize, Side),
+    /// Number of the unknown, and the trial function's side.
+    pub trial: (usize, Side),
+    pub dependence: String,
+    pub symmetric: bool,
+    pub kernel: Kernel,
+}
+
+/// One kernel.
+#[derive(Clone)]
+pub struct Kernel {
+    pub constants: BTreeMap<String, Value>,
+    new: syn::Block,
+    methods: BTreeMap<String, ImplItemFn>,
+}
+
+impl Kernel {
+    /// The kernel with its parameters.
+    pub fn prepare(&self, parameters: &[f64]) -> Value {
+        let mut scope = Scope::from([("parameters".to_string(), Value::numbers(parameters.iter().copied()))]);
+        run(&self.new, &mut scope).expect("`new` gives the kernel")
+    }
+
+    /// The result of a method, and what became of its arguments.
+    pub fn call(
+        &self,
+        method: &str,
+        prepared: Option<&Value>,
+        arguments: &[Value],
+    ) -> (Option<Value>, Scope) {
+        let method = &self.methods[method];
+        let mut scope = Scope::new();
+        let mut arguments = arguments.iter();
+        for input in &method.sig.inputs {
+            match input {
+                FnArg::Receiver(_) => {
+                    scope.insert("self".into(), prepared.expect("a kernel with its parameters").clone());
+                }
+                FnArg::Typed(input) => {
+                    let Pat::Ident(name) = &*input.pat else { panic!("an argument is a name") };
+                    let value = arguments.next().expect("as many arguments as declared").clone();
+                    check_length(&input.ty, &value);
+                    scope.insert(name.ident.to_string(), value);
+                }
+            }
+        }
+        assert!(arguments.next().is_none(), "as many arguments as declared");
+        let result = run(&method.block, &mut scope);
+        if let (syn::ReturnType::Type(_, ty), Some(result)) = (&method.sig.output, &result) {
+            check_length(ty, result);
+        }
+        (result, scope)
+    }
+}
+
+/// `[L; 3]` has three entries.
+fn check_length(ty: &Type, value: &Value) {
+    let ty = match ty {
+        Type::Reference(inner) => &*inner.elem,
+        other => other,
+    };
+    if let Type::Array(array) = ty {
+        let length = evaluate(&array.len, &Scope::new()).index();
+        assert_eq!(value.list().len(), length, "the length of an emitted array");
+    }
+}
+
+/// All functions of a module that was emitted for one dimension.
+pub fn read(tokens: TokenStream) -> BTreeMap<String, Function> {
+    let file: syn::File = syn::parse2(tokens).expect("emitted code is Rust");
+    let mut functions: BTreeMap<String, Function> = BTreeMap::new();
+    let mut argument_types: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for item in &file.items {
+        let Item::Mod(module) = item else { panic!("the attribute gives one module") };
+        for item in items(module) {
+            match item {
+                Item::Mod(function) => {
+                    functions.insert(function.ident.to_string(), read_function(function));
+                }
+                Item::Fn(constructor) => {
+                    let types = constructor.sig.inputs.iter().filter_map(plain_type).collect();
+                    argument_types.insert(constructor.sig.ident.to_string(), types);
+                }
+                _ => {}
+            }
+        }
+    }
+    for (name, function) in &mut functions {
+        function.argument_types = argument_types.remove(name).unwrap_or_default();
+    }
+    functions
+}
+
+/// `omega_region: &Omega` → `Omega`
+fn plain_type(input: &FnArg) -> Option<String> {
+    let FnArg::Typed(input) = input else { return None };
+    let Type::Reference(reference) = &*input.ty else { return None };
+    let Type::Path(path) = &*reference.elem else { return None };
+    path.path.get_ident().map(ToString::to_string)
+}
+
+fn items(module: &ItemMod) -> &[Item] {
+    module.content.as_ref().map_or(&[], |(_, items)| &items[..])
+}
+
+fn read_function(module: &ItemMod) -> Function {
+    let mut kernels: BTreeMap<String, Kernel> = BTreeMap::new();
+    for item in items(module) {
+        if let Item::Mod(inner) = item {
+            kernels.extend(read_kernels(inner));
+        }
+    }
+    let mut function = Function::default();
+    for item in items(module) {
+        let Item::Impl(implementation) = item else { continue };
+        for item in &implementation.items {
+            let ImplItem::Fn(method) = item else { continue };
+            let list = match method.sig.ident.to_string().as_str() {
+                "residual" => &mut function.residual,
+                "tangent" => &mut function.tangent,
+                "switches" => &mut function.switches,
+                "density" => &mut function.density,
+                "expression" => &mut function.expression,
+                _ => continue,
+            };
+            for statement in &method.block.stmts {
+                if let Stmt::Expr(Expr::Try(visit), Some(_)) = statement {
+                    list.push(read_visit(&visit.expr, &kernels));
+                }
+            }
+        }
+    }
+    function
+}
+
+/// `visitor.visit(&contract::Integral { .. }, &kernels_2::Tangent0::new(..))`
+fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
+    let Expr::MethodCall(call) = visit else { panic!("a walk is a list of visits") };
+    let arguments: Vec<&Expr> = call
+        .args
+        .iter()
+        .map(|argument| match argument {
+            Expr::Reference(inner) => &*inner.expr,
+            other => other,
+        })
+        .collect();
+    let (Expr::Struct(integral), Expr::Call(new)) = (arguments[0], arguments[1]) else {
+        panic!("a visit takes an integral and a kernel");
+    };
+    let members: BTreeMap<String, Value> = integral
+        .fields
+        .iter()
+        .filter(|member| !matches!(member.expr, Expr::Closure(_)))
+        .map(|member| match &member.member {
+            syn::Member::Named(name) => (name.to_string(), evaluate(&member.expr, &Scope::new())),
+            syn::Member::Unnamed(_) => panic!("members have names"),
+        })
+        .collect();
+    let Expr::Path(path) = &*new.func else { panic!("a kernel is made by `new`") };
+    let kernel = path.path.segments.iter().nth_back(1).expect("a kernel's name").ident.to_string();
+    let side = |name: &str| match members[name].word() {
+        "This" => Side::This,
+        "Other" => Side::Other,
+        other => panic!("the side is {other}"),
+    };
+    Integral {
+        region: members["region"].index(),
+        test: (members["test"].index(), side("test_side")),
+        trial: (members["trial"].index(), side("trial_side")),
+        dependence: members["dependence"].word().to_string(),
+        symmetric: members["symmetric"].truth(),
+        kernel: kernels[&kernel].clone(),
+    }
+}
+
+fn read_kernels(module: &ItemMod) -> BTreeMap<String, Kernel> {
+    let mut kernels: BTreeMap<String, Kernel> = BTreeMap::new();
+    for item in items(module) {
+        let Item::Impl(implementation) = item else { continue };
+        let Type::Path(name) = &*implementation.self_ty else { continue };
+        let name = name.path.get_ident().expect("a kernel's name").to_string();
+        let kernel = kernels.entry(name).or_insert_with(|| Kernel {
+            constants: BTreeMap::new(),
+            new: syn::parse_quote!({}),
+            methods: BTreeMap::new(),
+        });
+        for item in &implementation.items {
+            match item {
+                ImplItem::Fn(method) if method.sig.ident == "new" => kernel.new = method.block.clone(),
+                ImplItem::Fn(method) => {
+                    kernel.methods.insert(method.sig.ident.to_string(), method.clone());
+                }
+                ImplItem::Const(constant) => {
+                    let value = evaluate(&constant.expr, &Scope::new());
+                    kernel.constants.insert(constant.ident.to_string(), value);
+                }
+                _ => {}
+            }
+        }
+    }
+    kernels
+}

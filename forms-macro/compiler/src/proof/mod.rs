@@ -1,0 +1,10 @@
+//! Proof by example that the emitted code computes what the form says: the kernels as they are emitted, run
+//! by an interpreter, against the reference evaluator, at random data.
+
+mod assembly;
+mod comparison;
+mod data;
+mod emitted;
+mod interpreter;
+mod real_forms;
+pub mod source;

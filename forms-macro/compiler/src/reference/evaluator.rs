@@ -1,0 +1,449 @@
+//! The walk: [`CheckedFunction`] → numbers at a [`Point`].
+
+use std::cell::Cell;
+use std::collections::HashMap;
+
+use super::functions;
+use super::matrices::*;
+use super::number::Number;
+use super::point::{Jet, Point};
+use crate::check::{CheckedFunction, Content, Term};
+use crate::parse::syntax::Comparison;
+use crate::tensor::{FieldRole, Geometry, Operator, Side, Tensor, Truth, Variable};
+
+/// How well the numbers of a walk are conditioned.
+#[derive(Clone, Copy, Debug)]
+pub struct Condition {
+    /// The smallest distance of an argument from a kink, a jump or a singularity.
+    pub distance: f64,
+    /// The largest number that occurred.
+    pub magnitude: f64,
+}
+
+/// The numbers that stand for the symbols of a form. Moving them by an infinitesimal is how a
+/// derivative is taken.
+#[derive(Clone)]
+struct Surroundings {
+    /// Per side, field and order of derivative.
+    fields: [Vec<Vec<Vec<Number>>>; 2],
+    /// From which side the expression at hand is seen.
+    side: Side,
+    parameters: Vec<Vec<Number>>,
+    position: Vec<Number>,
+    /// What is added to the value of intermediate results.
+    added: HashMap<Tensor, Vec<Number>>,
+    /// Number of infinitesimals in use.
+    level: usize,
+}
+
+/// A field moves on one side of a facet: its index, the side, where to.
+pub type Move<'a> = (usize, Side, &'a Jet);
+
+/// What is known already, per node and side.
+type Known = HashMap<(Tensor, Side), Vec<Number>>;
+
+const SIDES: [Side; 2] = [Side::This, Side::Other];
+
+/// Evaluates one function at one point.
+pub struct Evaluator<'a> {
+    checked: &'a CheckedFunction,
+    point: &'a Point,
+    condition: Cell<Condition>,
+}
+
+impl<'a> Evaluator<'a> {
+    pub fn new(checked: &'a CheckedFunction, point: &'a Point) -> Self {
+        let condition = Cell::new(Condition { distance: f64::INFINITY, magnitude: 0.0 });
+        Evaluator { checked, point, condition }
+    }
+
+    /// Of everything evaluated so far.
+    pub fn condition(&self) -> Condition {
+        self.condition.get()
+    }
+
+    /// Components of a derived field.
+    pub fn components(&self) -> Vec<f64> {
+        match self.checked.content {
+            Content::Value(value) => {
+                self.walk(value, &self.start()).iter().map(|entry| entry.value()).collect()
+            }
+            _ => vec![],
+        }
+    }
+
+    /// The density of an energy or functional on a region.
+    pub fn density(&self, region: usize) -> f64 {
+        self.sum(region, &self.start(), &[])
+    }
+
+    /// The residual's density on a region, for a test function (by field index for a form, by the
+    /// unknown that is varied for an energy) with this jet on this side and all others zero.
+    pub fn residual(&self, region: usize, test: Move) -> f64 {
+        let (around, moves) = self.tested(test);
+        self.sum(region, &around, &moves)
+    }
+
+    /// The derivative of [`Evaluator::residual`] as an unknown (by field index) moves along a jet.
+    pub fn tangent(&self, region: usize, test: Move, trial: Move) -> f64 {
+        let (around, mut moves) = self.tested(test);
+        moves.push(trial);
+        self.sum(region, &around, &moves)
+    }
+
+    /// Is there a second side to this function?
+    pub fn reads_other_side(checked: &CheckedFunction) -> bool {
+        let terms = match &checked.content {
+            Content::Form(terms) | Content::Energy(terms) | Content::Functional(terms) => &terms[..],
+            Content::Value(_) => &[],
+        };
+        let roots: Vec<Tensor> = terms.iter().map(|term| term.density).collect();
+        let is_other =
+            |node: &Tensor| matches!(checked.arena.node(*node).operator, Operator::Restrict(Side::Other, _));
+        checked.arena.reachable(&roots).iter().any(is_other)
+    }
+
+    fn start(&self) -> Surroundings {
+        let numbers = |list: &Vec<f64>| list.iter().map(|value| Number::real(*value)).collect();
+        let jet = |jet: &Jet| jet.iter().map(numbers).collect();
+        Surroundings {
+            fields: [0, 1].map(|side| self.point.fields[side].iter().map(jet).collect()),
+            side: Side::This,
+            parameters: self.point.parameters.iter().map(numbers).collect(),
+            position: numbers(&self.point.position),
+            added: HashMap::new(),
+            level: 0,
+        }
+    }
+
+    /// A form's test functions are fields of their own; the test function of an energy is a direction.
+    fn tested<'m>(&self, test: Move<'m>) -> (Surroundings, Vec<Move<'m>>) {
+        let mut around = self.start();
+        if let Content::Energy(_) = self.checked.content {
+            return (around, vec![test]);
+        }
+        for (index, field) in self.checked.fields.iter().enumerate() {
+            if matches!(field.role, FieldRole::Test(_)) {
+                for side in SIDES {
+                    let chosen = (index, side) == (test.0, test.1);
+                    let orders = around.fields[side as usize][index].iter_mut().zip(test.2);
+                    for (numbers, jet) in orders {
+                        for (entry, number) in numbers.iter_mut().enumerate() {
+                            *number = Number::real(if chosen { jet[entry] } else { 0.0 });
+                        }
+                    }
+                }
+            }
+        }
+        (around, vec![])
+    }
+
+    /// Σ of a region's densities, differentiated once along each of the moves.
+    fn sum(&self, region: usize, around: &Surroundings, moves: &[Move]) -> f64 {
+        let mut around = around.clone();
+        for (field, side, jet) in moves {
+            for (numbers, direction) in around.fields[*side as usize][*field].iter_mut().zip(*jet) {
+                for (number, direction) in numbers.iter_mut().zip(direction) {
+                    *number = number.moved(&Number::real(*direction), around.level);
+                }
+            }
+            around.level += 1;
+        }
+        let terms = match &self.checked.content {
+            Content::Form(terms) | Content::Energy(terms) | Content::Functional(terms) => &terms[..],
+            Content::Value(_) => &[],
+        };
+        let mut sum = 0.0;
+        let mut known = Known::new();
+        for Term { density, .. } in terms.iter().filter(|term| term.region == region) {
+            let mut density = self.walk_known(*density, &around, &mut known)[0].clone();
+            for level in (0..moves.len()).rev() {
+                density = density.slope(level);
+            }
+            sum += density.value();
+        }
+        sum
+    }
+
+    /// Row-major components of a node.
+    fn walk(&self, tensor: Tensor, around: &Surroundings) -> Vec<Number> {
+        self.walk_known(tensor, around, &mut Known::new())
+    }
+
+    fn walk_known(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Vec<Number> {
+        if let Some(known) = known.get(&(tensor, around.side)) {
+            return known.clone();
+        }
+        let mut numbers = self.rule(tensor, around, known);
+        if let Some(added) = around.added.get(&tensor) {
+            numbers.iter_mut().zip(added).for_each(|(number, added)| *number = number.plus(added));
+        }
+        let mut condition = self.condition.get();
+        for number in &numbers {
+            let magnitude = if number.is_finite() { number.magnitude() } else { f64::INFINITY };
+            condition.magnitude = condition.magnitude.max(magnitude);
+        }
+        self.condition.set(condition);
+        known.insert((tensor, around.side), numbers.clone());
+        numbers
+    }
+
+    /// Notes how far an argument is from a kink. An argument that nothing can change has none.
+    fn note(&self, distance: f64, arguments: &[Tensor]) {
+        let varies = |node: &Tensor| {
+            use Operator::{Field, Geometry, Parameter};
+            matches!(self.checked.arena.node(*node).operator, Field { .. } | Geometry(_) | Parameter(_))
+        };
+        let mut condition = self.condition.get();
+        if distance < condition.distance && self.checked.arena.reachable(arguments).iter().any(varies) {
+            condition.distance = distance;
+            self.condition.set(condition);
+        }
+    }
+
+    fn rule(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Vec<Number> {
+        use Operator::*;
+        let (arena, dimension) = (&self.checked.arena, self.checked.dimension);
+        let shape = arena.shape(tensor).to_vec();
+        let count: usize = shape.iter().product();
+        let mut walk = |operand: Tensor| self.walk_known(operand, around, known);
+        #[allow(unreachable_patterns)]
+        match &arena.node(tensor).operator {
+            Number(value) => vec![self::Number::real(*value)],
+            Zero => vec![self::Number::real(0.0); count],
+            Identity => identity(shape[0]),
+            Parameter(index) => around.parameters[*index].clone(),
+            Field { field, order } => around.fields[around.side as usize][*field][*order].clone(),
+            Restrict(side, a) => self.walk_known(*a, &Surroundings { side: *side, ..around.clone() }, known),
+            Geometry(geometry) => self.geometry(*geometry, around),
+            Add(a, b) => pairs(&walk(*a), &walk(*b), self::Number::plus),
+            Negate(a) => walk(*a).iter().map(|a| a.scaled(-1.0)).collect(),
+            Scale(factor, a) => {
+                let factor = walk(*factor).remove(0);
+                walk(*a).iter().map(|a| a.times(&factor)).collect()
+            }
+            Divide(a, divisor) => {
+                let number = walk(*divisor).remove(0);
+                self.note(number.value().abs(), &[*divisor]);
+                walk(*a).iter().map(|a| a.over(&number)).collect()
+            }
+            Contract(a, b) => matrix_product(&walk(*a), &walk(*b), arena.shape(*b)[0]),
+            Inner(a, b) => vec![total(&pairs(&walk(*a), &walk(*b), self::Number::times))],
+            Outer(a, b) => {
+                let (first, second) = (walk(*a), walk(*b));
+                first.iter().flat_map(|a| second.iter().map(|b| a.times(b))).collect()
+            }
+            Map(map, a) => linear_map(*map, &walk(*a), arena.shape(*a)),
+            Determinant(a) => vec![determinant(&walk(*a), arena.shape(*a)[0])],
+            Cofactor(a) => cofactor(&walk(*a), shape[0]),
+            Inverse(a) => {
+                let numbers = walk(*a);
+                let determinant = determinant(&numbers, shape[0]);
+                self.note(determinant.value().abs(), &[*a]);
+                let cofactor = transposed(&cofactor(&numbers, shape[0]), &shape);
+                cofactor.iter().map(|entry| entry.over(&determinant)).collect()
+            }
+            Component(a, indices) => {
+                let start =
+                    indices.iter().zip(arena.shape(*a)).fold(0, |start, (i, extent)| start * extent + i);
+                walk(*a)[start * count..(start + 1) * count].to_vec()
+            }
+            Stack(entries) => entries.iter().flat_map(|entry| walk(*entry)).collect(),
+            Apply(function, a) => {
+                let number = walk(*a).remove(0);
+                self.note(functions::distance_from_kink(*function, number.value()), &[*a]);
+                vec![functions::function(*function, &number)]
+            }
+            Power(a, b) => {
+                let (base, exponent) = (walk(*a).remove(0), walk(*b).remove(0));
+                let whole = exponent.is_real() && exponent.value().fract() == 0.0 && exponent.value() >= 0.0;
+                self.note(if whole { f64::INFINITY } else { base.value().abs() }, &[*a]);
+                vec![functions::power(&base, &exponent)]
+            }
+            Minimum(a, b) | Maximum(a, b) => {
+                let (first, second) = (walk(*a).remove(0), walk(*b).remove(0));
+                self.note((first.value() - second.value()).abs(), &[*a, *b]);
+                let greater = first.value() > second.value();
+                let maximum = matches!(arena.node(tensor).operator, Maximum(..));
+                vec![if greater == maximum { first } else { second }]
+            }
+            Select(truth, a, b) => {
+                if self.truth(truth, &mut walk) {
+                    walk(*a)
+                } else {
+                    walk(*b)
+                }
+            }
+            Gradient(a) => {
+                let along: Vec<Vec<self::Number>> =
+                    (0..dimension).map(|axis| self.along(*a, axis, around)).collect();
+                (0..count).map(|entry| along[entry % dimension][entry / dimension].clone()).collect()
+            }
+            Partial(a, variable) => {
+                let variables = count / arena.shape(*a).iter().product::<usize>();
+                let by: Vec<Vec<self::Number>> = (0..variables)
+                    .map(|moved| {
+                        let mut direction = vec![self::Number::real(0.0); variables];
+                        direction[moved] = self::Number::real(1.0);
+                        let direction = [vec![direction.clone()], vec![direction]];
+                        self.slope(*a, &self.moved(around, *variable, &direction), around.level)
+                    })
+                    .collect();
+                (0..count).map(|entry| by[entry % variables][entry / variables].clone()).collect()
+            }
+            Gateaux { expression, variable, direction } => {
+                let orders = match variable {
+                    Variable::Field(field) => self.order(*expression, *field).unwrap_or(0),
+                    _ => 0,
+                };
+                let direction =
+                    SIDES.map(|side| self.jet(*direction, orders, &Surroundings { side, ..around.clone() }));
+                self.slope(*expression, &self.moved(around, *variable, &direction), around.level)
+            }
+            // An operator that is new: add its meaning here.
+            other => panic!("the reference evaluator has no rule for {other:?}"),
+        }
+    }
+
+    fn geometry(&self, geometry: Geometry, around: &Surroundings) -> Vec<Number> {
+        let real = |value: f64| vec![Number::real(value)];
+        // The outward normal of the other cell is the opposite one.
+        let (side, sign) = match around.side {
+            Side::This => (0, 1.0),
+            Side::Other => (1, -1.0),
+        };
+        match geometry {
+            Geometry::Diameter => real(self.point.diameter[side]),
+            Geometry::CellVolume => real(self.point.cell_volume[side]),
+            Geometry::FacetArea => real(self.point.facet_area),
+            Geometry::Curvature => real(sign * self.point.curvature),
+            Geometry::Normal => self.point.normal.iter().flat_map(|entry| real(sign * entry)).collect(),
+            Geometry::Position => around.position.clone(),
+        }
+    }
+
+    fn truth(&self, truth: &Truth, walk: &mut dyn FnMut(Tensor) -> Vec<Number>) -> bool {
+        match truth {
+            Truth::Compare(comparison, a, b) => {
+                let (left, right) = (walk(*a)[0].value(), walk(*b)[0].value());
+                self.note((left - right).abs(), &[*a, *b]);
+                match comparison {
+                    Comparison::Less => left < right,
+                    Comparison::LessEqual => left <= right,
+                    Comparison::Greater => left > right,
+                    Comparison::GreaterEqual => left >= right,
+                    Comparison::Equal => left == right,
+                    Comparison::NotEqual => left != right,
+                }
+            }
+            Truth::And(first, second) => {
+                let (first, second) = (self.truth(first, walk), self.truth(second, walk));
+                first && second
+            }
+            Truth::Or(first, second) => {
+                let (first, second) = (self.truth(first, walk), self.truth(second, walk));
+                first || second
+            }
+            Truth::Not(inner) => !self.truth(inner, walk),
+        }
+    }
+
+    /// ∂/∂x_axis: fields move by their gradients, the position by a unit vector.
+    fn along(&self, tensor: Tensor, axis: usize, around: &Surroundings) -> Vec<Number> {
+        self.slope(tensor, &self.shifted(axis, around), around.level)
+    }
+
+    fn shifted(&self, axis: usize, around: &Surroundings) -> Surroundings {
+        let (dimension, level) = (self.checked.dimension, around.level);
+        let mut shifted = around.clone();
+        let jets = around.fields.iter().flatten().zip(shifted.fields.iter_mut().flatten());
+        for (jet, moved) in jets {
+            for order in 0..jet.len() {
+                for (entry, number) in moved[order].iter_mut().enumerate() {
+                    let unknown = Number::real(f64::NAN);
+                    let next = jet.get(order + 1).map_or(&unknown, |next| &next[entry * dimension + axis]);
+                    *number = number.moved(next, level);
+                }
+            }
+        }
+        shifted.position[axis] = around.position[axis].moved(&Number::real(1.0), level);
+        shifted.level += 1;
+        shifted
+    }
+
+    fn slope(&self, tensor: Tensor, around: &Surroundings, level: usize) -> Vec<Number> {
+        self.walk(tensor, around).iter().map(|number| number.slope(level)).collect()
+    }
+
+    /// An expression with its derivatives in space up to an order, as [`Jet`].
+    fn jet(&self, tensor: Tensor, orders: usize, around: &Surroundings) -> Vec<Vec<Number>> {
+        let (dimension, level) = (self.checked.dimension, around.level);
+        let mut jet = vec![self.walk(tensor, around)];
+        if orders > 0 {
+            let along: Vec<Vec<Vec<Number>>> = (0..dimension)
+                .map(|axis| self.jet(tensor, orders - 1, &self.shifted(axis, around)))
+                .collect();
+            for order in 0..orders {
+                let count = along[0][order].len();
+                let next = (0..count * dimension)
+                    .map(|entry| along[entry % dimension][order][entry / dimension].slope(level));
+                jet.push(next.collect());
+            }
+        }
+        jet
+    }
+
+    /// The surroundings after a variable has moved by a direction, given as far as it is needed.
+    fn moved(
+        &self,
+        around: &Surroundings,
+        variable: Variable,
+        directions: &[Vec<Vec<Number>>; 2],
+    ) -> Surroundings {
+        let (mut moved, level) = (around.clone(), around.level);
+        moved.level += 1;
+        let shift = |numbers: &mut Vec<Number>, direction: &[Number]| {
+            numbers
+                .iter_mut()
+                .zip(direction)
+                .for_each(|(number, direction)| *number = number.moved(direction, level));
+        };
+        match variable {
+            Variable::Field(field) => {
+                for (fields, direction) in moved.fields.iter_mut().zip(directions) {
+                    let jet = fields[field].iter_mut();
+                    jet.zip(direction).for_each(|(numbers, direction)| shift(numbers, direction));
+                }
+            }
+            Variable::Parameter(index) => {
+                shift(&mut moved.parameters[index], &directions[around.side as usize][0]);
+            }
+            Variable::Node(node) => {
+                let direction = &directions[around.side as usize][0];
+                let zero = vec![Number::real(0.0); direction.len()];
+                shift(moved.added.entry(node).or_insert(zero), direction);
+            }
+        }
+        moved
+    }
+
+    /// The highest derivative of a field that an expression reads; `None` if it reads nothing of it.
+    fn order(&self, expression: Tensor, varied: usize) -> Option<usize> {
+        let mut orders: HashMap<Tensor, Option<usize>> = HashMap::new();
+        // Operands come first.
+        for node in self.checked.arena.reachable(&[expression]) {
+            let operator = &self.checked.arena.node(node).operator;
+            let order = match operator {
+                Operator::Field { field, order } if *field == varied => Some(*order),
+                Operator::Gradient(a) => orders[a].map(|order| order + 1),
+                Operator::Gateaux { expression, variable: Variable::Field(field), direction } => {
+                    let further = self.order(*expression, *field).unwrap_or(0);
+                    orders[expression].max(orders[direction].map(|order| order + further))
+                }
+                _ => operator.operands().iter().filter_map(|operand| orders[operand]).max(),
+            };
+            orders.insert(node, order);
+        }
+        orders[&expression]
+    }
+}

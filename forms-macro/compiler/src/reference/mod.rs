@@ -1,0 +1,16 @@
+//! A second, independent meaning of a checked form: its value at a point by walking the tree of tensors.
+//!
+//! Input: [`CheckedFunction`](crate::check::CheckedFunction) and the data of a [`Point`]; output: numbers.
+//! Nothing here imports a later stage. Derivatives are taken by dual numbers, so that no rule of
+//! differentiation is shared with `differentiate`.
+
+mod evaluator;
+mod functions;
+mod matrices;
+mod number;
+mod point;
+
+pub use evaluator::{Condition, Evaluator};
+pub use point::{Jet, Point};
+
+mod tests;

@@ -1,0 +1,216 @@
+//! An import and the text that came for it → the functions that it needs, added to the importing module.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
+use quote::{ToTokens, format_ident};
+use syn::{Item, ItemFn, ItemMod, Visibility};
+
+use super::needs;
+use super::payload::{Payload, origin_of, rename_calls};
+use super::uses::Import;
+use crate::check::builtins::nearest;
+use crate::diagnostics::{Diagnostics, Place};
+use crate::parse::read_function;
+use crate::parse::syntax::{Foreign, Mistaken, Module};
+
+/// An import that has been found.
+pub struct Imported {
+    pub local: Ident,
+    pub visibility: Visibility,
+    /// The name of the function among `functions`: its name and its module's identity. One function that comes on two ways
+    /// has one canonical name.
+    pub canonical: String,
+    /// The function and all that it calls, by their canonical names.
+    pub functions: BTreeMap<String, ItemFn>,
+}
+
+/// An import with what came for it.
+pub struct Arrived {
+    import: Import,
+    payload: Payload,
+}
+
+/// Reads the texts that came. `None`, after a report, for what is no forms module's.
+pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnostics) -> Vec<Arrived> {
+    let mut arrived = Vec::new();
+    for (import, text) in imports.into_iter().zip(received) {
+        match Payload::read(text, import.name.span()) {
+            Some(payload) => arrived.push(Arrived { import, payload }),
+            None => diagnostics.error(
+                Place::of(&import.name),
+                format!("`{}` does not come from a forms module", import.name),
+            ),
+        }
+    }
+    arrived
+}
+
+/// Puts the data struct and the regions that are imported among the module's own; `#[imported(path)]` tells them apart.
+pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>) {
+    let Some((_, items)) = &mut item.content else { return };
+    arrived.retain(|Arrived { import, payload }| {
+        let found = payload.items().find_map(|item| match item {
+            Item::Struct(item) if item.ident == import.name => Some(item),
+            _ => None,
+        });
+        let Some(found) = found else { return true };
+        let mut declaration = found.clone();
+        let path = &import.path;
+        declaration.ident = import.local.clone();
+        declaration.vis = import.visibility.clone();
+        declaration.attrs.push(syn::parse_quote! { #[imported(#path)] });
+        items.push(Item::Struct(declaration));
+        false
+    });
+}
+
+/// Adds the imported functions to the module that `item` was read to; what is wrong is reported on the import's name.
+pub fn add_functions(
+    arrived: Vec<Arrived>,
+    item: &ItemMod,
+    module: &mut Module,
+    diagnostics: &mut Diagnostics,
+) -> Vec<Imported> {
+    let mut found: Vec<Imported> = Vec::new();
+    for Arrived { import, payload } in arrived {
+        let Some(key) = find(&import, &payload, diagnostics) else {
+            module.mistaken.push(Mistaken::Import(import.local));
+            continue;
+        };
+        let functions = closure(&key, &payload);
+        let canonical = canonical_name(&key, &payload);
+        if found.iter().any(|one| one.local == import.local && one.canonical == canonical) {
+            continue;
+        }
+        let complete = needs::check(&import, &payload, &functions, item, diagnostics);
+        let silent = payload.broken || !complete;
+        let known = |name: &String| module.functions.iter().any(|function| function.name == *name);
+        let new: Vec<ItemFn> =
+            functions.iter().filter(|(name, _)| !known(name)).map(|(_, function)| function.clone()).collect();
+        let named = functions.get(&canonical).map(|function| {
+            let mut function = function.clone();
+            function.sig.ident = import.local.clone();
+            function.vis = import.visibility.clone();
+            function
+        });
+        for item in new.into_iter().chain(named) {
+            let origin = origin_of(&item.attrs).unwrap_or_default();
+            let emitted = !matches!(item.vis, Visibility::Inherited) && item.sig.ident == import.local;
+            // What is wrong in its declaration was told where it stands.
+            if let Some(mut function) = read_function(item, &mut Diagnostics::default()) {
+                function.attributes.retain(|attribute| attribute.path().is_ident("doc"));
+                function.foreign = Some(Foreign { origin, emitted, silent });
+                module.functions.push(function);
+            }
+        }
+        found.push(Imported { local: import.local, visibility: import.visibility, canonical, functions });
+    }
+    found
+}
+
+/// The path of an imported declaration, from its `#[imported(path)]`.
+pub fn imported_path(attributes: &[syn::Attribute]) -> Option<&proc_macro2::TokenStream> {
+    let found = attributes.iter().find(|attribute| attribute.path().is_ident("imported"))?;
+    match &found.meta {
+        syn::Meta::List(list) => Some(&list.tokens),
+        _ => None,
+    }
+}
+
+/// The name in the payload of the function that is asked for.
+fn find(import: &Import, payload: &Payload, diagnostics: &mut Diagnostics) -> Option<String> {
+    let (name, module) = (&import.name, &payload.item.ident);
+    let place = Place::of(name);
+    for item in payload.items() {
+        match item {
+            Item::Fn(item) if item.sig.ident == *name => {
+                if matches!(item.vis, Visibility::Inherited) {
+                    let origin = origin_of(&item.attrs).unwrap_or_default();
+                    let message = format!("{origin} is private in the forms module `{module}`");
+                    diagnostics.error_with_help(place, message, format!("declare it `pub fn {name}`"));
+                    return None;
+                }
+                return Some(name.to_string());
+            }
+            Item::Use(item) => {
+                if let syn::UseTree::Rename(renamed) = &item.tree
+                    && renamed.rename == *name
+                {
+                    return Some(renamed.ident.to_string());
+                }
+            }
+            _ => {}
+        }
+    }
+    let public: Vec<String> = payload
+        .functions()
+        .filter(|item| !matches!(item.vis, Visibility::Inherited))
+        .map(|item| item.sig.ident.to_string())
+        .collect();
+    let message = format!("the forms module `{module}` has no function `{name}`");
+    match nearest(&name.to_string(), public.iter().map(String::as_str)) {
+        Some(near) => diagnostics.error_with_help(place, message, format!("did you mean `{near}`?")),
+        None => diagnostics.error_with_help(place, message, format!("it has `{}`", public.join("`, `"))),
+    }
+    None
+}
+
+/// The function named `key` and all that it calls, under their canonical names.
+fn closure(key: &str, payload: &Payload) -> BTreeMap<String, ItemFn> {
+    let names: BTreeMap<String, String> = payload
+        .functions()
+        .map(|item| item.sig.ident.to_string())
+        .map(|name| (name.clone(), canonical_name(&name, payload)))
+        .collect();
+    let mut found = BTreeMap::new();
+    let mut pending = vec![key.to_string()];
+    while let Some(name) = pending.pop() {
+        let canonical = canonical_name(&name, payload);
+        let Some(item) = payload.functions().find(|item| item.sig.ident == name) else { continue };
+        if found.contains_key(&canonical) {
+            continue;
+        }
+        let body = item.block.to_token_stream();
+        calls(body.clone(), &mut |called| {
+            if names.contains_key(called) {
+                pending.push(called.to_string());
+            }
+        });
+        let mut item = item.clone();
+        item.vis = Visibility::Inherited;
+        item.sig.ident = format_ident!("{canonical}", span = item.sig.ident.span());
+        if let Ok(block) = syn::parse2(rename_calls(body, &names)) {
+            *item.block = block;
+        }
+        found.insert(canonical, item);
+    }
+    found
+}
+
+/// `stress__a1b2c3d4`; what the other module itself imported has such a name already.
+fn canonical_name(name: &str, payload: &Payload) -> String {
+    // What the module declared itself names itself as its origin.
+    let own = payload.functions().any(|item| {
+        item.sig.ident == name
+            && origin_of(&item.attrs).is_some_and(|origin| origin.starts_with(&format!("`{name}`")))
+    });
+    if own { format!("{name}__{}", payload.identity) } else { name.to_string() }
+}
+
+/// Tells `visit` each name before parentheses.
+fn calls(tokens: TokenStream, visit: &mut impl FnMut(&str)) {
+    let mut before: Option<Ident> = None;
+    for token in tokens {
+        match token {
+            TokenTree::Ident(name) => before = Some(name),
+            TokenTree::Group(group) => {
+                if let (Some(name), Delimiter::Parenthesis) = (before.take(), group.delimiter()) {
+                    visit(&name.to_string());
+                }
+                calls(group.stream(), visit);
+            }
+            _ => before = None,
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Reuse across modules: `use super::elasticity::stress;` inside a forms module.
+//!
+//! A macro sees the tokens that it is applied to and no others. So each compiled module leaves a *carrier*, a hidden
+//! `macro_rules!` with the module's own text, re-exported under the names of its functions ([`carrier`], [`payload`]). A
+//! module with imports expands, where it stands, to a call of the first import's path; the carrier found there calls
+//! [`resume`] with its text and the rest of the module; that calls the next import, until all texts are there and the module
+//! is compiled. rustc resolves the paths, so imports obey Rust's own rules, in any order of modules and across crates.
+//!
+//! ```text
+//! ItemMod ─uses→ [Import] ─resume, once per import→ [Payload] ─import→ functions of the Module
+//! ```
+
+pub mod carrier;
+pub mod import;
+mod needs;
+pub mod payload;
+pub mod uses;
+
+use proc_macro2::{Literal, TokenStream};
+use quote::{quote, quote_spanned};
+use syn::parse::{Parse, ParseStream};
+use uses::Import;
+
+/// What stands between two calls: what is compiled, and the texts that have arrived.
+pub struct State {
+    /// What the macro was told, and the word that says which macro it is.
+    pub attribute: TokenStream,
+    pub subject: Subject,
+    pub received: Vec<Literal>,
+}
+
+/// What is being compiled.
+pub enum Subject {
+    /// The module of `#[forms]`.
+    Module(Box<syn::ItemMod>),
+}
+
+impl Subject {
+    fn tokens(&self) -> TokenStream {
+        match self {
+            Subject::Module(item) => quote! { module { #item } },
+        }
+    }
+}
+
+impl Parse for State {
+    /// `"text" (attribute) module { item } ["earlier text" ..]`: a carrier's text, then the state that it was given.
+    fn parse(input: ParseStream) -> syn::Result<Self> {
+        let text: Literal = input.parse()?;
+        let attribute;
+        syn::parenthesized!(attribute in input);
+        let attribute = attribute.parse()?;
+        input.parse::<syn::Ident>()?;
+        let source;
+        syn::braced!(source in input);
+        let subject = Subject::Module(source.parse()?);
+        let earlier;
+        syn::bracketed!(earlier in input);
+        let mut received = Vec::new();
+        while !earlier.is_empty() {
+            received.push(earlier.parse()?);
+        }
+        received.push(text);
+        Ok(State { attribute, subject, received })
+    }
+}
+
+/// The call of an import's carrier, which will call `resume` with its text and `state`.
+pub fn call(import: &Import, backend: &syn::Path, state: &State) -> TokenStream {
+    let State { attribute, subject, received } = state;
+    let (path, subject) = (&import.path, subject.tokens());
+    quote_spanned! { import.name.span() =>
+        #path ! { [#backend::contract::resume_forms] (#attribute) #subject [#(#received)*] }
+    }
+}

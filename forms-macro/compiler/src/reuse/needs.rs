@@ -1,0 +1,140 @@
+//! What imported functions need of the importing module: members of the data struct and regions, matched by name.
+//!
+//! An imported function reads the importing module's `lambda`. The member must be there, with the same rank; whether it is
+//! constant (`Param`) or varies (`Given`) is the importing module's choice.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use proc_macro2::{TokenStream, TokenTree};
+use quote::ToTokens;
+use syn::{Fields, Item, ItemFn, ItemMod};
+
+use super::payload::Payload;
+use super::uses::Import;
+use crate::diagnostics::{Diagnostics, Place};
+
+/// The markers of regions.
+pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets"];
+
+/// Are the members and regions that the functions name declared here? Those that are not are told at once.
+pub fn check(
+    import: &Import,
+    payload: &Payload,
+    functions: &BTreeMap<String, ItemFn>,
+    item: &ItemMod,
+    diagnostics: &mut Diagnostics,
+) -> bool {
+    let mut names = BTreeSet::new();
+    for item in functions.values() {
+        let typed = item.sig.inputs.iter().filter_map(|input| match input {
+            syn::FnArg::Typed(input) => Some(input.pat.to_token_stream().to_string()),
+            syn::FnArg::Receiver(_) => None,
+        });
+        free_names(item.block.to_token_stream(), typed.collect(), &mut names);
+    }
+    let (theirs, ours) = (Declarations::of(&payload.item), Declarations::of(item));
+    let place = Place::of(&import.name);
+    let (mut missing, mut complete) = (Vec::new(), true);
+    for (name, ty) in theirs.members.iter().filter(|(name, _)| names.contains(name)) {
+        match ours.members.iter().find(|(other, _)| other == name) {
+            Some((_, own)) if rank(own) == rank(ty) => {}
+            Some((_, own)) => {
+                let message = format!("`{}` reads `{name}` as `{ty}`, and here it is `{own}`", import.name);
+                let help = format!("the ranks must agree: declare `{name}: {ty}`");
+                diagnostics.error_with_help(place, message, help);
+                complete = false;
+            }
+            None => missing.push((name, ty)),
+        }
+    }
+    if !missing.is_empty() {
+        let list: Vec<String> = missing.iter().map(|(name, _)| format!("`{name}`")).collect();
+        let lines: Vec<String> = missing.iter().map(|(name, ty)| format!("pub {name}: {ty}")).collect();
+        let message =
+            format!("`{}` reads {}, which the data of this module do not have", import.name, list.join(", "));
+        let help = match &ours.data {
+            Some(data) => format!("add `{}` to `{data}`", lines.join(", ")),
+            None => format!("declare `pub struct Data {{ {} }}`", lines.join(", ")),
+        };
+        diagnostics.error_with_help(place, message, help);
+        complete = false;
+    }
+    for (name, marker) in theirs.regions.iter().filter(|(name, _)| names.contains(name)) {
+        let message = match ours.regions.iter().find(|(other, _)| other == name) {
+            Some((_, own)) if own == marker => continue,
+            Some((_, own)) => format!(
+                "`{}` integrates over `{name}` as `#[{marker}]`, and here it is `#[{own}]`",
+                import.name
+            ),
+            None => format!("`{}` integrates over `{name}`, which this module does not declare", import.name),
+        };
+        diagnostics.error_with_help(place, message, format!("declare `#[{marker}] pub struct {name};`"));
+        complete = false;
+    }
+    complete
+}
+
+/// What a module declares beside its functions: names with the texts of their types and markers.
+#[derive(Default)]
+struct Declarations {
+    data: Option<String>,
+    members: Vec<(String, String)>,
+    regions: Vec<(String, String)>,
+}
+
+impl Declarations {
+    fn of(item: &ItemMod) -> Self {
+        let mut found = Declarations::default();
+        for item in item.content.iter().flat_map(|(_, items)| items) {
+            let Item::Struct(item) = item else { continue };
+            match &item.fields {
+                Fields::Named(fields) => {
+                    found.data = Some(item.ident.to_string());
+                    found.members.extend(fields.named.iter().filter_map(|field| {
+                        let ty = field.ty.to_token_stream().to_string().replace(' ', "");
+                        Some((field.ident.as_ref()?.to_string(), ty.replace(',', ", ")))
+                    }));
+                }
+                _ => {
+                    let words = item.attrs.iter().filter_map(|attribute| attribute.path().get_ident());
+                    let marker =
+                        words.map(ToString::to_string).find(|word| REGION_MARKERS.contains(&word.as_str()));
+                    found.regions.extend(marker.map(|marker| (item.ident.to_string(), marker)));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// `Given<Vector>` → `Vector`; `Param` alone is a scalar.
+fn rank(ty: &str) -> &str {
+    match ty.split_once('<') {
+        Some((_, inner)) => inner.strip_suffix('>').unwrap_or(inner),
+        None => "Scalar",
+    }
+}
+
+/// The names that a body uses and does not bind; a `let` binds from its semicolon to the end of its block.
+fn free_names(tokens: TokenStream, mut local: BTreeSet<String>, found: &mut BTreeSet<String>) {
+    let mut bound: Option<String> = None;
+    let mut after_let = false;
+    for token in tokens {
+        match token {
+            TokenTree::Ident(name) if name == "let" => after_let = true,
+            TokenTree::Ident(name) if after_let => {
+                bound = Some(name.to_string());
+                after_let = false;
+            }
+            TokenTree::Ident(name) => {
+                let name = name.to_string();
+                if !local.contains(&name) {
+                    found.insert(name);
+                }
+            }
+            TokenTree::Punct(punct) if punct.as_char() == ';' => local.extend(bound.take()),
+            TokenTree::Group(group) => free_names(group.stream(), local.clone(), found),
+            _ => {}
+        }
+    }
+}
