@@ -13,12 +13,22 @@
 //! }
 //! ```
 //!
-//! - [`calculus`]: derivatives in space
-//! - [`geometry`]: position, normal, sizes, curvature
-//! - [`kinks`]: functions with kinks and their conventions
-//! - [`derivatives`]: Gateaux and partial derivatives, energies
+//! | page | what it has |
+//! | --- | --- |
+//! | [`products`] | `* / dot ddot inner outer cross perp` |
+//! | [`tensors`] | shapes, parts and functions of tensors, components, slices, arrays |
+//! | [`functions`] | scalar functions, powers, `let`, `if` |
+//! | [`kinks`] | `heaviside sign abs pos_part neg_part min max norm`, and their conventions |
+//! | [`calculus`] | `grad div eps curl hess` |
+//! | [`geometry`] | position, normal, sizes, curvature |
+//! | [`facets`] | interior facets: `this other jump avg` |
+//! | [`derivatives`] | `derivative`, `diff`, energies |
 
 pub mod calculus;
 pub mod derivatives;
+pub mod facets;
+pub mod functions;
 pub mod geometry;
 pub mod kinks;
+pub mod products;
+pub mod tensors;
