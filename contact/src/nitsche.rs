@@ -20,18 +20,25 @@ pub mod nitsche {
         /// γ₀ \[stress\]; γ = γ₀ / h_T.
         pub gamma0: Param,
         /// C in ξ = C √h_T of the extended-Neumann adjoint (41); only `extended_adjoint` reads it.
+        #[doc(alias = "C")]
         pub extension: Param,
         /// n_y, unit normal pointing into the obstacle.
+        #[doc(alias = "n_y")]
         pub obstacle_normal: Given<Vector>,
         /// g, the initial gap \[length\].
+        #[doc(alias = "g")]
         pub gap: Given<Scalar>,
         /// f, force per volume.
+        #[doc(alias = "f")]
         pub body_force: Given<Vector>,
         /// g_N, force per area on Γ_N.
+        #[doc(alias = "g_N")]
         pub traction: Given<Vector>,
         /// F in the criterion's M(u) = F·u.
+        #[doc(alias = "F")]
         pub criterion_force: Given<Vector>,
         /// c in the criterion's N(u) = ½ c |u|²; zero where N does not act.
+        #[doc(alias = "c")]
         pub criterion_weight: Given<Scalar>,
     }
 
@@ -45,15 +52,18 @@ pub mod nitsche {
     #[facets]
     pub struct GammaC;
     /// ∂Ω, where the criterion's N acts.
+    #[doc(alias = "∂Ω")]
     #[facets]
     pub struct Boundary;
 
     /// σ(w) = 2μ ε(w) + λ tr ε(w) I.
+    #[doc(alias = "σ")]
     pub fn stress(w: Vector) -> Tensor {
         2 * mu * eps(w) + lambda * tr(eps(w)) * I
     }
 
     /// Von Mises stress in plane strain (2D, with σ_zz = λ tr ε) or in 3D: √(3/2 s:s).
+    #[doc(alias = "σ_vM")]
     pub fn von_mises(w: Vector) -> Scalar {
         let out_of_plane = if D < 3 { lambda * tr(eps(w)) } else { 0 };
         let mean = (tr(stress(w)) + out_of_plane) / 3;
@@ -63,11 +73,13 @@ pub mod nitsche {
     }
 
     /// u_n = w·n_y.
+    #[doc(alias = "·_n")]
     pub fn normal_displacement(w: Vector) -> Scalar {
         dot(w, obstacle_normal)
     }
 
     /// σ_n(w) = (σ(w) n)·n_y.
+    #[doc(alias = "σ_n")]
     pub fn normal_stress(w: Vector) -> Scalar {
         dot(stress(w) * n, obstacle_normal)
     }
@@ -88,11 +100,13 @@ pub mod nitsche {
     }
 
     /// σ_n(w) − γ (w_n − g); −β_h of the paper.
+    #[doc(alias = "P")]
     fn nitsche_pressure(w: Vector) -> Scalar {
         normal_stress(w) - gamma() * penetration(w)
     }
 
     /// β_h = −σ_n(w) + γ (w_n − g): contact where positive.
+    #[doc(alias = "β_h")]
     pub fn contact_indicator(w: Vector) -> Scalar {
         -nitsche_pressure(w)
     }
@@ -103,11 +117,13 @@ pub mod nitsche {
     }
 
     /// θ σ_n(w) − γ w_n.
+    #[doc(alias = "P_θ")]
     fn tested(w: Vector) -> Scalar {
         theta * normal_stress(w) - gamma() * normal_displacement(w)
     }
 
     /// a(u, v) = ∫ σ(u):ε(v).
+    #[doc(alias = "a")]
     pub fn elasticity(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(stress(u), eps(v)))
     }
@@ -122,21 +138,25 @@ pub mod nitsche {
     }
 
     /// M(u) = F·u.
+    #[doc(alias = "M")]
     fn cell_criterion(w: Vector) -> Scalar {
         dot(criterion_force, w)
     }
 
     /// N(u) = ½ c |u|².
+    #[doc(alias = "N")]
     fn boundary_criterion(w: Vector) -> Scalar {
         criterion_weight / 2 * dot(w, w)
     }
 
     /// N′(u).
+    #[doc(alias = "N_prime")]
     fn boundary_slope(w: Vector) -> Vector {
         diff(boundary_criterion(w), w)
     }
 
     /// The criterion (3): J = ∫_Ω M(u) + ∫_∂Ω N(u).
+    #[doc(alias = "J")]
     pub fn criterion(u: State<Vector>) -> Functional {
         integral(Omega, cell_criterion(u)) + integral(Boundary, boundary_criterion(u))
     }

@@ -2,6 +2,8 @@
 //! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`docs/compile_cost.md`).
 //! Contact by Nitsche's method stands in the package `forms-contact`.
 
+pub mod ghost_penalty;
+pub mod interior_penalty;
 pub mod mooney_rivlin;
 pub mod neo_hookean;
 pub mod p_laplacian;

@@ -42,3 +42,35 @@ fn neo_hooke_gives_the_force_of_the_uniaxial_bar() {
 fn signorini_gives_the_force_of_the_pressed_block() {
     run(env!("CARGO_BIN_EXE_04_signorini"), "04_signorini.png");
 }
+
+#[test]
+fn plasticity_gives_the_curve_of_uniaxial_strain() {
+    let printed = run(env!("CARGO_BIN_EXE_05_plasticity"), "05_plasticity.png");
+    assert!(printed.contains("back at 0"), "{printed}");
+}
+
+#[test]
+fn stokes_gives_the_flux_through_the_bend() {
+    run(env!("CARGO_BIN_EXE_06_stokes"), "06_stokes.png");
+}
+
+#[test]
+fn interior_penalty_gives_the_orders_of_convergence() {
+    let printed = run(env!("CARGO_BIN_EXE_07_interior_penalty"), "07_interior_penalty.png");
+    assert_eq!(printed.lines().count(), 9, "{printed}");
+}
+
+#[test]
+fn ghost_penalty_stops_the_oscillations() {
+    run(env!("CARGO_BIN_EXE_08_ghost_penalty"), "08_ghost_penalty.png");
+}
+
+#[test]
+fn multiplier_contact_gives_the_force_of_nitsche_and_the_pressure_of_hertz() {
+    run(env!("CARGO_BIN_EXE_09_multiplier_contact"), "09_multiplier_contact.png");
+}
+
+#[test]
+fn thermoelasticity_gives_the_hoop_stress_of_the_hot_pipe() {
+    run(env!("CARGO_BIN_EXE_10_thermoelasticity"), "10_thermoelasticity.png");
+}

@@ -56,6 +56,7 @@ pub mod assemble;
 pub mod constraints;
 pub mod element;
 pub mod field;
+pub mod history;
 pub mod language;
 pub mod linear_algebra;
 pub mod locate;
@@ -75,7 +76,7 @@ pub mod prelude {
 
     pub use crate::assemble::{Assembler, AssemblyError, Parts};
     pub use crate::constraints::Constraints;
-    pub use crate::contract::{Entity, Expression, Form, Functional, Given};
+    pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Real, Table};
     pub use crate::element::CellShape;
     pub use crate::field::Field;
     pub use crate::forms;
@@ -83,8 +84,8 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        CondensedSolver, FormProblem, LinearSolver, LuSolver, MixedProblem, NewtonError, NewtonOptions,
-        NewtonStep, TangentSolver, TangentSolverOptions,
+        CondensedSolver, FormProblem, LinearSolver, LoadSteps, LuSolver, MixedProblem, NewtonError,
+        NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
     };
     pub use crate::space::{Family, Space};
 }

@@ -5,6 +5,7 @@
 
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
 use crate::source::{FieldValue, Source};
+use crate::table::Table;
 
 /// What a region consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +38,7 @@ pub enum Role {
     Test(usize),
     /// A known field that came as an argument.
     State,
-    /// A field or function of position among the data.
+    /// A field, function of position or history among the data.
     Given,
 }
 
@@ -105,6 +106,8 @@ pub struct Inputs<const D: usize> {
     pub parameters: Vec<f64>,
     /// Names of the entries of `parameters` (`n_y[1]`), for messages.
     pub parameter_names: Vec<String>,
+    /// The tabulated laws of the `Data` struct, in their order.
+    pub tables: Vec<Table>,
 }
 
 impl<const D: usize> Inputs<D> {
@@ -115,6 +118,7 @@ impl<const D: usize> Inputs<D> {
             regions: Vec::new(),
             parameters: Vec::new(),
             parameter_names: Vec::new(),
+            tables: Vec::new(),
         }
     }
 
@@ -156,6 +160,22 @@ pub trait ExpressionVisitor<const D: usize> {
     fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
 }
 
+/// A function of a forms module as mathematics, with its derivatives and what the names in them stand for.
+///
+/// It is made from the checked form, so that a wrong sign can be seen; rustdoc shows the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Formula {
+    /// Lines of plain text.
+    pub unicode: &'static str,
+    /// LaTeX for the package amsmath.
+    pub latex: &'static str,
+}
+
+impl Formula {
+    /// That of a form which was not made by `#[forms]`: nothing.
+    pub const NONE: Formula = Formula { unicode: "", latex: "" };
+}
+
 /// A residual R(u; v), linear in its test functions, and its tangent ∂R/∂u by the compiler.
 pub trait Form<const D: usize> {
     /// The form's name in its module.
@@ -164,6 +184,10 @@ pub trait Form<const D: usize> {
     fn fields(&self) -> &'static [FieldDescription];
     /// Data, regions, parameters.
     fn inputs(&self) -> &Inputs<D>;
+    /// Itself as mathematics.
+    fn formula(&self) -> &'static Formula {
+        &Formula::NONE
+    }
     /// Walks the integrals of the residual.
     fn residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
     /// Walks the integrals of the tangent; those of [`Dependence::Constant`] do not appear.
@@ -181,6 +205,10 @@ pub trait Functional<const D: usize> {
     fn fields(&self) -> &'static [FieldDescription];
     /// Data, regions, parameters.
     fn inputs(&self) -> &Inputs<D>;
+    /// Itself as mathematics.
+    fn formula(&self) -> &'static Formula {
+        &Formula::NONE
+    }
     /// Walks the densities.
     fn density<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
 }
@@ -193,6 +221,10 @@ pub trait Expression<const D: usize> {
     fn fields(&self) -> &'static [FieldDescription];
     /// Data and parameters; it has no regions.
     fn inputs(&self) -> &Inputs<D>;
+    /// Itself as mathematics.
+    fn formula(&self) -> &'static Formula {
+        &Formula::NONE
+    }
     /// Shape of its value.
     fn shape(&self) -> &'static [usize];
     /// Hands the kernel over.

@@ -5,6 +5,8 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use crate::history::HistoryHandle;
+
 /// A field that lives in some backend. The contract carries it; only its backend can read it.
 pub trait DiscreteField: Any + Send + Sync {
     /// Number of scalar components.
@@ -33,6 +35,8 @@ pub enum Source<const D: usize> {
     },
     /// A field on a space of the backend.
     Discrete(FieldHandle),
+    /// Values at quadrature points; they have no gradient that a kernel could read.
+    History(HistoryHandle),
 }
 
 impl<const D: usize> Source<D> {
@@ -42,6 +46,7 @@ impl<const D: usize> Source<D> {
             Source::Constant(values) => values.len(),
             Source::Function { components, .. } => *components,
             Source::Discrete(field) => field.components(),
+            Source::History(history) => history.components(),
         }
     }
 }
@@ -52,6 +57,7 @@ impl<const D: usize> fmt::Debug for Source<D> {
             Source::Constant(values) => f.debug_tuple("Constant").field(values).finish(),
             Source::Function { components, .. } => write!(f, "Function({components} components)"),
             Source::Discrete(field) => write!(f, "Discrete({} components)", field.components()),
+            Source::History(history) => write!(f, "History({} components)", history.components()),
         }
     }
 }

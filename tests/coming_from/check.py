@@ -1,4 +1,4 @@
-"""Run the code blocks of docs/coming_from.md that are not ours.
+"""Run the code blocks of docs/coming_from.md that are not ours, and the columns of docs/operators.md.
 
     python tests/coming_from/check.py ufl scikit-fem
     python3 tests/coming_from/check.py getfem
@@ -11,6 +11,8 @@ says what to install.
 import re
 import sys
 from pathlib import Path
+
+import operators
 
 PAGE = Path(__file__).parents[2] / "docs" / "coming_from.md"
 
@@ -182,10 +184,14 @@ def main():
                 return names
 
             try:
-                print(f"{language:10} {heading}: {result(run({}), run)}")
+                print(f"{language:10} {heading}: {result(run({}), run)}", flush=True)
             except BaseException as error:      # UFL's own errors are no Exceptions
                 failed = True
                 print(f"{language:10} {heading}: FAILED\n    {type(error).__name__}: {error}")
+        for snippet, errors in operators.CHECKS.get(language, lambda: [])():
+            failed |= bool(errors)
+            if errors:
+                print(f"{language:10} FAILED: `{snippet}` in docs/operators.md\n    {errors[-1][:300]}")
     sys.exit(1 if failed else 0)
 
 

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+import ghost_penalty
+import interior_penalty
 import meshes
 import mooney_rivlin
 import neo_hookean
@@ -32,7 +34,7 @@ CRITERION_FORCE = np.array([0.4, -1.0])          # F of M(u) = F . u
 CRITERION_BOUNDARY = 3.0                         # c of N(u) = c |u|^2 / 2
 MADE_BY = "tests/scikit_fem/make_references.py with scikit-fem 12.0.1"
 # Forms whose cases stand beside them: a file each, with a function `cases` that gives (case, record).
-FORMS = [mooney_rivlin, p_laplacian, stokes]
+FORMS = [ghost_penalty, interior_penalty, mooney_rivlin, p_laplacian, stokes]
 
 
 def elasticity_references():

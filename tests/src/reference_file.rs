@@ -30,19 +30,27 @@ pub enum Family {
     PLaplacian,
     /// Two unknowns.
     Stokes,
+    /// A tensor of rank 4.
+    AnisotropicElasticity,
+    /// Discontinuous elements, terms on interior facets.
+    InteriorPenalty,
+    /// Jumps of first and second derivatives.
+    GhostPenalty,
     /// The direct contact problem and its adjoints.
     Nitsche,
 }
 
 impl Family {
     /// Every family.
-    pub const ALL: [Family; 7] = [
+    pub const ALL: [Family; 9] = [
         Family::Elasticity,
         Family::Poisson,
         Family::NeoHookean,
         Family::MooneyRivlin,
         Family::PLaplacian,
         Family::Stokes,
+        Family::InteriorPenalty,
+        Family::GhostPenalty,
         Family::Nitsche,
     ];
 
@@ -55,6 +63,9 @@ impl Family {
             Family::MooneyRivlin => "mooney_rivlin",
             Family::PLaplacian => "p_laplacian",
             Family::Stokes => "stokes",
+            Family::AnisotropicElasticity => "anisotropic_elasticity",
+            Family::InteriorPenalty => "interior_penalty",
+            Family::GhostPenalty => "ghost_penalty",
             Family::Nitsche => "nitsche",
         }
     }
@@ -98,9 +109,10 @@ pub struct ReferenceFile {
     space_degree: usize,
     components: usize,
     space_nodes: Vec<Vec<f64>>,
+    space_cells: Option<Vec<usize>>,
     second_space: Option<SecondSpace>,
     cell_quadrature: CellRule,
-    facet_quadrature: Option<SegmentRule>,
+    facet_quadrature: Option<FacetRule>,
     #[serde(default)]
     contact_facets: Vec<(u32, u8)>,
     #[serde(default)]
@@ -133,9 +145,17 @@ struct CellRule {
 }
 
 #[derive(Debug, Deserialize)]
-struct SegmentRule {
-    points: Vec<f64>,
+struct FacetRule {
+    points: FacetPoints,
     weights: Vec<f64>,
+}
+
+/// On a segment, or on a triangle.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum FacetPoints {
+    Segment(Vec<f64>),
+    Triangle(Vec<[f64; 2]>),
 }
 
 #[derive(Debug, Deserialize)]
@@ -212,13 +232,14 @@ impl<const D: usize> Reference<D> {
             }
         }
         let mesh = Arc::new(mesh);
-        let space = space_on(&name, &mesh, file.space_degree, file.components);
-        let mut number = match_nodes(&name, &space, &file.space_nodes);
+        let discontinuous = file.space_cells.is_some();
+        let space = space_on(&name, &mesh, file.space_degree, file.components, discontinuous);
+        let mut number = match_nodes(&name, &space, &file.space_nodes, file.space_cells.as_deref());
         let (mut second_space, mut second_u) = (None, Vec::new());
         if let Some(second) = file.second_space {
-            let space = space_on(&name, &mesh, second.space_degree, second.components);
+            let space = space_on(&name, &mesh, second.space_degree, second.components, false);
             let first = number.len();
-            number.extend(match_nodes(&name, &space, &second.space_nodes).iter().map(|k| first + k));
+            number.extend(match_nodes(&name, &space, &second.space_nodes, None).iter().map(|k| first + k));
             (second_space, second_u) = (Some(space), second.u);
         }
         let cell = QuadratureRule {
@@ -226,11 +247,15 @@ impl<const D: usize> Reference<D> {
             weights: file.cell_quadrature.weights,
         };
         // Where a file has no facet rule, an integral over facets would be an error.
-        let facet = file.facet_quadrature.map_or_else(Vec::new, |rule| {
-            assert_eq!(rule.points.len(), rule.weights.len(), "{name}");
-            rule.points.into_iter().zip(rule.weights).collect()
-        });
-        let facet = QuadratureRule::on_segment(&facet);
+        let facet =
+            file.facet_quadrature.map_or(QuadratureRule { points: vec![], weights: vec![] }, |rule| {
+                let points = match rule.points {
+                    FacetPoints::Segment(points) => points.into_iter().map(|s| [s, 0.0]).collect(),
+                    FacetPoints::Triangle(points) => points,
+                };
+                QuadratureRule { points, weights: rule.weights }
+            });
+        assert_eq!(facet.points.len(), facet.weights.len(), "{name}");
         let facet_points = facet.points.clone();
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
         assert_eq!(contact.len(), file.contact_diameters.len(), "{name}");
@@ -262,6 +287,16 @@ impl<const D: usize> Reference<D> {
         std::array::from_fn(|k| {
             self.data[name][k].as_f64().unwrap_or_else(|| panic!("{}: {name}", self.name))
         })
+    }
+
+    /// A constant tensor of rank 4 of the file's form.
+    pub fn tensor4(&self, name: &str) -> [[[[f64; D]; D]; D]; D] {
+        let at = |i: usize, j: usize, k: usize, l: usize| {
+            let entry = self.data[name][i][j][k][l].as_f64();
+            entry.unwrap_or_else(|| panic!("{}: {name}", self.name))
+        };
+        use std::array::from_fn;
+        from_fn(|i| from_fn(|j| from_fn(|k| from_fn(|l| at(i, j, k, l)))))
     }
 
     /// The file's state u.
@@ -349,27 +384,41 @@ fn space_on<const D: usize>(
     mesh: &Arc<Mesh<D>>,
     degree: usize,
     components: usize,
+    discontinuous: bool,
 ) -> Arc<Space<D>> {
-    let space = if components == 1 {
-        Space::scalar(mesh, degree)
-    } else {
-        assert_eq!(components, D, "{name}");
-        Space::vector(mesh, degree)
+    let space = match (components, discontinuous) {
+        (1, false) => Space::scalar(mesh, degree),
+        (1, true) => Space::discontinuous_scalar(mesh, degree),
+        _ => {
+            assert_eq!((components, discontinuous), (D, false), "{name}");
+            Space::vector(mesh, degree)
+        }
     };
     space.unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// The number here of each unknown of the file, by the positions of the nodes.
-fn match_nodes<const D: usize>(name: &str, space: &Space<D>, theirs: &[Vec<f64>]) -> Vec<usize> {
+/// The number here of each unknown of the file, by the positions of the nodes; where several share a position,
+/// by their cells (which are numbered as in the file).
+fn match_nodes<const D: usize>(
+    name: &str,
+    space: &Space<D>,
+    theirs: &[Vec<f64>],
+    cells: Option<&[usize]>,
+) -> Vec<usize> {
     let components = space.components();
     assert_eq!(theirs.len(), space.node_count(), "{name}: number of nodes");
     let extent = theirs.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let all: Vec<u32> = (0..space.node_count() as u32).collect();
     let mut taken = vec![false; theirs.len()];
     let mut number = Vec::with_capacity(theirs.len() * components);
-    for node in theirs {
-        let near = |x: &[f64; D]| x.iter().zip(node).all(|(a, b)| (a - b).abs() < 1e-10 * extent);
-        let found = space.positions().iter().position(near);
-        let found = found.unwrap_or_else(|| panic!("{name}: no node at {node:?}"));
+    for (index, node) in theirs.iter().enumerate() {
+        let near = |own: &&u32| {
+            let x = &space.positions()[**own as usize];
+            x.iter().zip(node).all(|(a, b)| (a - b).abs() < 1e-10 * extent)
+        };
+        let candidates = cells.map_or(&all[..], |cells| space.cell_nodes(cells[index]));
+        let found = candidates.iter().find(near);
+        let found = *found.unwrap_or_else(|| panic!("{name}: no node at {node:?}")) as usize;
         assert!(!std::mem::replace(&mut taken[found], true), "{name}: two nodes at {node:?}");
         number.extend((0..components).map(|component| found * components + component));
     }

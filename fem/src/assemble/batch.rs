@@ -14,6 +14,7 @@ use self::side::{BatchSide, inverse_transposed, surface};
 use super::AssemblyError;
 use super::binding::{Binding, Values};
 use super::walk::{Group, reads_hessians};
+use crate::history::HistoryMismatch;
 
 /// The two sides of an interior facet see a point at the same place up to this part of h.
 const SAME_PLACE: f64 = 1e-10;
@@ -207,7 +208,7 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         }
         for index in 0..self.requirements.fields.len() {
             let slot = self.requirements.fields[index];
-            self.evaluate(&slot, index, &geometry.position)?;
+            self.evaluate(&slot, index, q, &geometry.position)?;
         }
         Ok(geometry)
     }
@@ -239,7 +240,13 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         Ok(())
     }
 
-    fn evaluate(&mut self, slot: &FieldSlot, index: usize, position: &[L; D]) -> Result<(), AssemblyError> {
+    fn evaluate(
+        &mut self,
+        slot: &FieldSlot,
+        index: usize,
+        q: usize,
+        position: &[L; D],
+    ) -> Result<(), AssemblyError> {
         let zero = L::splat(0.0);
         let count = match slot.order {
             Order::Value => slot.components,
@@ -281,6 +288,25 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
                             }
                         }
                     }
+                }
+            }
+            Values::History(history) => {
+                let (form, field) = (self.binding.name, self.binding.fields[slot.field].name);
+                let mismatch = |source| AssemblyError::History { form, field, source };
+                if slot.order != Order::Value {
+                    return Err(mismatch(HistoryMismatch::Gradient));
+                }
+                let side = &self.sides[side_index(slot.side)];
+                let local = side.tables.facet.map(|(local, _)| local);
+                let mut lanes = vec![[0.0; WIDEST]; slot.components];
+                for lane in 0..L::WIDTH {
+                    let values = history.at(side.cells[lane], local, q).map_err(mismatch)?;
+                    for (component, value) in values.iter().enumerate() {
+                        lanes[component][lane] = *value;
+                    }
+                }
+                for (target, lanes) in target.iter_mut().zip(&lanes) {
+                    *target = L::load(lanes);
                 }
             }
             Values::Function(function) => {

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Role, Source};
+use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirements, Role, Source};
 use forms_core::source::PositionFunction;
 
 use super::AssemblyError;
 use crate::element::Lagrange;
 use crate::field::Field;
+use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
+use crate::quadrature::Quadrature;
 use crate::space::Space;
 
 /// Where a field's values come from, resolved.
@@ -22,6 +24,7 @@ pub(super) enum Values<'a, const D: usize> {
         space: &'a Space<D>,
         values: &'a [f64],
     },
+    History(Snapshot<'a, D>),
 }
 
 /// A form's name, fields and data, checked against a mesh.
@@ -63,6 +66,24 @@ impl<'a> Entities<'a> {
             Entity::InteriorFacets => mesh.interior_facet_region(name).map(Entities::InteriorFacets),
         };
         found.map_err(|source| AssemblyError::Region { form, symbol: region.symbol, source })
+    }
+
+    /// Number of cells or facets.
+    pub fn count(&self) -> usize {
+        match self {
+            Entities::Cells(cells) => cells.len(),
+            Entities::Facets(facets) => facets.len(),
+            Entities::InteriorFacets(facets) => facets.len(),
+        }
+    }
+
+    /// The sides of a facet: one or two. Cells have none.
+    pub fn sides(&self, index: usize) -> &'a [Facet] {
+        match self {
+            Entities::Cells(_) => &[],
+            Entities::Facets(facets) => &facets[index..index + 1],
+            Entities::InteriorFacets(facets) => &facets[index],
+        }
     }
 }
 
@@ -114,6 +135,11 @@ impl<'a, const D: usize> Binding<'a, D> {
                 Ok(Values::Constant(values))
             }
             Source::Function { function, .. } => Ok(Values::Function(function)),
+            Source::History(handle) => {
+                let found = PointStorage::of(&**handle).and_then(|storage| storage.snapshot(mesh));
+                let mismatch = |source| AssemblyError::History { form: self.name, field: field.name, source };
+                found.map(Values::History).map_err(mismatch)
+            }
             Source::Discrete(handle) => match handle.as_any().downcast_ref::<Field<D>>() {
                 Some(known) => self.discrete(field, known, mesh),
                 None => Err(AssemblyError::ForeignField { form: self.name, field: field.name, dimension: D }),
@@ -187,6 +213,19 @@ impl<'a, const D: usize> Binding<'a, D> {
             _ => 0,
         };
         self.fields.iter().zip(&self.values).map(degree).collect()
+    }
+
+    /// A history that a kernel reads and the degree of its rule, which all of them share.
+    pub fn history_degree(
+        &self,
+        requirements: &Requirements,
+        quadrature: &Quadrature<D>,
+    ) -> Result<Option<(&'static str, usize)>, AssemblyError> {
+        let read = requirements.fields.iter().filter_map(|slot| match &self.values[slot.field] {
+            Values::History(history) => Some((self.fields[slot.field].name, history.storage)),
+            _ => None,
+        });
+        degree_of(self.name, read, quadrature)
     }
 
     /// The cells or facets of a region of the form.

@@ -1,21 +1,22 @@
 //! Derived fields: any function of a forms module at points, at quadrature points, along facets, or
 //! projected to a space.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral};
+use forms_core::contract::{Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Region};
 
 use super::batch::Batch;
-use super::binding::Binding;
-use super::walk::{Group, Places};
+use super::binding::{Binding, Entities};
+use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
+use crate::element::{CellShape, Lagrange};
 use crate::field::Field;
+use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
 use crate::norms::{Measure, Measured};
-use crate::quadrature::{FacetRule, QuadratureError, QuadratureRule, map_to_facet};
+use crate::quadrature::{Quadrature, QuadratureRule};
 use crate::space::Space;
 
 /// A derived field at a list of points.
@@ -32,7 +33,7 @@ pub struct PointValues<const D: usize> {
 /// A derived field at a point of a facet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FacetSample<const D: usize> {
-    /// The facet.
+    /// The facet; an interior one from its first side.
     pub facet: Facet,
     /// Coordinates on the facet's own reference cell; the second is zero in two dimensions.
     pub parameter: [f64; 2],
@@ -54,6 +55,7 @@ impl<const D: usize> Assembler<D> {
         points: &[[f64; D]],
     ) -> Result<PointValues<D>, AssemblyError> {
         let form = expression.name();
+        self.expect_no_history(expression)?;
         let locator = Locator::new(&self.mesh);
         let mut places = Vec::new();
         for point in points {
@@ -86,7 +88,8 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// A derived field at the quadrature points of a cell or facet region, with their weights. Where the
-    /// choice of quadrature is the compiler's estimate, `degree` is taken.
+    /// choice of quadrature is the compiler's estimate, `degree` is taken, unless the function reads a history:
+    /// then it is evaluated at that history's points.
     ///
     /// # Errors
     /// An unknown region, a function that needs a facet, a value that is not finite, or data that do not
@@ -102,6 +105,7 @@ impl<const D: usize> Assembler<D> {
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
         let shape = self.mesh.shape();
+        let degree = self.history_degree(expression)?.unwrap_or(degree);
         let found = match entity {
             Entity::Cells => {
                 let cells = self.mesh.cell_region(region).map_err(missing)?.to_vec();
@@ -113,26 +117,17 @@ impl<const D: usize> Assembler<D> {
                         .map_err(quadrature)
                 })?
             }
-            // A derived field has one side only: that out of which the normal points.
             Entity::Facets | Entity::InteriorFacets => {
-                let first;
-                let facets = if entity == Entity::Facets {
-                    self.mesh.facet_region(region).map_err(missing)?
-                } else {
-                    let sides = self.mesh.interior_facet_region(region).map_err(missing)?;
-                    first = sides.iter().map(|sides| sides[0]).collect::<Vec<_>>();
-                    &first[..]
-                };
-                self.facet_values(expression, place(region), facets, |local| {
-                    self.quadrature.facet_rule(shape, usize::from(local), degree)
-                })?
+                let facets = self.facets(form, entity, region)?;
+                let rule = self.quadrature.facet_reference_rule(shape, degree).map_err(quadrature)?;
+                self.facet_values(expression, region, &facets, &rule)?
             }
         };
         Ok(found.into_iter().collect())
     }
 
-    /// A derived field along a facet region: on each facet, in the region's order, at the given
-    /// coordinates of the facet's own reference cell (in two dimensions the second one is zero).
+    /// A derived field along a facet region, exterior or interior: on each facet, in the region's order, at
+    /// the given coordinates of the facet's own reference cell (in two dimensions the second one is zero).
     ///
     /// # Errors
     /// An unknown region, a value that is not finite, or data that do not fit.
@@ -143,15 +138,14 @@ impl<const D: usize> Assembler<D> {
         parameters: &[[f64; 2]],
     ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
         let form = expression.name();
-        let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
-        let facets = self.mesh.facet_region(region).map_err(missing)?;
+        self.expect_no_history(expression)?;
+        let interior = self.mesh.interior_facet_region(region).is_ok();
+        let entity = if interior { Entity::InteriorFacets } else { Entity::Facets };
+        let facets = self.facets(form, entity, region)?;
         let rule = QuadratureRule { points: parameters.to_vec(), weights: vec![0.0; parameters.len()] };
-        let shape = self.mesh.shape();
-        let found = self.facet_values(expression, place(region), facets, |local| {
-            map_to_facet::<D>(shape, usize::from(local), &rule)
-        })?;
-        let places =
-            facets.iter().flat_map(|facet| parameters.iter().map(move |parameter| (*facet, *parameter)));
+        let found = self.facet_values(expression, region, &facets, &rule)?;
+        let facets = (0..facets.count()).map(|index| facets.sides(index)[0]);
+        let places = facets.flat_map(|facet| parameters.iter().map(move |parameter| (facet, *parameter)));
         let sample =
             |((facet, parameter), (position, _, value))| FacetSample { facet, parameter, position, value };
         Ok(places.zip(found).map(sample).collect())
@@ -191,13 +185,17 @@ impl<const D: usize> Assembler<D> {
             let (expected, found) = (components, space.components());
             return Err(AssemblyError::Components { form, field: "the space", expected, found });
         }
+        if let Some(region) = space.facet_region() {
+            let (place, region) = ("all cells".to_owned(), region.to_owned());
+            return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
+        }
         let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
         // Exact for the mass matrix on affine cells.
         let degree = 2 * space.element.degree + self.mesh.degree();
         let values = self.at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
         let rule = self
             .quadrature
-            .cell_rule(self.mesh.shape(), degree)
+            .cell_rule(self.mesh.shape(), self.history_degree(expression)?.unwrap_or(degree))
             .map_err(|source| AssemblyError::Quadrature { form, source })?;
         let tables = space.element.tabulate(&rule.points);
         let mut load = vec![vec![0.0; space.node_count()]; components];
@@ -240,22 +238,20 @@ impl<const D: usize> Assembler<D> {
             let (expected, found) = (components, space.components());
             return Err(AssemblyError::Components { form, field: "the space", expected, found });
         }
-        let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
-        let facets = self.mesh.facet_region(region).map_err(missing)?;
-        let points = space.element.node_points::<D>();
-        let found = self.facet_values(expression, place(region), facets, |local| {
-            let local = usize::from(local);
-            let empty = QuadratureRule { points: vec![], weights: vec![] };
-            let tangents = map_to_facet::<D>(self.mesh.shape(), local, &empty)?.tangents;
-            let points: Vec<[f64; D]> =
-                space.element.facet_nodes(local).into_iter().map(|node| points[node]).collect();
-            let weights = vec![0.0; points.len()];
-            Ok(FacetRule { points, weights, tangents })
-        })?;
+        self.expect_no_history(expression)?;
+        if let Some(region) = space.facet_region() {
+            let (place, region) = ("its cells".to_owned(), region.to_owned());
+            return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
+        }
+        let facets = self.facets(form, Entity::Facets, region)?;
+        let points = facet_nodes(space.element);
+        let rule = QuadratureRule { weights: vec![0.0; points.len()], points };
+        let found = self.facet_values(expression, region, &facets, &rule)?;
         let mut sums = vec![0.0; space.unknowns()];
         let mut counts = vec![0.0_f64; space.node_count()];
         let mut values = found.into_iter();
-        for facet in facets {
+        for index in 0..facets.count() {
+            let facet = facets.sides(index)[0];
             for node in space.element.facet_nodes(usize::from(facet.local)) {
                 let number = space.cell_nodes(facet.cell as usize)[node] as usize;
                 counts[number] += 1.0;
@@ -270,43 +266,58 @@ impl<const D: usize> Assembler<D> {
         Ok(Field { space: space.clone(), values: Arc::new(sums) })
     }
 
-    /// (position, weight, value) at the points that `rule` gives for each local facet number, facet after
-    /// facet. Facets of one local number are computed together, because they share their tables.
+    fn facets(
+        &self,
+        form: &'static str,
+        entity: Entity,
+        region: &str,
+    ) -> Result<Entities<'_>, AssemblyError> {
+        Entities::of(&self.mesh, form, &Region { entity, symbol: "derived field", name: region.to_owned() })
+    }
+
+    /// (position, weight, value) at the points of a rule on the facet's own reference cell, facet after facet.
+    /// Facets that are numbered alike are computed together, because they share their tables.
     fn facet_values<E: Expression<D>>(
         &self,
         expression: &E,
-        place: String,
-        facets: &[Facet],
-        rule: impl Fn(u8) -> Result<FacetRule<D>, QuadratureError>,
+        region: &str,
+        facets: &Entities,
+        rule: &QuadratureRule<2>,
     ) -> Result<Vec<PointValue<D>>, AssemblyError> {
-        let form = expression.name();
-        let mut by_local: BTreeMap<u8, Vec<usize>> = BTreeMap::new();
-        for (index, facet) in facets.iter().enumerate() {
-            by_local.entry(facet.local).or_default().push(index);
-        }
-        let mut counts = Vec::new();
+        let mut places = Vec::new();
         let found = self.values(expression, |binding| {
-            let mut groups = Vec::new();
-            for (local, indices) in &by_local {
-                let cells = indices.iter().map(|index| facets[*index].cell).collect();
-                let group = rule(*local).and_then(|rule| {
-                    let (places, weights) = Places::on_facet(*local, rule);
-                    Group::new(binding, place.clone(), cells, &places, weights, true)
-                });
-                let group = group.map_err(|source| AssemblyError::Quadrature { form, source })?;
-                counts.push(group.points());
-                groups.push(group);
-            }
+            let (groups, indices): (Vec<_>, Vec<_>) =
+                facet_groups(binding, &place(region), facets, rule, true)?.into_iter().unzip();
+            places = indices;
             Ok(groups)
         })?;
         let mut found = found.into_iter();
-        let mut ordered = vec![vec![]; facets.len()];
-        for (indices, count) in by_local.values().zip(counts) {
-            for index in indices {
-                ordered[*index] = found.by_ref().take(count).collect();
-            }
+        let mut ordered = vec![vec![]; facets.count()];
+        for index in places.into_iter().flatten() {
+            ordered[index] = found.by_ref().take(rule.len()).collect();
         }
         Ok(ordered.into_iter().flatten().collect())
+    }
+
+    /// The degree of the rule of the histories that a function reads, if it reads any.
+    fn history_degree<E: Expression<D>>(&self, expression: &E) -> Result<Option<usize>, AssemblyError> {
+        let binding =
+            Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        let mut visitor = HistoryVisitor { binding: &binding, quadrature: &self.quadrature, read: None };
+        expression.expression(&mut visitor)?;
+        Ok(visitor.read.map(|(_, degree)| degree))
+    }
+
+    /// Points that are not those of a rule have no history.
+    fn expect_no_history<E: Expression<D>>(&self, expression: &E) -> Result<(), AssemblyError> {
+        let form = expression.name();
+        let binding = Binding::new(form, expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        let mut visitor = HistoryVisitor { binding: &binding, quadrature: &self.quadrature, read: None };
+        expression.expression(&mut visitor)?;
+        match visitor.read {
+            Some((field, _)) => Err(AssemblyError::History { form, field, source: HistoryMismatch::Points }),
+            None => Ok(()),
+        }
     }
 
     /// (position, weight, value) at every point of the groups, in their order.
@@ -321,6 +332,19 @@ impl<const D: usize> Assembler<D> {
         let mut visitor = ValueVisitor { binding: &binding, groups: &groups, found: vec![] };
         expression.expression(&mut visitor)?;
         Ok(visitor.found)
+    }
+}
+
+/// Where the nodes of an element are on a facet's own reference cell, in the order of [`Lagrange::facet_nodes`].
+fn facet_nodes(element: Lagrange) -> Vec<[f64; 2]> {
+    let of = |shape| Lagrange { shape, ..element }.node_points::<2>();
+    match element.shape {
+        _ if element.degree == 0 => vec![],
+        CellShape::Triangle | CellShape::Quadrilateral => {
+            [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]][..element.degree + 1].to_vec()
+        }
+        CellShape::Tetrahedron => of(CellShape::Triangle),
+        CellShape::Hexahedron => of(CellShape::Quadrilateral),
     }
 }
 
@@ -345,6 +369,22 @@ impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
             all.values.push(value);
         }
         all
+    }
+}
+
+struct HistoryVisitor<'a, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    quadrature: &'a Quadrature<D>,
+    /// The name of a history, and the degree of its rule.
+    read: Option<(&'static str, usize)>,
+}
+
+impl<const D: usize> ExpressionVisitor<D> for HistoryVisitor<'_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, _: &K) -> Result<(), AssemblyError> {
+        self.read = self.binding.history_degree(&K::REQUIREMENTS, self.quadrature)?;
+        Ok(())
     }
 }
 

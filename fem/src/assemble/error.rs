@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::mesh::MeshError;
 use crate::quadrature::QuadratureError;
@@ -17,6 +18,16 @@ pub enum AssemblyError {
         /// The region's name in the forms module.
         symbol: &'static str,
         /// What the mesh says.
+        source: MeshError,
+    },
+    /// Facets whose sides do not fit each other.
+    #[error("form `{form}`, {place}: {source}")]
+    Facets {
+        /// The form.
+        form: &'static str,
+        /// The region.
+        place: String,
+        /// What is wrong with the mesh.
         source: MeshError,
     },
     /// A quadrature rule that does not exist or is not accepted.
@@ -88,6 +99,16 @@ pub enum AssemblyError {
         form: &'static str,
         /// The field's name in the form.
         field: &'static str,
+    },
+    /// A history that does not fit.
+    #[error("form `{form}`, history `{field}`: {source}")]
+    History {
+        /// The form.
+        form: &'static str,
+        /// The history's name in the form.
+        field: &'static str,
+        /// Why.
+        source: HistoryMismatch,
     },
     /// The wrong number of unknowns or test spaces.
     #[error("form `{form}` has {expected} {what}, {found} were given")]

@@ -9,10 +9,9 @@ use forms_core::contract::{Integral, Order, Requirements, Side};
 use super::AssemblyError;
 use super::binding::{Binding, Entities, Tabulated};
 use crate::element::Tables;
-use crate::mesh::{Facet, Mesh};
+use crate::mesh::Mesh;
 use crate::quadrature::{
     FacetRule, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule, map_to_corners,
-    map_to_facet,
 };
 use crate::space::Space;
 
@@ -55,20 +54,13 @@ pub(super) struct Places<const D: usize> {
     pub facet: Option<(u8, [[f64; D]; 2])>,
 }
 
-impl<const D: usize> Places<D> {
-    /// Points of a facet rule.
-    pub fn on_facet(local: u8, rule: FacetRule<D>) -> (Self, Vec<f64>) {
-        (Places { points: rule.points, facet: Some((local, rule.tangents)) }, rule.weights)
-    }
-}
-
 /// Whether a kernel reads second derivatives.
 pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
     requirements.hessian || requirements.fields.iter().any(|slot| slot.order == Order::Hessian)
 }
 
 impl<const D: usize> Group<D> {
-    /// A group of cells or exterior facets; weights may be of any kind.
+    /// A group of cells; weights may be of any kind.
     pub fn new(
         binding: &Binding<D>,
         place: String,
@@ -179,7 +171,7 @@ impl Tabulated {
 }
 
 /// The groups of an integral's region; where the compiler's estimate of the quadrature degree is wanted,
-/// it is made from the degrees of the form's fields.
+/// it is made from the degrees of the form's fields. A kernel that reads a history takes the history's degree.
 pub(super) fn groups<const D: usize>(
     binding: &Binding<D>,
     integral: &Integral,
@@ -189,7 +181,10 @@ pub(super) fn groups<const D: usize>(
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
     let shape = mesh.shape();
-    let degree = (integral.degree)(degrees, mesh.degree(), shape.is_simplex());
+    let degree = match binding.history_degree(requirements, quadrature)? {
+        Some((_, degree)) => degree,
+        None => (integral.degree)(degrees, mesh.degree(), shape.is_simplex()),
+    };
     let region = &binding.regions[integral.region];
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
     let hessians = reads_hessians(requirements);
@@ -202,64 +197,64 @@ pub(super) fn groups<const D: usize>(
             let group = Group::new(binding, place, cells.to_vec(), &places, rule.weights, hessians);
             Ok(vec![group.map_err(failed)?])
         }
-        Entities::Facets(facets) => {
+        facets => {
             let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
-            let mut by_local: BTreeMap<u8, Vec<u32>> = BTreeMap::new();
-            for facet in facets {
-                by_local.entry(facet.local).or_default().push(facet.cell);
-            }
-            let group = |(local, cells)| {
-                let rule = map_to_facet(shape, usize::from(local), &rule)?;
-                let (places, weights) = Places::on_facet(local, rule);
-                Group::new(binding, place.clone(), cells, &places, weights, hessians)
-            };
-            by_local.into_iter().map(|entry| group(entry).map_err(failed)).collect()
-        }
-        Entities::InteriorFacets(facets) => {
-            let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
-            let mut by_sides: BTreeMap<Sides, [Vec<u32>; 2]> = BTreeMap::new();
-            for sides in facets {
-                let symbol = region.symbol;
-                let facing =
-                    mesh.facing(sides).map_err(|source| AssemblyError::Region { form, symbol, source })?;
-                let cells = by_sides.entry((sides.map(|facet| facet.local), facing)).or_default();
-                for (cells, Facet { cell, .. }) in cells.iter_mut().zip(sides) {
-                    cells.push(*cell);
-                }
-            }
-            let group = |(sides, cells)| {
-                let sides = facing_sides(binding, &sides, cells, &rule, hessians)?;
-                Ok(Group { place: place.clone(), sides, weights: rule.weights.clone() })
-            };
-            by_sides.into_iter().map(|entry| group(entry).map_err(failed)).collect()
+            let groups = facet_groups(binding, &place, &facets, &rule, hessians)?;
+            Ok(groups.into_iter().map(|(group, _)| group).collect())
         }
     }
 }
 
-/// How the two sides of an interior facet are numbered: the local number on each, and [`Mesh::facing`].
-type Sides = ([u8; 2], [u8; 4]);
+/// How the sides of a facet are numbered: the local number on each, and for interior ones [`Mesh::facing`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Numbering {
+    first: u8,
+    second: Option<(u8, [u8; 4])>,
+}
 
-/// Both sides of interior facets that are numbered alike, with the same points.
-fn facing_sides<const D: usize>(
+/// The groups of exterior or interior facets at the points of a rule on the facet's own reference cell, and
+/// the places of each group's facets in the region.
+pub(super) fn facet_groups<const D: usize>(
     binding: &Binding<D>,
-    (locals, facing): &Sides,
-    cells: [Vec<u32>; 2],
+    place: &str,
+    facets: &Entities,
     rule: &QuadratureRule<2>,
     hessians: bool,
-) -> Result<Vec<GroupSide<D>>, QuadratureError> {
-    let shape = binding.mesh.shape();
-    let [first, second] = locals.map(|local| shape.facet_vertices(usize::from(local)));
-    // The same corners of the facet, as each of the two cells numbers them.
-    let corners = [0, 1, first.len() - 1];
-    let rules = [
-        map_to_corners(shape, corners.map(|corner| first[corner]), rule),
-        map_to_corners(shape, corners.map(|corner| second[usize::from(facing[corner])]), rule),
-    ];
-    let side = |((local, rule), cells): ((u8, FacetRule<D>), Vec<u32>)| {
-        let (places, _) = Places::on_facet(local, rule);
-        GroupSide::new(binding.mesh, &binding.elements, cells, &places, hessians)
+) -> Result<Vec<(Group<D>, Vec<usize>)>, AssemblyError> {
+    let (mesh, form) = (binding.mesh, binding.name);
+    let shape = mesh.shape();
+    let mut numberings: BTreeMap<Numbering, Vec<usize>> = BTreeMap::new();
+    for index in 0..facets.count() {
+        let numbering = match facets.sides(index) {
+            [first, second] => {
+                let twisted = |source| AssemblyError::Facets { form, place: place.to_owned(), source };
+                let facing = mesh.facing(&[*first, *second]).map_err(twisted)?;
+                Numbering { first: first.local, second: Some((second.local, facing)) }
+            }
+            sides => Numbering { first: sides[0].local, second: None },
+        };
+        numberings.entry(numbering).or_default().push(index);
+    }
+    let group = |(Numbering { first, second }, indices): (Numbering, Vec<usize>)| {
+        let vertices = shape.facet_vertices(usize::from(first));
+        // The same corners of the facet, as each of the two cells numbers them.
+        let corners = [0, 1, vertices.len() - 1];
+        let mut numbered = vec![(first, corners.map(|corner| vertices[corner]))];
+        if let Some((second, facing)) = second {
+            let vertices = shape.facet_vertices(usize::from(second));
+            numbered.push((second, corners.map(|corner| vertices[usize::from(facing[corner])])));
+        }
+        let mut sides = Vec::new();
+        for (side, (local, corners)) in numbered.into_iter().enumerate() {
+            let cells = indices.iter().map(|index| facets.sides(*index)[side].cell).collect();
+            let FacetRule { points, tangents, .. } = map_to_corners(shape, corners, rule);
+            let places = Places { points, facet: Some((local, tangents)) };
+            sides.push(GroupSide::new(mesh, &binding.elements, cells, &places, hessians)?);
+        }
+        Ok((Group { place: place.to_owned(), sides, weights: rule.weights.clone() }, indices))
     };
-    locals.iter().copied().zip(rules).zip(cells).map(side).collect()
+    let failed = |source| AssemblyError::Quadrature { form, source };
+    numberings.into_iter().map(|entry| group(entry).map_err(failed)).collect()
 }
 
 /// Second derivatives along the tangents: t₀ᵀHt₀, t₀ᵀHt₁, t₁ᵀHt₁.

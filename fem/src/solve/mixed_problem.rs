@@ -14,6 +14,7 @@ use super::{
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::constraints::Constraints;
 use crate::field::Field;
+use crate::history::commits;
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError};
 use crate::solve::SolverError;
 use crate::space::Space;
@@ -50,8 +51,9 @@ pub struct MixedProblem<'a, F, const D: usize, const N: usize> {
     assembler: &'a Assembler<D>,
     spaces: [Arc<Space<D>>; N],
     pattern: Arc<BlockPattern>,
-    /// Residual at 0 and tangent of the integrals that are constant or linear in the unknowns.
-    fixed: Option<Arc<(Vec<f64>, CsrMatrix)>>,
+    /// Residual at 0 and tangent of the integrals that are constant or linear in the unknowns, after how often the
+    /// form's histories had been committed then.
+    fixed: Option<(u64, Arc<(Vec<f64>, CsrMatrix)>)>,
     seconds: f64,
 }
 
@@ -233,7 +235,10 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     fn fixed(&mut self) -> Result<Arc<(Vec<f64>, CsrMatrix)>, AssemblyError> {
-        if let Some(fixed) = &self.fixed {
+        let commits = commits(self.form.inputs());
+        if let Some((then, fixed)) = &self.fixed
+            && *then == commits
+        {
             return Ok(fixed.clone());
         }
         let start = Instant::now();
@@ -243,7 +248,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         let mut matrix = CsrMatrix::zero(self.pattern.pattern());
         self.assembler.add_tangent(self.form, &zero, &spaces, Parts::FIXED, &self.pattern, &mut matrix)?;
         let fixed = Arc::new((residual, matrix));
-        self.fixed = Some(fixed.clone());
+        self.fixed = Some((commits, fixed.clone()));
         self.seconds += start.elapsed().as_secs_f64();
         Ok(fixed)
     }

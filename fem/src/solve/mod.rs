@@ -8,6 +8,7 @@
 pub mod condensed_solver;
 pub mod elimination;
 pub mod linear_solver;
+pub mod load_steps;
 pub mod lu_solver;
 pub mod mixed_problem;
 pub mod newton;
@@ -17,6 +18,7 @@ pub mod tangent_solver;
 pub use condensed_solver::CondensedSolver;
 pub use elimination::{Elimination, solve_linear, solve_linear_transposed};
 pub use linear_solver::{LinearSolution, LinearSolver, SolverError};
+pub use load_steps::{LoadPath, LoadStep, LoadStepError, LoadSteps};
 pub use lu_solver::LuSolver;
 pub use mixed_problem::{LinearProblemError, MixedProblem, MixedSolved};
 pub use newton::{

@@ -17,6 +17,7 @@ use crate::optimise::optimise;
 use crate::parse::parse;
 use crate::reuse::uses::{self, Import};
 use crate::reuse::{self, State, Subject, carrier, import, payload};
+use crate::show::formulas;
 
 /// `#[forms(dimension = 3, crate = my_backend)]`
 pub struct Options {
@@ -66,7 +67,7 @@ pub fn start(state: State) -> TokenStream {
     let content = proceed(&options, &state);
     quote! {
         #(#attributes)*
-        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, uncommon_codepoints, mixed_script_confusables)]
+        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
         #[allow(clippy::all)]
         #visibility mod #name {
             #content
@@ -129,9 +130,14 @@ fn compile(
         }
         diagnostics.next_dimension();
     }
+    // A formula is the same in each dimension.
+    let formulas = match diagnostics.is_empty() {
+        true => formulas(&module, options.dimensions[0]),
+        false => Vec::new(),
+    };
     let text = payload::write(&item, &imported, !diagnostics.is_empty());
     let carrier = carrier::write(&item, &imported, &text);
     let errors = diagnostics.into_tokens();
-    let code = emit(&module, &options.dimensions, optimised, &options.backend);
+    let code = emit(&module, &options.dimensions, optimised, &formulas, &options.backend);
     quote! { #errors #code #carrier }
 }

@@ -17,6 +17,7 @@ mod proof;
 #[cfg(test)]
 mod reference;
 mod reuse;
+mod show;
 mod tensor;
 
 use proc_macro2::TokenStream;

@@ -68,6 +68,18 @@ pub enum Function {
     NegativePart,
 }
 
+/// A function whose inside the compiler does not see. Its derivatives exist at run time, by dual numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum External {
+    /// Written in Rust, by index in [`crate::parse::syntax::Module::externals`].
+    Function(usize),
+    /// A tabulated law, by index of the data member.
+    Table(usize),
+    TensorExponential,
+    TensorLogarithm,
+    TensorSquareRoot,
+}
+
 /// A truth value at a point.
 #[derive(Clone, Debug)]
 pub enum Truth {
@@ -156,6 +168,13 @@ pub enum Operator {
     Minimum(Tensor, Tensor),
     Maximum(Tensor, Tensor),
     Select(Truth, Tensor, Tensor),
+    /// The `order`-th derivative of a function: the axes of its value, then `order` axes as long as the list of
+    /// all scalar inputs (the arguments one after the other, each row-major).
+    External {
+        function: External,
+        arguments: Vec<Tensor>,
+        order: usize,
+    },
     /// The limit of an expression at an interior facet, from one of its two cells.
     Restrict(Side, Tensor),
 
@@ -169,6 +188,44 @@ pub enum Operator {
         variable: Variable,
         direction: Tensor,
     },
+
+    /// A name that stands for what it was given: only where a formula is to be shown, never in a kernel.
+    Named(Named),
+}
+
+/// What a formula shows by its name.
+#[derive(Clone, Debug)]
+pub enum Named {
+    /// A call of a function of the module, or its derivative of order `directions.len()`: each direction has
+    /// one entry per argument, [`Operator::Zero`] for an argument that does not vary.
+    Call { function: usize, arguments: Vec<Tensor>, directions: Vec<Vec<Tensor>> },
+    /// `let name = value;`, or a built-in number such as π.
+    Value { name: String, value: Tensor },
+}
+
+impl Named {
+    /// The nodes that this one is made of.
+    pub fn operands(&self) -> Vec<Tensor> {
+        match self {
+            Named::Call { arguments, directions, .. } => {
+                arguments.iter().chain(directions.iter().flatten()).copied().collect()
+            }
+            Named::Value { value, .. } => vec![*value],
+        }
+    }
+
+    /// The same name with other operands.
+    pub fn map(&self, change: &mut impl FnMut(Tensor) -> Tensor) -> Named {
+        let mut all = |list: &[Tensor]| list.iter().map(|operand| change(*operand)).collect::<Vec<_>>();
+        match self {
+            Named::Call { function, arguments, directions } => Named::Call {
+                function: *function,
+                arguments: all(arguments),
+                directions: directions.iter().map(|row| all(row)).collect(),
+            },
+            Named::Value { name, value } => Named::Value { name: name.clone(), value: change(*value) },
+        }
+    }
 }
 
 impl Operator {
@@ -197,7 +254,8 @@ impl Operator {
             | Minimum(a, b)
             | Maximum(a, b) => vec![*a, *b],
             Gateaux { expression, direction, .. } => vec![*expression, *direction],
-            Stack(entries) => entries.clone(),
+            Stack(entries) | External { arguments: entries, .. } => entries.clone(),
+            Named(named) => named.operands(),
             Select(truth, a, b) => {
                 let mut all = truth.operands();
                 all.extend([*a, *b]);
@@ -236,6 +294,14 @@ impl Arena {
 
     pub fn place(&self, tensor: Tensor) -> Place {
         self.node(tensor).place
+    }
+
+    /// The names of all values that have one.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.nodes.iter().filter_map(|node| match &node.operator {
+            Operator::Named(Named::Value { name, .. }) => Some(name.as_str()),
+            _ => None,
+        })
     }
 
     /// The number of nodes.
@@ -296,8 +362,17 @@ pub enum FieldRole {
     Test(usize),
     State,
     Given,
+    /// Known at quadrature points only: it has no gradient.
+    History,
     /// The direction in which the tangent differentiates the k-th unknown.
     Trial(usize),
+}
+
+impl FieldRole {
+    /// A member of the data struct.
+    pub fn is_data(self) -> bool {
+        matches!(self, FieldRole::Given | FieldRole::History)
+    }
 }
 
 /// A field of a form.

@@ -1,6 +1,6 @@
 //! The names that every forms module knows: operators, functions, geometry.
 
-use crate::tensor::{Function, Geometry, LinearMap, Side};
+use crate::tensor::{External, Function, Geometry, LinearMap, Side};
 
 /// A name that is called with arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +26,8 @@ pub enum Builtin {
     Integral,
     Derivative,
     Partial,
+    /// A function of a square tensor.
+    External(External),
 }
 
 /// A name that stands for a value.
@@ -66,6 +68,9 @@ pub const BUILTINS: &[(&str, Builtin, usize, &str)] = &[
     ("heaviside", Builtin::Apply(Function::Heaviside), 1, "heaviside(a)"),
     ("pos_part", Builtin::Apply(Function::PositivePart), 1, "pos_part(a)"),
     ("neg_part", Builtin::Apply(Function::NegativePart), 1, "neg_part(a)"),
+    ("tensor_exp", Builtin::External(External::TensorExponential), 1, "tensor_exp(A)"),
+    ("tensor_ln", Builtin::External(External::TensorLogarithm), 1, "tensor_ln(A)"),
+    ("tensor_sqrt", Builtin::External(External::TensorSquareRoot), 1, "tensor_sqrt(A)"),
     ("pow", Builtin::Power, 2, "pow(base, exponent)"),
     ("min", Builtin::Minimum, 2, "min(a, b)"),
     ("max", Builtin::Maximum, 2, "max(a, b)"),

@@ -7,7 +7,7 @@ use super::evaluate::{Evaluator, Scope, Value};
 use super::operators::describe;
 use crate::diagnostics::Place;
 use crate::parse::syntax::*;
-use crate::tensor::Operator;
+use crate::tensor::{Operator, Tensor};
 
 impl Evaluator<'_> {
     pub(super) fn call(
@@ -20,6 +20,12 @@ impl Evaluator<'_> {
         let text = name.to_string();
         if let Some(index) = self.function(name) {
             return self.call_function(index, name, arguments, place, scope);
+        }
+        if let Some(index) = self.module.externals.iter().position(|external| external.name == *name) {
+            return self.call_external(index, arguments, place, scope).map(Value::Tensor);
+        }
+        if let Some(index) = self.table(name) {
+            return self.call_table(index, arguments, place, scope).map(Value::Tensor);
         }
         let Some((builtin, count, usage)) = builtins::builtin(&text) else {
             if !self.module.is_mistaken(name) {
@@ -65,6 +71,7 @@ impl Evaluator<'_> {
             Builtin::Determinant => self.of_tensor(a, place, &text, Operator::Determinant)?,
             Builtin::Inverse => self.of_tensor(a, place, &text, Operator::Inverse)?,
             Builtin::Cofactor => self.of_tensor(a, place, &text, Operator::Cofactor)?,
+            Builtin::External(function) => self.of_square(a, place, &text, function)?,
             Builtin::Gradient => self.gradient(a, place)?,
             Builtin::Hessian => self.hessian(a, place)?,
             Builtin::Restrict(side) => self.restrict(side, a, place)?,
@@ -112,25 +119,60 @@ impl Evaluator<'_> {
             self.diagnostics.error_with_help(place, message, help);
             return None;
         }
-        let expected = function.arguments.len();
-        if arguments.len() != expected {
-            let list: Vec<String> =
-                function.arguments.iter().map(|argument| argument.name.to_string()).collect();
-            let message = format!(
-                "`{name}` takes {expected} argument{}, not {}",
-                if expected == 1 { "" } else { "s" },
-                arguments.len()
-            );
-            self.diagnostics.error_with_help(place, message, format!("write `{name}({})`", list.join(", ")));
+        self.counted(name, &function.arguments, arguments.len(), place)?;
+        let values = self.shaped(name, &function.arguments, arguments, scope);
+        // A mistake in an argument has been told; the call itself gives nothing.
+        if values.iter().any(Option::is_none) {
             return None;
         }
+        let values: Vec<_> = values.into_iter().map(|value| value.map(Value::Tensor)).collect();
+        if let (true, Output::Value(rank)) = (self.outlined, function.output) {
+            return Some(self.name_call(index, rank, values, place));
+        }
+        match &function.foreign {
+            Some(foreign) if !self.diagnostics.is_inside() => {
+                self.inline_foreign(index, foreign, values, place)
+            }
+            _ => self.inline(index, values),
+        }
+    }
+
+    /// Reports a wrong number of arguments.
+    pub(super) fn counted(
+        &mut self,
+        name: &Ident,
+        declared: &[Argument],
+        found: usize,
+        place: Place,
+    ) -> Option<()> {
+        let expected = declared.len();
+        if found == expected {
+            return Some(());
+        }
+        let list: Vec<String> = declared.iter().map(|argument| argument.name.to_string()).collect();
+        let message = format!(
+            "`{name}` takes {expected} argument{}, not {found}",
+            if expected == 1 { "" } else { "s" },
+        );
+        self.diagnostics.error_with_help(place, message, format!("write `{name}({})`", list.join(", ")));
+        None
+    }
+
+    /// The arguments of a call, each of its declared shape; `None` after a report.
+    pub(super) fn shaped(
+        &mut self,
+        name: &Ident,
+        declared: &[Argument],
+        arguments: &[Expression],
+        scope: &Scope,
+    ) -> Vec<Option<Tensor>> {
         let mut values = Vec::new();
-        for (expression, argument) in arguments.iter().zip(&function.arguments) {
+        for (expression, argument) in arguments.iter().zip(declared) {
             let value = self.tensor(expression, scope, &format!("`{name}`"));
-            let value = value.and_then(|value| {
+            values.push(value.and_then(|value| {
                 let shape = argument.rank.shape(self.dimension);
                 if self.arena.shape(value) == shape {
-                    return Some(Value::Tensor(value));
+                    return Some(value);
                 }
                 let message = format!(
                     "the argument `{}` of `{name}` is {}, this is {}",
@@ -140,19 +182,9 @@ impl Evaluator<'_> {
                 );
                 self.diagnostics.error(expression.place, message);
                 None
-            });
-            values.push(value);
+            }));
         }
-        // A mistake in an argument has been told; the call itself gives nothing.
-        if values.iter().any(Option::is_none) {
-            return None;
-        }
-        match &function.foreign {
-            Some(foreign) if !self.diagnostics.is_inside() => {
-                self.inline_foreign(index, foreign, values, place)
-            }
-            _ => self.inline(index, values),
-        }
+        values
     }
 
     /// Inlines an imported function: its own tokens stand in another module, so the call is the place of all its nodes.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::Term;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
-use crate::tensor::{Arena, FieldInfo, Operator, Shape, Tensor, Truth};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
 
 /// What an expression stands for.
 #[derive(Clone)]
@@ -25,8 +25,12 @@ pub struct Evaluator<'a> {
     pub(super) calls: Vec<usize>,
     /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
     pub(super) uses: HashMap<Tensor, Place>,
-    /// Field index of each `Given` member.
+    /// Functions of the module and `let`s stay names, as a formula shows them.
+    pub(super) outlined: bool,
+    /// Field index of each `Given` or `History` member.
     pub(super) given: HashMap<String, (usize, Shape)>,
+    /// Field indices of the `History` members.
+    pub(super) histories: Vec<usize>,
 }
 
 /// Names of one function: arguments and `let`s. `None`: its value had a mistake, which was reported.
@@ -41,7 +45,9 @@ impl<'a> Evaluator<'a> {
             diagnostics,
             calls: vec![],
             uses: HashMap::new(),
+            outlined: false,
             given: HashMap::new(),
+            histories: vec![],
         }
     }
 
@@ -56,6 +62,9 @@ impl<'a> Evaluator<'a> {
         }
         for (index, field) in fields.iter().enumerate().skip(arguments.len()) {
             self.given.insert(field.name.clone(), (index, field.shape.clone()));
+            if field.role == FieldRole::History {
+                self.histories.push(index);
+            }
         }
         match &self.module.functions[function].foreign {
             Some(foreign) => {
@@ -111,7 +120,7 @@ impl<'a> Evaluator<'a> {
         let mut scope = outer.clone();
         for (name, expression) in &block.lets {
             super::check_not_built_in(name, self.diagnostics);
-            let value = self.evaluate(expression, &scope);
+            let value = self.evaluate(expression, &scope).map(|value| self.name_value(name, value));
             scope.insert(name.to_string(), value);
         }
         self.evaluate(&block.result, &scope)

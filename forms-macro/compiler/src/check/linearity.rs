@@ -110,8 +110,16 @@ impl Algebra<'_> {
                 self.free(a, "a nonlinear function")?;
                 self.free(b, "a nonlinear function")
             }
+            External { arguments, .. } => {
+                for argument in arguments {
+                    self.free(argument, "a function that may be nonlinear")?;
+                }
+                Some(vec![])
+            }
             // The derivative is linear in its direction, and in what the expression was linear in.
             Gateaux { expression, direction, .. } => self.product(tensor, expression, direction),
+            // Formulas are made of what was checked already.
+            Named(_) => Some(vec![]),
         }
     }
 

@@ -4,10 +4,12 @@
 pub mod builtins;
 mod calls;
 mod evaluate;
+mod externals;
 mod integrals;
 mod linearity;
 mod names;
 mod operators;
+mod outline;
 pub mod regions;
 mod sides;
 
@@ -30,7 +32,7 @@ pub struct CheckedFunction {
     pub function: usize,
     pub dimension: usize,
     pub arena: Arena,
-    /// Arguments in their order, then the module's `Given` members in theirs.
+    /// Arguments in their order, then the module's `Given` and `History` members in theirs.
     pub fields: Vec<FieldInfo>,
     pub content: Content,
 }
@@ -60,6 +62,8 @@ pub fn check(module: &Module, dimension: usize, diagnostics: &mut Diagnostics) -
         .collect();
     Checked { functions }
 }
+
+pub use outline::outline;
 
 /// Is this function one that others call, and nothing to assemble by itself?
 /// A `Form`, `Energy` or `Functional` whose arguments have no roles is a building block.
@@ -93,17 +97,18 @@ pub fn fields_of(module: &Module, function: &Function, dimension: usize) -> Vec<
             shape: argument.rank.shape(dimension),
         });
     }
-    for member in given_members(module) {
+    for member in field_members(module) {
         let shape = member.rank.shape(dimension);
-        fields.push(FieldInfo { name: member.name.to_string(), role: FieldRole::Given, shape });
+        let role = if member.kind == MemberKind::History { FieldRole::History } else { FieldRole::Given };
+        fields.push(FieldInfo { name: member.name.to_string(), role, shape });
     }
     fields
 }
 
 /// The members of the data struct that are fields.
-pub fn given_members(module: &Module) -> impl Iterator<Item = &Member> {
+pub fn field_members(module: &Module) -> impl Iterator<Item = &Member> {
     let members = module.data.iter().flat_map(|data| &data.members);
-    members.filter(|member| member.kind == MemberKind::Given)
+    members.filter(|member| matches!(member.kind, MemberKind::Given | MemberKind::History))
 }
 
 fn check_function(
@@ -160,7 +165,8 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
     let data = module.data.iter().map(|data| &data.name);
-    check_names(members.chain(data).chain(regions).chain(functions), diagnostics);
+    let externals = module.externals.iter().map(|external| &external.name);
+    check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
     }

@@ -5,6 +5,7 @@ use proc_macro2::Ident;
 use super::builtins::{self, Constant};
 use super::evaluate::{Evaluator, Scope, Value};
 use crate::diagnostics::Place;
+use crate::parse::syntax::MemberKind;
 use crate::tensor::{Geometry, Operator};
 
 impl Evaluator<'_> {
@@ -26,6 +27,11 @@ impl Evaluator<'_> {
         }
         let members = self.module.data.iter().flat_map(|data| &data.members);
         if let Some((index, member)) = members.enumerate().find(|(_, member)| member.name == *name) {
+            if member.kind == MemberKind::Table {
+                let help = format!("write `{text}(s)`, with a scalar s");
+                self.diagnostics.error_with_help(place, format!("`{text}` is a table, not a value"), help);
+                return None;
+            }
             let shape = member.rank.shape(self.dimension);
             return Some(Value::Tensor(self.arena.push(Operator::Parameter(index), shape, place)));
         }
@@ -40,7 +46,8 @@ impl Evaluator<'_> {
                 Constant::Dimension => (Operator::Number(d as f64), vec![]),
                 Constant::Pi => (Operator::Number(std::f64::consts::PI), vec![]),
             };
-            return Some(Value::Tensor(self.arena.push(operator, shape, place)));
+            let value = self.arena.push(operator, shape, place);
+            return Some(Value::Tensor(self.name_constant(constant, value)));
         }
         if !self.module.is_mistaken(name) {
             self.unknown_name(name, place, scope);
@@ -60,7 +67,10 @@ impl Evaluator<'_> {
         } else if self.module.regions.iter().any(|region| region.name == *name) {
             let help = format!("write `integral({text}, density)`");
             self.diagnostics.error_with_help(place, format!("`{text}` is a region, not a value"), help);
-        } else if builtins::builtin(&text).is_some() || self.function(name).is_some() {
+        } else if builtins::builtin(&text).is_some()
+            || self.function(name).is_some()
+            || self.module.externals.iter().any(|external| external.name == *name)
+        {
             self.diagnostics.error_with_help(
                 place,
                 format!("`{text}` is a function, not a value"),
@@ -94,8 +104,12 @@ impl Evaluator<'_> {
     }
 
     pub(super) fn unknown_function(&mut self, name: &Ident) {
+        let tables = self.module.data.iter().flat_map(|data| &data.members);
+        let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
+        let externals = self.module.externals.iter().map(|external| &external.name);
+        let functions = self.module.functions.iter().map(|function| &function.name);
         let functions: Vec<String> =
-            self.module.functions.iter().map(|function| function.name.to_string()).collect();
+            functions.chain(externals).chain(tables).map(ToString::to_string).collect();
         let known =
             functions.iter().map(String::as_str).chain(builtins::BUILTINS.iter().map(|entry| entry.0));
         let message = format!("the function `{name}` is not known here");

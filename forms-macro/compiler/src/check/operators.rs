@@ -221,6 +221,7 @@ impl Evaluator<'_> {
 
     /// grad: a field's own derivative, or the chain rule on an expression.
     pub(super) fn gradient(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+        self.check_gradient(a, place)?;
         let shape = [self.arena.shape(a), &[self.dimension]].concat();
         let operator = match self.arena.node(a).operator {
             Operator::Field { field, order: order @ (0 | 1) } => Operator::Field { field, order: order + 1 },

@@ -1,7 +1,7 @@
 //! Stage 3: [`CheckedFunction`] → [`Derived`]: the operators of differentiation are carried out, and
 //! residuals and tangents are derived. Nothing of a [`Derived`] holds `Gradient`, `Partial` or `Gateaux`.
 
-mod rules;
+pub mod rules;
 
 use std::collections::HashMap;
 
@@ -357,7 +357,7 @@ pub fn multi_indices(shape: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// The same operator on other operands.
-fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tensor) -> Operator {
+pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tensor) -> Operator {
     use Operator::*;
     match operator {
         Number(_) | Zero | Identity | Parameter(_) | Field { .. } | Geometry(_) => operator.clone(),
@@ -381,6 +381,10 @@ fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tensor) 
         Minimum(a, b) => Minimum(change(*a), change(*b)),
         Maximum(a, b) => Maximum(change(*a), change(*b)),
         Stack(entries) => Stack(entries.iter().map(|entry| change(*entry)).collect()),
+        External { function, arguments, order } => {
+            let arguments = arguments.iter().map(|argument| change(*argument)).collect();
+            External { function: *function, arguments, order: *order }
+        }
         Select(truth, a, b) => {
             let truth = truth.map(change);
             Select(truth, change(*a), change(*b))
@@ -388,5 +392,6 @@ fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tensor) 
         Gateaux { expression, variable, direction } => {
             Gateaux { expression: change(*expression), variable: *variable, direction: change(*direction) }
         }
+        Named(named) => Named(named.map(change)),
     }
 }

@@ -6,9 +6,12 @@
 
 use std::collections::HashMap;
 
+use super::multi_indices;
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{Arena, Function, Geometry, LinearMap, Operator, Tensor, Truth, Variable};
+use crate::tensor::{
+    Arena, External, Function, Geometry, LinearMap, Named, Operator, Tensor, Truth, Variable,
+};
 
 /// What is varied, and how.
 #[derive(Clone, Copy, Debug)]
@@ -139,14 +142,85 @@ impl<'a> Differentiation<'a> {
                 let (da, db) = (self.derive(a), self.derive(b));
                 self.choose(truth, da, db, tensor)
             }
+            External { function, arguments, order } => self.external(tensor, function, arguments, order),
             // A limit from one side commutes with every derivative.
             Restrict(side, a) => {
                 let da = self.derive(a)?;
                 Some(self.push(Restrict(side, da), shape, tensor))
             }
-            // Removed before a derivative is taken of what holds them.
-            Gradient(_) | Partial(..) | Gateaux { .. } => None,
+            // Below: only in formulas. For kernels they are removed before a derivative is taken of what holds them.
+            // d ∇e = ∇de
+            Gradient(a) => {
+                let da = self.derive(a)?;
+                Some(self.push(Gradient(da), shape, tensor))
+            }
+            Partial(expression, variable) => self.partial(tensor, expression, variable),
+            Gateaux { .. } => self.postponed(tensor),
+            Operator::Named(named) => self.named(tensor, named),
         }
+    }
+
+    /// d (∂e/∂w) = ∂(de)/∂w, where dw is held fixed.
+    fn partial(&mut self, tensor: Tensor, expression: Tensor, variable: Variable) -> Option<Tensor> {
+        let change = self.derive(expression)?;
+        if let Variable::Node(node) = variable
+            && let Some(direction) = self.derive(node)
+            && self.arena.reachable(&[direction]).contains(&node)
+        {
+            return self.postponed(tensor);
+        }
+        let shape = self.arena.shape(tensor).to_vec();
+        Some(self.push(Operator::Partial(change, variable), shape, tensor))
+    }
+
+    /// The derivative, not carried out.
+    fn postponed(&mut self, tensor: Tensor) -> Option<Tensor> {
+        let Seed::Toward { variable, direction, .. } = self.seed else { return None };
+        let varies = self.arena.reachable(&[tensor]).into_iter().any(|node| match variable {
+            Variable::Field(varied) => {
+                matches!(self.arena.node(node).operator, Operator::Field { field, .. } if field == varied)
+            }
+            Variable::Parameter(varied) => {
+                matches!(self.arena.node(node).operator, Operator::Parameter(index) if index == varied)
+            }
+            Variable::Node(varied) => node == varied,
+        });
+        let shape = self.arena.shape(tensor).to_vec();
+        let operator = Operator::Gateaux { expression: tensor, variable, direction };
+        varies.then(|| self.push(operator, shape, tensor))
+    }
+
+    /// Chain rule for the k-th derivative of a function, which is linear in each of its k directions:
+    /// d (Dᵏf(a)[b, …]) = Dᵏ⁺¹f(a)[b, …, da] + Dᵏf(a)[db, …] + …
+    fn named(&mut self, tensor: Tensor, named: Named) -> Option<Tensor> {
+        let (function, arguments, directions) = match named {
+            Named::Value { value, .. } => return self.derive(value),
+            Named::Call { function, arguments, directions } => (function, arguments, directions),
+        };
+        let shape = self.arena.shape(tensor).to_vec();
+        let mut sum = None;
+        for row in 0..=directions.len() {
+            let varied = directions.get(row).unwrap_or(&arguments);
+            let change: Vec<_> = varied.iter().map(|one| self.derive(*one)).collect();
+            if change.iter().all(Option::is_none) {
+                continue;
+            }
+            let varied = varied.clone();
+            let change = varied.into_iter().zip(change).map(|(one, change)| {
+                let shape = self.arena.shape(one).to_vec();
+                change.unwrap_or_else(|| self.push(Operator::Zero, shape, one))
+            });
+            let change: Vec<_> = change.collect();
+            let mut directions = directions.clone();
+            match directions.get_mut(row) {
+                Some(direction) => *direction = change,
+                None => directions.push(change),
+            }
+            let named = Named::Call { function, arguments: arguments.clone(), directions };
+            let one = self.push(Operator::Named(named), shape.clone(), tensor);
+            sum = self.sum(sum, Some(one));
+        }
+        sum
     }
 
     fn field(&mut self, tensor: Tensor, field: usize, order: usize) -> Option<Tensor> {
@@ -301,6 +375,35 @@ impl<'a> Differentiation<'a> {
             }
             Function::Sign | Function::Heaviside => return None,
         })
+    }
+
+    /// d f⁽ⁿ⁾(a, b, …) = f⁽ⁿ⁺¹⁾(a, b, …) · (da, db, …), all arguments flattened to one list.
+    fn external(
+        &mut self,
+        tensor: Tensor,
+        function: External,
+        arguments: Vec<Tensor>,
+        order: usize,
+    ) -> Option<Tensor> {
+        let derived: Vec<_> = arguments.iter().map(|argument| self.derive(*argument)).collect();
+        if derived.iter().all(Option::is_none) {
+            return None;
+        }
+        let mut changes = Vec::new();
+        for (argument, change) in arguments.iter().zip(derived) {
+            for index in multi_indices(&self.arena.shape(*argument).to_vec()) {
+                changes.push(match change {
+                    Some(change) => self.push(Operator::Component(change, index), vec![], tensor),
+                    None => self.push(Operator::Zero, vec![], tensor),
+                });
+            }
+        }
+        let shape = self.arena.shape(tensor).to_vec();
+        let count = changes.len();
+        let slope = Operator::External { function, arguments, order: order + 1 };
+        let slope = self.push(slope, [&shape[..], &[count]].concat(), tensor);
+        let changes = self.push(Operator::Stack(changes), vec![count], tensor);
+        Some(self.push(Operator::Contract(slope, changes), shape, tensor))
     }
 
     fn power(&mut self, tensor: Tensor, a: Tensor, b: Tensor) -> Option<Tensor> {

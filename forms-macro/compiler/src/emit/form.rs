@@ -4,13 +4,16 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
+use super::external::ExternalNames;
+use super::formula;
 use super::kernel::KernelWriter;
 use super::placeholder::{likely_regions, placeholder};
-use crate::check::{fields_of, given_members};
+use crate::check::{field_members, fields_of};
 use crate::optimise::degree::Degree;
 use crate::optimise::linear::SidedField;
 use crate::optimise::{Dependence, Description, Optimised};
 use crate::parse::syntax::*;
+use crate::show::Shown;
 use crate::tensor::{FieldInfo, FieldRole};
 
 /// Constructor and module of a function.
@@ -19,6 +22,7 @@ pub fn emit_function(
     function: &Function,
     dimensions: &[usize],
     optimised: Vec<Optimised>,
+    formula: Option<&Shown>,
     backend: &syn::Path,
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
@@ -35,9 +39,12 @@ pub fn emit_function(
         implementations.extend(implementation(module, function, *dimension, found, &used));
     }
     let own_inputs = own("inputs");
+    let page = formula.map(|shown| formula::page(shown, module, function));
+    let shown = formula::formula(formula);
     let constructor = match complete {
         true => quote! {
             #(#attributes)*
+            #page
             #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
                 #inputs
                 #name::Form::with(#own_inputs)
@@ -63,6 +70,11 @@ pub fn emit_function(
             impl<const D: usize> Form<D> {
                 pub(super) fn with(inputs: contract::Inputs<D>) -> Self {
                     Form { inputs }
+                }
+                /// The function as mathematics.
+                pub fn formula(&self) -> &'static contract::Formula {
+                    const FORMULA: contract::Formula = #shown;
+                    &FORMULA
                 }
             }
             #implementations
@@ -149,10 +161,12 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
             quote! { Some(#name.into()) }
         }
     });
-    let given = given_members(module).map(|member| {
+    let given = field_members(module).map(|member| {
         let name = &member.name;
         quote! { Some(#own_data.#name.source().clone()) }
     });
+    let tables = module.data.iter().flat_map(|data| &data.members);
+    let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
     // An energy has a test function per unknown that no argument names.
     let variations = function
         .arguments
@@ -167,6 +181,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         let mut #own_inputs = contract::Inputs::<D>::empty();
         #(#parameters)*
         #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
+        #own_inputs.tables = ::std::vec![#(#own_data.#tables.clone()),*];
         #own_inputs.regions = ::std::vec![#(#regions),*];
     }
 }
@@ -186,9 +201,11 @@ fn implementation(
     if let Some(mut optimised) = optimised {
         fields = std::mem::take(&mut optimised.fields);
         let mut graph = std::mem::take(&mut optimised.graph);
-        let mut writer = KernelWriter { graph: &mut graph, fields: &fields, dimension };
+        let externals = ExternalNames::new(module, dimension);
+        let mut writer =
+            KernelWriter { graph: &mut graph, fields: &fields, externals: &externals, dimension };
         let visit = |description: TokenStream, kernel: &Ident| {
-            quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters))?; }
+            quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters, &self.inputs.tables))?; }
         };
         for (index, integral) in optimised.residual.iter().enumerate() {
             let kernel = format_ident!("Residual{index}");
@@ -286,7 +303,7 @@ fn implementation(
 fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
     let number = match fields[function.field].role {
         FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,
-        FieldRole::State | FieldRole::Given => 0,
+        FieldRole::State | FieldRole::Given | FieldRole::History => 0,
     };
     Described { number, side: function.side }
 }
@@ -298,7 +315,7 @@ fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> Token
             FieldRole::Unknown(number) => quote! { Unknown(#number) },
             FieldRole::Test(number) => quote! { Test(#number) },
             FieldRole::State => quote! { State },
-            FieldRole::Given => quote! { Given },
+            FieldRole::Given | FieldRole::History => quote! { Given },
             FieldRole::Trial(_) => return None,
         };
         let (name, shape) = (&field.name, &field.shape);
@@ -310,5 +327,6 @@ fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> Token
         fn name(&self) -> &'static str { #text }
         fn fields(&self) -> &'static [contract::FieldDescription] { &[#(#fields),*] }
         fn inputs(&self) -> &contract::Inputs<#dimension> { &self.inputs }
+        fn formula(&self) -> &'static contract::Formula { Form::formula(self) }
     }
 }

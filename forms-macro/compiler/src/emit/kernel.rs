@@ -3,6 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::external::ExternalNames;
 use super::layout::Layout;
 use super::print::{Demand, Store, from_point};
 use super::straight_line::{Code, Level, Value};
@@ -15,6 +16,7 @@ use crate::tensor::{FieldInfo, Geometry};
 pub struct KernelWriter<'a> {
     pub graph: &'a mut Graph,
     pub fields: &'a [FieldInfo],
+    pub externals: &'a ExternalNames,
     pub dimension: usize,
 }
 
@@ -34,7 +36,7 @@ impl KernelWriter<'_> {
             roots.push(self.graph.sum(&parts));
         }
         let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
-        let mut code = Code::new(self.graph, &roots);
+        let mut code = Code::new(self.graph, self.externals, &roots);
         let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
 
         let (mut form, mut cell, mut point) = (Store::default(), Store::default(), Store::default());
@@ -112,7 +114,7 @@ impl KernelWriter<'_> {
         };
         let roots: Vec<Scalar> = tests.iter().chain(&trials).chain(&block).copied().collect();
         let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
-        let mut code = Code::new(self.graph, &roots);
+        let mut code = Code::new(self.graph, self.externals, &roots);
         let mut lower =
             |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
         let (tests, trials, block) = (lower(&tests), lower(&trials), lower(&block));
@@ -198,7 +200,7 @@ impl KernelWriter<'_> {
         let d = self.dimension;
         let count = components.len();
         let layout = Layout::new(self.graph, self.fields, self.dimension, components);
-        let mut code = Code::new(self.graph, components);
+        let mut code = Code::new(self.graph, self.externals, components);
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let (mut form, mut cell) = (Store::default(), Store::default());
         let body = {
@@ -283,15 +285,22 @@ impl KernelWriter<'_> {
         };
         let body = code.print(&form.values, Level::Form, &terminal, &mut |_, _| quote! { f64::NAN });
         let (statements, results) = (body.statements, body.results);
+        let (member, value) = match code.reads_tables() {
+            true => {
+                (quote! { tables: ::std::vec::Vec<contract::Table>, }, quote! { tables: tables.to_vec(), })
+            }
+            false => (quote! {}, quote! {}),
+        };
         quote! {
             pub struct #name {
                 form: [f64; #count],
+                #member
             }
             impl #name {
-                pub fn new(parameters: &[f64]) -> Self {
+                pub fn new(parameters: &[f64], tables: &[contract::Table]) -> Self {
                     type L = f64;
                     #statements
-                    #name { form: [#(#results),*] }
+                    #name { form: [#(#results),*], #value }
                 }
             }
         }

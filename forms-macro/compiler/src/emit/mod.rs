@@ -2,7 +2,9 @@
 //! behind it a module with the form's type and its kernels.
 
 mod description;
+mod external;
 mod form;
+mod formula;
 mod kernel;
 mod layout;
 mod placeholder;
@@ -18,6 +20,7 @@ use crate::check::{RESERVED, is_building_block};
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 use crate::reuse::import::imported_path;
+use crate::show::Shown;
 
 /// Writes what stands in the module. After a mistake all names still exist, so that what refers to them gives no further
 /// errors: a function without an optimised version (it had a mistake) is written as [`placeholder`].
@@ -25,6 +28,7 @@ pub fn emit(
     module: &Module,
     dimensions: &[usize],
     optimised: Vec<Optimised>,
+    formulas: &[Option<Shown>],
     backend: &syn::Path,
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
@@ -38,11 +42,14 @@ pub fn emit(
     for one in optimised {
         by_function[one.function].push(one);
     }
-    let functions =
-        module.functions.iter().zip(by_function).filter(|(function, _)| !is_building_block(function));
+    let functions = module.functions.iter().zip(by_function).enumerate();
+    let functions = functions.filter(|(_, (function, _))| !is_building_block(function));
     let functions: Vec<_> = functions
-        .filter(|(function, _)| is_first(&function.name))
-        .map(|(function, optimised)| form::emit_function(module, function, dimensions, optimised, backend))
+        .filter(|(_, (function, _))| is_first(&function.name))
+        .map(|(index, (function, optimised))| {
+            let formula = formulas.get(index).and_then(Option::as_ref);
+            form::emit_function(module, function, dimensions, optimised, formula, backend)
+        })
         .collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Function { visibility, name, arguments, integrates } => {
@@ -55,13 +62,15 @@ pub fn emit(
                 }
             })
         }
-        Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::Import(_) => None,
+        Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) => None,
     });
+    let externals = module.externals.iter().map(|one| external::emit_external(one, dimensions));
     quote! {
         use #backend::contract;
         #data
         #(#regions)*
         #(#functions)*
+        #(#externals)*
         #(#unread)*
     }
 }
@@ -75,7 +84,7 @@ fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     let members = members.iter().filter(|member| taken.insert(member.name.to_string())).map(emit_member);
     let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Member(member) => Some(emit_member(member)),
-        Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::Function { .. } => None,
+        Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) | Mistaken::Function { .. } => None,
     });
     let members = members.chain(unread);
     quote! {
@@ -93,6 +102,8 @@ fn emit_member(member: &Member) -> TokenStream {
     let ty = match kind {
         MemberKind::Param => value,
         MemberKind::Given => quote! { contract::Given<#value, D> },
+        MemberKind::History => quote! { contract::History<#value, D> },
+        MemberKind::Table => quote! { contract::Table },
     };
     quote! { #(#attributes)* pub #name: #ty }
 }

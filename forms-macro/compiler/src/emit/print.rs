@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 
 use super::straight_line::{Code, Instruction, Level, Value};
 use crate::optimise::scalar::Node;
-use crate::tensor::Function;
+use crate::tensor::{External, Function};
 
 /// The text of one function, and what it wants from the functions before it.
 pub struct Body {
@@ -85,11 +85,17 @@ impl Code<'_> {
         }
         own.sort_unstable();
         let mut texts: HashMap<Value, TokenStream> = HashMap::new();
-        let mut statements = TokenStream::new();
-        for value in own {
+        // One `let` for all names: with one per name, each opens a scope inside the last, and some thousands
+        // of them overflow rustc's stack where it writes debug information.
+        let names: Vec<_> = own.iter().map(|value| format_ident!("t{}", value.0)).collect();
+        let mut statements = if own.is_empty() {
+            TokenStream::new()
+        } else {
+            quote! { let (#(#names,)*); }
+        };
+        for (value, name) in own.into_iter().zip(names) {
             let right = self.print_instruction(value, terminal, earlier, &mut texts);
-            let name = format_ident!("t{}", value.0);
-            statements.extend(quote! { let #name = #right; });
+            statements.extend(quote! { #name = #right; });
             texts.insert(value, quote! { #name });
         }
         let results = roots.iter().map(|root| self.text(*root, earlier, &mut texts)).collect();
@@ -148,6 +154,49 @@ impl Code<'_> {
             And(..) => quote! { L::and(#a, #b) },
             Or(..) => quote! { L::or(#a, #b) },
             Not(_) => quote! { L::not(#a) },
+            Entry(_, list, output) => quote! { #a[#list][#output] },
+            Call { function, outputs, derivatives, .. } => {
+                self.print_call(value, function, &operands, outputs, &derivatives)
+            }
+        }
+    }
+}
+
+impl Code<'_> {
+    /// One array per list of inputs to differentiate by, with all outputs.
+    fn print_call(
+        &self,
+        value: Value,
+        function: External,
+        inputs: &[TokenStream],
+        outputs: usize,
+        derivatives: &[Vec<usize>],
+    ) -> TokenStream {
+        let order = derivatives.first().map_or(0, Vec::len);
+        let name = match function {
+            External::Table(member) => {
+                let index = self.externals.tables[member];
+                let tables = match self.level(value) {
+                    Level::Form => quote! { tables },
+                    _ => quote! { self.tables },
+                };
+                return quote! { [[contract::tabulated(&#tables[#index], #order, #(#inputs),*)]] };
+            }
+            External::Function(index) => {
+                let name = &self.externals.functions[index];
+                quote! { super::super::#name }
+            }
+            External::TensorExponential => quote! { contract::TensorExponential },
+            External::TensorLogarithm => quote! { contract::TensorLogarithm },
+            External::TensorSquareRoot => quote! { contract::TensorSquareRoot },
+        };
+        let number = (0..order).fold(quote! { f64 }, |inner, _| quote! { contract::Dual<#inner> });
+        let (input_count, count) = (inputs.len(), derivatives.len());
+        quote! {
+            contract::external::<#name, #number, L, #input_count, #outputs, #count, #order>(
+                [#(#inputs),*],
+                [#([#(#derivatives),*]),*],
+            )
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Scalars → instructions with at most three operands, each at the earliest level where its operands
 //! exist.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::external::ExternalNames;
 use crate::optimise::scalar::{Argument, Graph, Node, Scalar};
-use crate::tensor::{Function, Geometry};
+use crate::tensor::{External, Function, Geometry};
 
 /// When a value is known: with the parameters, per cell, per point, per basis function (or pair).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -41,6 +42,15 @@ pub(super) enum Instruction {
     And(Value, Value),
     Or(Value, Value),
     Not(Value),
+    /// Derivatives of all outputs of a function, by each of some lists of inputs.
+    Call {
+        function: External,
+        inputs: Vec<Value>,
+        outputs: usize,
+        derivatives: Vec<Vec<usize>>,
+    },
+    /// Of a call: which list, which output.
+    Entry(Value, usize, usize),
 }
 
 impl Instruction {
@@ -48,7 +58,8 @@ impl Instruction {
         use Instruction::*;
         match self {
             Number(_) | Terminal(_) => vec![],
-            Negate(a) | Apply(_, a) | Not(a) => vec![*a],
+            Negate(a) | Apply(_, a) | Not(a) | Entry(a, ..) => vec![*a],
+            Call { inputs, .. } => inputs.clone(),
             Add(a, b)
             | Subtract(a, b)
             | Multiply(a, b)
@@ -72,20 +83,31 @@ impl Instruction {
     }
 }
 
+/// A function at some inputs, and the order of the derivative.
+type CallKey = (External, Vec<Scalar>, usize);
+
 /// The instructions of one kernel.
 pub struct Code<'a> {
     pub(super) graph: &'a Graph,
+    pub(super) externals: &'a ExternalNames,
     pub(super) instructions: Vec<(Instruction, Level)>,
     interned: HashMap<Instruction, Value>,
     lowered: HashMap<Scalar, Value>,
     /// Number of parents of each scalar in this kernel.
     uses: HashMap<Scalar, usize>,
+    /// All derivatives of one order that the kernel needs of a function at some inputs: one call gives them.
+    calls: HashMap<CallKey, BTreeSet<Vec<usize>>>,
 }
 
 impl<'a> Code<'a> {
-    pub fn new(graph: &'a Graph, roots: &[Scalar]) -> Self {
+    pub fn new(graph: &'a Graph, externals: &'a ExternalNames, roots: &[Scalar]) -> Self {
         let mut uses = HashMap::new();
+        let mut calls: HashMap<CallKey, BTreeSet<Vec<usize>>> = HashMap::new();
         for scalar in graph.reachable(roots) {
+            if let Node::External { function, inputs, derivative, .. } = graph.node(scalar) {
+                let key = (*function, inputs.clone(), derivative.len());
+                calls.entry(key).or_default().insert(derivative.clone());
+            }
             for operand in graph.operands(scalar) {
                 *uses.entry(operand).or_insert(0) += 1;
             }
@@ -93,7 +115,23 @@ impl<'a> Code<'a> {
         for root in roots {
             *uses.entry(*root).or_insert(0) += 1;
         }
-        Code { graph, instructions: vec![], interned: HashMap::new(), lowered: HashMap::new(), uses }
+        Code {
+            graph,
+            externals,
+            instructions: vec![],
+            interned: HashMap::new(),
+            lowered: HashMap::new(),
+            uses,
+            calls,
+        }
+    }
+
+    /// Does any instruction read a table?
+    pub(super) fn reads_tables(&self) -> bool {
+        let table = |instruction: &Instruction| {
+            matches!(instruction, Instruction::Call { function: External::Table(_), .. })
+        };
+        self.instructions.iter().any(|(instruction, _)| table(instruction))
     }
 
     fn push(&mut self, instruction: Instruction) -> Value {
@@ -154,6 +192,14 @@ impl<'a> Code<'a> {
             Node::Select(truth, a, b) => {
                 let (truth, a, b) = (self.lower(truth), self.lower(a), self.lower(b));
                 self.push(Instruction::Select(truth, a, b))
+            }
+            Node::External { function, inputs, outputs, output, derivative } => {
+                let values = inputs.iter().map(|input| self.lower(*input)).collect();
+                let derivatives: Vec<Vec<usize>> =
+                    self.calls[&(function, inputs, derivative.len())].iter().cloned().collect();
+                let list = derivatives.iter().position(|known| *known == derivative).unwrap_or_default();
+                let call = self.push(Instruction::Call { function, inputs: values, outputs, derivatives });
+                self.push(Instruction::Entry(call, list, output))
             }
             _ => self.push(Instruction::Terminal(scalar)),
         };

@@ -134,7 +134,11 @@ impl<'a> Degrees<'a> {
                 }
                 _ => self.of(*a).plus(Degree::constant(2)),
             },
-            Gradient(_) | Partial(..) | Gateaux { .. } => zero,
+            External { arguments, .. } => {
+                let largest = arguments.iter().fold(zero, |all, argument| all.largest(self.of(*argument)));
+                largest.plus(Degree::constant(2))
+            }
+            Gradient(_) | Partial(..) | Gateaux { .. } | Named(_) => zero,
         }
     }
 }

@@ -5,8 +5,10 @@ pub mod degree;
 mod factor;
 pub mod linear;
 mod polynomial;
+#[cfg(test)]
+pub use polynomial::equal as equal_scalars;
 pub mod scalar;
-mod scalarise;
+pub mod scalarise;
 
 use std::collections::{BTreeMap, HashMap};
 

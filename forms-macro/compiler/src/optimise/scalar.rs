@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use crate::tensor::{Function, Geometry, Side};
+use crate::tensor::{External, Function, Geometry, Side};
 
 /// A node of a [`Graph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -81,6 +81,14 @@ pub enum Node {
     Minimum(Scalar, Scalar),
     Maximum(Scalar, Scalar),
     Select(Scalar, Scalar, Scalar),
+    /// The `output`-th of the `outputs` components of a function, differentiated by some of its inputs (sorted).
+    External {
+        function: External,
+        inputs: Vec<Scalar>,
+        outputs: usize,
+        output: usize,
+        derivative: Vec<usize>,
+    },
     /// Truth values.
     Less(Scalar, Scalar),
     LessEqual(Scalar, Scalar),
@@ -365,6 +373,7 @@ impl Graph {
             | Node::And(a, b)
             | Node::Or(a, b) => vec![*a, *b],
             Node::Select(truth, a, b) => vec![*truth, *a, *b],
+            Node::External { inputs, .. } => inputs.clone(),
             _ => vec![],
         }
     }

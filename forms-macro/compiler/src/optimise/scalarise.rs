@@ -155,8 +155,28 @@ impl Scalariser<'_> {
                 let truth = self.truth(truth);
                 self.zip(*a, *b, |graph, a, b| graph.select(truth, a, b))
             }
+            External { function, arguments, order } => {
+                let inputs: Vec<Scalar> =
+                    arguments.iter().flat_map(|argument| self.components(*argument)).collect();
+                let outputs = count / inputs.len().pow(*order as u32);
+                let entries = multi_indices(&[&[outputs][..], &vec![inputs.len(); *order]].concat());
+                let entries = entries.into_iter().map(|entry| {
+                    let mut derivative = entry[1..].to_vec();
+                    // The order of differentiation does not matter.
+                    derivative.sort_unstable();
+                    let (function, inputs) = (*function, inputs.clone());
+                    self.graph.intern(Node::External {
+                        function,
+                        inputs,
+                        outputs,
+                        output: entry[0],
+                        derivative,
+                    })
+                });
+                entries.collect()
+            }
             // `differentiate` has removed these.
-            Gradient(_) | Partial(..) | Gateaux { .. } => vec![self.graph.number(f64::NAN); count],
+            Gradient(_) | Partial(..) | Gateaux { .. } | Named(_) => vec![self.graph.number(f64::NAN); count],
         }
     }
 

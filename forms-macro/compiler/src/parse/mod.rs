@@ -2,6 +2,7 @@
 
 mod declared_type;
 mod expression;
+mod external;
 pub mod syntax;
 
 use syn::{Fields, FnArg, Item, ItemFn, ItemMod, ItemStruct, Pat, ReturnType, Type};
@@ -17,6 +18,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         data: None,
         regions: Vec::new(),
         functions: Vec::new(),
+        externals: Vec::new(),
         mistaken: Vec::new(),
     };
     let Some((_, items)) = item.content else {
@@ -37,6 +39,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
                     None => module.mistaken.push(placeholder),
                 }
             }
+            Item::ForeignMod(item) => external::read(item, &mut module, diagnostics),
             // Read by `reuse::uses`.
             Item::Use(_) => {}
             other => diagnostics.error_with_help(
@@ -116,9 +119,13 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
             let kind = match outer.to_string().as_str() {
                 "Param" => Some(MemberKind::Param),
                 "Given" => Some(MemberKind::Given),
+                "Table" => Some(MemberKind::Table),
+                "History" => Some(MemberKind::History),
                 _ => None,
             };
             match (kind, inner) {
+                (Some(MemberKind::Table), None) => Ok((MemberKind::Table, Rank::SCALAR)),
+                (Some(MemberKind::Table), Some(_)) => Err(Unread::Unknown),
                 (Some(MemberKind::Param), None) => Ok((MemberKind::Param, Rank::SCALAR)),
                 (Some(kind), Some(inner)) => declared_type::rank(inner, diagnostics).map(|rank| (kind, rank)),
                 _ => Err(Unread::Unknown),
@@ -133,7 +140,7 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
             diagnostics.error_with_help(
                 Place::of(&field.ty),
                 format!("`{name}` has a type that is not known here"),
-                "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`",
+                "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>`, `Given<Tensor>`, `Table`, or `History<..>` as `Given<..>`",
             );
             return None;
         }
@@ -144,7 +151,12 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
 /// What a member with a mistaken type was most likely meant to be.
 fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
     let text = quote::ToTokens::to_token_stream(ty).to_string();
-    let kind = if text.contains("Given") { MemberKind::Given } else { MemberKind::Param };
+    let kind = match &text {
+        text if text.contains("Table") => MemberKind::Table,
+        text if text.contains("Hist") => MemberKind::History,
+        text if text.contains("Given") => MemberKind::Given,
+        _ => MemberKind::Param,
+    };
     let rank = match text {
         text if text.contains('V') => Rank::VECTOR,
         text if text.contains(['T', 'M']) => Rank::TENSOR,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use proc_macro2::Ident;
+use proc_macro2::{Ident, Span, TokenStream};
 use syn::{Attribute, Visibility};
 
 use crate::diagnostics::Place;
@@ -13,6 +13,7 @@ pub struct Module {
     pub data: Option<Data>,
     pub regions: Vec<Region>,
     pub functions: Vec<Function>,
+    pub externals: Vec<External>,
     /// What has a mistake in its declaration: the names exist, and their uses are no further mistakes.
     pub mistaken: Vec<Mistaken>,
 }
@@ -23,6 +24,7 @@ impl Module {
         let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
             Mistaken::Member(Member { name, .. })
             | Mistaken::Region(name)
+            | Mistaken::External(name)
             | Mistaken::Import(name)
             | Mistaken::Function { name, .. } => name,
         });
@@ -36,6 +38,8 @@ pub enum Mistaken {
     Member(Member),
     /// It stands among the module's regions, too.
     Region(Ident),
+    /// A function of an `extern` block.
+    External(Ident),
     /// The name that an import would have here.
     Import(Ident),
     Function {
@@ -70,6 +74,10 @@ pub enum MemberKind {
     Param,
     /// A field, or a function of x.
     Given,
+    /// A function of one scalar given by data points: it is called.
+    Table,
+    /// Values at quadrature points.
+    History,
 }
 
 /// The extent of one axis of a declared shape.
@@ -201,6 +209,18 @@ pub struct Foreign {
     pub emitted: bool,
     /// It has mistakes or lacks data, which has been told: what follows from that is no further mistake.
     pub silent: bool,
+}
+
+/// `fn flux(g: Vector, k: Scalar) -> Vector;` in an `extern "Rust"` block: a function written in Rust.
+pub struct External {
+    pub name: Ident,
+    /// Where it is found from inside the module.
+    pub path: TokenStream,
+    /// All [`ArgumentRole::Plain`].
+    pub arguments: Vec<Argument>,
+    pub output: Rank,
+    /// Where the output's type stands.
+    pub output_span: Span,
 }
 
 pub struct Argument {

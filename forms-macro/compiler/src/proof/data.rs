@@ -79,7 +79,7 @@ pub fn points(
     let parameters: Vec<Vec<f64>> = members
         .map(|member| match member.kind {
             MemberKind::Param => random.numbers(member.rank.shape(dimension).iter().product()),
-            MemberKind::Given => vec![],
+            MemberKind::Given | MemberKind::History | MemberKind::Table => vec![],
         })
         .collect();
     let facet_area = random.positive();

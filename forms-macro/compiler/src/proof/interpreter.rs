@@ -74,12 +74,14 @@ impl Value {
 /// Names and their values.
 pub type Scope = BTreeMap<String, Value>;
 
-/// Runs a block; assignments to elements of arrays change the scope.
+/// Runs a block; assignments to names and to elements of arrays change the scope.
 pub fn run(block: &syn::Block, scope: &mut Scope) -> Option<Value> {
     let mut result = None;
     for statement in &block.stmts {
         result = None;
         match statement {
+            // `let (t0, t1,);` declares the names that assignments give values.
+            Stmt::Local(local) if local.init.is_none() => {}
             Stmt::Local(local) => {
                 let Pat::Ident(name) = &local.pat else { panic!("a pattern in emitted code") };
                 let init = local.init.as_ref().expect("a `let` has a value");
@@ -90,6 +92,11 @@ pub fn run(block: &syn::Block, scope: &mut Scope) -> Option<Value> {
             Stmt::Item(syn::Item::Type(_)) => {}
             Stmt::Expr(Expr::Assign(assign), Some(_)) => {
                 let value = evaluate(&assign.right, scope);
+                if let Expr::Path(name) = &*assign.left {
+                    let name = name.path.get_ident().expect("a name").to_string();
+                    scope.insert(name, value);
+                    continue;
+                }
                 let Expr::Index(place) = &*assign.left else { panic!("an assignment to no element") };
                 let Expr::Path(name) = &*place.expr else { panic!("an assignment to no array") };
                 let index = index_of(&place.index);

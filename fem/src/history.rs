@@ -1,0 +1,375 @@
+//! Histories: values at the quadrature points of a region, read by forms and written by steps.
+//!
+//! ```text
+//! assembler.history(…)          storage for a region and a rule, with an initial value
+//! a form reads                  the committed values
+//! assembler.update_history(…)   evaluates a function of the module there and keeps what it gives aside
+//! history.commit()              what was kept aside becomes what forms read; history.revert() forgets it
+//! ```
+//!
+//! An integral that reads a history takes that history's quadrature rule, whatever degree the compiler estimates.
+
+use std::any::Any;
+use std::sync::{Arc, PoisonError, RwLock};
+
+use forms_core::contract::{Entity, Expression, History, Inputs, QuadratureValues, Source};
+use forms_core::source::FieldValue;
+use thiserror::Error;
+
+use crate::assemble::{Assembler, AssemblyError};
+use crate::mesh::{Mesh, MeshError};
+use crate::quadrature::{Quadrature, QuadratureError};
+
+/// Why a history does not fit where it is read or written.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum HistoryMismatch {
+    /// It belongs to another backend or dimension.
+    #[error("it was not made by an assembler in {dimension} dimensions")]
+    Foreign {
+        /// Dimension of the mesh.
+        dimension: usize,
+    },
+    /// It was made on another mesh.
+    #[error("it was made on another mesh")]
+    Mesh,
+    /// The assembler has another choice of quadrature than the one that made it.
+    #[error("it was made with another quadrature rule than this assembler's; let one assembler do both")]
+    Rule,
+    /// Two histories of one integral have different points.
+    #[error("its rule has degree {degree}, that of `{other}`, read at the same points, has degree {found}")]
+    Degree {
+        /// Its own degree.
+        degree: usize,
+        /// Another history.
+        other: &'static str,
+        /// The degree of the other.
+        found: usize,
+    },
+    /// A cell or facet of the integral is not among those of the history.
+    #[error("it was made for {entity} of \"{region}\", and {what} is read, which is none of them")]
+    Region {
+        /// "the cells" or "the facets".
+        entity: &'static str,
+        /// Name of the region in the mesh.
+        region: String,
+        /// "cell 7" or "facet 2 of cell 7".
+        what: String,
+    },
+    /// Its gradient is read.
+    #[error("it has no gradient, because it is known at quadrature points only")]
+    Gradient,
+    /// It is read at points that are not its own.
+    #[error(
+        "it is known at its quadrature points only; evaluate this there (`at_quadrature_points`), or `project` it"
+    )]
+    Points,
+}
+
+/// Values at the quadrature points of a region.
+pub(crate) struct PointStorage<const D: usize> {
+    mesh: Arc<Mesh<D>>,
+    entity: Entity,
+    region: String,
+    degree: usize,
+    quadrature: Quadrature<D>,
+    components: usize,
+    /// Points per cell or facet.
+    points: usize,
+    /// By cell, or by cell and local facet: which entity of the region it is.
+    entities: Vec<u32>,
+    state: RwLock<State>,
+}
+
+struct State {
+    /// Entity, point, component.
+    committed: Arc<Vec<f64>>,
+    written: Option<Vec<f64>>,
+    commits: u64,
+}
+
+/// No entity of the region.
+const NONE: u32 = u32::MAX;
+
+/// A history as a form reads it: the values at the time of the assembly.
+pub(crate) struct Snapshot<'a, const D: usize> {
+    pub storage: &'a PointStorage<D>,
+    values: Arc<Vec<f64>>,
+}
+
+impl<const D: usize> PointStorage<D> {
+    fn new(
+        assembler: &Assembler<D>,
+        entity: Entity,
+        region: &str,
+        degree: usize,
+        initial: &[f64],
+    ) -> Result<Self, MadeError> {
+        let mesh = assembler.mesh().clone();
+        let quadrature = assembler.quadrature().clone();
+        let points = rule_points(&mesh, &quadrature, entity, degree)?.len();
+        let facets = mesh.shape().facets();
+        let mut entities;
+        let mut count = 0;
+        let mut number = |entry: &mut u32| {
+            *entry = count;
+            count += 1;
+        };
+        match entity {
+            Entity::Cells => {
+                entities = vec![NONE; mesh.cell_count()];
+                for cell in mesh.cell_region(region)? {
+                    number(&mut entities[*cell as usize]);
+                }
+            }
+            Entity::Facets | Entity::InteriorFacets => {
+                entities = vec![NONE; mesh.cell_count() * facets];
+                for facet in mesh.facet_region(region)? {
+                    number(&mut entities[facet.cell as usize * facets + usize::from(facet.local)]);
+                }
+            }
+        }
+        let committed = Arc::new(initial.repeat(count as usize * points));
+        Ok(PointStorage {
+            mesh,
+            entity,
+            region: region.to_owned(),
+            degree,
+            quadrature,
+            components: initial.len(),
+            points,
+            entities,
+            state: RwLock::new(State { committed, written: None, commits: 0 }),
+        })
+    }
+
+    /// The storage behind a source.
+    pub fn of(source: &dyn QuadratureValues) -> Result<&Self, HistoryMismatch> {
+        source.as_any().downcast_ref().ok_or(HistoryMismatch::Foreign { dimension: D })
+    }
+
+    /// What forms read now.
+    pub fn snapshot(&self, mesh: &Arc<Mesh<D>>) -> Result<Snapshot<'_, D>, HistoryMismatch> {
+        if !Arc::ptr_eq(&self.mesh, mesh) {
+            return Err(HistoryMismatch::Mesh);
+        }
+        Ok(Snapshot { storage: self, values: self.committed() })
+    }
+
+    fn committed(&self) -> Arc<Vec<f64>> {
+        self.state.read().unwrap_or_else(PoisonError::into_inner).committed.clone()
+    }
+
+    /// Is this choice of quadrature the one that it was made with, at its degree?
+    fn has_rule(&self, quadrature: &Quadrature<D>) -> Result<bool, QuadratureError> {
+        Ok(*quadrature == self.quadrature
+            || rule_points(&self.mesh, quadrature, self.entity, self.degree)?
+                == rule_points(&self.mesh, &self.quadrature, self.entity, self.degree)?)
+    }
+
+    /// Keeps values aside, in the order of [`Assembler::at_quadrature_points`].
+    fn write(&self, values: Vec<f64>) {
+        self.state.write().unwrap_or_else(PoisonError::into_inner).written = Some(values);
+    }
+}
+
+impl<const D: usize> Snapshot<'_, D> {
+    /// The components at the q-th point of a cell, or of a cell's local facet.
+    pub fn at(&self, cell: u32, facet: Option<u8>, q: usize) -> Result<&[f64], HistoryMismatch> {
+        let storage = self.storage;
+        let index = match (storage.entity, facet) {
+            (Entity::Cells, None) => storage.entities.get(cell as usize),
+            (Entity::Facets | Entity::InteriorFacets, Some(local)) => {
+                storage.entities.get(cell as usize * storage.mesh.shape().facets() + usize::from(local))
+            }
+            _ => None,
+        };
+        match index {
+            Some(index) if *index != NONE && q < storage.points => {
+                let start = (*index as usize * storage.points + q) * storage.components;
+                Ok(&self.values[start..start + storage.components])
+            }
+            _ => Err(HistoryMismatch::Region {
+                entity: if storage.entity == Entity::Cells { "the cells" } else { "the facets" },
+                region: storage.region.clone(),
+                what: match facet {
+                    Some(local) => format!("facet {local} of cell {cell}"),
+                    None => format!("cell {cell}"),
+                },
+            }),
+        }
+    }
+}
+
+impl<const D: usize> QuadratureValues for PointStorage<D> {
+    fn components(&self) -> usize {
+        self.components
+    }
+
+    fn commit(&self) {
+        let mut state = self.state.write().unwrap_or_else(PoisonError::into_inner);
+        if let Some(written) = state.written.take() {
+            state.committed = Arc::new(written);
+            state.commits += 1;
+        }
+    }
+
+    fn revert(&self) {
+        self.state.write().unwrap_or_else(PoisonError::into_inner).written = None;
+    }
+
+    fn commits(&self) -> u64 {
+        self.state.read().unwrap_or_else(PoisonError::into_inner).commits
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+/// Reference points and weights of an entity (of the first local facet).
+fn rule_points<const D: usize>(
+    mesh: &Mesh<D>,
+    quadrature: &Quadrature<D>,
+    entity: Entity,
+    degree: usize,
+) -> Result<Vec<([f64; D], f64)>, QuadratureError> {
+    let (points, weights) = match entity {
+        Entity::Cells => {
+            let rule = quadrature.cell_rule(mesh.shape(), degree)?;
+            (rule.points, rule.weights)
+        }
+        Entity::Facets | Entity::InteriorFacets => {
+            let rule = quadrature.facet_rule(mesh.shape(), 0, degree)?;
+            (rule.points, rule.weights)
+        }
+    };
+    Ok(points.into_iter().zip(weights).collect())
+}
+
+/// The degree of the rule of all histories among the fields that a kernel reads, and the name of one of them;
+/// `None` if it reads none.
+pub(crate) fn degree_of<'a, const D: usize>(
+    form: &'static str,
+    read: impl Iterator<Item = (&'static str, &'a PointStorage<D>)>,
+    quadrature: &Quadrature<D>,
+) -> Result<Option<(&'static str, usize)>, AssemblyError> {
+    let mut found: Option<(&'static str, usize)> = None;
+    for (field, storage) in read {
+        let mismatch = |source| AssemblyError::History { form, field, source };
+        let same = storage.has_rule(quadrature);
+        if !same.map_err(|source| AssemblyError::Quadrature { form, source })? {
+            return Err(mismatch(HistoryMismatch::Rule));
+        }
+        match found {
+            Some((other, degree)) if degree != storage.degree => {
+                let degree = HistoryMismatch::Degree { degree: storage.degree, other, found: degree };
+                return Err(mismatch(degree));
+            }
+            _ => found = Some((field, storage.degree)),
+        }
+    }
+    Ok(found)
+}
+
+/// How often the histories of a form have been committed: integrals that were assembled before are out of date
+/// when this number has changed.
+pub(crate) fn commits<const D: usize>(inputs: &Inputs<D>) -> u64 {
+    let histories = inputs.sources.iter().map(|source| match source {
+        Some(Source::History(history)) => history.commits(),
+        _ => 0,
+    });
+    histories.sum()
+}
+
+/// Why a history was not made.
+enum MadeError {
+    Mesh(MeshError),
+    Quadrature(QuadratureError),
+}
+
+impl From<MeshError> for MadeError {
+    fn from(source: MeshError) -> Self {
+        MadeError::Mesh(source)
+    }
+}
+
+impl From<QuadratureError> for MadeError {
+    fn from(source: QuadratureError) -> Self {
+        MadeError::Quadrature(source)
+    }
+}
+
+/// What messages call a history that is being made.
+const NEW: &str = "new history";
+
+impl<const D: usize> Assembler<D> {
+    /// A history with the same value at all quadrature points of a cell or facet region. Where the assembler
+    /// takes the compiler's estimate, its rule is that of `degree`; the integrals that read it take this rule.
+    ///
+    /// # Errors
+    /// An unknown region, a rule that does not exist, or a value that is not finite.
+    pub fn history<V: FieldValue>(
+        &self,
+        entity: Entity,
+        region: &str,
+        degree: usize,
+        initial: V,
+    ) -> Result<History<V, D>, AssemblyError> {
+        let mut components = vec![0.0; V::COMPONENTS];
+        initial.write(&mut components);
+        if !components.iter().all(|value| value.is_finite()) {
+            return Err(AssemblyError::NotFinite { form: NEW, field: "the initial value", position: None });
+        }
+        match PointStorage::new(self, entity, region, degree, &components) {
+            Ok(storage) => Ok(History::from_handle(Arc::new(storage))),
+            Err(MadeError::Mesh(source)) => Err(AssemblyError::Region { form: NEW, symbol: "of it", source }),
+            Err(MadeError::Quadrature(source)) => Err(AssemblyError::Quadrature { form: NEW, source }),
+        }
+    }
+
+    /// Evaluates a function of a forms module at the points of a history and keeps the values aside, until
+    /// [`History::commit`] or [`History::revert`]. All histories that the function reads have their committed
+    /// values, so that several can be written in any order.
+    ///
+    /// # Errors
+    /// A wrong number of components, a value that is not finite, or data that do not fit; nothing is written
+    /// then.
+    pub fn update_history<V: FieldValue, E: Expression<D>>(
+        &self,
+        expression: &E,
+        history: &History<V, D>,
+    ) -> Result<(), AssemblyError> {
+        let form = expression.name();
+        let mismatch = |source| AssemblyError::History { form, field: "the history to be written", source };
+        let storage = PointStorage::<D>::of(&**history.handle()).map_err(mismatch)?;
+        storage.snapshot(self.mesh()).map_err(mismatch)?;
+        let (expected, found) = (expression.shape().iter().product(), storage.components);
+        if expected != found {
+            return Err(AssemblyError::Components { form, field: "the history", expected, found });
+        }
+        // At its own points, whatever this assembler would take.
+        let own = self.clone().with_quadrature(storage.quadrature.clone());
+        let values = own.at_quadrature_points(expression, storage.entity, &storage.region, storage.degree)?;
+        if values.values.len() * found != storage.committed().len() {
+            return Err(mismatch(HistoryMismatch::Rule));
+        }
+        storage.write(values.values.concat());
+        Ok(())
+    }
+
+    /// The committed values: the components at each point, for the cells (or facets) in the order of their
+    /// region, point by point.
+    ///
+    /// # Errors
+    /// A history of another mesh or backend.
+    pub fn history_values<V: FieldValue>(
+        &self,
+        history: &History<V, D>,
+    ) -> Result<Vec<Vec<f64>>, AssemblyError> {
+        let mismatch =
+            |source| AssemblyError::History { form: "history_values", field: "the history", source };
+        let storage = PointStorage::<D>::of(&**history.handle()).map_err(mismatch)?;
+        let snapshot = storage.snapshot(self.mesh()).map_err(mismatch)?;
+        Ok(snapshot.values.chunks(storage.components).map(<[f64]>::to_vec).collect())
+    }
+}

@@ -1,0 +1,256 @@
+//! Load stepping: a sequence of load factors, with steps that are halved where the solution fails.
+
+use std::error::Error;
+use std::fmt;
+
+/// Load factors to be reached one after the other, and how a step that fails is repeated.
+///
+/// A failed step is tried again with half its increment, down to a smallest one; after two successes in a row the
+/// increment doubles, until the factor asked for is reached. Factors may fall (unloading).
+///
+/// ```
+/// use forms_fem::solve::LoadSteps;
+/// // The state after a step is the factor's square; steps above 0.3 fail.
+/// let solve = |factor: f64, before: &f64| match (factor - before.sqrt()).abs() > 0.3 {
+///     true => Err("too large a step".to_string()),
+///     false => Ok(factor * factor),
+/// };
+/// let path = LoadSteps::uniform(2, 1.0).run(0.0, solve, |_| {}, |_| {});
+/// let reached = path.map_err(|error| error.to_string())?;
+/// assert_eq!(reached.state, 1.0);
+/// assert_eq!(reached.steps.iter().filter(|step| step.failure.is_none()).count(), 4);
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadSteps {
+    /// The factor at the start.
+    pub start: f64,
+    /// To be reached in this order.
+    pub factors: Vec<f64>,
+    /// A step whose increment, in amount, is at most this is not halved: it fails for good.
+    pub smallest_increment: f64,
+}
+
+/// One attempt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadStep {
+    /// 0 for the first attempt.
+    pub number: usize,
+    /// The factor before.
+    pub from: f64,
+    /// The factor aimed at.
+    pub factor: f64,
+    /// How often the way to the next factor asked for has been halved.
+    pub halvings: u32,
+    /// Why it failed; `None` for a success.
+    pub failure: Option<String>,
+}
+
+/// The end of a load path.
+#[derive(Clone, Debug)]
+pub struct LoadPath<S> {
+    /// The state at the last factor.
+    pub state: S,
+    /// All attempts.
+    pub steps: Vec<LoadStep>,
+}
+
+/// Why a load path ended early.
+pub struct LoadStepError<S, E> {
+    /// The last factor with a solution.
+    pub factor: f64,
+    /// The state there.
+    pub state: S,
+    /// The factor that could not be reached.
+    pub failed: f64,
+    /// What failed at the smallest increment.
+    pub why: E,
+    /// All attempts.
+    pub steps: Vec<LoadStep>,
+}
+
+impl<S, E: fmt::Display> fmt::Display for LoadStepError<S, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LoadStepError { factor, failed, why, steps, .. } = self;
+        write!(
+            f,
+            "the load factor {failed} could not be reached from {factor} (attempt {}): {why}",
+            steps.len()
+        )
+    }
+}
+
+// A derived one would print the whole state.
+impl<S, E: fmt::Debug> fmt::Debug for LoadStepError<S, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LoadStepError")
+            .field("factor", &self.factor)
+            .field("failed", &self.failed)
+            .field("why", &self.why)
+            .field("steps", &self.steps)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<S, E: Error + 'static> Error for LoadStepError<S, E> {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        Some(&self.why)
+    }
+}
+
+/// The smallest increment is this part of the first one asked for.
+const SMALLEST: f64 = 1.0 / 1024.0;
+
+impl LoadSteps {
+    /// These factors, from 0 on. The smallest increment is 1/1024 of the largest one asked for.
+    pub fn through(factors: impl IntoIterator<Item = f64>) -> Self {
+        let factors: Vec<f64> = factors.into_iter().collect();
+        let mut steps = LoadSteps { start: 0.0, factors, smallest_increment: 0.0 };
+        let before = [steps.start].into_iter().chain(steps.factors.iter().copied());
+        let increments = before.zip(&steps.factors).map(|(before, factor)| (factor - before).abs());
+        steps.smallest_increment = SMALLEST * increments.fold(0.0, f64::max);
+        steps
+    }
+
+    /// `count` equal steps from 0 to `end`.
+    pub fn uniform(count: usize, end: f64) -> Self {
+        Self::through((1..=count).map(|step| end * step as f64 / count as f64))
+    }
+
+    /// The same from another factor than 0.
+    pub fn starting_at(self, start: f64) -> Self {
+        LoadSteps { start, ..self }
+    }
+
+    /// Goes through the factors. `solve(factor, state)` gives the state at a factor from the last one, or fails;
+    /// `commit(state)` is called for each success only, before the next step: histories are committed there.
+    /// `progress` is called for each attempt.
+    ///
+    /// # Errors
+    /// [`LoadStepError`] with the reason and the last state that was reached.
+    pub fn run<S, E: fmt::Display>(
+        &self,
+        state: S,
+        mut solve: impl FnMut(f64, &S) -> Result<S, E>,
+        mut commit: impl FnMut(&S),
+        mut progress: impl FnMut(&LoadStep),
+    ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
+        let mut path = LoadPath { state, steps: vec![] };
+        let mut at = self.start;
+        for &target in &self.factors {
+            let whole = target - at;
+            let (mut halvings, mut successes) = (0, 0);
+            loop {
+                let increment = whole / 2.0_f64.powi(halvings as i32);
+                // No crumb is left for a step of its own.
+                let rest = target - at;
+                let last = rest.abs() <= increment.abs() * (1.0 + 1e-9);
+                let factor = if last { target } else { at + increment };
+                let number = path.steps.len();
+                let mut step = LoadStep { number, from: at, factor, halvings, failure: None };
+                match solve(factor, &path.state) {
+                    Ok(state) => {
+                        commit(&state);
+                        progress(&step);
+                        path.steps.push(step);
+                        path.state = state;
+                        at = factor;
+                        if last {
+                            break;
+                        }
+                        successes += 1;
+                        if successes == 2 {
+                            (halvings, successes) = (halvings.saturating_sub(1), 0);
+                        }
+                    }
+                    Err(why) => {
+                        step.failure = Some(why.to_string());
+                        progress(&step);
+                        path.steps.push(step);
+                        // NaN ends the path, too.
+                        if !((factor - at).abs() > self.smallest_increment) || halvings >= 1000 {
+                            let LoadPath { state, steps } = path;
+                            return Err(LoadStepError { factor: at, state, failed: factor, why, steps });
+                        }
+                        (halvings, successes) = (halvings + 1, 0);
+                    }
+                }
+            }
+        }
+        Ok(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Outcome = Result<(), Box<dyn Error>>;
+
+    /// Fails for steps above a size.
+    fn limited(largest: f64) -> impl FnMut(f64, &f64) -> Result<f64, std::num::ParseFloatError> {
+        move |factor, before| match (factor - before).abs() > largest {
+            true => "too large".parse(),
+            false => Ok(factor),
+        }
+    }
+
+    #[test]
+    fn steps_that_succeed_are_those_asked_for() -> Outcome {
+        let mut committed = vec![];
+        let steps = LoadSteps::through([0.5, 1.0, -0.25]);
+        let path = steps.run(0.0, limited(2.0), |state| committed.push(*state), |_| {})?;
+        assert_eq!((path.state, &committed[..]), (-0.25, &[0.5, 1.0, -0.25][..]));
+        assert_eq!(path.steps.len(), 3);
+        let uniform = LoadSteps::uniform(4, 2.0);
+        assert_eq!(uniform.factors, [0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(uniform.starting_at(1.0).start, 1.0);
+        Ok(())
+    }
+
+    #[test]
+    fn a_failed_step_is_halved_and_grows_again() -> Outcome {
+        let mut committed = vec![];
+        let mut told = vec![];
+        let steps = LoadSteps::through([1.0]);
+        let path = steps.run(
+            0.0,
+            // Hard only at the beginning.
+            |factor, before| limited(if *before < 0.2 { 0.15 } else { 0.5 })(factor, before),
+            |state| committed.push(*state),
+            |step| told.push((step.factor, step.failure.is_none())),
+        )?;
+        assert_eq!(committed, [0.125, 0.25, 0.5, 0.75, 1.0]);
+        let expected = [
+            (1.0, false),
+            (0.5, false),
+            (0.25, false),
+            (0.125, true),
+            (0.25, true),
+            (0.5, true),
+            (0.75, true),
+            (1.0, true),
+        ];
+        assert_eq!(told, expected);
+        assert_eq!(path.steps.len(), expected.len());
+        Ok(())
+    }
+
+    #[test]
+    fn a_limit_load_hands_back_the_last_state() -> Outcome {
+        let mut committed = 0.0;
+        let limit = |factor: f64, _: &f64| match factor > 0.7 {
+            true => "beyond the limit".parse(),
+            false => Ok(factor),
+        };
+        let error = LoadSteps::through([0.5, 1.0]).run(0.0, limit, |state| committed = *state, |_| {});
+        let error = error.err().ok_or("it has a limit")?;
+        assert!((0.7 - 2.0 / 1024.0..=0.7).contains(&error.factor), "{}", error.factor);
+        assert_eq!((error.state, committed), (error.factor, error.factor));
+        assert!(error.steps.len() < 40);
+        let message = error.to_string();
+        assert!(message.contains("could not be reached from 0.69") && message.contains("invalid float"));
+        assert!(error.source().is_some());
+        Ok(())
+    }
+}

@@ -1,0 +1,60 @@
+//! Functions written in Rust, as kernels call them: lane by lane, with dual numbers for their derivatives.
+
+use crate::dual::Seeded;
+use crate::lane::Lane;
+use crate::real::Real;
+
+/// A function whose arguments and value are flattened to scalars, row-major.
+pub trait External {
+    /// Writes the components of the value.
+    fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]);
+}
+
+/// The most lanes that [`external`] and [`tabulated`] serve.
+const WIDEST: usize = 16;
+
+/// Derivatives of order N of a function at each lane: for each of the K lists of directions (numbers of inputs)
+/// the derivative of all outputs by these inputs, one after the other. `T` carries N derivatives: `f64`,
+/// `Dual<f64>`, `Dual<Dual<f64>>`, …
+pub fn external<
+    F: External,
+    T: Seeded,
+    L: Lane,
+    const INPUTS: usize,
+    const OUTPUTS: usize,
+    const K: usize,
+    const N: usize,
+>(
+    inputs: [L; INPUTS],
+    directions: [[usize; N]; K],
+) -> [[L; OUTPUTS]; K] {
+    const { assert!(L::WIDTH <= WIDEST && T::ORDER == N) }
+    let mut read = [[0.0; WIDEST]; INPUTS];
+    for (read, input) in read.iter_mut().zip(inputs) {
+        input.store(read);
+    }
+    let mut written = [[[0.0; WIDEST]; OUTPUTS]; K];
+    for lane in 0..L::WIDTH {
+        for (written, directions) in written.iter_mut().zip(&directions) {
+            let seeded: [T; INPUTS] =
+                std::array::from_fn(|input| T::seed(read[input][lane], input, directions));
+            let mut outputs = [T::zero(); OUTPUTS];
+            F::evaluate(&seeded, &mut outputs);
+            for (written, output) in written.iter_mut().zip(outputs) {
+                written[lane] = output.highest();
+            }
+        }
+    }
+    written.map(|outputs| outputs.map(|lanes| L::load(&lanes)))
+}
+
+/// A tabulated law, or its derivative of the given order, at each lane.
+pub fn tabulated<L: Lane>(law: &crate::table::Table, order: usize, argument: L) -> L {
+    const { assert!(L::WIDTH <= WIDEST) }
+    let mut lanes = [0.0; WIDEST];
+    argument.store(&mut lanes);
+    for value in &mut lanes[..L::WIDTH] {
+        *value = law.derivative(order, *value);
+    }
+    L::load(&lanes)
+}

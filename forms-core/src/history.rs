@@ -1,0 +1,79 @@
+//! History: values at quadrature points that a step reads and the next one finds changed.
+
+use std::any::Any;
+use std::fmt;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use crate::source::{FieldValue, Source};
+
+/// Values at the quadrature points of a region, which live in some backend: the committed ones, which forms
+/// read, and those written since.
+pub trait QuadratureValues: Any + Send + Sync {
+    /// Number of scalar components.
+    fn components(&self) -> usize;
+    /// What was written becomes what forms read. Without anything written nothing changes.
+    fn commit(&self);
+    /// What was written and not committed is forgotten.
+    fn revert(&self);
+    /// How many times something was committed: values read before have changed if this number has.
+    fn commits(&self) -> u64;
+    /// For the backend, which knows the type.
+    fn as_any(&self) -> &dyn Any;
+}
+
+/// A shared set of values at quadrature points.
+pub type HistoryHandle = Arc<dyn QuadratureValues>;
+
+/// A member of `Data` declared as `History<Scalar>`, `History<Vector>` or `History<Tensor>`: what a material
+/// remembers, as plastic strain. `V` is `f64`, `[f64; D]` or `[[f64; D]; D]`. The backend makes it.
+///
+/// Forms read the committed values. A step writes new ones (several histories may be written from the same
+/// committed state) and then commits them all, or reverts, and can be repeated from the old state.
+///
+/// Clones share the values, and a form holds such a clone: after a commit every form that was built with it
+/// reads the new values.
+pub struct History<V, const D: usize> {
+    source: Source<D>,
+    handle: HistoryHandle,
+    value: PhantomData<V>,
+}
+
+impl<V: FieldValue, const D: usize> History<V, D> {
+    /// The history kept by a backend, which answers for the number of components.
+    pub fn from_handle(handle: HistoryHandle) -> Self {
+        History { source: Source::History(handle.clone()), handle, value: PhantomData }
+    }
+
+    /// Makes what was written what forms read.
+    pub fn commit(&self) {
+        self.handle.commit();
+    }
+
+    /// Forgets what was written since the last commit.
+    pub fn revert(&self) {
+        self.handle.revert();
+    }
+
+    /// For the backend.
+    pub fn handle(&self) -> &HistoryHandle {
+        &self.handle
+    }
+
+    /// Where a form's values come from.
+    pub fn source(&self) -> &Source<D> {
+        &self.source
+    }
+}
+
+impl<V, const D: usize> Clone for History<V, D> {
+    fn clone(&self) -> Self {
+        History { source: self.source.clone(), handle: self.handle.clone(), value: PhantomData }
+    }
+}
+
+impl<V, const D: usize> fmt::Debug for History<V, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "History({} components)", self.handle.components())
+    }
+}

@@ -1,0 +1,53 @@
+//! A form hands its formula to the program, and to a backend that knows it by its traits only.
+
+use forms_core::contract::{self, Formula, Given};
+use forms_core::forms;
+
+#[forms(crate = forms_core)]
+pub mod membrane {
+    pub struct Data {
+        k: Param,
+        /// f, the load.
+        #[doc(alias = "f")]
+        load: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+
+    #[doc(alias = "Φ")]
+    fn stored(s: Scalar) -> Scalar {
+        k / 2 * dot(grad(s), grad(s))
+    }
+    pub fn ratio() -> Scalar {
+        load / k
+    }
+    pub fn potential(s: Unknown<Scalar>) -> Energy {
+        integral(Omega, stored(s) - load * s)
+    }
+}
+
+#[test]
+fn an_energy_is_shown_with_its_variations() {
+    let data = membrane::Data::<2> { k: 1.0, load: Given::constant(1.0) };
+    let form = membrane::potential(&data, &membrane::Omega::on("all"));
+    let text = "\
+potential(s) = ∫_Ω (Φ(s) − f s) dx
+D potential(s)[δs] = ∫_Ω (DΦ(s)[δs] − f δs) dx
+D² potential(s)[δs, Δs] = ∫_Ω D²Φ(s)[δs, Δs] dx
+where
+  Φ(s) = (k/2) ∇s·∇s
+  DΦ(s)[δs] = k ∇δs·∇s
+  D²Φ(s)[δs, Δs] = k ∇δs·∇Δs";
+    assert_eq!(form.formula().unicode, text);
+    assert!(form.formula().latex.contains("\\int_{\\Omega } (\\Phi (s) - f\\, s) \\,\\mathrm{d}x"));
+    let through_traits: [&Formula; 2] =
+        [contract::Form::<2>::formula(&form), contract::Functional::<2>::formula(&form)];
+    assert!(through_traits.iter().all(|formula| *formula == form.formula()));
+}
+
+#[test]
+fn a_derived_field_is_shown_in_each_dimension() {
+    let data = membrane::Data::<3> { k: 1.0, load: Given::constant(1.0) };
+    let field = membrane::ratio(&data);
+    assert_eq!(contract::Expression::<3>::formula(&field).unicode, "ratio = f/k");
+}
