@@ -23,6 +23,8 @@
 //! | [`geometry`] | position, normal, sizes, curvature |
 //! | [`facets`] | interior facets: `this other jump avg` |
 //! | [`derivatives`] | `derivative`, `diff`, energies |
+//! | [`laws`] | functions written in Rust, tables, history |
+//! | [`reuse`] | `use` among modules and crates, `form!` |
 
 pub mod calculus;
 pub mod derivatives;
@@ -30,5 +32,7 @@ pub mod facets;
 pub mod functions;
 pub mod geometry;
 pub mod kinks;
+pub mod laws;
 pub mod products;
+pub mod reuse;
 pub mod tensors;
