@@ -5,6 +5,7 @@ mod assembly;
 mod comparison;
 mod data;
 mod emitted;
+mod emitted_code;
 mod generator;
 mod interpreter;
 mod random_forms;
