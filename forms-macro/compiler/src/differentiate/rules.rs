@@ -391,7 +391,7 @@ impl<'a> Differentiation<'a> {
         }
         let mut changes = Vec::new();
         for (argument, change) in arguments.iter().zip(derived) {
-            for index in multi_indices(&self.arena.shape(*argument).to_vec()) {
+            for index in multi_indices(self.arena.shape(*argument)) {
                 changes.push(match change {
                     Some(change) => self.push(Operator::Component(change, index), vec![], tensor),
                     None => self.push(Operator::Zero, vec![], tensor),
