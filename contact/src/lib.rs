@@ -2,12 +2,13 @@
 //! (2023): the direct problem, its adjoint states and criteria as declared forms, and the drivers that
 //! solve them.
 //!
-//! [`nitsche`] holds the paper's equations. [`states`] solves direct → adjoint on any mesh;
+//! [`operators`] are there to be imported into forms; [`nitsche`] holds the paper's equations. [`states`] solves direct → adjoint on any mesh;
 //! [`hollow_cylinder`] is the paper's experiment; [`threshold`] says when γ₀ is too small.
 //! Nothing here knows an element or loops over cells.
 
 pub mod hollow_cylinder;
 pub mod nitsche;
+pub mod operators;
 pub mod states;
 pub mod threshold;
 

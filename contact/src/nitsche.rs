@@ -9,6 +9,10 @@ use forms_fem::forms;
 /// plus makes the obstacle pull (see `docs/method.md`).
 #[forms]
 pub mod nitsche {
+    pub use crate::operators::linear_elastic::{stress, von_mises};
+    use crate::operators::obstacle::gamma;
+    pub use crate::operators::obstacle::{current_gap, normal_displacement, penetration};
+
     /// Data of all forms.
     pub struct Data {
         /// λ, first Lamé parameter \[stress\].
@@ -56,47 +60,10 @@ pub mod nitsche {
     #[facets]
     pub struct Boundary;
 
-    /// σ(w) = 2μ ε(w) + λ tr ε(w) I.
-    #[doc(alias = "σ")]
-    pub fn stress(w: Vector) -> Tensor {
-        2 * mu * eps(w) + lambda * tr(eps(w)) * I
-    }
-
-    /// Von Mises stress in plane strain (2D, with σ_zz = λ tr ε) or in 3D: √(3/2 s:s).
-    #[doc(alias = "σ_vM")]
-    pub fn von_mises(w: Vector) -> Scalar {
-        let out_of_plane = if D < 3 { lambda * tr(eps(w)) } else { 0 };
-        let mean = (tr(stress(w)) + out_of_plane) / 3;
-        let in_plane = stress(w) - mean * I;
-        let rest = if D < 3 { pow(out_of_plane - mean, 2) } else { 0 };
-        sqrt(1.5 * (inner(in_plane, in_plane) + rest))
-    }
-
-    /// u_n = w·n_y.
-    #[doc(alias = "·_n")]
-    pub fn normal_displacement(w: Vector) -> Scalar {
-        dot(w, obstacle_normal)
-    }
-
     /// σ_n(w) = (σ(w) n)·n_y.
     #[doc(alias = "σ_n")]
     pub fn normal_stress(w: Vector) -> Scalar {
         dot(stress(w) * n, obstacle_normal)
-    }
-
-    /// u_n − g: positive where the body would enter the obstacle.
-    pub fn penetration(w: Vector) -> Scalar {
-        normal_displacement(w) - gap
-    }
-
-    /// g − u_n: the gap of the deformed body.
-    pub fn current_gap(w: Vector) -> Scalar {
-        gap - normal_displacement(w)
-    }
-
-    /// γ = γ₀ / h_T.
-    fn gamma() -> Scalar {
-        gamma0 / h
     }
 
     /// σ_n(w) − γ (w_n − g); −β_h of the paper.

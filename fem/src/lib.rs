@@ -69,6 +69,36 @@ pub mod space;
 pub use forms_core::contract;
 pub use forms_core::forms;
 
+/// One weak form without a module.
+///
+/// ```
+/// use forms_fem::prelude::*;
+///
+/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1)?);
+/// let space = Space::scalar(&mesh, 2)?;
+/// let k = 2.0;
+/// let poisson = form!(
+///     |u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), k * dot(grad(u), grad(v)) - f * v),
+///     k: Param,
+///     f: Given<Scalar> = |x| x[0],
+/// );
+/// let mut constraints = Constraints::new(&space);
+/// constraints.fix("boundary", |_| 0.0)?;
+/// let assembler = Assembler::new(&mesh);
+/// let mut problem = FormProblem::new(&poisson, &assembler, &space)?;
+/// let u = problem.solve_affine(&constraints, &mut TangentSolver::default())?;
+///
+/// let mean = form!(|u: State<Scalar>| -> Functional { integral(cells("all"), u) });
+/// // By symmetry half of what f = 1 gives: 0.0351 / k / 2.
+/// assert!((assembler.functional(&mean(&u), &[])? - 0.5 * 0.035144 / k).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// What stands after the closure: data (`k: Param = 2.0`; without a value the variable of that name), regions
+/// (`Wall: Facets = "wall"`; or in place, `cells("all")`, `facets("wall")`), and the options of [`macro@forms`]. A closure with
+/// known fields gives a Rust closure that takes them. `use path::operator;` before the closure imports.
+pub use forms_core::form;
+
 /// What a program that states and solves forms needs.
 pub mod prelude {
     pub use std::sync::Arc;
@@ -78,7 +108,6 @@ pub mod prelude {
     pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Real, Table};
     pub use crate::element::CellShape;
     pub use crate::field::Field;
-    pub use crate::forms;
     pub use crate::mesh::{Facet, Mesh, annulus, cuboid, rectangle};
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
@@ -87,4 +116,5 @@ pub mod prelude {
         NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
     };
     pub use crate::space::{Family, Space};
+    pub use crate::{form, forms};
 }

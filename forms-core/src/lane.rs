@@ -1,6 +1,10 @@
 //! The number type of a kernel: one cell, or several cells side by side in a SIMD register.
 
+use crate::error_function;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// No lane type has more lanes.
+pub const LARGEST_WIDTH: usize = 64;
 
 /// A real number for one cell (`f64`), or for [`Lane::WIDTH`] cells at once.
 ///
@@ -57,6 +61,90 @@ pub trait Lane:
     fn minimum(self, other: Self) -> Self;
     /// The larger of two values.
     fn maximum(self, other: Self) -> Self;
+
+    /// A function of one number, lane by lane.
+    #[inline]
+    fn each(self, function: impl Fn(f64) -> f64) -> Self {
+        const { assert!(Self::WIDTH <= LARGEST_WIDTH) }
+        let mut values = [0.0; LARGEST_WIDTH];
+        self.store(&mut values);
+        for value in &mut values[..Self::WIDTH] {
+            *value = function(*value);
+        }
+        Self::load(&values)
+    }
+    /// A function of two numbers, lane by lane.
+    #[inline]
+    fn each_pair(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        const { assert!(Self::WIDTH <= LARGEST_WIDTH) }
+        let (mut values, mut others) = ([0.0; LARGEST_WIDTH], [0.0; LARGEST_WIDTH]);
+        self.store(&mut values);
+        other.store(&mut others);
+        for (value, other) in values[..Self::WIDTH].iter_mut().zip(others) {
+            *value = function(*value, other);
+        }
+        Self::load(&values)
+    }
+    /// Arcsine (radian); a NaN outside [−1, 1].
+    #[inline]
+    fn asin(self) -> Self {
+        self.each(f64::asin)
+    }
+    /// Arccosine (radian); a NaN outside [−1, 1].
+    #[inline]
+    fn acos(self) -> Self {
+        self.each(f64::acos)
+    }
+    /// Arctangent (radian).
+    #[inline]
+    fn atan(self) -> Self {
+        self.each(f64::atan)
+    }
+    /// The angle of the point (`x`, `self`) with the first axis (radian), in (−π, π]; 0 at the origin.
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        self.each_pair(x, f64::atan2)
+    }
+    /// Hyperbolic sine.
+    #[inline]
+    fn sinh(self) -> Self {
+        self.each(f64::sinh)
+    }
+    /// Hyperbolic cosine.
+    #[inline]
+    fn cosh(self) -> Self {
+        self.each(f64::cosh)
+    }
+    /// Inverse hyperbolic sine.
+    #[inline]
+    fn asinh(self) -> Self {
+        self.each(f64::asinh)
+    }
+    /// Inverse hyperbolic cosine; a NaN below 1.
+    #[inline]
+    fn acosh(self) -> Self {
+        self.each(f64::acosh)
+    }
+    /// Inverse hyperbolic tangent; a NaN outside [−1, 1].
+    #[inline]
+    fn atanh(self) -> Self {
+        self.each(f64::atanh)
+    }
+    /// Logarithm to the base 10.
+    #[inline]
+    fn log10(self) -> Self {
+        self.each(f64::log10)
+    }
+    /// The error function 2/√π ∫₀ˣ exp(−t²) dt.
+    #[inline]
+    fn erf(self) -> Self {
+        self.each(error_function::erf)
+    }
+    /// One minus the error function, accurate also where it is small.
+    #[inline]
+    fn erfc(self) -> Self {
+        self.each(error_function::erfc)
+    }
 
     /// `self < other`.
     fn less(self, other: Self) -> Self::Mask;

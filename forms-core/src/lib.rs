@@ -11,6 +11,7 @@
 //! is a law given by points, and [`history`] what a material remembers.
 
 pub mod dual;
+mod error_function;
 pub mod external;
 pub mod form;
 pub mod history;
@@ -21,7 +22,7 @@ pub mod source;
 pub mod spectral;
 pub mod table;
 
-pub use forms_macro::forms;
+pub use forms_macro::{form, forms};
 
 /// Everything that emitted code and backends name. Emitted paths read `<crate>::contract::Name`, so a
 /// crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).

@@ -36,6 +36,16 @@ pub mod kinks {
     pub fn min_slope(s: Scalar) -> Scalar {
         derivative(min(2 * s, -3 * s), s, 1)
     }
+    /// Values, slopes and second derivatives at s = 0 of what divides by a length there.
+    pub fn lengths(s: Scalar) -> Vector<4> {
+        [norm([s, 2 * s]), normalize([s, s])[0], hypot(s, s), atan2(s, s)]
+    }
+    pub fn length_slopes(s: Scalar) -> Vector<4> {
+        derivative(lengths(s), s, 1)
+    }
+    pub fn length_curvatures(s: Scalar) -> Vector<4> {
+        derivative(length_slopes(s), s, 1)
+    }
     /// Exists at 0: 3/2 √s, p s^(p − 1), 3 s².
     pub fn power_slope(s: Scalar) -> Scalar {
         let p = 1 + exp(0);
@@ -50,6 +60,33 @@ macro_rules! at {
         let form = kinks::$name(Source::<2>::Constant(vec![$at]));
         expression(&mesh, &form, (Entity::Cells, "all"))[0][0]
     }};
+}
+
+/// All components at s = `at`.
+macro_rules! all_at {
+    ($name:ident, $at:expr) => {{
+        let mesh = Mesh::<2>::cube(&mut Random(1));
+        let form = kinks::$name(Source::<2>::Constant(vec![$at]));
+        expression(&mesh, &form, (Entity::Cells, "all"))[0].clone()
+    }};
+}
+
+#[test]
+fn lengths_at_zero() {
+    assert_eq!(all_at!(lengths, 0.0), [0.0; 4]);
+    assert_eq!(all_at!(length_slopes, 0.0), [0.0; 4]);
+    assert_eq!(all_at!(length_curvatures, 0.0), [0.0; 4]);
+    // Nothing overflows on the way to zero, either.
+    for tiny in [1e-60, 1e-99, 1e-101, 1e-160, 5e-324] {
+        for values in [all_at!(lengths, tiny), all_at!(length_slopes, tiny), all_at!(length_curvatures, tiny)]
+        {
+            assert!(values.iter().all(|value| value.is_finite()), "{values:?} at {tiny}");
+        }
+    }
+    // A NaN is no zero.
+    assert!(all_at!(lengths, f64::NAN).iter().all(|value| value.is_nan()));
+    // (The angle of (s, s) has the slope 0 before any number is known.)
+    assert!(all_at!(length_slopes, f64::NAN)[..3].iter().all(|value| value.is_nan()));
 }
 
 #[test]

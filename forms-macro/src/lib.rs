@@ -9,6 +9,12 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
     forms_compiler::forms(attribute.into(), item.into()).into()
 }
 
+/// Compiles one weak form that stands alone: `form!(|u: Unknown<Scalar>, v: Test<Scalar>| ..)`. See the language.
+#[proc_macro]
+pub fn form(input: TokenStream) -> TokenStream {
+    forms_compiler::form(input.into()).into()
+}
+
 /// Goes on with a module whose import has arrived; called by compiled modules only.
 #[doc(hidden)]
 #[proc_macro]

@@ -19,8 +19,11 @@ pub mod elastic {
     pub fn right(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(sigma(u), eps(v)))
     }
+    pub fn tensor(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, dot(sigma(u), grad(v)))
+    }
     pub fn wrong(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        integral(Omega, dot(mu, v) + dot(sigma(u), grad(v)) + dot(u, [v[0], v[1], 0, 1]))
+        integral(Omega, dot(mu, v) + inner(sigma(u), grad(v)) + dot(u, [v[0], v[1], 0, 1]))
     }
 }
 

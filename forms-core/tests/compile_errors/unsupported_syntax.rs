@@ -36,6 +36,7 @@ pub mod elastic {
         let c = |w| w;
         let d = match mu { _ => 1 };
         let e = f.x + (1 as f64) + u[i] + f64::EPSILON + 2i32;
+        let g = &u;
         integral(Omega, a + b * looped(v) + c + d + e + generic(v))
     }
 }

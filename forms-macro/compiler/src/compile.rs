@@ -12,9 +12,13 @@ use syn::{Ident, ItemMod, LitInt, Path, Token};
 use crate::check::check;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::differentiate::differentiate;
+use crate::dump::{self, Dump};
 use crate::emit::emit;
-use crate::optimise::optimise;
+use crate::emit::form::used_regions;
+use crate::one_form::OneForm;
+use crate::optimise::{Failure, Optimised, optimise};
 use crate::parse::parse;
+use crate::reuse::import::Arrived;
 use crate::reuse::uses::{self, Import};
 use crate::reuse::{self, State, Subject, carrier, import, payload};
 use crate::show::formulas;
@@ -56,88 +60,183 @@ impl Parse for Options {
     }
 }
 
-/// Begins to compile: the imports first.
+/// Begins to compile a module: the imports first.
 pub fn start(state: State) -> TokenStream {
     let options = match syn::parse2::<Options>(state.attribute.clone()) {
         Ok(options) => options,
         Err(error) => return error.into_compile_error(),
     };
-    let Subject::Module(item) = &state.subject;
+    let Subject::Module(item) = &state.subject else { return TokenStream::new() };
     let (attributes, visibility, name) = (&item.attrs, &item.vis, &item.ident);
-    let content = proceed(&options, &state);
+    let content = proceed(&options, item, &state);
+    let allow = allow();
     quote! {
         #(#attributes)*
-        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
-        #[allow(clippy::all)]
+        #allow
         #visibility mod #name {
             #content
         }
     }
 }
 
+/// What emitted modules are free of.
+pub fn allow() -> TokenStream {
+    quote! {
+        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
+        #[allow(clippy::all)]
+    }
+}
+
+/// Begins to compile what stands in `form!`.
+pub fn start_form(state: State) -> TokenStream {
+    match &state.subject {
+        Subject::Form(tokens) => proceed_form(tokens, &state),
+        Subject::Module(_) => TokenStream::new(),
+    }
+}
+
 /// Goes on when another import has arrived. The options have been read before.
 pub fn resume(state: State) -> TokenStream {
-    match syn::parse2::<Options>(state.attribute.clone()) {
-        Ok(options) => proceed(&options, &state),
-        Err(error) => error.into_compile_error(),
+    match &state.subject {
+        Subject::Form(tokens) => proceed_form(tokens, &state),
+        Subject::Module(item) => match syn::parse2::<Options>(state.attribute.clone()) {
+            Ok(options) => proceed(&options, item, &state),
+            Err(error) => error.into_compile_error(),
+        },
     }
 }
 
-/// Asks for the next import, or compiles.
-fn proceed(options: &Options, state: &State) -> TokenStream {
-    let Subject::Module(item) = &state.subject;
+/// Asks for the next import of a module, or compiles.
+fn proceed(options: &Options, item: &ItemMod, state: &State) -> TokenStream {
+    let (imports, diagnostics) = read_uses(item);
+    if let Some(next) = imports.get(state.received.len()) {
+        return reuse::call(next, &options.backend, state);
+    }
+    let mut dump = Dump::from_environment();
+    let mut unit = Unit { options, item: item.clone(), diagnostics, dump: &mut dump };
+    let mut arrived = unit.arrived(imports, &state.received);
+    import::add_declarations(&mut unit.item, &mut arrived);
+    let compiled = unit.compile(arrived);
+    eprint!("{}", dump.text);
+    let Compiled { code, carrier, .. } = compiled;
+    quote! { #code #carrier }
+}
+
+/// Asks for the next import of a `form!`, or compiles.
+fn proceed_form(tokens: &TokenStream, state: &State) -> TokenStream {
+    let form: OneForm = match syn::parse2(tokens.clone()) {
+        Ok(form) => form,
+        Err(error) => return error.into_compile_error(),
+    };
+    let options: Options = match syn::parse2(form.options.clone()) {
+        Ok(options) => options,
+        Err(error) => return error.into_compile_error(),
+    };
+    let (imports, diagnostics) = read_uses(&form.item);
+    if let Some(next) = imports.get(state.received.len()) {
+        return reuse::call(next, &options.backend, state);
+    }
+    let mut dump = Dump::from_environment();
+    let mut unit = Unit { options: &options, item: form.item.clone(), diagnostics, dump: &mut dump };
+    let arrived = unit.arrived(imports, &state.received);
+    let Compiled { code, used, .. } = unit.compile(arrived);
+    eprint!("{}", dump.text);
+    form.expression(code, used.as_deref(), &options.backend)
+}
+
+/// The text that is printed on request, of a module without imports.
+pub fn dump(options: &Options, item: ItemMod, request: &str) -> syn::Result<String> {
+    let mut dump = Dump::new(request);
+    let unit = Unit { options, item, diagnostics: Diagnostics::default(), dump: &mut dump };
+    unit.compile(vec![]);
+    Ok(dump.text)
+}
+
+fn read_uses(item: &ItemMod) -> (Vec<Import>, Diagnostics) {
     let mut diagnostics = Diagnostics::default();
     let items = item.content.iter().flat_map(|(_, items)| items);
-    let imports = uses::read(items, &mut diagnostics);
-    match imports.get(state.received.len()) {
-        Some(next) => reuse::call(next, &options.backend, state),
-        None => compile(options, (**item).clone(), imports, &state.received, diagnostics),
-    }
+    (uses::read(items, &mut diagnostics), diagnostics)
 }
 
-/// Compiles a module whose imports have arrived. Mistakes become compiler errors, after which the module's names exist.
-fn compile(
-    options: &Options,
-    mut item: ItemMod,
-    imports: Vec<Import>,
-    received: &[Literal],
-    mut diagnostics: Diagnostics,
-) -> TokenStream {
-    let texts: Vec<String> =
-        received.iter().filter_map(|text| payload::string(text.clone().into())).collect();
-    let mut arrived = import::read(imports, &texts, &mut diagnostics);
-    import::add_declarations(&mut item, &mut arrived);
-    let mut module = parse(item.clone(), &mut diagnostics);
-    let imported = import::add_functions(arrived, &item, &mut module, &mut diagnostics);
-    let mut optimised = Vec::new();
-    for &dimension in &options.dimensions {
-        for checked in check(&module, dimension, &mut diagnostics).functions {
-            let name = &module.functions[checked.function].name;
-            let before = diagnostics.reports();
-            let derived = differentiate(checked, &module.regions, &mut diagnostics);
-            if diagnostics.reports() > before {
-                continue;
-            }
-            match optimise(derived, &module) {
-                Ok(one) => optimised.push(one),
-                Err(argument) => {
-                    diagnostics.error(
+/// A module whose imports have arrived.
+struct Unit<'a> {
+    options: &'a Options,
+    item: ItemMod,
+    diagnostics: Diagnostics,
+    dump: &'a mut Dump,
+}
+
+/// What a module has become.
+struct Compiled {
+    /// Errors, and the module's inside.
+    code: TokenStream,
+    /// What makes it importable.
+    carrier: TokenStream,
+    /// The regions that the constructor of the first function asks for; `None` if it has a mistake.
+    used: Option<Vec<Ident>>,
+}
+
+impl Unit<'_> {
+    fn arrived(&mut self, imports: Vec<Import>, received: &[Literal]) -> Vec<Arrived> {
+        let texts: Vec<String> =
+            received.iter().filter_map(|text| payload::string(text.clone().into())).collect();
+        import::read(imports, &texts, &mut self.diagnostics)
+    }
+
+    /// Mistakes become compiler errors, after which the module's names exist.
+    fn compile(self, arrived: Vec<Arrived>) -> Compiled {
+        let Unit { options, item, mut diagnostics, dump } = self;
+        let mut module = parse(item.clone(), &mut diagnostics);
+        let imported = import::add_functions(arrived, &item, &mut module, &mut diagnostics);
+        let mut optimised = Vec::new();
+        for &dimension in &options.dimensions {
+            for checked in check(&module, dimension, &mut diagnostics).functions {
+                let name = &module.functions[checked.function].name;
+                dump.checked(&module, &checked);
+                let before = diagnostics.reports();
+                let derived = differentiate(checked, &module.regions, &mut diagnostics);
+                if diagnostics.reports() > before {
+                    continue;
+                }
+                dump.differentiated(&module, &derived);
+                match optimise(derived, &module) {
+                    Ok(one) => {
+                        dump.optimised(&module, &one);
+                        optimised.push(one);
+                    }
+                    Err(Failure::NotLinear(argument)) => {
+                        diagnostics.error(
+                            Place::of(name),
+                            format!("`{name}` could not be brought into a form linear in `{argument}`"),
+                        );
+                    }
+                    Err(Failure::TooLarge) => diagnostics.error_with_help(
                         Place::of(name),
-                        format!("`{name}` could not be brought into a form linear in `{argument}`"),
-                    );
+                        format!("`{name}` unfolds to more than 2 million scalar operations"),
+                        "split it into several forms, or compute tensors of high rank in fewer steps",
+                    ),
                 }
             }
+            diagnostics.next_dimension();
         }
-        diagnostics.next_dimension();
+        // A formula is the same in each dimension.
+        let formulas = match diagnostics.is_empty() {
+            true => formulas(&module, options.dimensions[0]),
+            false => Vec::new(),
+        };
+        let text = payload::write(&item, &imported, !diagnostics.is_empty());
+        let carrier = carrier::write(&item, &imported, &text);
+        let first: Vec<&Optimised> = optimised.iter().filter(|one| one.function == 0).collect();
+        let used = module.functions.first().filter(|_| first.len() == options.dimensions.len());
+        let used = used.map(|function| {
+            let used = used_regions(first.iter().copied(), function).into_iter();
+            used.map(|region| module.regions[region].name.clone()).collect()
+        });
+        let errors = diagnostics.into_tokens();
+        let code = emit(&module, &options.dimensions, optimised, &formulas, &options.backend);
+        let names: Vec<String> = module.functions.iter().map(|function| function.name.to_string()).collect();
+        dump.emitted(&names, &options.dimensions, &code);
+        let tracker = dump::tracker();
+        Compiled { code: quote! { #errors #tracker #code }, carrier, used }
     }
-    // A formula is the same in each dimension.
-    let formulas = match diagnostics.is_empty() {
-        true => formulas(&module, options.dimensions[0]),
-        false => Vec::new(),
-    };
-    let text = payload::write(&item, &imported, !diagnostics.is_empty());
-    let carrier = carrier::write(&item, &imported, &text);
-    let errors = diagnostics.into_tokens();
-    let code = emit(&module, &options.dimensions, optimised, &formulas, &options.backend);
-    quote! { #errors #code #carrier }
 }

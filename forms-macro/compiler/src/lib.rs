@@ -9,7 +9,9 @@ mod check;
 mod compile;
 mod diagnostics;
 mod differentiate;
+mod dump;
 mod emit;
+mod one_form;
 mod optimise;
 mod parse;
 #[cfg(test)]
@@ -32,6 +34,17 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
         }
         Err(error) => error.into_compile_error(),
     }
+}
+
+/// What `form!(input)` becomes: an expression whose value is the form, or a closure that takes its known fields.
+pub fn form(input: TokenStream) -> TokenStream {
+    let subject = reuse::Subject::Form(input);
+    compile::start_form(reuse::State { attribute: TokenStream::new(), subject, received: vec![] })
+}
+
+/// What `FORMS_DUMP=request` prints of a module without imports.
+pub fn dump(attribute: TokenStream, item: TokenStream, request: &str) -> syn::Result<String> {
+    compile::dump(&syn::parse2(attribute)?, syn::parse2(item)?, request)
 }
 
 /// What becomes of a module when the text of one of its imports has arrived: the call for the next, or kernels.

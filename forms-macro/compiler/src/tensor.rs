@@ -49,6 +49,14 @@ pub enum LinearMap {
     Symmetric,
     Skew,
     Deviator,
+    /// Of a gradient G: ε_ijk G_kj in three dimensions, G_10 − G_01 in two.
+    Curl,
+    /// (a_0, a_1) → (−a_1, a_0), a quarter turn to the left.
+    Perpendicular,
+    /// The diagonal of a square tensor, as a vector.
+    Diagonal,
+    /// The tensor with a vector on its diagonal and zeros elsewhere.
+    DiagonalTensor,
 }
 
 /// Scalar functions of one scalar.
@@ -60,7 +68,21 @@ pub enum Function {
     Sin,
     Cos,
     Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
     Tanh,
+    Asinh,
+    Acosh,
+    Atanh,
+    /// To the base 10.
+    Log10,
+    /// 2/√π ∫₀ᵃ exp(−t²) dt
+    Erf,
+    /// 1 − erf a
+    Erfc,
     Abs,
     Sign,
     Heaviside,
@@ -129,11 +151,27 @@ pub enum Variable {
     Node(Tensor),
 }
 
+/// Where the divisor of [`Operator::DivideOrZero`] counts as zero: its inverse, to the third power,
+/// is still a number.
+pub const NEARLY_ZERO: f64 = 1e-100;
+
+/// What [`Operator::Slice`] takes of one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Selection {
+    /// One entry; the axis vanishes.
+    One(usize),
+    /// `start..end`; the axis stays, with the extent `end - start`.
+    Range { start: usize, end: usize },
+}
+
 #[derive(Clone, Debug)]
 pub enum Operator {
     Number(f64),
     Zero,
+    /// Of shape `[n, n]` δ_ij; of shape `[n, n, n, n]` δ_ik δ_jl, which maps each tensor to itself.
     Identity,
+    /// Of shape `[n, n, n, n]`: (δ_ik δ_jl + δ_il δ_jk) / 2, which maps each tensor to its symmetric part.
+    SymmetricIdentity,
     /// A parameter, by index of the data member.
     Parameter(usize),
     /// A field's derivative of an order: 0 the value, 1 the gradient, 2 the second derivatives (the
@@ -149,11 +187,19 @@ pub enum Operator {
     Scale(Tensor, Tensor),
     /// Tensor divided by scalar.
     Divide(Tensor, Tensor),
+    /// Tensor divided by a scalar s that is not negative; zero where s ≤ [`NEARLY_ZERO`].
+    DivideOrZero(Tensor, Tensor),
     /// Last axis of the first with first axis of the second.
     Contract(Tensor, Tensor),
+    /// Last two axes of the first with first two axes of the second, in their order: C_ijkl E_kl.
+    DoubleContract(Tensor, Tensor),
+    /// a × b of vectors: ε_ijk a_j b_k of three components, the scalar a_0 b_1 − a_1 b_0 of two.
+    Cross(Tensor, Tensor),
     /// All axes of two tensors of one shape.
     Inner(Tensor, Tensor),
     Outer(Tensor, Tensor),
+    /// √(a : a), all axes contracted. Its derivative is (a : da) / |a| by [`Operator::DivideOrZero`].
+    Norm(Tensor),
     Map(LinearMap, Tensor),
     Determinant(Tensor),
     Inverse(Tensor),
@@ -161,10 +207,14 @@ pub enum Operator {
     Cofactor(Tensor),
     /// Fixes the leading axes.
     Component(Tensor, Vec<usize>),
+    /// Picks from every axis.
+    Slice(Tensor, Vec<Selection>),
     /// A new leading axis.
     Stack(Vec<Tensor>),
     Apply(Function, Tensor),
     Power(Tensor, Tensor),
+    /// The angle of the point (second, first) with the first axis, in (−π, π].
+    Atan2(Tensor, Tensor),
     Minimum(Tensor, Tensor),
     Maximum(Tensor, Tensor),
     Select(Truth, Tensor, Tensor),
@@ -233,13 +283,17 @@ impl Operator {
     pub fn operands(&self) -> Vec<Tensor> {
         use Operator::*;
         match self {
-            Number(_) | Zero | Identity | Parameter(_) | Field { .. } | Geometry(_) => vec![],
+            Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) | Field { .. } | Geometry(_) => {
+                vec![]
+            }
             Negate(a)
             | Map(_, a)
             | Determinant(a)
             | Inverse(a)
             | Cofactor(a)
             | Component(a, _)
+            | Slice(a, _)
+            | Norm(a)
             | Apply(_, a)
             | Restrict(_, a)
             | Gradient(a)
@@ -247,10 +301,14 @@ impl Operator {
             Add(a, b)
             | Scale(a, b)
             | Divide(a, b)
+            | DivideOrZero(a, b)
             | Contract(a, b)
+            | DoubleContract(a, b)
+            | Cross(a, b)
             | Inner(a, b)
             | Outer(a, b)
             | Power(a, b)
+            | Atan2(a, b)
             | Minimum(a, b)
             | Maximum(a, b) => vec![*a, *b],
             Gateaux { expression, direction, .. } => vec![*expression, *direction],

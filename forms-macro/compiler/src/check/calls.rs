@@ -56,6 +56,7 @@ impl Evaluator<'_> {
             Builtin::Integral => return self.integral(&arguments[0], &arguments[1], place, scope),
             Builtin::Derivative => return self.derivative(arguments, place, scope),
             Builtin::Partial => return self.partial(arguments, place, scope).map(Value::Tensor),
+            Builtin::Identity => return self.identity_of_size(&arguments[0], place).map(Value::Tensor),
             _ => {}
         }
         let values: Vec<_> =
@@ -65,8 +66,14 @@ impl Evaluator<'_> {
         let a = values[0];
         let tensor = match builtin {
             Builtin::Dot => self.dot(a, values[1], place)?,
+            Builtin::DoubleDot => self.double_dot(a, values[1], place)?,
+            Builtin::Cross => self.cross(a, values[1], place)?,
             Builtin::Inner => self.inner(a, values[1], place)?,
             Builtin::Outer => self.outer(a, values[1], place)?,
+            Builtin::Norm => self.norm(a, place),
+            Builtin::Normalize => self.normalize(a, place),
+            Builtin::Diagonal => self.diagonal(a, place)?,
+            Builtin::Perpendicular => self.perpendicular(a, place)?,
             Builtin::Map(map) => self.of_tensor(a, place, &text, |a| Operator::Map(map, a))?,
             Builtin::Determinant => self.of_tensor(a, place, &text, Operator::Determinant)?,
             Builtin::Inverse => self.of_tensor(a, place, &text, Operator::Inverse)?,
@@ -80,21 +87,29 @@ impl Evaluator<'_> {
             Builtin::Average => self.average(a, place)?,
             Builtin::Divergence => self.divergence(a, place)?,
             Builtin::Strain => self.strain(a, place)?,
+            Builtin::Curl => self.curl(a, place)?,
             Builtin::Apply(function) => {
                 let a = self.expect_scalar(a, &text)?;
                 self.arena.push(Operator::Apply(function, a), vec![], place)
             }
-            Builtin::Power | Builtin::Minimum | Builtin::Maximum => {
+            Builtin::Square => {
+                let a = self.expect_scalar(a, &text)?;
+                let two = self.arena.push(Operator::Number(2.0), vec![], place);
+                self.arena.push(Operator::Power(a, two), vec![], place)
+            }
+            Builtin::Power | Builtin::Minimum | Builtin::Maximum | Builtin::Atan2 | Builtin::Hypotenuse => {
                 let (a, b) = (self.expect_scalar(a, &text), self.expect_scalar(values[1], &text));
                 let (a, b) = (a?, b?);
                 let operator = match builtin {
+                    Builtin::Hypotenuse => return Some(Value::Tensor(self.hypotenuse(a, b, place))),
+                    Builtin::Atan2 => Operator::Atan2(a, b),
                     Builtin::Power => Operator::Power(a, b),
                     Builtin::Minimum => Operator::Minimum(a, b),
                     _ => Operator::Maximum(a, b),
                 };
                 self.arena.push(operator, vec![], place)
             }
-            Builtin::Integral | Builtin::Derivative | Builtin::Partial => return None,
+            Builtin::Integral | Builtin::Derivative | Builtin::Partial | Builtin::Identity => return None,
         };
         Some(Value::Tensor(tensor))
     }
@@ -107,6 +122,10 @@ impl Evaluator<'_> {
         place: Place,
         scope: &Scope,
     ) -> Option<Value> {
+        // One report is enough, and the rest of the walk must end.
+        if self.exhausted {
+            return None;
+        }
         let function = &self.module.functions[index];
         if self.calls.contains(&index) {
             let message = match self.calls.last() {

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::Term;
+use proc_macro2::Ident;
+
+use super::{Term, builtins};
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
@@ -15,6 +17,27 @@ pub enum Value {
     Form(Vec<Term>),
 }
 
+/// More nodes than any form has, and few enough to be walked in a second by a macro that is not optimised.
+const MOST_NODES: usize = 100_000;
+/// More integrals than any form has.
+const MOST_TERMS: usize = 10_000;
+
+/// A call, to be told from others: `diff(e, w)` by an argument relies on the identity of its node.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Call {
+    function: usize,
+    passed: Vec<Passed>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Passed {
+    Node(Tensor),
+    /// A field is a new node wherever it is named; so is a parameter.
+    Field(usize, usize),
+    Parameter(usize),
+    Nothing,
+}
+
 /// The state of a walk. Methods return `None` after a report.
 pub struct Evaluator<'a> {
     pub(super) module: &'a Module,
@@ -23,6 +46,10 @@ pub struct Evaluator<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Functions being inlined, outermost first.
     pub(super) calls: Vec<usize>,
+    /// What a function gave for arguments, so that an equal call is not unfolded again.
+    pub(super) given_calls: HashMap<Call, Option<Value>>,
+    /// Too large to go on, which has been reported.
+    pub(super) exhausted: bool,
     /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
     pub(super) uses: HashMap<Tensor, Place>,
     /// Functions of the module and `let`s stay names, as a formula shows them.
@@ -44,6 +71,8 @@ impl<'a> Evaluator<'a> {
             arena: Arena::default(),
             diagnostics,
             calls: vec![],
+            given_calls: HashMap::new(),
+            exhausted: false,
             uses: HashMap::new(),
             outlined: false,
             given: HashMap::new(),
@@ -78,6 +107,26 @@ impl<'a> Evaluator<'a> {
     pub(super) fn inline(&mut self, index: usize, values: Vec<Option<Value>>) -> Option<Value> {
         let function = &self.module.functions[index];
         let body = function.body.as_ref()?;
+        let call = self.call_of(index, &values);
+        if let Some(known) = self.given_calls.get(&call) {
+            return known.clone();
+        }
+        let value = self.inline_body(index, body, values);
+        let terms = match &value {
+            Some(Value::Form(terms)) => terms.len(),
+            _ => 0,
+        };
+        if self.arena.len() > MOST_NODES || terms > MOST_TERMS {
+            let outermost = self.calls.first().copied().unwrap_or(index);
+            self.report_exhausted(&self.module.functions[outermost].name);
+            return None;
+        }
+        self.given_calls.insert(call, value.clone());
+        value
+    }
+
+    fn inline_body(&mut self, index: usize, body: &Block, values: Vec<Option<Value>>) -> Option<Value> {
+        let function = &self.module.functions[index];
         let names = function.arguments.iter().map(|argument| argument.name.to_string());
         let scope: Scope = names.zip(values).collect();
         self.calls.push(index);
@@ -116,10 +165,40 @@ impl<'a> Evaluator<'a> {
         Some(value)
     }
 
+    /// Reports, once, that a function unfolds to more than can be handled.
+    fn report_exhausted(&mut self, name: &Ident) {
+        if !std::mem::replace(&mut self.exhausted, true) {
+            let (nodes, terms) = (MOST_NODES / 1_000, MOST_TERMS / 1_000);
+            self.diagnostics.error_with_help(
+                Place::of(name),
+                format!(
+                    "`{name}` unfolds to more than {nodes} thousand operations or {terms} thousand integrals: functions are inlined at each call"
+                ),
+                "compute what is used several times once, `let w = ..;`, and pass the name",
+            );
+        }
+    }
+
+    fn call_of(&self, index: usize, values: &[Option<Value>]) -> Call {
+        let passed = |value: &Option<Value>| match value {
+            Some(Value::Tensor(tensor)) => match self.arena.node(*tensor).operator {
+                Operator::Field { field, order } => Passed::Field(field, order),
+                Operator::Parameter(index) => Passed::Parameter(index),
+                _ => Passed::Node(*tensor),
+            },
+            // Arguments are neither mistakes nor integrals.
+            Some(Value::Form(_)) | None => Passed::Nothing,
+        };
+        Call { function: index, passed: values.iter().map(passed).collect() }
+    }
+
     pub(super) fn block(&mut self, block: &Block, outer: &Scope) -> Option<Value> {
         let mut scope = outer.clone();
         for (name, expression) in &block.lets {
-            super::check_not_built_in(name, self.diagnostics);
+            // A value named as an operator, `let norm = norm(u)`, hides nothing: operators are called.
+            if builtins::constant(&name.to_string()).is_some() {
+                super::check_not_built_in(name, self.diagnostics);
+            }
             let value = self.evaluate(expression, &scope).map(|value| self.name_value(name, value));
             scope.insert(name.to_string(), value);
         }
@@ -163,12 +242,23 @@ impl<'a> Evaluator<'a> {
             }
             ExpressionKind::Index(base, indices) => {
                 let base = self.tensor(base, scope, "an index")?;
-                self.component(base, indices, place)?
+                self.index(base, indices, place)?
             }
             ExpressionKind::Array(entries) => {
-                let entries: Vec<_> =
+                let places = entries.iter().map(|entry| entry.place);
+                let values: Vec<_> =
                     entries.iter().map(|entry| self.tensor(entry, scope, "an array")).collect();
-                self.stack(entries.into_iter().collect::<Option<_>>()?, place)?
+                let values = values.into_iter().collect::<Option<Vec<_>>>()?;
+                self.uses = values.iter().copied().zip(places).collect();
+                self.stack(values, place)?
+            }
+            ExpressionKind::Repeat(entry, count) => {
+                let value = self.tensor(entry, scope, "an array")?;
+                let count = match count {
+                    Extent::Dimension => self.dimension,
+                    Extent::Fixed(number) => *number,
+                };
+                self.stack(vec![value; count], place)?
             }
             ExpressionKind::If(condition, taken, otherwise) => {
                 let truth = self.condition(condition, scope);

@@ -96,6 +96,16 @@ impl Evaluator<'_> {
             self.diagnostics.error(arguments[2].place, message);
             return None;
         }
+        // Outlined, a call hides what its function depends on; the check has been made.
+        let stands = self.outlined || self.stands_in(variable, &form);
+        if !stands && !self.is_named_in(&arguments[1], &arguments[0]) {
+            self.diagnostics.error_with_help(
+                arguments[1].place,
+                "this field does not stand in what is differentiated: the derivative would be zero everywhere",
+                "differentiate by a field of the first argument, or leave this derivative out",
+            );
+            return None;
+        }
         let mut gateaux = |expression: Tensor| {
             let shape = self.arena.shape(expression).to_vec();
             self.arena.push(Operator::Gateaux { expression, variable, direction }, shape, place)
@@ -109,6 +119,30 @@ impl Evaluator<'_> {
                     .collect(),
             ),
         })
+    }
+
+    /// Does a field or parameter stand in a value, or in one of its integrals?
+    fn stands_in(&self, variable: Variable, value: &Value) -> bool {
+        let roots = match value {
+            Value::Tensor(tensor) => vec![*tensor],
+            Value::Form(terms) => terms.iter().map(|term| term.density).collect(),
+        };
+        self.arena.reachable(&roots).into_iter().any(|node| {
+            match (&self.arena.node(node).operator, variable) {
+                (Operator::Field { field, .. }, Variable::Field(varied)) => *field == varied,
+                (Operator::Parameter(index), Variable::Parameter(varied)) => *index == varied,
+                _ => false,
+            }
+        })
+    }
+
+    /// Is a name written in an expression? A form that is called with a field may not depend on it (a dead
+    /// load does not depend on the displacement): its derivative is zero, and rightly so.
+    fn is_named_in(&self, name: &Expression, expression: &Expression) -> bool {
+        match (&name.kind, &expression.kind) {
+            (ExpressionKind::Name(name), ExpressionKind::Name(other)) => name == other,
+            _ => expression.parts().into_iter().any(|part| self.is_named_in(name, part)),
+        }
     }
 
     pub(super) fn partial(
@@ -129,7 +163,10 @@ impl Evaluator<'_> {
             Operator::Parameter(index) => Variable::Parameter(index),
             // Even a constant: an argument that is the identity here is something else elsewhere.
             _ if local => Variable::Node(name),
-            Operator::Number(_) | Operator::Identity | Operator::Geometry(_) => {
+            Operator::Number(_)
+            | Operator::Identity
+            | Operator::SymmetricIdentity
+            | Operator::Geometry(_) => {
                 self.diagnostics.error(arguments[1].place, "`diff` by a constant: there is nothing to vary");
                 return None;
             }
@@ -151,10 +188,7 @@ impl Evaluator<'_> {
             return None;
         }
         let shape = [self.arena.shape(expression), self.arena.shape(name)].concat();
-        if shape.len() > 4 {
-            self.diagnostics.error(place, "`diff` would give a tensor of rank above 4");
-            return None;
-        }
+        self.limit_rank(&shape, "diff", place)?;
         Some(self.arena.push(Operator::Partial(expression, variable), shape, place))
     }
 

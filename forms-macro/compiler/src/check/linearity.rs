@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::Term;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::{ArgumentRole, Function};
-use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
 
 /// The test functions (by field index) in which a node is linear; empty: free of them.
 type Tests = Vec<usize>;
@@ -83,15 +83,21 @@ impl Algebra<'_> {
         use Operator::*;
         let operator = self.arena.node(tensor).operator.clone();
         match operator {
-            Number(_) | Zero | Identity | Parameter(_) | Geometry(_) => Some(vec![]),
+            Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) | Geometry(_) => Some(vec![]),
             Field { field, .. } => Some(match self.fields[field].role {
                 FieldRole::Test(_) => vec![field],
                 _ => vec![],
             }),
-            Negate(a) | Map(_, a) | Component(a, _) | Restrict(_, a) | Gradient(a) | Partial(a, _) => {
-                self.tests(a)
+            Negate(a)
+            | Map(_, a)
+            | Component(a, _)
+            | Slice(a, _)
+            | Restrict(_, a)
+            | Gradient(a)
+            | Partial(a, _) => self.tests(a),
+            Scale(a, b) | Contract(a, b) | DoubleContract(a, b) | Cross(a, b) | Inner(a, b) | Outer(a, b) => {
+                self.product(tensor, a, b)
             }
-            Scale(a, b) | Contract(a, b) | Inner(a, b) | Outer(a, b) => self.product(tensor, a, b),
             Add(a, b) => self.sum(&[a, b]),
             Stack(entries) => self.sum(&entries),
             Select(truth, a, b) => {
@@ -100,13 +106,13 @@ impl Algebra<'_> {
                 }
                 self.sum(&[a, b])
             }
-            Divide(a, b) => {
+            Divide(a, b) | DivideOrZero(a, b) => {
                 self.free(b, "a denominator")?;
                 self.tests(a)
             }
             Determinant(a) | Inverse(a) | Cofactor(a) => self.free(a, "a nonlinear operation"),
-            Apply(_, a) => self.free(a, "a nonlinear function"),
-            Power(a, b) | Minimum(a, b) | Maximum(a, b) => {
+            Apply(_, a) | Norm(a) => self.free(a, "a nonlinear function"),
+            Power(a, b) | Atan2(a, b) | Minimum(a, b) | Maximum(a, b) => {
                 self.free(a, "a nonlinear function")?;
                 self.free(b, "a nonlinear function")
             }
@@ -117,7 +123,18 @@ impl Algebra<'_> {
                 Some(vec![])
             }
             // The derivative is linear in its direction, and in what the expression was linear in.
-            Gateaux { expression, direction, .. } => self.product(tensor, expression, direction),
+            Gateaux { expression, variable, direction } => {
+                // A derivative by a test function puts the direction in its place.
+                if let Variable::Field(varied) = variable
+                    && matches!(self.fields[varied].role, FieldRole::Test(_))
+                {
+                    return match self.tests(expression)?.contains(&varied) {
+                        true => self.tests(direction),
+                        false => Some(vec![]),
+                    };
+                }
+                self.product(tensor, expression, direction)
+            }
             // Formulas are made of what was checked already.
             Named(_) => Some(vec![]),
         }

@@ -5,6 +5,7 @@ pub mod builtins;
 mod calls;
 mod evaluate;
 mod externals;
+mod indices;
 mod integrals;
 mod linearity;
 mod names;
@@ -12,6 +13,7 @@ mod operators;
 mod outline;
 pub mod regions;
 mod sides;
+mod tensor_algebra;
 
 use std::collections::HashMap;
 
@@ -57,8 +59,13 @@ pub struct Term {
 /// Checks all functions of a module.
 pub fn check(module: &Module, dimension: usize, diagnostics: &mut Diagnostics) -> Checked {
     check_declarations(module, diagnostics);
+    let mut exhausted = false;
     let functions = (0..module.functions.len())
-        .filter_map(|index| check_function(module, index, dimension, diagnostics))
+        .filter_map(|index| match exhausted {
+            // A function that unfolds without end ends the check: most likely the others do, too.
+            true => None,
+            false => check_function(module, index, dimension, &mut exhausted, diagnostics),
+        })
         .collect();
     Checked { functions }
 }
@@ -115,6 +122,7 @@ fn check_function(
     module: &Module,
     index: usize,
     dimension: usize,
+    exhausted: &mut bool,
     diagnostics: &mut Diagnostics,
 ) -> Option<CheckedFunction> {
     let function = &module.functions[index];
@@ -124,6 +132,7 @@ fn check_function(
     let fields = fields_of(module, function, dimension);
     let mut evaluator = evaluate::Evaluator::new(module, dimension, diagnostics);
     let value = evaluator.enter(index, &fields);
+    *exhausted = evaluator.exhausted;
     let arena = evaluator.arena;
     let content = match (value?, function.output) {
         (evaluate::Value::Tensor(value), Output::Value(_)) => Content::Value(value),

@@ -43,6 +43,8 @@ impl Evaluator<'_> {
                     (Operator::Geometry(geometry), if vector { vec![d] } else { vec![] })
                 }
                 Constant::Identity => (Operator::Identity, vec![d, d]),
+                Constant::TensorIdentity => (Operator::Identity, vec![d; 4]),
+                Constant::SymmetricIdentity => (Operator::SymmetricIdentity, vec![d; 4]),
                 Constant::Dimension => (Operator::Number(d as f64), vec![]),
                 Constant::Pi => (Operator::Number(std::f64::consts::PI), vec![]),
             };

@@ -5,6 +5,9 @@ use crate::diagnostics::Place;
 use crate::parse::syntax::BinaryOperator;
 use crate::tensor::{LinearMap, Operator, Tensor};
 
+/// No expression has more axes. Declared shapes have at most four.
+pub const LARGEST_RANK: usize = 6;
+
 /// "a vector" and the like, for messages.
 pub fn describe(shape: &[usize], dimension: usize) -> String {
     match shape {
@@ -95,11 +98,12 @@ impl Evaluator<'_> {
             }
             _ => {
                 let message = format!("`*` does not take {} and {}", self.describe(a), self.describe(b));
-                self.diagnostics.error_with_help(
-                    place,
-                    message,
-                    "`dot` contracts one axis, `inner` all axes",
-                );
+                let help = match (left.len(), right.len()) {
+                    (4, 2) | (4, 4) => "`ddot(C, A)` contracts two axes of each, C_ijkl A_kl",
+                    (2, 1 | 2) => "the columns of the first are as many as the rows of the second",
+                    _ => "`dot` contracts one axis, `ddot` two, `inner` all axes",
+                };
+                self.diagnostics.error_with_help(place, message, help);
                 None
             }
         }
@@ -147,11 +151,7 @@ impl Evaluator<'_> {
             self.diagnostics.error(place, message);
             return None;
         }
-        if left.len() == 2 && right.len() == 2 {
-            let help = "`A * B` is the matrix product, `inner(A, B)` the scalar A : B";
-            self.diagnostics.error_with_help(place, "`dot` between two tensors could mean two things", help);
-            return None;
-        }
+        self.limit_rank(&[&left[1..], &right[1..]].concat(), "dot", place)?;
         self.contract(a, b, place)
     }
 
@@ -182,10 +182,7 @@ impl Evaluator<'_> {
 
     pub(super) fn outer(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
         let shape = [self.arena.shape(a), self.arena.shape(b)].concat();
-        if shape.len() > 4 {
-            self.diagnostics.error(place, "`outer` would give a tensor of rank above 4");
-            return None;
-        }
+        self.limit_rank(&shape, "outer", place)?;
         Some(self.arena.push(Operator::Outer(a, b), shape, place))
     }
 
@@ -201,14 +198,16 @@ impl Evaluator<'_> {
         let operator = make(a);
         let transpose = matches!(operator, Operator::Map(LinearMap::Transpose, _));
         if shape.len() != 2 || (!transpose && shape[0] != shape[1]) {
-            let message = format!("`{name}` needs a tensor, this is {}", self.describe(a));
+            let square = if transpose || shape.len() != 2 { "" } else { "square " };
+            let message = format!("`{name}` needs a {square}tensor, this is {}", self.describe(a));
             self.diagnostics.error(self.place_of(a), message);
             return None;
         }
         if matches!(operator, Operator::Determinant(_) | Operator::Inverse(_) | Operator::Cofactor(_))
             && shape[0] > 3
         {
-            self.diagnostics.error(self.place_of(a), format!("`{name}` exists up to 3 × 3"));
+            let message = format!("`{name}` exists up to 3 × 3, this is {}", self.describe(a));
+            self.diagnostics.error(self.place_of(a), message);
             return None;
         }
         let result = match operator {
@@ -277,60 +276,16 @@ impl Evaluator<'_> {
     pub(super) fn expect_scalar(&mut self, a: Tensor, name: &str) -> Option<Tensor> {
         if !self.arena.shape(a).is_empty() {
             let message = format!("`{name}` needs a scalar, this is {}", self.describe(a));
-            self.diagnostics.error(self.place_of(a), message);
+            let place = self.place_of(a);
+            match self.arena.node(a).operator {
+                Operator::Contract(..) if self.arena.shape(a).len() == 2 => {
+                    let help = "the scalar A : B of two tensors is `inner(A, B)`; `dot(A, B)` and `A * B` are the matrix product";
+                    self.diagnostics.error_with_help(place, message, help);
+                }
+                _ => self.diagnostics.error(place, message),
+            }
             return None;
         }
         Some(a)
-    }
-
-    pub(super) fn component(&mut self, a: Tensor, indices: &[usize], place: Place) -> Option<Tensor> {
-        let shape = self.arena.shape(a).to_vec();
-        if indices.len() > shape.len() {
-            let plural = if shape.len() == 1 { "index" } else { "indices" };
-            let message = format!("{} has {} {plural}, not {}", self.describe(a), shape.len(), indices.len());
-            self.diagnostics.error(place, message);
-            return None;
-        }
-        for (index, extent) in indices.iter().zip(&shape) {
-            if index >= extent {
-                let message = format!(
-                    "the index {index} is out of range in dimension {}: it runs from 0 to {}",
-                    self.dimension,
-                    extent - 1
-                );
-                self.diagnostics.error_with_help(
-                    place,
-                    message,
-                    "`#[forms(dimension = 3)]` compiles a module for one dimension only",
-                );
-                return None;
-            }
-        }
-        Some(self.arena.push(
-            Operator::Component(a, indices.to_vec()),
-            shape[indices.len()..].to_vec(),
-            place,
-        ))
-    }
-
-    pub(super) fn stack(&mut self, entries: Vec<Tensor>, place: Place) -> Option<Tensor> {
-        let Some(first) = entries.first() else {
-            self.diagnostics.error(place, "an empty array is not a vector");
-            return None;
-        };
-        let shape = self.arena.shape(*first).to_vec();
-        for entry in &entries {
-            if self.arena.shape(*entry) != shape {
-                let message = format!(
-                    "the entries of an array have one rank: the first is {}, this is {}",
-                    self.describe(entries[0]),
-                    self.describe(*entry)
-                );
-                self.diagnostics.error(self.place_of(*entry), message);
-                return None;
-            }
-        }
-        let shape = [&[entries.len()], &shape[..]].concat();
-        Some(self.arena.push(Operator::Stack(entries), shape, place))
     }
 }

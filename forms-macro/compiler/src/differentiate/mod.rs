@@ -40,7 +40,7 @@ pub struct ResidualPart {
 /// Carries out all derivatives of a function.
 pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: &mut Diagnostics) -> Derived {
     let CheckedFunction { function, dimension, arena, mut fields, content } = checked;
-    let mut lowering = Lowering { arena, dimension, known: HashMap::new(), diagnostics };
+    let mut lowering = Lowering { arena, dimension, known: HashMap::new(), exhausted: false, diagnostics };
     let unknowns: Vec<(usize, usize)> = fields
         .iter()
         .enumerate()
@@ -95,7 +95,7 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
     let mut residual = Vec::new();
     for term in terms {
         let lowered = lowering.lower(term.density);
-        for part in lowering.additive_parts(lowered) {
+        for part in lowering.parts(lowered) {
             let mut tangent = Vec::new();
             for &(unknown, trial) in &trials {
                 let gateaux = lowering.gateaux(part, unknown, trial, &fields);
@@ -119,8 +119,13 @@ struct Lowering<'a> {
     arena: Arena,
     dimension: usize,
     known: HashMap<Tensor, Tensor>,
+    /// Too large to go on, which has been reported.
+    exhausted: bool,
     diagnostics: &'a mut Diagnostics,
 }
+
+/// More nodes than the derivatives of any form have.
+const MOST_NODES: usize = 1_000_000;
 
 impl Lowering<'_> {
     /// Reports what does not exist where it is integrated. Derivatives that were asked for may have brought
@@ -223,6 +228,14 @@ impl Lowering<'_> {
     }
 
     fn derive(&mut self, expression: Tensor, seed: Seed) -> Option<Tensor> {
+        if self.arena.len() > MOST_NODES {
+            if !std::mem::replace(&mut self.exhausted, true) {
+                let message = "the derivatives of this unfold to more than a million operations";
+                let help = "differentiate fewer times, or by tensors of lower rank";
+                self.diagnostics.error_with_help(self.arena.place(expression), message, help);
+            }
+            return None;
+        }
         let mut directions = Vec::new();
         if let Seed::Toward { direction, with_gradient, .. } = seed {
             directions.push(direction);
@@ -302,6 +315,30 @@ impl Lowering<'_> {
         self.arena.push(Operator::Stack(rows), shape.to_vec(), place)
     }
 
+    /// The additive parts of a density, or the density as one part if they are too many: a sum of shared sums
+    /// doubles with each level.
+    fn parts(&mut self, density: Tensor) -> Vec<Tensor> {
+        const MOST: usize = 1000;
+        match self.count_parts(density, &mut HashMap::new()) {
+            0..=MOST => self.additive_parts(density),
+            _ => vec![density],
+        }
+    }
+
+    fn count_parts(&self, density: Tensor, known: &mut HashMap<Tensor, usize>) -> usize {
+        if let Some(count) = known.get(&density) {
+            return *count;
+        }
+        let count = match self.arena.node(density).operator {
+            Operator::Add(a, b) => self.count_parts(a, known).saturating_add(self.count_parts(b, known)),
+            Operator::Negate(a) | Operator::Divide(a, _) => self.count_parts(a, known),
+            Operator::Scale(a, b) => self.count_parts(a, known).max(self.count_parts(b, known)),
+            _ => 1,
+        };
+        known.insert(density, count);
+        count
+    }
+
     /// Splits a scalar density at `+`, `-` and factors that are parameters only.
     fn additive_parts(&mut self, density: Tensor) -> Vec<Tensor> {
         let place = self.arena.place(density);
@@ -360,7 +397,9 @@ pub fn multi_indices(shape: &[usize]) -> Vec<Vec<usize>> {
 pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tensor) -> Operator {
     use Operator::*;
     match operator {
-        Number(_) | Zero | Identity | Parameter(_) | Field { .. } | Geometry(_) => operator.clone(),
+        Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) | Field { .. } | Geometry(_) => {
+            operator.clone()
+        }
         Restrict(side, a) => Restrict(*side, change(*a)),
         Negate(a) => Negate(change(*a)),
         Map(map, a) => Map(*map, change(*a)),
@@ -368,16 +407,22 @@ pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tens
         Inverse(a) => Inverse(change(*a)),
         Cofactor(a) => Cofactor(change(*a)),
         Component(a, index) => Component(change(*a), index.clone()),
+        Slice(a, selections) => Slice(change(*a), selections.clone()),
+        Norm(a) => Norm(change(*a)),
         Apply(function, a) => Apply(*function, change(*a)),
         Gradient(a) => Gradient(change(*a)),
         Partial(a, variable) => Partial(change(*a), *variable),
         Add(a, b) => Add(change(*a), change(*b)),
         Scale(a, b) => Scale(change(*a), change(*b)),
         Divide(a, b) => Divide(change(*a), change(*b)),
+        DivideOrZero(a, b) => DivideOrZero(change(*a), change(*b)),
         Contract(a, b) => Contract(change(*a), change(*b)),
+        DoubleContract(a, b) => DoubleContract(change(*a), change(*b)),
+        Cross(a, b) => Cross(change(*a), change(*b)),
         Inner(a, b) => Inner(change(*a), change(*b)),
         Outer(a, b) => Outer(change(*a), change(*b)),
         Power(a, b) => Power(change(*a), change(*b)),
+        Atan2(a, b) => Atan2(change(*a), change(*b)),
         Minimum(a, b) => Minimum(change(*a), change(*b)),
         Maximum(a, b) => Maximum(change(*a), change(*b)),
         Stack(entries) => Stack(entries.iter().map(|entry| change(*entry)).collect()),

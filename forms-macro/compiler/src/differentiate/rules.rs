@@ -2,16 +2,17 @@
 //!
 //! Kinks: the derivative of `neg_part`, `pos_part` and `abs` at 0 is 0, that of `heaviside` and `sign`
 //! is 0 everywhere; `max(a, b)` differentiates as `if a > b { a } else { b }`, `min(a, b)` as
-//! `if a > b { b } else { a }`.
+//! `if a > b { b } else { a }`; that of `norm(a)` at a = 0 is 0, as is that of `atan2` at the origin.
+//!
+//! The scalar functions stand in the child module `functions`.
+
+mod functions;
 
 use std::collections::HashMap;
 
-use super::multi_indices;
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{
-    Arena, External, Function, Geometry, LinearMap, Named, Operator, Tensor, Truth, Variable,
-};
+use crate::tensor::{Arena, Geometry, LinearMap, Named, Operator, Tensor, Truth, Variable};
 
 /// What is varied, and how.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +65,7 @@ impl<'a> Differentiation<'a> {
         }
         let shape = self.arena.shape(tensor).to_vec();
         match self.arena.node(tensor).operator.clone() {
-            Number(_) | Zero | Identity => None,
+            Number(_) | Zero | Identity | SymmetricIdentity => None,
             Parameter(index) => match self.seed {
                 Seed::Toward { variable: Variable::Parameter(varied), direction, .. } if varied == index => {
                     Some(direction)
@@ -85,15 +86,15 @@ impl<'a> Differentiation<'a> {
             Contract(a, b) => self.product(tensor, a, b, Contract),
             Inner(a, b) => self.product(tensor, a, b, Inner),
             Outer(a, b) => self.product(tensor, a, b, Outer),
-            // d(a/b) = (da − (a/b) db) / b
-            Divide(a, b) => {
-                let (da, db) = (self.derive(a), self.derive(b));
-                let second = db.map(|db| {
-                    let scaled = self.push(Scale(db, tensor), shape.clone(), tensor);
-                    self.push(Negate(scaled), shape.clone(), tensor)
-                });
-                let numerator = self.sum(da, second)?;
-                Some(self.push(Divide(numerator, b), shape, tensor))
+            DoubleContract(a, b) => self.product(tensor, a, b, DoubleContract),
+            Cross(a, b) => self.product(tensor, a, b, Cross),
+            Divide(a, b) => self.quotient(tensor, a, b, Divide),
+            DivideOrZero(a, b) => self.quotient(tensor, a, b, DivideOrZero),
+            // d|a| = (a : da) / |a|, and 0 at a = 0
+            Norm(a) => {
+                let da = self.derive(a)?;
+                let product = self.push(Inner(a, da), vec![], tensor);
+                Some(self.push(DivideOrZero(product, tensor), vec![], tensor))
             }
             Map(map, a) => {
                 let da = self.derive(a)?;
@@ -118,6 +119,10 @@ impl<'a> Differentiation<'a> {
                 let da = self.derive(a)?;
                 Some(self.push(Component(da, index), shape, tensor))
             }
+            Slice(a, selections) => {
+                let da = self.derive(a)?;
+                Some(self.push(Slice(da, selections), shape, tensor))
+            }
             Stack(entries) => {
                 let derived: Vec<_> = entries.iter().map(|entry| self.derive(*entry)).collect();
                 if derived.iter().all(Option::is_none) {
@@ -136,6 +141,7 @@ impl<'a> Differentiation<'a> {
                 Some(self.push(Scale(slope, da), shape, tensor))
             }
             Power(a, b) => self.power(tensor, a, b),
+            Atan2(a, b) => self.angle(tensor, a, b),
             Minimum(a, b) => self.extremum(tensor, a, b, false),
             Maximum(a, b) => self.extremum(tensor, a, b, true),
             Select(truth, a, b) => {
@@ -301,6 +307,24 @@ impl<'a> Differentiation<'a> {
         self.sum(first, second)
     }
 
+    /// d(a/b) = (da − (a/b) db) / b
+    fn quotient(
+        &mut self,
+        tensor: Tensor,
+        a: Tensor,
+        b: Tensor,
+        make: fn(Tensor, Tensor) -> Operator,
+    ) -> Option<Tensor> {
+        let shape = self.arena.shape(tensor).to_vec();
+        let (da, db) = (self.derive(a), self.derive(b));
+        let second = db.map(|db| {
+            let scaled = self.push(Operator::Scale(db, tensor), shape.clone(), tensor);
+            self.push(Operator::Negate(scaled), shape.clone(), tensor)
+        });
+        let numerator = self.sum(da, second)?;
+        Some(self.push(make(numerator, b), shape, tensor))
+    }
+
     /// 1×1: d 1 = 0. 2×2: cof A = tr A I − Aᵀ is linear.
     /// 3×3: with B = Aᵀ, cof A = B² − tr B B + ½ (tr²B − tr B²) I.
     fn cofactor(&mut self, tensor: Tensor, a: Tensor) -> Option<Tensor> {
@@ -333,97 +357,6 @@ impl<'a> Differentiation<'a> {
                 Some(self.push(Operator::Add(sum, last), shape.clone(), tensor))
             }
         }
-    }
-
-    /// f′(a); `None` where it is zero.
-    fn slope(&mut self, function: Function, a: Tensor, tensor: Tensor) -> Option<Tensor> {
-        use Operator::{Add, Apply, Divide, Negate, Number, Scale};
-        let mut push = |operator| self.push(operator, vec![], tensor);
-        Some(match function {
-            Function::Sqrt => {
-                let half = push(Number(0.5));
-                push(Divide(half, tensor))
-            }
-            Function::Exp => tensor,
-            Function::Ln => {
-                let one = push(Number(1.0));
-                push(Divide(one, a))
-            }
-            Function::Sin => push(Apply(Function::Cos, a)),
-            Function::Cos => {
-                let sine = push(Apply(Function::Sin, a));
-                push(Negate(sine))
-            }
-            // tan′ = 1 + tan²
-            Function::Tan => {
-                let (one, square) = (push(Number(1.0)), push(Scale(tensor, tensor)));
-                push(Add(one, square))
-            }
-            // tanh′ = 1 − tanh²
-            Function::Tanh => {
-                let (one, square) = (push(Number(1.0)), push(Scale(tensor, tensor)));
-                let minus = push(Negate(square));
-                push(Add(one, minus))
-            }
-            Function::Abs => push(Apply(Function::Sign, a)),
-            Function::PositivePart => push(Apply(Function::Heaviside, a)),
-            // [a]₋′ = −H(−a)
-            Function::NegativePart => {
-                let minus = push(Negate(a));
-                let on = push(Apply(Function::Heaviside, minus));
-                push(Negate(on))
-            }
-            Function::Sign | Function::Heaviside => return None,
-        })
-    }
-
-    /// d f⁽ⁿ⁾(a, b, …) = f⁽ⁿ⁺¹⁾(a, b, …) · (da, db, …), all arguments flattened to one list.
-    fn external(
-        &mut self,
-        tensor: Tensor,
-        function: External,
-        arguments: Vec<Tensor>,
-        order: usize,
-    ) -> Option<Tensor> {
-        let derived: Vec<_> = arguments.iter().map(|argument| self.derive(*argument)).collect();
-        if derived.iter().all(Option::is_none) {
-            return None;
-        }
-        let mut changes = Vec::new();
-        for (argument, change) in arguments.iter().zip(derived) {
-            for index in multi_indices(self.arena.shape(*argument)) {
-                changes.push(match change {
-                    Some(change) => self.push(Operator::Component(change, index), vec![], tensor),
-                    None => self.push(Operator::Zero, vec![], tensor),
-                });
-            }
-        }
-        let shape = self.arena.shape(tensor).to_vec();
-        let count = changes.len();
-        let slope = Operator::External { function, arguments, order: order + 1 };
-        let slope = self.push(slope, [&shape[..], &[count]].concat(), tensor);
-        let changes = self.push(Operator::Stack(changes), vec![count], tensor);
-        Some(self.push(Operator::Contract(slope, changes), shape, tensor))
-    }
-
-    fn power(&mut self, tensor: Tensor, a: Tensor, b: Tensor) -> Option<Tensor> {
-        use Operator::{Add, Apply, Number, Power, Scale};
-        let (da, db) = (self.derive(a), self.derive(b));
-        // ∂aᵇ/∂a = b aᵇ⁻¹, which holds at a = 0 where aᵇ b / a does not.
-        let first = da.map(|da| {
-            let minus = self.push(Number(-1.0), vec![], tensor);
-            let less = self.push(Add(b, minus), vec![], tensor);
-            let power = self.push(Power(a, less), vec![], tensor);
-            let slope = self.push(Scale(b, power), vec![], tensor);
-            self.push(Scale(slope, da), vec![], tensor)
-        });
-        // ∂aᵇ/∂b = aᵇ ln a
-        let second = db.map(|db| {
-            let logarithm = self.push(Apply(Function::Ln, a), vec![], tensor);
-            let slope = self.push(Scale(tensor, logarithm), vec![], tensor);
-            self.push(Scale(slope, db), vec![], tensor)
-        });
-        self.sum(first, second)
     }
 
     fn extremum(&mut self, tensor: Tensor, a: Tensor, b: Tensor, maximum: bool) -> Option<Tensor> {

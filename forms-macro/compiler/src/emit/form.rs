@@ -27,7 +27,7 @@ pub fn emit_function(
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
     let complete = optimised.len() == dimensions.len();
-    let used = used_regions(&optimised, function);
+    let used = used_regions(optimised.iter(), function);
     let constructor_arguments = constructor_arguments(module, function, &used);
     let inputs = inputs(module, function, &used);
     let mut implementations = TokenStream::new();
@@ -83,12 +83,11 @@ pub fn emit_function(
 }
 
 /// Regions of the module that the function integrates over, in the order of their declaration.
-fn used_regions(optimised: &[Optimised], function: &Function) -> Vec<usize> {
+pub fn used_regions<'a>(optimised: impl Iterator<Item = &'a Optimised>, function: &Function) -> Vec<usize> {
     if matches!(function.output, Output::Value(_)) {
         return vec![];
     }
     let mut used: Vec<usize> = optimised
-        .iter()
         .flat_map(|one| {
             let linear = one.residual.iter().map(|integral| integral.description.region);
             linear.chain(one.density.iter().map(|integral| integral.description.region)).collect::<Vec<_>>()

@@ -3,7 +3,7 @@
 
 mod description;
 mod external;
-mod form;
+pub mod form;
 mod formula;
 mod kernel;
 mod layout;

@@ -88,9 +88,10 @@ fn regions_of(
                 regions_of_block(module, body, seen, found);
             }
         }
-        ExpressionKind::Negate(a) | ExpressionKind::Index(a, _) | ExpressionKind::Declared(_, a) => {
-            regions_of(module, a, seen, found)
-        }
+        ExpressionKind::Negate(a)
+        | ExpressionKind::Index(a, _)
+        | ExpressionKind::Declared(_, a)
+        | ExpressionKind::Repeat(a, _) => regions_of(module, a, seen, found),
         ExpressionKind::Binary(_, a, b) => {
             regions_of(module, a, seen, found);
             regions_of(module, b, seen, found);

@@ -145,6 +145,7 @@ impl Code<'_> {
                 quote! { L::#name(#a) }
             }
             Power(..) => quote! { L::powf(#a, #b) },
+            Atan2(..) => quote! { L::atan2(#a, #b) },
             Minimum(..) => quote! { L::minimum(#a, #b) },
             Maximum(..) => quote! { L::maximum(#a, #b) },
             Select(..) => quote! { L::select(#a, #b, #c) },
@@ -227,7 +228,22 @@ fn function_name(function: Function) -> &'static str {
         Function::Sin => "sin",
         Function::Cos => "cos",
         Function::Tan => "tan",
+        Function::Asin => "asin",
+        Function::Acos => "acos",
+        Function::Atan => "atan",
+        Function::Sinh => "sinh",
+        Function::Cosh => "cosh",
         Function::Tanh => "tanh",
-        _ => "abs",
+        Function::Asinh => "asinh",
+        Function::Acosh => "acosh",
+        Function::Atanh => "atanh",
+        Function::Log10 => "log10",
+        Function::Erf => "erf",
+        Function::Erfc => "erfc",
+        Function::Abs
+        | Function::Sign
+        | Function::Heaviside
+        | Function::PositivePart
+        | Function::NegativePart => "abs",
     }
 }

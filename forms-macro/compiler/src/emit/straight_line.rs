@@ -33,6 +33,7 @@ pub(super) enum Instruction {
     Negate(Value),
     Apply(Function, Value),
     Power(Value, Value),
+    Atan2(Value, Value),
     Minimum(Value, Value),
     Maximum(Value, Value),
     Select(Value, Value, Value),
@@ -65,6 +66,7 @@ impl Instruction {
             | Multiply(a, b)
             | Divide(a, b)
             | Power(a, b)
+            | Atan2(a, b)
             | Minimum(a, b)
             | Maximum(a, b)
             | Less(a, b)
@@ -178,6 +180,7 @@ impl<'a> Code<'a> {
                 self.push(Instruction::Apply(function, a))
             }
             Node::Power(a, b) => self.lower_pair(a, b, Instruction::Power),
+            Node::Atan2(a, b) => self.lower_pair(a, b, Instruction::Atan2),
             Node::Minimum(a, b) => self.lower_pair(a, b, Instruction::Minimum),
             Node::Maximum(a, b) => self.lower_pair(a, b, Instruction::Maximum),
             Node::Less(a, b) => self.lower_pair(a, b, Instruction::Less),

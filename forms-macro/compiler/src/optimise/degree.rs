@@ -105,18 +105,26 @@ impl<'a> Degrees<'a> {
         let arena = self.arena;
         let zero = Degree::constant(0);
         match &arena.node(tensor).operator {
-            Number(_) | Zero | Identity | Parameter(_) => zero,
+            Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) => zero,
             Field { field, order } => Degree::part(Part::Field { field: *field, order: *order }),
             Geometry(geometry) => match geometry {
                 self::Geometry::Position => Degree::part(Part::Position),
                 self::Geometry::Normal | self::Geometry::Curvature => Degree::part(Part::Normal),
                 _ => zero,
             },
-            Negate(a) | Map(_, a) | Component(a, _) | Restrict(_, a) => self.of(*a),
+            Negate(a) | Map(_, a) | Component(a, _) | Slice(a, _) | Restrict(_, a) => self.of(*a),
+            // As |a| is where a is one number.
+            Norm(a) => self.of(*a),
             Add(a, b) | Minimum(a, b) | Maximum(a, b) | Select(_, a, b) => self.of(*a).largest(self.of(*b)),
-            Scale(a, b) | Contract(a, b) | Inner(a, b) | Outer(a, b) | Divide(a, b) => {
-                self.of(*a).plus(self.of(*b))
-            }
+            Scale(a, b)
+            | Contract(a, b)
+            | DoubleContract(a, b)
+            | Cross(a, b)
+            | Inner(a, b)
+            | Outer(a, b)
+            | Divide(a, b)
+            | DivideOrZero(a, b) => self.of(*a).plus(self.of(*b)),
+            Atan2(a, b) => self.of(*a).largest(self.of(*b)).plus(Degree::constant(2)),
             Stack(entries) => entries.iter().fold(zero, |all, entry| all.largest(self.of(*entry))),
             Determinant(a) | Inverse(a) => self.of(*a).times(arena.shape(*a)[0]),
             Cofactor(a) => self.of(*a).times(arena.shape(*a)[0].max(2) - 1),

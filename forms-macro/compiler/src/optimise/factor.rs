@@ -32,7 +32,7 @@ pub enum BilinearPlan {
 const POINTS: usize = 5;
 const NODES: usize = 8;
 
-/// `None`: not bilinear. `Some(None)`: zero. The flag is the proof of symmetry.
+/// `None`: not bilinear. `Some(None)`: zero.
 pub fn plan(
     graph: &mut Graph,
     density: Scalar,
@@ -40,7 +40,7 @@ pub fn plan(
     components: [usize; 2],
     diagonal: bool,
     from_energy: bool,
-) -> Option<Option<(BilinearPlan, bool)>> {
+) -> Option<Option<Planned>> {
     let [test, trial] = functions;
     let flux = Linear::new(graph, test).coefficients(density)?;
     let mut matrix: BTreeMap<Slot, Coefficients> = BTreeMap::new();
@@ -64,18 +64,30 @@ pub fn plan(
         .map(|(slot, row)| (Coefficients::from([(*slot, graph.number(1.0))]), row.clone()))
         .collect();
     let mut best = factored(graph, dense, components);
+    let mut candidates = vec![("dense", best.cost)];
     if let Some(structured) = structured {
         let candidate = factored(graph, structured, components);
+        candidates.push(("factored", candidate.cost));
         if candidate.cost <= best.cost {
             best = candidate;
         }
     }
-    if let Some(candidate) = accumulated(graph, &matrix, components)
-        && candidate.cost <= best.cost
-    {
-        best = candidate;
+    if let Some(candidate) = accumulated(graph, &matrix, components) {
+        candidates.push(("accumulated", candidate.cost));
+        if candidate.cost <= best.cost {
+            best = candidate;
+        }
     }
-    Some(Some((best.plan, symmetric)))
+    Some(Some(Planned { plan: best.plan, symmetric, candidates }))
+}
+
+/// The cheapest plan.
+pub struct Planned {
+    pub plan: BilinearPlan,
+    /// Proved.
+    pub symmetric: bool,
+    /// Each plan with its cost, for those who ask why.
+    pub candidates: Vec<(&'static str, usize)>,
 }
 
 struct Candidate {

@@ -134,33 +134,56 @@ impl<'a> Linear<'a> {
 
 /// The expression with some functions set to zero. These stand in it linearly, if at all.
 pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> Scalar {
-    let has = |node: &Node| functions.iter().any(|function| function.owns(node));
-    if functions.is_empty() || !graph.depends(scalar, has) {
+    if functions.is_empty() {
         return scalar;
     }
-    match graph.node(scalar).clone() {
-        Node::Sum { constant, terms } => {
-            let mut parts = vec![graph.number(f64::from_bits(constant))];
-            for (coefficient, term) in terms {
-                let term = without(graph, term, functions);
-                parts.push(graph.scale(f64::from_bits(coefficient), term));
-            }
-            graph.sum(&parts)
-        }
-        Node::Product(factors) => {
-            let factors: Vec<_> = factors
-                .iter()
-                .map(|(factor, exponent)| (without(graph, *factor, functions), *exponent))
-                .collect();
-            graph.product(&factors)
-        }
-        Node::Select(truth, a, b) => {
-            let (a, b) = (without(graph, a, functions), without(graph, b, functions));
-            graph.select(truth, a, b)
-        }
-        _ => graph.number(0.0),
-    }
+    without_shared(graph, scalar, functions, &mut HashMap::new())
 }
+
+/// Shared nodes are changed once.
+fn without_shared(
+    graph: &mut Graph,
+    scalar: Scalar,
+    functions: &[SidedField],
+    known: &mut HashMap<Scalar, Scalar>,
+) -> Scalar {
+    if let Some(known) = known.get(&scalar) {
+        return *known;
+    }
+    let has = |node: &Node| functions.iter().any(|function| function.owns(node));
+    let changed = if !graph.depends(scalar, has) {
+        scalar
+    } else {
+        match graph.node(scalar).clone() {
+            Node::Sum { constant, terms } => {
+                let mut parts = vec![graph.number(f64::from_bits(constant))];
+                for (coefficient, term) in terms {
+                    let term = without_shared(graph, term, functions, known);
+                    parts.push(graph.scale(f64::from_bits(coefficient), term));
+                }
+                graph.sum(&parts)
+            }
+            Node::Product(factors) => {
+                let factors: Vec<_> = factors
+                    .iter()
+                    .map(|(factor, exponent)| (without_shared(graph, *factor, functions, known), *exponent))
+                    .collect();
+                graph.product(&factors)
+            }
+            Node::Select(truth, a, b) => {
+                let a = without_shared(graph, a, functions, known);
+                let b = without_shared(graph, b, functions, known);
+                graph.select(truth, a, b)
+            }
+            _ => graph.number(0.0),
+        }
+    };
+    known.insert(scalar, changed);
+    changed
+}
+
+/// Past this many products a factored plan is out of the question.
+const MOST_PRODUCTS: usize = 4096;
 
 /// The expression as a sum of products (test factor, trial factor), each factor linear in its field;
 /// `None` where it has not that structure.
@@ -177,6 +200,9 @@ pub fn factors(
             for (coefficient, term) in terms {
                 let scale = graph.scale(f64::from_bits(coefficient), scale);
                 all.extend(factors(graph, term, scale, is_test, is_trial)?);
+                if all.len() > MOST_PRODUCTS {
+                    return None;
+                }
             }
             Some(all)
         }

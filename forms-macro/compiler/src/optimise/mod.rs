@@ -65,6 +65,8 @@ pub struct BilinearIntegral {
     pub trial: SidedField,
     pub symmetric: bool,
     pub plan: BilinearPlan,
+    /// What each plan would cost, for the dump.
+    pub candidates: Vec<(&'static str, usize)>,
 }
 
 /// A function of position on a region.
@@ -73,9 +75,17 @@ pub struct ExpressionIntegral {
     pub components: Vec<Scalar>,
 }
 
+/// Why a function cannot become kernels.
+pub enum Failure {
+    /// An integral that is not linear in the argument of this name, which `check` rules out.
+    NotLinear(String),
+    /// Its components are too many.
+    TooLarge,
+}
+
 /// Plans all integrals of a function; an integral that turns out not to be linear in an argument,
 /// which `check` rules out, is reported by its absence: `Err` with the name of that argument.
-pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, String> {
+pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure> {
     let Derived { function, dimension, arena, fields, residual, density, value, from_energy } = derived;
     let offsets = parameter_offsets(module, dimension);
     let mut graph = Graph::default();
@@ -103,11 +113,15 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, String> 
     };
     for group in groups {
         let switches = switches(&group, &arena, &mut scalariser, &planned.fields);
-        plan_group(group, from_energy, scalariser.graph, &mut planned)?;
+        let result = plan_group(group, from_energy, scalariser.graph, &mut planned);
+        if scalariser.graph.exhausted {
+            return Err(Failure::TooLarge);
+        }
+        result.map_err(Failure::NotLinear)?;
         planned.switches.extend(switches);
     }
     planned.graph = graph;
-    Ok(planned)
+    if planned.graph.exhausted { Err(Failure::TooLarge) } else { Ok(planned) }
 }
 
 /// Start of each data member in the flattened parameters (`Given` members take no room).
@@ -214,9 +228,16 @@ fn plan_group(
                 let components = [first, second].map(|field| field.shape.iter().product());
                 let found = factor::plan(graph, derivative, [test, trial], components, diagonal, from_energy)
                     .ok_or_else(not_linear)?;
-                if let Some((plan, symmetric)) = found {
+                if let Some(factor::Planned { plan, symmetric, candidates }) = found {
                     let description = group.description.clone();
-                    planned.tangent.push(BilinearIntegral { description, test, trial, symmetric, plan });
+                    planned.tangent.push(BilinearIntegral {
+                        description,
+                        test,
+                        trial,
+                        symmetric,
+                        plan,
+                        candidates,
+                    });
                 }
             }
         }

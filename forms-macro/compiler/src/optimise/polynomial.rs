@@ -1,7 +1,8 @@
 //! A proof that two scalars are equal: both are expanded to polynomials in their atoms (what is neither
 //! a sum nor a product), and compared monomial by monomial.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
 
 use super::scalar::{Graph, Node, Scalar};
 
@@ -16,7 +17,8 @@ pub fn equal(graph: &Graph, a: Scalar, b: Scalar) -> bool {
     if a == b {
         return true;
     }
-    let (Some(first), Some(second)) = (expand(graph, a), expand(graph, b)) else { return false };
+    let mut expansion = Expansion { graph, known: HashMap::new(), budget: 20 * LARGEST };
+    let (Some(first), Some(second)) = (expansion.expand(a), expansion.expand(b)) else { return false };
     let largest =
         first.values().chain(second.values()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
     // Only rounding in sums of literals may differ.
@@ -26,59 +28,87 @@ pub fn equal(graph: &Graph, a: Scalar, b: Scalar) -> bool {
         && second.iter().all(|(monomial, value)| same(first.get(monomial), *value))
 }
 
-fn expand(graph: &Graph, scalar: Scalar) -> Option<Polynomial> {
-    let mut result = Polynomial::new();
-    match graph.node(scalar) {
-        Node::Number(bits) => {
-            result.insert(vec![], f64::from_bits(*bits));
-        }
-        Node::Sum { constant, terms } => {
-            result.insert(vec![], f64::from_bits(*constant));
-            for (coefficient, term) in terms {
-                for (monomial, value) in expand(graph, *term)? {
-                    *result.entry(monomial).or_default() += f64::from_bits(*coefficient) * value;
-                }
-                if result.len() > LARGEST {
-                    return None;
-                }
-            }
-        }
-        Node::Product(factors) => {
-            result.insert(vec![], 1.0);
-            for (factor, exponent) in factors {
-                let expandable = *exponent > 0 && matches!(graph.node(*factor), Node::Sum { .. });
-                if expandable {
-                    let inner = expand(graph, *factor)?;
-                    for _ in 0..*exponent {
-                        result = multiply(&result, &inner)?;
-                    }
-                } else {
-                    let one = Polynomial::from([(vec![(*factor, *exponent)], 1.0)]);
-                    result = multiply(&result, &one)?;
-                }
-            }
-        }
-        _ => {
-            result.insert(vec![(scalar, 1)], 1.0);
-        }
-    }
-    Some(result)
+/// One expansion: shared nodes are expanded once.
+struct Expansion<'g> {
+    graph: &'g Graph,
+    known: HashMap<Scalar, Option<Rc<Polynomial>>>,
+    /// Monomials that may still be made.
+    budget: usize,
 }
 
-fn multiply(a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
-    if a.len() * b.len() > LARGEST {
-        return None;
-    }
-    let mut result = Polynomial::new();
-    for (first, x) in a {
-        for (second, y) in b {
-            let mut powers: BTreeMap<Scalar, i32> = first.iter().copied().collect();
-            for (atom, exponent) in second {
-                *powers.entry(*atom).or_default() += exponent;
-            }
-            powers.retain(|_, exponent| *exponent != 0);
-            *result.entry(powers.into_iter().collect()).or_default() += x * y;
+impl Expansion<'_> {
+    fn expand(&mut self, scalar: Scalar) -> Option<Rc<Polynomial>> {
+        if let Some(known) = self.known.get(&scalar) {
+            return known.clone();
         }
+        let expanded = self.expand_node(scalar).map(Rc::new);
+        self.known.insert(scalar, expanded.clone());
+        expanded
     }
-    Some(result)
+
+    fn expand_node(&mut self, scalar: Scalar) -> Option<Polynomial> {
+        let mut result = Polynomial::new();
+        match self.graph.node(scalar) {
+            Node::Number(bits) => {
+                result.insert(vec![], f64::from_bits(*bits));
+            }
+            Node::Sum { constant, terms } => {
+                result.insert(vec![], f64::from_bits(*constant));
+                for (coefficient, term) in terms {
+                    let inner = self.expand(*term)?;
+                    self.spend(inner.len())?;
+                    for (monomial, value) in inner.iter() {
+                        *result.entry(monomial.clone()).or_default() += f64::from_bits(*coefficient) * value;
+                    }
+                    if result.len() > LARGEST {
+                        return None;
+                    }
+                }
+            }
+            Node::Product(factors) => {
+                result.insert(vec![], 1.0);
+                for (factor, exponent) in factors {
+                    let expandable = *exponent > 0 && matches!(self.graph.node(*factor), Node::Sum { .. });
+                    if expandable {
+                        let inner = self.expand(*factor)?;
+                        for _ in 0..*exponent {
+                            result = self.multiply(&result, &inner)?;
+                        }
+                    } else {
+                        let one = Polynomial::from([(vec![(*factor, *exponent)], 1.0)]);
+                        result = self.multiply(&result, &one)?;
+                    }
+                }
+            }
+            _ => {
+                result.insert(vec![(scalar, 1)], 1.0);
+            }
+        }
+        Some(result)
+    }
+
+    fn spend(&mut self, monomials: usize) -> Option<()> {
+        self.budget = self.budget.checked_sub(monomials)?;
+        Some(())
+    }
+
+    fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
+        if a.len() * b.len() > LARGEST {
+            return None;
+        }
+        self.spend(a.len() * b.len())?;
+        let mut result = Polynomial::new();
+        for (first, x) in a {
+            for (second, y) in b {
+                let mut powers: BTreeMap<Scalar, i32> = first.iter().copied().collect();
+                for (atom, exponent) in second {
+                    let power = powers.entry(*atom).or_default();
+                    *power = power.checked_add(*exponent)?;
+                }
+                powers.retain(|_, exponent| *exponent != 0);
+                *result.entry(powers.into_iter().collect()).or_default() += x * y;
+            }
+        }
+        Some(result)
+    }
 }

@@ -78,6 +78,7 @@ pub enum Node {
     Product(Vec<(Scalar, i32)>),
     Apply(Function, Scalar),
     Power(Scalar, Scalar),
+    Atan2(Scalar, Scalar),
     Minimum(Scalar, Scalar),
     Maximum(Scalar, Scalar),
     Select(Scalar, Scalar, Scalar),
@@ -103,7 +104,14 @@ pub enum Node {
 pub struct Graph {
     nodes: Vec<Node>,
     known: HashMap<Node, Scalar>,
+    /// Nodes and their operands.
+    size: usize,
+    /// Larger than can be handled: what has been built since means nothing.
+    pub exhausted: bool,
 }
+
+/// More nodes and operands than any form has, and few enough for a second and some hundred megabytes.
+const LARGEST: usize = 2_000_000;
 
 /// constant + Σ coefficient × term.
 struct Combination {
@@ -120,6 +128,15 @@ impl Graph {
     pub fn intern(&mut self, node: Node) -> Scalar {
         if let Some(known) = self.known.get(&node) {
             return *known;
+        }
+        self.size += match &node {
+            Node::Sum { terms, .. } => 1 + terms.len(),
+            Node::Product(factors) => 1 + factors.len(),
+            _ => 1,
+        };
+        if self.size > LARGEST {
+            self.exhausted = true;
+            return Scalar(0);
         }
         self.nodes.push(node.clone());
         let scalar = Scalar(self.nodes.len() as u32 - 1);
@@ -239,8 +256,16 @@ impl Graph {
             coefficient *= leading.powi(*exponent);
             match self.node(rest) {
                 Node::Number(_) => {}
-                Node::Product(inner) => {
+                Node::Product(inner)
+                    if inner.iter().all(|(_, inner)| is_moderate(inner.saturating_mul(*exponent))) =>
+                {
                     all.extend(inner.iter().map(|(factor, inner)| (*factor, inner * exponent)))
+                }
+                // A power of a power past all reason stays one factor.
+                Node::Product(_) => {
+                    let (one, exponent) = (self.number(1.0), *exponent);
+                    let whole = self.intern(Node::Power(rest, one));
+                    all.push((whole, exponent));
                 }
                 _ => all.push((rest, *exponent)),
             }
@@ -253,7 +278,7 @@ impl Graph {
         let mut merged: Vec<(Scalar, i32)> = Vec::new();
         for (factor, exponent) in all {
             match merged.last_mut() {
-                Some(last) if last.0 == factor => last.1 += exponent,
+                Some(last) if last.0 == factor => last.1 = last.1.saturating_add(exponent),
                 _ => merged.push((factor, exponent)),
             }
         }
@@ -318,20 +343,8 @@ impl Graph {
                 let other = self.select(below, minus, zero);
                 self.select(above, one, other)
             }
-            _ => match self.value(a) {
-                Some(value) => {
-                    let value = match function {
-                        Function::Sqrt => value.sqrt(),
-                        Function::Exp => value.exp(),
-                        Function::Ln => value.ln(),
-                        Function::Sin => value.sin(),
-                        Function::Cos => value.cos(),
-                        Function::Tan => value.tan(),
-                        Function::Tanh => value.tanh(),
-                        _ => value.abs(),
-                    };
-                    self.number(value)
-                }
+            _ => match self.value(a).and_then(|value| value_of(function, value)) {
+                Some(value) => self.number(value),
                 None => self.intern(Node::Apply(function, a)),
             },
         }
@@ -365,6 +378,7 @@ impl Graph {
             Node::Product(factors) => factors.iter().map(|(factor, _)| *factor).collect(),
             Node::Apply(_, a) | Node::Not(a) => vec![*a],
             Node::Power(a, b)
+            | Node::Atan2(a, b)
             | Node::Minimum(a, b)
             | Node::Maximum(a, b)
             | Node::Less(a, b)
@@ -394,4 +408,38 @@ impl Graph {
     pub fn depends(&self, root: Scalar, test: impl Fn(&Node) -> bool) -> bool {
         self.reachable(&[root]).into_iter().any(|scalar| test(self.node(scalar)))
     }
+}
+
+/// Is this an exponent that a product may have? Repeated squaring would run out of them.
+fn is_moderate(exponent: i32) -> bool {
+    exponent.unsigned_abs() <= 1 << 20
+}
+
+/// The value of a function where it is known here; the error function is computed at run time only.
+fn value_of(function: Function, value: f64) -> Option<f64> {
+    Some(match function {
+        Function::Sqrt => value.sqrt(),
+        Function::Exp => value.exp(),
+        Function::Ln => value.ln(),
+        Function::Log10 => value.log10(),
+        Function::Sin => value.sin(),
+        Function::Cos => value.cos(),
+        Function::Tan => value.tan(),
+        Function::Asin => value.asin(),
+        Function::Acos => value.acos(),
+        Function::Atan => value.atan(),
+        Function::Sinh => value.sinh(),
+        Function::Cosh => value.cosh(),
+        Function::Tanh => value.tanh(),
+        Function::Asinh => value.asinh(),
+        Function::Acosh => value.acosh(),
+        Function::Atanh => value.atanh(),
+        Function::Abs => value.abs(),
+        Function::Erf
+        | Function::Erfc
+        | Function::Sign
+        | Function::Heaviside
+        | Function::PositivePart
+        | Function::NegativePart => return None,
+    })
 }

@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{Arena, Geometry, LinearMap, Operator, Side, Tensor, Truth};
+use crate::tensor::{
+    Arena, Function, Geometry, LinearMap, NEARLY_ZERO, Operator, Selection, Side, Tensor, Truth,
+};
 
 /// Components of tensors, each computed once.
 pub struct Scalariser<'a> {
@@ -52,7 +54,19 @@ impl Scalariser<'_> {
         match &node.operator {
             Number(value) => vec![self.graph.number(*value)],
             Zero => vec![self.graph.number(0.0); count],
-            Identity => self.identity(shape[0]),
+            // Of rank 4, as a matrix from tensors to tensors.
+            Identity => self.identity(shape[..shape.len() / 2].iter().product()),
+            SymmetricIdentity => {
+                let delta = |a: usize, b: usize| if a == b { 0.5 } else { 0.0 };
+                multi_indices(shape)
+                    .iter()
+                    .map(|ijkl| {
+                        let (straight, crossed) = ([ijkl[2], ijkl[3]], [ijkl[3], ijkl[2]]);
+                        let one = |kl: [usize; 2]| 2.0 * delta(ijkl[0], kl[0]) * delta(ijkl[1], kl[1]);
+                        self.graph.number(one(straight) + one(crossed))
+                    })
+                    .collect()
+            }
             Parameter(index) => {
                 let offset = self.parameter_offsets[*index];
                 (0..count).map(|component| self.graph.intern(Node::Parameter(offset + component))).collect()
@@ -80,9 +94,20 @@ impl Scalariser<'_> {
                 let divisor = self.scalar(*divisor);
                 self.map(*a, |graph, a| graph.divide(a, divisor))
             }
-            Contract(a, b) => {
+            // Below the divisor's bound the factor is zero; a NaN is not below and stays visible.
+            DivideOrZero(a, divisor) => {
+                let divisor = self.scalar(*divisor);
+                let (zero, one) = (self.graph.number(0.0), self.graph.number(1.0));
+                let bound = self.graph.number(NEARLY_ZERO);
+                let (off, inverse) =
+                    (self.graph.intern(Node::LessEqual(divisor, bound)), self.graph.divide(one, divisor));
+                let factor = self.graph.select(off, zero, inverse);
+                self.map(*a, |graph, a| graph.multiply(factor, a))
+            }
+            Contract(a, b) | DoubleContract(a, b) => {
+                let axes = if matches!(node.operator, Contract(..)) { 1 } else { 2 };
                 let (first, second) = (self.components(*a), self.components(*b));
-                let inner = self.arena.shape(*b)[0];
+                let inner: usize = self.arena.shape(*b)[..axes].iter().product();
                 let columns = second.len() / inner;
                 let rows = first.len() / inner;
                 let mut result = Vec::new();
@@ -107,6 +132,16 @@ impl Scalariser<'_> {
                     .flat_map(|a| second.iter().map(|b| (*a, *b)))
                     .map(|(a, b)| self.graph.multiply(a, b))
                     .collect()
+            }
+            Cross(a, b) => self.cross(*a, *b),
+            Norm(a) => {
+                let components = self.components(*a);
+                if let [one] = components[..] {
+                    return vec![self.graph.apply(Function::Abs, one)];
+                }
+                let squares: Vec<_> = components.iter().map(|a| (*a, *a)).collect();
+                let sum = self.sum_of_products(&squares);
+                vec![self.graph.apply(Function::Sqrt, sum)]
             }
             Map(map, a) => self.linear_map(*map, *a),
             Determinant(a) => {
@@ -134,6 +169,10 @@ impl Scalariser<'_> {
                         * count;
                 components[start..start + count].to_vec()
             }
+            Slice(a, selections) => {
+                let components = self.components(*a);
+                slice(self.arena.shape(*a), selections).into_iter().map(|entry| components[entry]).collect()
+            }
             Stack(entries) => entries.iter().flat_map(|entry| self.components(*entry)).collect(),
             Apply(function, a) => {
                 let a = self.scalar(*a);
@@ -142,6 +181,10 @@ impl Scalariser<'_> {
             Power(a, b) => {
                 let (a, b) = (self.scalar(*a), self.scalar(*b));
                 vec![self.graph.power(a, b)]
+            }
+            Atan2(a, b) => {
+                let (a, b) = (self.scalar(*a), self.scalar(*b));
+                vec![self.graph.intern(Node::Atan2(a, b))]
             }
             Minimum(a, b) => {
                 let (a, b) = (self.scalar(*a), self.scalar(*b));
@@ -219,7 +262,7 @@ impl Scalariser<'_> {
 
     fn linear_map(&mut self, map: LinearMap, a: Tensor) -> Vec<Scalar> {
         let (components, shape) = (self.components(a), self.arena.shape(a).to_vec());
-        let (rows, columns) = (shape[0], shape[1]);
+        let (rows, columns) = (shape[0], shape.get(1).copied().unwrap_or(1));
         let transposed: Vec<_> =
             multi_indices(&[columns, rows]).iter().map(|ij| components[ij[1] * columns + ij[0]]).collect();
         let graph = &mut *self.graph;
@@ -239,6 +282,23 @@ impl Scalariser<'_> {
                     })
                     .collect()
             }
+            LinearMap::Perpendicular => vec![graph.negate(components[1]), components[0]],
+            LinearMap::Diagonal => (0..rows).map(|i| components[i * columns + i]).collect(),
+            LinearMap::DiagonalTensor => {
+                let zero = graph.number(0.0);
+                let entries = multi_indices(&[rows, rows]);
+                entries.iter().map(|ij| if ij[0] == ij[1] { components[ij[0]] } else { zero }).collect()
+            }
+            LinearMap::Curl => {
+                let mut difference = |row: usize, column: usize| {
+                    let minus = graph.negate(components[column * columns + row]);
+                    graph.add(components[row * columns + column], minus)
+                };
+                match rows {
+                    2 => vec![difference(1, 0)],
+                    _ => vec![difference(2, 1), difference(0, 2), difference(1, 0)],
+                }
+            }
             // dev A = A − tr A / size I
             LinearMap::Deviator => {
                 let diagonal: Vec<_> = (0..rows).map(|i| components[i * columns + i]).collect();
@@ -248,6 +308,20 @@ impl Scalariser<'_> {
                 let entries = components.iter().enumerate();
                 entries.map(|(entry, a)| if on_diagonal(entry) { graph.add(*a, mean) } else { *a }).collect()
             }
+        }
+    }
+
+    fn cross(&mut self, a: Tensor, b: Tensor) -> Vec<Scalar> {
+        let (first, second) = (self.components(a), self.components(b));
+        let mut difference = |i: usize, j: usize| {
+            let (plus, minus) =
+                (self.graph.multiply(first[i], second[j]), self.graph.multiply(first[j], second[i]));
+            let minus = self.graph.negate(minus);
+            self.graph.add(plus, minus)
+        };
+        match first.len() {
+            2 => vec![difference(0, 1)],
+            _ => vec![difference(1, 2), difference(2, 0), difference(0, 1)],
         }
     }
 
@@ -311,4 +385,15 @@ impl Scalariser<'_> {
             }
         }
     }
+}
+
+/// The row-major places of what is selected.
+fn slice(shape: &[usize], selections: &[Selection]) -> Vec<usize> {
+    shape.iter().zip(selections).fold(vec![0], |places, (extent, selection)| {
+        let taken = match *selection {
+            Selection::One(index) => index..index + 1,
+            Selection::Range { start, end } => start..end,
+        };
+        places.iter().flat_map(|place| taken.clone().map(move |index| place * extent + index)).collect()
+    })
 }

@@ -69,6 +69,15 @@ pub fn rank(ty: &Type, diagnostics: &mut Diagnostics) -> Result<Rank, Unread> {
     Rank::new(&extents).ok_or(Unread::Unknown)
 }
 
+/// `[entry; 3]`, `[entry; D]`: how often. `None` after a report.
+pub fn count(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Extent> {
+    let argument = match expression {
+        Expr::Path(path) if path.path.is_ident("D") => return Some(Extent::Dimension),
+        other => GenericArgument::Const(other.clone()),
+    };
+    extent(&argument, diagnostics)
+}
+
 /// The largest extent that may be declared.
 const LARGEST: usize = 16;
 

@@ -136,7 +136,10 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
             let base = read(&index.expr, diagnostics);
             let indices = read_indices(&index.index, diagnostics);
             match base? {
-                Expression { kind: ExpressionKind::Index(inner, mut first), .. } => {
+                // `F[0][1]` is `F[(0, 1)]`; what follows a range indexes what the range gave.
+                Expression { kind: ExpressionKind::Index(inner, mut first), .. }
+                    if first.iter().all(|index| matches!(index.kind, IndexKind::One(_))) =>
+                {
                     first.extend(indices?);
                     ExpressionKind::Index(inner, first)
                 }
@@ -146,6 +149,11 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
         Expr::Array(array) => {
             let entries: Vec<_> = array.elems.iter().map(|entry| read(entry, diagnostics)).collect();
             ExpressionKind::Array(entries.into_iter().collect::<Option<_>>()?)
+        }
+        Expr::Repeat(repeat) => {
+            let entry = read(&repeat.expr, diagnostics);
+            let count = declared_type::count(&repeat.len, diagnostics);
+            ExpressionKind::Repeat(Box::new(entry?), count?)
         }
         Expr::If(branch) => read_if(branch, diagnostics)?,
         Expr::MethodCall(call) => {
@@ -250,27 +258,44 @@ fn not_a_condition(condition: &Expr, diagnostics: &mut Diagnostics) -> Option<Co
     None
 }
 
-fn read_indices(index: &Expr, diagnostics: &mut Diagnostics) -> Option<Vec<usize>> {
-    let one = |expression: &Expr| match expression {
+fn read_indices(index: &Expr, diagnostics: &mut Diagnostics) -> Option<Vec<Index>> {
+    let read: Vec<_> = match index {
+        Expr::Tuple(tuple) if !tuple.elems.is_empty() => tuple.elems.iter().map(read_index).collect(),
+        other => vec![read_index(other)],
+    };
+    let indices: Option<Vec<_>> = read.into_iter().collect();
+    if indices.is_none() {
+        diagnostics.error_with_help(
+            Place::of(index),
+            "an index is a whole number known here",
+            "write `u[0]`, `F[0][1]` or `F[(0, 1)]`, and for more than one entry `u[0..2]` or `F[(.., 1)]`",
+        );
+    }
+    indices
+}
+
+fn read_index(index: &Expr) -> Option<Index> {
+    let whole = |expression: &Expr| match expression {
         Expr::Lit(literal) => match &literal.lit {
             Lit::Int(integer) => integer.base10_parse::<usize>().ok(),
             _ => None,
         },
         _ => None,
     };
-    let indices = match index {
-        Expr::Tuple(tuple) => tuple.elems.iter().map(one).collect(),
-        other => one(other).map(|index| vec![index]),
+    let kind = match index {
+        Expr::Range(range) => {
+            // `None` inside: a bound that is no number.
+            let bound = |bound: &Option<Box<Expr>>| match bound {
+                Some(bound) => whole(bound).map(Some),
+                None => Some(None),
+            };
+            let (start, end) = (bound(&range.start)?, bound(&range.end)?);
+            let closed = matches!(range.limits, syn::RangeLimits::Closed(_));
+            IndexKind::Range { start, end: end.map(|end| end.saturating_add(usize::from(closed))) }
+        }
+        other => IndexKind::One(whole(other)?),
     };
-    if indices.as_ref().is_none_or(Vec::is_empty) {
-        diagnostics.error_with_help(
-            Place::of(index),
-            "an index is a whole number known here",
-            "write `u[0]`, `F[0][1]` or `F[(0, 1)]`",
-        );
-        return None;
-    }
-    indices
+    Some(Index { place: Place::of(index), kind })
 }
 
 fn read_number(literal: &Lit, place: Place, diagnostics: &mut Diagnostics) -> Option<f64> {

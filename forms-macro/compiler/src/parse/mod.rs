@@ -1,6 +1,6 @@
 //! Stage 1: Rust tokens (`syn::ItemMod`) → [`syntax::Module`]. Knows Rust's grammar and no mathematics.
 
-mod declared_type;
+pub mod declared_type;
 mod expression;
 mod external;
 pub mod syntax;

@@ -268,10 +268,66 @@ pub enum ExpressionKind {
     Call(Ident, Vec<Expression>),
     Negate(Box<Expression>),
     Binary(BinaryOperator, Box<Expression>, Box<Expression>),
-    Index(Box<Expression>, Vec<usize>),
+    Index(Box<Expression>, Vec<Index>),
     Array(Vec<Expression>),
+    /// `[entry; 3]`
+    Repeat(Box<Expression>, Extent),
     If(Box<Condition>, Block, Block),
     Block(Block),
+}
+
+impl Expression {
+    /// The expressions that this one is written with.
+    pub fn parts(&self) -> Vec<&Expression> {
+        use ExpressionKind::*;
+        match &self.kind {
+            Mistake | Number(_) | Name(_) => vec![],
+            Declared(_, a) | Negate(a) | Index(a, _) | Repeat(a, _) => vec![a],
+            Binary(_, a, b) => vec![a, b],
+            Call(_, parts) | Array(parts) => parts.iter().collect(),
+            Block(block) => block.parts(),
+            If(condition, taken, otherwise) => {
+                let mut all = condition.parts();
+                all.extend(taken.parts());
+                all.extend(otherwise.parts());
+                all
+            }
+        }
+    }
+}
+
+impl Block {
+    fn parts(&self) -> Vec<&Expression> {
+        self.lets.iter().map(|(_, value)| value).chain([&*self.result]).collect()
+    }
+}
+
+impl Condition {
+    fn parts(&self) -> Vec<&Expression> {
+        match self {
+            Condition::Compare(_, left, right) => vec![left, right],
+            Condition::And(first, second) | Condition::Or(first, second) => {
+                [first.parts(), second.parts()].concat()
+            }
+            Condition::Not(inner) => inner.parts(),
+        }
+    }
+}
+
+/// What is taken of one axis.
+pub struct Index {
+    pub place: Place,
+    pub kind: IndexKind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndexKind {
+    One(usize),
+    /// `start..end`, either of them left out for the axis's own.
+    Range {
+        start: Option<usize>,
+        end: Option<usize>,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

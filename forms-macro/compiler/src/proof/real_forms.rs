@@ -2,19 +2,15 @@
 
 use super::comparison::compare;
 use super::source::Source;
-
-/// The body of the attribute's module in a source file.
-fn module_of(file: &str) -> String {
-    let file = syn::parse_file(file).expect("a Rust file");
-    let module = file.items.into_iter().find(|item| matches!(item, syn::Item::Mod(_)));
-    let Some(syn::Item::Mod(mut module)) = module else { panic!("no module in this file") };
-    module.attrs.clear();
-    quote::quote! { #module }.to_string()
-}
+use crate::reuse::flatten::flatten;
 
 #[test]
 fn the_forms_of_the_paper() {
-    let text = module_of(include_str!("../../../../contact/src/nitsche.rs"));
+    let text = flatten(
+        include_str!("../../../../contact/src/nitsche.rs"),
+        "nitsche",
+        include_str!("../../../../contact/src/operators.rs"),
+    );
     for dimension in [2, 3] {
         let source = Source::new(dimension, &text);
         let mut compared = 0;

@@ -23,6 +23,8 @@ pub struct Imported {
     pub canonical: String,
     /// The function and all that it calls, by their canonical names.
     pub functions: BTreeMap<String, ItemFn>,
+    /// It has mistakes or lacks data, which has been told.
+    pub silent: bool,
 }
 
 /// An import with what came for it.
@@ -85,28 +87,69 @@ pub fn add_functions(
         }
         let complete = needs::check(&import, &payload, &functions, item, diagnostics);
         let silent = payload.broken || !complete;
-        let known = |name: &String| module.functions.iter().any(|function| function.name == *name);
-        let new: Vec<ItemFn> =
-            functions.iter().filter(|(name, _)| !known(name)).map(|(_, function)| function.clone()).collect();
-        let named = functions.get(&canonical).map(|function| {
-            let mut function = function.clone();
-            function.sig.ident = import.local.clone();
-            function.vis = import.visibility.clone();
-            function
-        });
-        for item in new.into_iter().chain(named) {
-            let origin = origin_of(&item.attrs).unwrap_or_default();
-            let emitted = !matches!(item.vis, Visibility::Inherited) && item.sig.ident == import.local;
-            // What is wrong in its declaration was told where it stands.
-            if let Some(mut function) = read_function(item, &mut Diagnostics::default()) {
-                function.attributes.retain(|attribute| attribute.path().is_ident("doc"));
-                function.foreign = Some(Foreign { origin, emitted, silent });
-                module.functions.push(function);
-            }
+        let Import { local, visibility, .. } = import;
+        found.push(Imported { local, visibility, canonical, functions, silent });
+    }
+    for (item, foreign) in written_here(&found) {
+        // What is wrong in its declaration was told where it stands.
+        if let Some(mut function) = read_function(item, &mut Diagnostics::default()) {
+            function.attributes.retain(|attribute| attribute.path().is_ident("doc"));
+            function.foreign = Some(foreign);
+            module.functions.push(function);
         }
-        found.push(Imported { local: import.local, visibility: import.visibility, canonical, functions });
     }
     found
+}
+
+/// The imported functions as they would stand in the importing module: those that were asked for under their local names,
+/// the others, each once, under their canonical ones.
+pub fn written_here(found: &[Imported]) -> Vec<(ItemFn, Foreign)> {
+    let mut locals = BTreeMap::new();
+    for one in found {
+        locals.entry(one.canonical.clone()).or_insert_with(|| one.local.to_string());
+    }
+    let here = |function: &ItemFn| {
+        let mut function = function.clone();
+        if let Ok(block) = syn::parse2(rename_calls(function.block.to_token_stream(), &locals)) {
+            *function.block = block;
+        }
+        function
+    };
+    let foreign = |function: &ItemFn, emitted: bool, silent: bool| {
+        let origin = origin_of(&function.attrs).unwrap_or_default();
+        Foreign { origin, emitted, silent }
+    };
+    let mut written = BTreeMap::new();
+    let mut named = Vec::new();
+    for one in found {
+        for (name, function) in &one.functions {
+            if *name == one.canonical {
+                let mut function = here(function);
+                function.sig.ident = one.local.clone();
+                function.vis = one.visibility.clone();
+                let emitted = !matches!(one.visibility, Visibility::Inherited);
+                let foreign = foreign(&function, emitted, one.silent);
+                named.push((function, foreign));
+            } else if !locals.contains_key(name) && !written.contains_key(name) {
+                let function = with_sign(&here(function));
+                let foreign = foreign(&function, false, one.silent);
+                written.insert(name.clone(), (function, foreign));
+            }
+        }
+    }
+    written.into_values().chain(named).collect()
+}
+
+/// The function with the sign that it has in formulas, which its canonical name shall not be.
+fn with_sign(function: &ItemFn) -> ItemFn {
+    let mut function = function.clone();
+    let is_sign = |doc: &syn::Attribute| doc.path().is_ident("doc") && matches!(doc.meta, syn::Meta::List(_));
+    if !function.attrs.iter().any(is_sign) {
+        let name = function.sig.ident.to_string();
+        let name = name.rsplit_once("__").map_or(name.as_str(), |(name, _)| name);
+        function.attrs.push(syn::parse_quote! { #[doc(alias = #name)] });
+    }
+    function
 }
 
 /// The path of an imported declaration, from its `#[imported(path)]`.

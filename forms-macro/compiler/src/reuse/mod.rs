@@ -11,6 +11,8 @@
 //! ```
 
 pub mod carrier;
+#[cfg(test)]
+pub mod flatten;
 pub mod import;
 mod needs;
 pub mod payload;
@@ -33,27 +35,33 @@ pub struct State {
 pub enum Subject {
     /// The module of `#[forms]`.
     Module(Box<syn::ItemMod>),
+    /// What stands in `form!`.
+    Form(TokenStream),
 }
 
 impl Subject {
     fn tokens(&self) -> TokenStream {
         match self {
             Subject::Module(item) => quote! { module { #item } },
+            Subject::Form(tokens) => quote! { form { #tokens } },
         }
     }
 }
 
 impl Parse for State {
-    /// `"text" (attribute) module { item } ["earlier text" ..]`: a carrier's text, then the state that it was given.
+    /// `"text" (attribute) module { item } ["earlier text" ..]`, or `form { .. }`: a carrier's text, then the state that it was given.
     fn parse(input: ParseStream) -> syn::Result<Self> {
         let text: Literal = input.parse()?;
         let attribute;
         syn::parenthesized!(attribute in input);
         let attribute = attribute.parse()?;
-        input.parse::<syn::Ident>()?;
+        let word: syn::Ident = input.parse()?;
         let source;
         syn::braced!(source in input);
-        let subject = Subject::Module(source.parse()?);
+        let subject = match word == "form" {
+            true => Subject::Form(source.parse()?),
+            false => Subject::Module(source.parse()?),
+        };
         let earlier;
         syn::bracketed!(earlier in input);
         let mut received = Vec::new();

@@ -7,11 +7,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{Fields, Item, ItemFn, ItemMod};
+use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
 use super::payload::Payload;
 use super::uses::Import;
 use crate::diagnostics::{Diagnostics, Place};
+use crate::parse::declared_type::{self, word};
+use crate::parse::syntax::Rank;
 
 /// The markers of regions.
 pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets"];
@@ -37,7 +39,7 @@ pub fn check(
     let (mut missing, mut complete) = (Vec::new(), true);
     for (name, ty) in theirs.members.iter().filter(|(name, _)| names.contains(name)) {
         match ours.members.iter().find(|(other, _)| other == name) {
-            Some((_, own)) if rank(own) == rank(ty) => {}
+            Some((_, own)) if rank(own) == rank(ty) && (own == "Table") == (ty == "Table") => {}
             Some((_, own)) => {
                 let message = format!("`{}` reads `{name}` as `{ty}`, and here it is `{own}`", import.name);
                 let help = format!("the ranks must agree: declare `{name}: {ty}`");
@@ -46,6 +48,13 @@ pub fn check(
             }
             None => missing.push((name, ty)),
         }
+    }
+    for external in externals(&payload.item).filter(|name| names.contains(name)) {
+        let message =
+            format!("`{}` calls `{external}`, which is written in Rust and cannot be imported", import.name);
+        let help = "import functions that do not call it, or take what it gives as an argument";
+        diagnostics.error_with_help(place, message, help);
+        complete = false;
     }
     if !missing.is_empty() {
         let list: Vec<String> = missing.iter().map(|(name, _)| format!("`{name}`")).collect();
@@ -72,6 +81,18 @@ pub fn check(
         complete = false;
     }
     complete
+}
+
+/// The functions of a module's `extern` blocks.
+fn externals(item: &ItemMod) -> impl Iterator<Item = String> {
+    let blocks = item.content.iter().flat_map(|(_, items)| items).filter_map(|item| match item {
+        Item::ForeignMod(block) => Some(&block.items),
+        _ => None,
+    });
+    blocks.flatten().filter_map(|item| match item {
+        ForeignItem::Fn(item) => Some(item.sig.ident.to_string()),
+        _ => None,
+    })
 }
 
 /// What a module declares beside its functions: names with the texts of their types and markers.
@@ -107,11 +128,12 @@ impl Declarations {
     }
 }
 
-/// `Given<Vector>` → `Vector`; `Param` alone is a scalar.
-fn rank(ty: &str) -> &str {
-    match ty.split_once('<') {
-        Some((_, inner)) => inner.strip_suffix('>').unwrap_or(inner),
-        None => "Scalar",
+/// The rank in `Given<Vector>`; `Param` alone is a scalar. `None`: a mistake, which is told where it stands.
+fn rank(ty: &str) -> Option<Rank> {
+    let ty: Type = syn::parse_str(ty).ok()?;
+    match word(&ty)? {
+        (_, None) => Some(Rank::SCALAR),
+        (_, Some(inner)) => declared_type::rank(inner, &mut Diagnostics::default()).ok(),
     }
 }
 

@@ -50,6 +50,7 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
                 content.extend(item.into_token_stream());
             }
             Item::Fn(item) => content.extend(function(item, &origin(item), &known)),
+            Item::ForeignMod(item) => content.extend(item.into_token_stream()),
             _ => {}
         }
     }
@@ -80,7 +81,8 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
 fn function(item: &ItemFn, origin: &str, known: &BTreeMap<String, String>) -> TokenStream {
     let docs = item.attrs.iter().filter(|attribute| attribute.path().is_ident("doc"));
     let public = !matches!(item.vis, Visibility::Inherited);
-    let docs = docs.filter(|_| public);
+    // `#[doc(alias = "σ")]` is the function's sign in formulas, which those of an importing module show, too.
+    let docs = docs.filter(|doc| public || matches!(doc.meta, syn::Meta::List(_)));
     let visibility = public.then(|| quote! { pub });
     let signature = &item.sig;
     let body = rename_calls(item.block.to_token_stream(), known);

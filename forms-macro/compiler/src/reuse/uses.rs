@@ -81,9 +81,15 @@ fn read_tree(
 fn is_vocabulary(name: &str) -> bool {
     const TYPES: &[&str] = &[
         "Scalar",
+        "Matrix",
+        "Tensor4",
         "Vector",
         "Tensor",
+        "Tensor4",
+        "Matrix",
         "Param",
+        "Table",
+        "History",
         "Given",
         "Unknown",
         "Test",

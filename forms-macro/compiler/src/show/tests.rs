@@ -17,6 +17,7 @@ use crate::optimise::scalarise::Scalariser;
 use crate::optimise::{equal_scalars, parameter_offsets};
 use crate::parse::parse;
 use crate::parse::syntax::Module;
+use crate::reuse::flatten::flatten;
 use crate::tensor::{Arena, FieldRole, Side, Tensor};
 
 fn module(source: &str) -> Module {
@@ -34,10 +35,11 @@ fn shown(source: &str, name: &str) -> Shown {
 
 /// The forms of the paper.
 fn nitsche() -> String {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../contact/src/nitsche.rs");
-    let file = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"));
-    let from = file.find("pub mod nitsche").unwrap_or_else(|| panic!("{path} has no module `nitsche`"));
-    file[from..].to_string()
+    let [file, library] = ["nitsche", "operators"].map(|name| {
+        let path = format!("{}/../../contact/src/{name}.rs", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
+    });
+    flatten(&file, "nitsche", &library)
 }
 
 const MATERIALS: &str = r#"mod materials {

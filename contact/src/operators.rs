@@ -1,0 +1,241 @@
+//! Operators to import into forms: strains, stresses and energies of materials, and contact with a rigid obstacle.
+//!
+//! ```
+//! use forms_fem::forms;
+//!
+//! #[forms]
+//! pub mod punch {
+//!     use forms_contact::operators::neo_hookean::energy_density;
+//!     use forms_contact::operators::obstacle::penalty_density;
+//!
+//!     pub struct Data {
+//!         lambda: Param,
+//!         mu: Param,
+//!         gamma0: Param,
+//!         obstacle_normal: Given<Vector>,
+//!         gap: Given<Scalar>,
+//!     }
+//!     #[cells]
+//!     pub struct Omega;
+//!     #[facets]
+//!     pub struct GammaC;
+//!
+//!     pub fn energy(u: Unknown<Vector>) -> Energy {
+//!         integral(Omega, energy_density(u)) + integral(GammaC, penalty_density(u))
+//!     }
+//! }
+//! ```
+//!
+//! An operator reads the importing module's data by name: each module's `Data` says which. A material that varies
+//! declares `lambda: Given<Scalar>` instead of `Param`.
+
+use forms_fem::forms;
+
+/// Measures of strain.
+#[forms]
+pub mod strains {
+    /// ε(w) = (∇w + ∇wᵀ)/2.
+    #[doc(alias = "ε")]
+    pub fn strain(w: Vector) -> Tensor {
+        eps(w)
+    }
+
+    /// F = I + ∇u.
+    #[doc(alias = "F")]
+    pub fn deformation_gradient(u: Vector) -> Tensor {
+        I + grad(u)
+    }
+
+    /// C = FᵀF.
+    #[doc(alias = "C")]
+    pub fn right_cauchy_green(u: Vector) -> Tensor {
+        let F = deformation_gradient(u);
+        transpose(F) * F
+    }
+
+    /// E = (C − I)/2.
+    #[doc(alias = "E")]
+    pub fn green_lagrange(u: Vector) -> Tensor {
+        (right_cauchy_green(u) - I) / 2
+    }
+}
+
+/// Isotropic linear elasticity; in two dimensions plane strain.
+#[forms]
+pub mod linear_elastic {
+    /// Lamé's parameters.
+    pub struct Data {
+        /// λ \[stress\].
+        pub lambda: Param,
+        /// μ, shear modulus \[stress\].
+        pub mu: Param,
+    }
+
+    /// σ(w) = 2μ ε(w) + λ tr ε(w) I.
+    #[doc(alias = "σ")]
+    pub fn stress(w: Vector) -> Tensor {
+        2 * mu * eps(w) + lambda * tr(eps(w)) * I
+    }
+
+    /// ½ σ(w):ε(w), per volume.
+    pub fn energy_density(w: Vector) -> Scalar {
+        inner(stress(w), eps(w)) / 2
+    }
+
+    /// Von Mises stress in plane strain (2D, with σ_zz = λ tr ε) or in 3D: √(3/2 s:s).
+    #[doc(alias = "σ_vM")]
+    pub fn von_mises(w: Vector) -> Scalar {
+        let out_of_plane = if D < 3 { lambda * tr(eps(w)) } else { 0 };
+        let mean = (tr(stress(w)) + out_of_plane) / 3;
+        let in_plane = stress(w) - mean * I;
+        let rest = if D < 3 { pow(out_of_plane - mean, 2) } else { 0 };
+        sqrt(1.5 * (inner(in_plane, in_plane) + rest))
+    }
+}
+
+/// The St Venant–Kirchhoff material: linear between the Green–Lagrange strain and the second Piola stress. For large
+/// rotations and small strains; it softens without bound in compression.
+#[forms]
+pub mod st_venant_kirchhoff {
+    use super::strains::{deformation_gradient, green_lagrange};
+
+    /// Lamé's parameters.
+    pub struct Data {
+        /// λ \[stress\].
+        pub lambda: Param,
+        /// μ, shear modulus \[stress\].
+        pub mu: Param,
+    }
+
+    /// W = μ E:E + λ/2 (tr E)², per reference volume.
+    pub fn energy_density(u: Vector) -> Scalar {
+        let E = green_lagrange(u);
+        mu * inner(E, E) + lambda / 2 * pow(tr(E), 2)
+    }
+
+    /// S = 2μ E + λ tr E I, the second Piola stress.
+    #[doc(alias = "S")]
+    pub fn second_piola(u: Vector) -> Tensor {
+        let E = green_lagrange(u);
+        2 * mu * E + lambda * tr(E) * I
+    }
+
+    /// P = F S, the first Piola stress.
+    #[doc(alias = "P")]
+    pub fn first_piola(u: Vector) -> Tensor {
+        deformation_gradient(u) * second_piola(u)
+    }
+}
+
+/// The compressible neo-Hookean material with W = μ/2 (tr C − D − 2 ln J) + λ/2 (ln J)²; in two dimensions plane strain.
+#[forms]
+pub mod neo_hookean {
+    use super::strains::deformation_gradient;
+
+    /// Lamé's parameters at small strains.
+    pub struct Data {
+        /// λ \[stress\].
+        pub lambda: Param,
+        /// μ, shear modulus \[stress\].
+        pub mu: Param,
+    }
+
+    #[doc(alias = "W")]
+    fn density(F: Tensor) -> Scalar {
+        let J = det(F);
+        mu / 2 * (inner(F, F) - D - 2 * ln(J)) + lambda / 2 * pow(ln(J), 2)
+    }
+
+    /// W, per reference volume.
+    pub fn energy_density(u: Vector) -> Scalar {
+        density(deformation_gradient(u))
+    }
+
+    /// P = ∂W/∂F, the first Piola stress.
+    #[doc(alias = "P")]
+    pub fn first_piola(u: Vector) -> Tensor {
+        let F = deformation_gradient(u);
+        diff(density(F), F)
+    }
+
+    /// σ = P Fᵀ / J, Cauchy's stress.
+    #[doc(alias = "σ")]
+    pub fn cauchy_stress(u: Vector) -> Tensor {
+        let F = deformation_gradient(u);
+        first_piola(u) * transpose(F) / det(F)
+    }
+}
+
+/// Frictionless contact with a rigid obstacle, for any material: what Nitsche's method needs is the material's normal
+/// stress σ_n, which the operators take as an argument. Equation numbers are those of Bretin et al. (2023), hal-03936245.
+///
+/// Signs: n_y points into the obstacle; the gap is positive when apart; σ_n ≤ 0 presses.
+#[forms]
+pub mod obstacle {
+    /// The obstacle, and the parameters of the method.
+    pub struct Data {
+        /// n_y, unit normal pointing into the obstacle.
+        pub obstacle_normal: Given<Vector>,
+        /// g, the initial gap \[length\].
+        pub gap: Given<Scalar>,
+        /// γ₀ \[stress\]; γ = γ₀ / h_T.
+        pub gamma0: Param,
+        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
+        pub theta: Param,
+    }
+
+    /// u_n = w·n_y.
+    #[doc(alias = "·_n")]
+    pub fn normal_displacement(w: Vector) -> Scalar {
+        dot(w, obstacle_normal)
+    }
+
+    /// σ_n = (σ n)·n_y of a stress σ.
+    pub fn normal_component(sigma: Tensor) -> Scalar {
+        dot(sigma * n, obstacle_normal)
+    }
+
+    /// u_n − g: positive where the body would enter the obstacle.
+    pub fn penetration(w: Vector) -> Scalar {
+        normal_displacement(w) - gap
+    }
+
+    /// g − u_n: the gap of the deformed body.
+    pub fn current_gap(w: Vector) -> Scalar {
+        gap - normal_displacement(w)
+    }
+
+    /// γ = γ₀ / h_T.
+    pub fn gamma() -> Scalar {
+        gamma0 / h
+    }
+
+    /// P_γ = σ_n − γ (w_n − g), whose negative part in (15) is the pressure; −β_h of the paper.
+    #[doc(alias = "P_γ")]
+    pub fn augmented_stress(sigma_n: Scalar, w: Vector) -> Scalar {
+        sigma_n - gamma() * penetration(w)
+    }
+
+    /// \[σ_n − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
+    pub fn nitsche_pressure(sigma_n: Scalar, w: Vector) -> Scalar {
+        neg_part(augmented_stress(sigma_n, w))
+    }
+
+    /// θ σ_n − γ w_n, with which (15) tests the pressure.
+    #[doc(alias = "P_θ")]
+    pub fn nitsche_test(sigma_n: Scalar, w: Vector) -> Scalar {
+        theta * sigma_n - gamma() * normal_displacement(w)
+    }
+
+    /// Density on Γ_C of Nitsche's two contact terms in (15): −θ/γ σ_n(u) σ_n(v) − 1/γ \[P_γ(u)\]₋ (θ σ_n(v) − γ v_n).
+    /// For a nonlinear material pass the normal stress's derivative in the direction v as `sigma_n_v`.
+    pub fn nitsche_density(sigma_n: Scalar, u: Vector, sigma_n_v: Scalar, v: Vector) -> Scalar {
+        -theta / gamma() * sigma_n * sigma_n_v
+            - nitsche_pressure(sigma_n, u) / gamma() * nitsche_test(sigma_n_v, v)
+    }
+
+    /// γ/2 \[u_n − g\]₊²: the energy per area of the penalty method.
+    pub fn penalty_density(u: Vector) -> Scalar {
+        gamma() / 2 * pow(pos_part(penetration(u)), 2)
+    }
+}

@@ -1,0 +1,34 @@
+use forms_core::forms;
+
+#[forms(crate = forms_core)]
+pub mod elastic {
+    pub struct Data {
+        mu: Param,
+        M: Param<Matrix<2, 4>>,
+        E: Param<Tensor4>,
+    }
+    #[cells]
+    pub struct Omega;
+
+    pub fn right(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, mu * inner(eps(u), eps(v)))
+    }
+    pub fn contracted(u: Vector, s: Scalar) -> Scalar {
+        let a = dot(M, u);
+        let b = ddot(u, E);
+        let c = ddot(E, M);
+        let d = E * grad(u);
+        let e = M * M;
+        s
+    }
+    pub fn outer_rank(u: Vector) -> Scalar {
+        inner(outer(outer(E, u), grad(u)), outer(E, outer(u, grad(u))))
+    }
+}
+
+/// What a user does with the module: it gives no further errors.
+fn main() {
+    let data = elastic::Data::<2> { mu: 1.0, M: [[0.0; 4]; 2], E: [[[[0.0; 2]; 2]; 2]; 2] };
+    let right = elastic::right(&data, &elastic::Omega::on("all"));
+    drop(right);
+}

@@ -1,0 +1,36 @@
+use forms_core::forms;
+
+#[forms(crate = forms_core)]
+pub mod elastic {
+    pub struct Data {
+        mu: Param,
+        M: Param<Matrix<2, 4>>,
+        E: Param<Tensor4>,
+    }
+    #[cells]
+    pub struct Omega;
+
+    pub fn right(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, mu * inner(eps(u), eps(v)))
+    }
+    pub fn sliced(u: Vector, s: Scalar) -> Scalar {
+        let a = M[(.., 4)];
+        let b = M[(0..3, ..)];
+        let c = M[(1..1, 0)];
+        let d = E[(0, 0, 0, 0, 0)];
+        let e = s[0];
+        let f = u[s];
+        let g = u[..s];
+        s
+    }
+    pub fn repeated(u: Vector, s: Scalar) -> Vector {
+        [s; 17] + [u[0], u]
+    }
+}
+
+/// What a user does with the module: it gives no further errors.
+fn main() {
+    let data = elastic::Data::<2> { mu: 1.0, M: [[0.0; 4]; 2], E: [[[[0.0; 2]; 2]; 2]; 2] };
+    let right = elastic::right(&data, &elastic::Omega::on("all"));
+    drop(right);
+}

@@ -1,0 +1,205 @@
+//! The test of one operator: its value against plain floating-point code, its tangent against differences of
+//! the residual and by a Taylor test, in two and three dimensions.
+
+// Each test program uses a part of it.
+#![allow(dead_code, unused_imports)]
+
+pub use forms_core::contract::*;
+pub use forms_core::forms;
+
+pub use crate::toy_backend::mesh::{Mesh, determinant, inverse};
+pub use crate::toy_backend::random::Random;
+pub use crate::toy_backend::{Nodal, differences, expression, residual, tangent};
+
+pub type Matrix = Vec<Vec<f64>>;
+
+/// The state at a point: what the independent evaluations read.
+pub struct At {
+    pub d: usize,
+    pub u: Vec<f64>,
+    pub grad_u: Matrix,
+    pub s: f64,
+    pub grad_s: Vec<f64>,
+    pub x: Vec<f64>,
+}
+
+/// Parameters of every module below: `a`, `b`, `C`.
+pub const A: f64 = 0.8;
+pub fn b<const D: usize>() -> [f64; D] {
+    std::array::from_fn(|i| 0.3 - 0.45 * i as f64)
+}
+pub fn c<const D: usize>() -> [[f64; D]; D] {
+    std::array::from_fn(|i| std::array::from_fn(|j| 0.2 + 0.3 * i as f64 - 0.1 * (j * j) as f64))
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+pub fn inner(a: &Matrix, b: &Matrix) -> f64 {
+    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
+}
+pub fn matrix(d: usize, entry: impl Fn(usize, usize) -> f64) -> Matrix {
+    (0..d).map(|i| (0..d).map(|j| entry(i, j)).collect()).collect()
+}
+pub fn transpose(a: &Matrix) -> Matrix {
+    matrix(a.len(), |i, j| a[j][i])
+}
+pub fn times(a: &Matrix, b: &Matrix) -> Matrix {
+    matrix(a.len(), |i, j| (0..a.len()).map(|k| a[i][k] * b[k][j]).sum())
+}
+pub fn apply(a: &Matrix, v: &[f64]) -> Vec<f64> {
+    a.iter().map(|row| dot(row, v)).collect()
+}
+pub fn trace(a: &Matrix) -> f64 {
+    (0..a.len()).map(|i| a[i][i]).sum()
+}
+pub fn scaled(factor: f64, v: &[f64]) -> Vec<f64> {
+    v.iter().map(|value| factor * value).collect()
+}
+/// I + grad u
+pub fn deformation(p: &At) -> Matrix {
+    matrix(p.d, |i, j| p.grad_u[i][j] + if i == j { 1.0 } else { 0.0 })
+}
+pub fn cofactor(a: &Matrix) -> Matrix {
+    let (inverse, determinant) = (inverse(a), determinant(a));
+    matrix(a.len(), |i, j| determinant * inverse[j][i])
+}
+
+/// What an independent evaluation may give.
+pub trait Components {
+    fn components(self) -> Vec<f64>;
+}
+impl Components for f64 {
+    fn components(self) -> Vec<f64> {
+        vec![self]
+    }
+}
+impl Components for Vec<f64> {
+    fn components(self) -> Vec<f64> {
+        self
+    }
+}
+impl Components for Matrix {
+    fn components(self) -> Vec<f64> {
+        self.concat()
+    }
+}
+
+/// A mesh and a random state (u, s) on it.
+pub struct State<const D: usize> {
+    pub mesh: Mesh<D>,
+    pub unknowns: [Nodal; 2],
+    pub random: Random,
+}
+
+impl<const D: usize> State<D> {
+    pub fn new(seed: u64) -> Self {
+        let mut random = Random(seed);
+        let mesh = Mesh::<D>::cube(&mut random);
+        let nodes = mesh.nodes.len();
+        let unknowns = [random.field(nodes, D, 0.1, 0.25), random.field(nodes, 1, 0.15, 0.4)];
+        State { mesh, unknowns, random }
+    }
+
+    /// The state at all points of all cells, interpolated here.
+    pub fn points(&self) -> Vec<At> {
+        let mut all = Vec::new();
+        for cell in self.mesh.places(Entity::Cells, "all") {
+            for point in &cell.points {
+                let interpolate = |field: &Nodal, component: usize, axis: Option<usize>| -> f64 {
+                    let weight = |i: usize| match axis {
+                        Some(axis) => point.basis[i].gradient[axis],
+                        None => point.basis[i].value,
+                    };
+                    let nodes = cell.nodes.iter().enumerate();
+                    nodes.map(|(i, node)| weight(i) * field.values[node * field.components + component]).sum()
+                };
+                let [u, s] = &self.unknowns;
+                all.push(At {
+                    d: D,
+                    u: (0..D).map(|i| interpolate(u, i, None)).collect(),
+                    grad_u: matrix(D, |i, j| interpolate(u, i, Some(j))),
+                    s: interpolate(s, 0, None),
+                    grad_s: (0..D).map(|j| interpolate(s, 0, Some(j))).collect(),
+                    x: point.geometry.position.to_vec(),
+                });
+            }
+        }
+        all
+    }
+
+    pub fn check_value<R: Components>(&self, value: &impl Expression<D>, expected: impl Fn(&At) -> R) {
+        let found = expression(&self.mesh, value, (Entity::Cells, "all"));
+        let points = self.points();
+        assert_eq!(found.len(), points.len());
+        for (found, point) in found.iter().zip(&points) {
+            let expected = expected(point).components();
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!(
+                    (found - expected).abs() <= 1e-12 * expected.abs().max(1.0),
+                    "{found} is not {expected}"
+                );
+            }
+        }
+    }
+
+    pub fn check_tangent<F: Form<D>>(&mut self, form: &F) {
+        differences::check_tangent(&self.mesh, form, &self.unknowns, &mut self.random);
+    }
+}
+
+pub fn constant_tensor(d: usize) -> Matrix {
+    matrix(d, |i, j| c::<3>()[i][j])
+}
+pub fn constant_vector(d: usize) -> Vec<f64> {
+    b::<3>()[..d].to_vec()
+}
+
+/// One operator: a module with its value and a form that holds it, and the test of both.
+macro_rules! operator {
+    ($name:ident: Scalar { $($body:tt)* } $expected:expr) => {
+        operator! { @ $name Scalar Scalar { $($body)* } { value(u, s) * v } $expected }
+    };
+    ($name:ident: Vector { $($body:tt)* } $expected:expr) => {
+        operator! { @ $name Vector Vector { $($body)* } { dot(value(u, s), v) } $expected }
+    };
+    ($name:ident: Tensor { $($body:tt)* } $expected:expr) => {
+        operator! { @ $name Tensor Vector { $($body)* } { inner(value(u, s), grad(v)) } $expected }
+    };
+    (@ $name:ident $rank:ident $test:ident { $($body:tt)* } { $($density:tt)* } $expected:expr) => {
+        mod $name {
+            use super::*;
+            #[forms(crate = forms_core)]
+            pub mod operator {
+                pub struct Data { a: Param, b: Param<Vector>, C: Param<Tensor> }
+                #[cells]
+                pub struct Omega;
+                pub fn value(u: Vector, s: Scalar) -> $rank { $($body)* }
+                pub fn form(u: Unknown<Vector>, s: Unknown<Scalar>, v: Test<$test>) -> Form {
+                    integral(Omega, $($density)*)
+                }
+            }
+            fn check<const D: usize>(seed: u64)
+            where
+                operator::value::Form<D>: Expression<D>,
+                operator::form::Form<D>: Form<D>,
+            {
+                let mut state = State::<D>::new(seed);
+                let data = operator::Data { a: A, b: b(), C: c() };
+                let [u, s] = &state.unknowns;
+                let value = operator::value(&data, u.source(), s.source());
+                state.check_value(&value, $expected);
+                state.check_tangent(&operator::form(&data, &operator::Omega::on("all")));
+            }
+            #[test]
+            fn in_2d() {
+                check::<2>(11);
+            }
+            #[test]
+            fn in_3d() {
+                check::<3>(12);
+            }
+        }
+    };
+}

@@ -1,0 +1,107 @@
+//! Shape rules of indices, slices and arrays: from a tensor and what is taken of it to node.
+
+use super::evaluate::Evaluator;
+use crate::diagnostics::Place;
+use crate::parse::syntax::{Index, IndexKind};
+use crate::tensor::{Operator, Selection, Tensor};
+
+impl Evaluator<'_> {
+    /// `A[0]`, `A[(.., 1)]`, `u[0..2]`: axes that are not named are taken whole.
+    pub(super) fn index(&mut self, a: Tensor, indices: &[Index], place: Place) -> Option<Tensor> {
+        let shape = self.arena.shape(a).to_vec();
+        if indices.len() > shape.len() {
+            let count = if shape.is_empty() { "no".into() } else { shape.len().to_string() };
+            let plural = if shape.len() == 1 { "index" } else { "indices" };
+            let message = format!("{} has {count} {plural}, not {}", self.describe(a), indices.len());
+            self.diagnostics.error(place, message);
+            return None;
+        }
+        let selections: Vec<_> =
+            indices.iter().zip(&shape).map(|(index, extent)| self.selection(index, *extent)).collect();
+        let mut selections = selections.into_iter().collect::<Option<Vec<_>>>()?;
+        let leading: Option<Vec<usize>> = selections
+            .iter()
+            .map(|selection| match selection {
+                Selection::One(index) => Some(*index),
+                Selection::Range { .. } => None,
+            })
+            .collect();
+        if let Some(leading) = leading {
+            let rest = shape[leading.len()..].to_vec();
+            return Some(self.arena.push(Operator::Component(a, leading), rest, place));
+        }
+        let rest = shape[selections.len()..].iter().map(|extent| Selection::Range { start: 0, end: *extent });
+        selections.extend(rest);
+        let taken = selections
+            .iter()
+            .filter_map(|selection| match selection {
+                Selection::One(_) => None,
+                Selection::Range { start, end } => Some(end - start),
+            })
+            .collect();
+        Some(self.arena.push(Operator::Slice(a, selections), taken, place))
+    }
+
+    fn selection(&mut self, index: &Index, extent: usize) -> Option<Selection> {
+        let (message, selection) = match index.kind {
+            IndexKind::One(one) if one < extent => return Some(Selection::One(one)),
+            IndexKind::One(one) => (format!("the index {one} is out of range"), "it runs"),
+            IndexKind::Range { start, end } => {
+                let (start, end) = (start.unwrap_or(0), end.unwrap_or(extent));
+                if start >= end {
+                    let message = format!("the range {start}..{end} is empty: its end is not part of it");
+                    let help = format!("`{start}..{}` takes one entry", start.saturating_add(1));
+                    self.diagnostics.error_with_help(index.place, message, help);
+                    return None;
+                }
+                if end <= extent {
+                    return Some(Selection::Range { start, end });
+                }
+                (format!("the range {start}..{end} is out of range"), "indices run")
+            }
+        };
+        let last = extent - 1;
+        if extent == self.dimension {
+            self.diagnostics.error_with_help(
+                index.place,
+                format!("{message} in dimension {}: {selection} from 0 to {last}", self.dimension),
+                "`#[forms(dimension = 3)]` compiles a module for one dimension only",
+            );
+        } else {
+            let message =
+                format!("{message}: this axis has the extent {extent}, {selection} from 0 to {last}");
+            self.diagnostics.error(index.place, message);
+        }
+        None
+    }
+
+    /// `[a, b]`: a new leading axis. A literal zero takes the shape of the other entries.
+    pub(super) fn stack(&mut self, entries: Vec<Tensor>, place: Place) -> Option<Tensor> {
+        let is_zero = |entry: &Tensor| self.arena.is_zero(*entry) && self.arena.shape(*entry).is_empty();
+        let Some(first) = entries.iter().copied().find(|entry| !is_zero(entry)).or(entries.first().copied())
+        else {
+            self.diagnostics.error(place, "an empty array is not a vector");
+            return None;
+        };
+        let shape = self.arena.shape(first).to_vec();
+        let mut fitted = Vec::new();
+        for entry in entries {
+            if self.arena.shape(entry) == shape {
+                fitted.push(entry);
+            } else if self.arena.is_zero(entry) && self.arena.shape(entry).is_empty() {
+                fitted.push(self.arena.push(Operator::Zero, shape.clone(), place));
+            } else {
+                let message = format!(
+                    "the entries of an array have one shape: the first is {}, this is {}",
+                    self.describe(first),
+                    self.describe(entry)
+                );
+                self.diagnostics.error(self.place_of(entry), message);
+                return None;
+            }
+        }
+        let shape = [&[fitted.len()], &shape[..]].concat();
+        self.limit_rank(&shape, "[..]", place)?;
+        Some(self.arena.push(Operator::Stack(fitted), shape, place))
+    }
+}

@@ -1,0 +1,60 @@
+//! For tests that read forms from source files: a module with its imports written out, as text.
+
+use quote::quote;
+use syn::{Item, ItemMod};
+
+use super::import::{Arrived, add_functions, read, written_here};
+use super::payload::write;
+use super::uses;
+use crate::diagnostics::Diagnostics;
+use crate::parse::parse;
+
+/// The forms module `name` of `file`, whose imports come from the modules of `library`, a file whose modules import from
+/// earlier ones only. The last segment but one of an import's path says from which.
+pub fn flatten(file: &str, name: &str, library: &str) -> String {
+    let mut texts: Vec<(String, String)> = Vec::new();
+    for item in modules(library) {
+        let arrived = arrive(&item, &texts);
+        let mut module = parse(item.clone(), &mut Diagnostics::default());
+        let imported = add_functions(arrived, &item, &mut module, &mut Diagnostics::default());
+        texts.push((item.ident.to_string(), write(&item, &imported, false).text));
+    }
+    let item = modules(file).into_iter().find(|item| item.ident == name);
+    let mut item = item.unwrap_or_else(|| panic!("no module `{name}`"));
+    let arrived = arrive(&item, &texts);
+    let mut diagnostics = Diagnostics::default();
+    let mut module = parse(item.clone(), &mut diagnostics);
+    let imported = add_functions(arrived, &item, &mut module, &mut diagnostics);
+    assert!(diagnostics.is_empty(), "{diagnostics:?}");
+    if let Some((_, items)) = &mut item.content {
+        items.retain(|item| !matches!(item, Item::Use(_)));
+        items.extend(written_here(&imported).into_iter().map(|(mut function, _)| {
+            function.attrs.retain(|attribute| attribute.path().is_ident("doc"));
+            Item::Fn(function)
+        }));
+    }
+    item.attrs.clear();
+    quote! { #item }.to_string()
+}
+
+fn modules(file: &str) -> Vec<ItemMod> {
+    let file = syn::parse_file(file).unwrap_or_else(|error| panic!("{error}"));
+    let modules = file.items.into_iter().filter_map(|item| match item {
+        Item::Mod(item) => Some(item),
+        _ => None,
+    });
+    modules.collect()
+}
+
+/// The imports of a module with the texts that they ask for.
+fn arrive(item: &ItemMod, texts: &[(String, String)]) -> Vec<Arrived> {
+    let mut diagnostics = Diagnostics::default();
+    let imports = uses::read(item.content.iter().flat_map(|(_, items)| items), &mut diagnostics);
+    let text = |path: String| {
+        let from = path.replace(' ', "").rsplit("::").nth(1).unwrap_or_default().to_string();
+        let found = texts.iter().find(|(name, _)| *name == from);
+        found.map(|(_, text)| text.clone()).unwrap_or_else(|| panic!("no module for {path}"))
+    };
+    let received: Vec<String> = imports.iter().map(|import| text(import.path.to_string())).collect();
+    read(imports, &received, &mut diagnostics)
+}
