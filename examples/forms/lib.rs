@@ -1,7 +1,8 @@
 //! Forms as a user writes them, one file each, none longer than 40 lines of code. Each is compared with scikit-fem entry by
-//! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`docs/compile_cost.md`).
+//! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`tests/compile_cost`).
 //! Contact by Nitsche's method stands in the package `forms-contact`.
 
+pub mod anisotropic_elasticity;
 pub mod ghost_penalty;
 pub mod interior_penalty;
 pub mod mooney_rivlin;

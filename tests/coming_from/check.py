@@ -27,12 +27,12 @@ def blocks(language):
             yield heading, match[3]
 
 
-def ufl_names():
+def ufl_names(cell="triangle", geometry=1):
     import basix.ufl
     import ufl
 
-    mesh = ufl.Mesh(basix.ufl.element("Lagrange", "triangle", 1, shape=(2,)))
-    element = lambda degree, **options: basix.ufl.element("Lagrange", "triangle", degree, **options)
+    element = lambda degree, **options: basix.ufl.element("Lagrange", cell, degree, **options)
+    mesh = ufl.Mesh(element(geometry, shape=(2,)))
     space = lambda e: ufl.FunctionSpace(mesh, e)
     names = {name: getattr(ufl, name) for name in ufl.__all__}
     names |= {

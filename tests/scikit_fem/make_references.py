@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+import anisotropic_elasticity
 import ghost_penalty
 import interior_penalty
 import meshes
@@ -34,7 +35,7 @@ CRITERION_FORCE = np.array([0.4, -1.0])          # F of M(u) = F . u
 CRITERION_BOUNDARY = 3.0                         # c of N(u) = c |u|^2 / 2
 MADE_BY = "tests/scikit_fem/make_references.py with scikit-fem 12.0.1"
 # Forms whose cases stand beside them: a file each, with a function `cases` that gives (case, record).
-FORMS = [ghost_penalty, interior_penalty, mooney_rivlin, p_laplacian, stokes]
+FORMS = [anisotropic_elasticity, ghost_penalty, interior_penalty, mooney_rivlin, p_laplacian, stokes]
 
 
 def elasticity_references():

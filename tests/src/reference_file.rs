@@ -42,13 +42,14 @@ pub enum Family {
 
 impl Family {
     /// Every family.
-    pub const ALL: [Family; 9] = [
+    pub const ALL: [Family; 10] = [
         Family::Elasticity,
         Family::Poisson,
         Family::NeoHookean,
         Family::MooneyRivlin,
         Family::PLaplacian,
         Family::Stokes,
+        Family::AnisotropicElasticity,
         Family::InteriorPenalty,
         Family::GhostPenalty,
         Family::Nitsche,
