@@ -48,7 +48,7 @@
 //! ```
 //!
 //! The way of a computation: [`mesh`] → [`element`] → [`quadrature`] → [`space`] → [`assemble`] →
-//! [`solve`] → [`output`]. Nothing here knows any physics; forms bring it through [`contract`].
+//! [`solve`] → [`output`]. The language is described in [`language`]. Nothing here knows any physics; forms bring it through [`contract`].
 
 extern crate self as forms_fem;
 
@@ -57,6 +57,7 @@ pub mod constraints;
 pub mod element;
 pub mod field;
 pub mod history;
+pub mod language;
 pub mod linear_algebra;
 pub mod locate;
 pub mod mesh;

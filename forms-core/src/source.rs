@@ -86,6 +86,27 @@ impl<V: FieldValue, const N: usize> FieldValue for [V; N] {
     }
 }
 
+/// The same value everywhere.
+impl<const D: usize> From<f64> for Source<D> {
+    fn from(value: f64) -> Self {
+        Given::constant(value).into()
+    }
+}
+
+/// The same value everywhere; any rank.
+impl<V: FieldValue, const N: usize, const D: usize> From<[V; N]> for Source<D> {
+    fn from(value: [V; N]) -> Self {
+        Given::constant(value).into()
+    }
+}
+
+/// A known field of a form may come from whatever data may.
+impl<V, const D: usize> From<Given<V, D>> for Source<D> {
+    fn from(given: Given<V, D>) -> Self {
+        given.source
+    }
+}
+
 /// A member of `Data` declared as `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`: a constant, a
 /// function of x, or a field on a space. `V` is `f64`, `[f64; D]` or `[[f64; D]; D]`.
 #[derive(Clone, Debug)]

@@ -236,3 +236,41 @@ operator! { error_function_of: Scalar { erf(2 * s) * u[0] } |p: &At| error_funct
 operator! { complementary_error_function: Scalar { erfc(s + u[0]) } |p: &At| 1.0 - error_function(p.s + p.u[0]) }
 operator! { square: Scalar { sqr(s + 1) } |p: &At| (p.s + 1.0).powi(2) }
 operator! { hypotenuse: Scalar { hypot(u[0], 1 + s) } |p: &At| p.u[0].hypot(1.0 + p.s) }
+
+#[forms(crate = forms_core)]
+pub mod replaced {
+    #[cells]
+    pub struct Omega;
+
+    fn first(u: Vector, s: Scalar, v: Vector) -> Form {
+        integral(Omega, dot(u, v) * s + inner(grad(u), grad(v)))
+    }
+    /// By a test function: the direction takes its place, and the other test function's terms vanish.
+    pub fn by_derivative(u: Unknown<Vector>, s: Unknown<Scalar>, v: Test<Vector>, t: Test<Scalar>) -> Form {
+        derivative(first(u, s, v) + integral(Omega, s * s * t), v, 3 * v + t * u)
+    }
+    pub fn by_hand(u: Unknown<Vector>, s: Unknown<Scalar>, v: Test<Vector>, t: Test<Scalar>) -> Form {
+        first(u, s, 3 * v) + first(u, s, t * u)
+    }
+}
+#[test]
+fn derivative_by_a_test_function() {
+    fn check<const D: usize>()
+    where
+        replaced::by_derivative::Form<D>: Form<D>,
+        replaced::by_hand::Form<D>: Form<D>,
+    {
+        let mut state = State::<D>::new(43);
+        let omega = replaced::Omega::on("all");
+        let (found, expected) = (replaced::by_derivative(&omega), replaced::by_hand(&omega));
+        let of_found = residual::<f64, _, D>(&state.mesh, &found, &state.unknowns);
+        let of_expected = residual::<f64, _, D>(&state.mesh, &expected, &state.unknowns);
+        assert!(of_expected.iter().any(|entry| entry.abs() > 1e-3));
+        for (found, expected) in of_found.iter().zip(&of_expected) {
+            assert!((found - expected).abs() <= 1e-13, "{found} is not {expected}");
+        }
+        state.check_tangent(&found);
+    }
+    check::<2>();
+    check::<3>();
+}

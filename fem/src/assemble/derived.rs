@@ -75,6 +75,18 @@ impl<const D: usize> Assembler<D> {
         Ok(found.into_iter().collect())
     }
 
+    /// A derived field at one point: its components, row-major.
+    ///
+    /// # Errors
+    /// As [`Assembler::at_points`].
+    pub fn at_point<E: Expression<D>>(
+        &self,
+        expression: &E,
+        point: [f64; D],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        Ok(self.at_points(expression, &[point])?.values.into_iter().flatten().collect())
+    }
+
     /// A derived field at the quadrature points of a cell or facet region, with their weights. Where the
     /// choice of quadrature is the compiler's estimate, `degree` is taken, unless the function reads a history:
     /// then it is evaluated at that history's points.

@@ -108,7 +108,12 @@ impl Evaluator<'_> {
         }
         let mut gateaux = |expression: Tensor| {
             let shape = self.arena.shape(expression).to_vec();
-            self.arena.push(Operator::Gateaux { expression, variable, direction }, shape, place)
+            // A term without the field is zero now, so that nothing is asked of it any more.
+            let operator = match self.outlined || self.stands_in(variable, &Value::Tensor(expression)) {
+                true => Operator::Gateaux { expression, variable, direction },
+                false => Operator::Zero,
+            };
+            self.arena.push(operator, shape, place)
         };
         Some(match form {
             Value::Tensor(density) => Value::Tensor(gateaux(density)),

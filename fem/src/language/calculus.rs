@@ -1,0 +1,50 @@
+//! Derivatives in space: `grad`, `div`, `eps`, `curl`, `hess`.
+//!
+//! A trailing axis is the direction of differentiation: `grad(u)[i][j]` is ∂u_i/∂x_j, as in UFL and GetFEM. Every operator
+//! of this page is linear, so its derivative is the operator of the direction.
+//!
+//! | written | of | gives | meaning |
+//! | --- | --- | --- | --- |
+//! | `grad(e)` | any rank | one rank more | ∂_j of each component |
+//! | `div(a)` | vector | scalar | Σ ∂_i a_i |
+//! | `div(A)` | tensor | vector | row by row, (div A)_i = Σ ∂_j A_ij |
+//! | `eps(a)` | vector | tensor | (∇a + ∇aᵀ)/2 |
+//! | `curl(a)` | vector in 3D | vector | ∇ × a |
+//! | `curl(a)` | vector in 2D | scalar | ∂₀a₁ − ∂₁a₀ |
+//! | `curl(s)` | scalar in 2D | vector | (∂₁s, −∂₀s) |
+//! | `hess(e)` | any rank | two ranks more | ∂_j ∂_k of each component |
+//!
+//! They apply to expressions, too: `grad(k * u)` follows the product rule, `grad(x)` is the identity. A function of position
+//! given as a Rust closure has no gradient: interpolate it into a field. Third derivatives of a field and derivatives of the
+//! normal are not available.
+//!
+//! ```
+//! # use forms_fem::prelude::*;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! #[forms(dimension = 2)]
+//! mod calculus {
+//!     pub fn gradient(u: Vector) -> Tensor { grad(u) }
+//!     pub fn divergence(u: Vector) -> Scalar { div(u) }
+//!     pub fn strain(u: Vector) -> Tensor { eps(u) }
+//!     pub fn rotation(u: Vector) -> Scalar { curl(u) }
+//!     pub fn product_rule(s: Scalar, u: Vector) -> Tensor { grad(s * u) - s * grad(u) - outer(u, grad(s)) }
+//!     pub fn laplacian(s: Scalar) -> Scalar { tr(hess(s)) }
+//! }
+//! # let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [1, 1], CellShape::Triangle, 1)?);
+//! # let assembler = Assembler::new(&mesh);
+//! let u = Field::interpolate(&Space::vector(&mesh, 2)?, |x| [3.0 * x[0] * x[1], x[0] * x[0]])?;
+//! let s = Field::interpolate(&Space::scalar(&mesh, 2)?, |x: &[f64; 2]| x[0] * x[0] + 4.0 * x[1] * x[1])?;
+//! let point = [1.0, 0.5];
+//! # fn near(found: Vec<f64>, expected: &[f64]) {
+//! #     assert!(found.len() == expected.len());
+//! #     assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {expected:?}");
+//! # }
+//! near(assembler.at_point(&calculus::gradient(&u), point)?, &[1.5, 3.0, 2.0, 0.0]);
+//! near(assembler.at_point(&calculus::divergence(&u), point)?, &[1.5]);
+//! near(assembler.at_point(&calculus::strain(&u), point)?, &[1.5, 2.5, 2.5, 0.0]);
+//! near(assembler.at_point(&calculus::rotation(&u), point)?, &[2.0 - 3.0]);
+//! near(assembler.at_point(&calculus::product_rule(&s, &u), point)?, &[0.0; 4]);
+//! near(assembler.at_point(&calculus::laplacian(&s), point)?, &[10.0]);
+//! # Ok(())
+//! # }
+//! ```

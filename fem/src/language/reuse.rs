@@ -1,0 +1,33 @@
+//! Functions of one module in another, and a form without a module.
+//!
+//! `use path::name;` inside a forms module imports a function (a strain, a stress, a whole form) of another one, in the same crate
+//! or in another; it finds parameters and regions by their names in the importing module. `form!` compiles one expression where it
+//! stands, by the same compiler.
+//!
+//! ```
+//! # use forms_fem::prelude::*;
+//! #[forms]
+//! pub mod elasticity {
+//!     pub struct Data { pub lambda: Param, pub mu: Param }
+//!     #[cells]
+//!     pub struct Body;
+//!     pub fn stress(w: Vector) -> Tensor { 2 * mu * eps(w) + lambda * tr(eps(w)) * I }
+//! }
+//! #[forms]
+//! pub mod loaded {
+//!     use super::elasticity::{Body, Data, stress as sigma};
+//!     pub fn work(u: State<Vector>) -> Functional { integral(Body, inner(sigma(u), eps(u)) / 2) }
+//! }
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+//! let assembler = Assembler::new(&mesh);
+//! let u = Field::interpolate(&Space::vector(&mesh, 1)?, |x| [0.1 * x[0], 0.0])?;
+//! let data = elasticity::Data { lambda: 2.0, mu: 3.0 };
+//! let work = loaded::work(&data, &elasticity::Body::on("all"), &u);
+//! assert!((assembler.functional(&work, &[])? - 0.5 * (2.0 + 2.0 * 3.0) * 0.01).abs() < 1e-14);
+//!
+//! let area = form!(|| -> Functional { integral(cells("all"), 1) }, dimension = 2);
+//! assert!((assembler.functional(&area, &[])? - 1.0).abs() < 1e-14);
+//! # Ok(())
+//! # }
+//! ```
