@@ -77,7 +77,7 @@ pub fn determinant(a: &[Number], size: usize) -> Number {
         return Number::real(1.0);
     }
     let term = |column: usize| {
-        let sign = if column % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if column.is_multiple_of(2) { 1.0 } else { -1.0 };
         a[column].times(&determinant(&minor(a, size, 0, column), size - 1)).scaled(sign)
     };
     total(&(0..size).map(term).collect::<Vec<_>>())
@@ -86,7 +86,7 @@ pub fn determinant(a: &[Number], size: usize) -> Number {
 pub fn cofactor(a: &[Number], size: usize) -> Vec<Number> {
     let entry = |index: usize| {
         let (row, column) = (index / size, index % size);
-        let sign = if (row + column) % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if (row + column).is_multiple_of(2) { 1.0 } else { -1.0 };
         determinant(&minor(a, size, row, column), size - 1).scaled(sign)
     };
     (0..size * size).map(entry).collect()
