@@ -7,6 +7,9 @@
 //! (Daleckii and Krein; Higham, Functions of Matrices, 2008, section 3.2). Divided differences of close points
 //! are computed from closed forms and Taylor series, without cancellation.
 
+// Rows and columns are walked by their indices, as the formulas have them.
+#![allow(clippy::needless_range_loop)]
+
 use crate::external::External;
 use crate::real::Real;
 

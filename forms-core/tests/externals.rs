@@ -34,9 +34,9 @@ fn determinant<R: Real, const D: usize>(mut a: [[R; D]; D]) -> R {
         product *= a[pivot][pivot];
         for row in pivot + 1..D {
             let factor = a[row][pivot] / a[pivot][pivot];
-            for column in pivot..D {
-                let upper = a[pivot][column];
-                a[row][column] -= factor * upper;
+            let upper = a[pivot];
+            for (entry, upper) in a[row].iter_mut().zip(upper) {
+                *entry -= factor * upper;
             }
         }
     }

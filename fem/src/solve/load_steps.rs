@@ -167,8 +167,9 @@ impl LoadSteps {
                         step.failure = Some(why.to_string());
                         progress(&step);
                         path.steps.push(step);
-                        // NaN ends the path, too.
-                        if !((factor - at).abs() > self.smallest_increment) || halvings >= 1000 {
+                        // Not so for NaN, which ends the path, too.
+                        let halvable = (factor - at).abs() > self.smallest_increment;
+                        if !halvable || halvings >= 1000 {
                             let LoadPath { state, steps } = path;
                             return Err(LoadStepError { factor: at, state, failed: factor, why, steps });
                         }

@@ -19,6 +19,9 @@ use crate::linear_algebra::{CsrMatrix, LinearAlgebraError};
 use crate::solve::SolverError;
 use crate::space::Space;
 
+/// Residual at 0 and tangent of the integrals that are constant or linear in the unknowns.
+type Fixed = (Vec<f64>, CsrMatrix);
+
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
 /// vectors and matrices the unknowns of the spaces stand one after the other.
 ///
@@ -51,9 +54,8 @@ pub struct MixedProblem<'a, F, const D: usize, const N: usize> {
     assembler: &'a Assembler<D>,
     spaces: [Arc<Space<D>>; N],
     pattern: Arc<BlockPattern>,
-    /// Residual at 0 and tangent of the integrals that are constant or linear in the unknowns, after how often the
-    /// form's histories had been committed then.
-    fixed: Option<(u64, Arc<(Vec<f64>, CsrMatrix)>)>,
+    /// What no iterate changes, and how often the form's histories had been committed when it was assembled.
+    fixed: Option<(u64, Arc<Fixed>)>,
     seconds: f64,
 }
 
@@ -234,7 +236,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         })
     }
 
-    fn fixed(&mut self) -> Result<Arc<(Vec<f64>, CsrMatrix)>, AssemblyError> {
+    fn fixed(&mut self) -> Result<Arc<Fixed>, AssemblyError> {
         let commits = commits(self.form.inputs());
         if let Some((then, fixed)) = &self.fixed
             && *then == commits

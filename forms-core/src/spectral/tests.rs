@@ -45,7 +45,10 @@ type Once = fn([[Dual<f64>; 3]; 3]) -> [[Dual<f64>; 3]; 3];
 type Twice = fn([[Dual<Dual<f64>>; 3]; 3]) -> [[Dual<Dual<f64>>; 3]; 3];
 type Thrice = fn([[Dual<Dual<Dual<f64>>>; 3]; 3]) -> [[Dual<Dual<Dual<f64>>>; 3]; 3];
 
-fn functions() -> [(fn(f64) -> f64, Plain, Once, Twice, Thrice); 3] {
+/// A scalar function and the tensor function, with so many derivatives.
+type Function = (fn(f64) -> f64, Plain, Once, Twice, Thrice);
+
+fn functions() -> [Function; 3] {
     [
         (f64::exp, tensor_exp, tensor_exp, tensor_exp, tensor_exp),
         (f64::ln, tensor_ln, tensor_ln, tensor_ln, tensor_ln),

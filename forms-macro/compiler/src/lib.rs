@@ -27,6 +27,9 @@ use proc_macro2::TokenStream;
 /// What `#[forms(attribute)] item` becomes: kernels, or compiler errors on the tokens of the mistakes.
 /// A module with imports becomes a call that leads to [`resume_forms`].
 pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    if let Err(error) = parse::nesting::check(item.clone()) {
+        return error.into_compile_error();
+    }
     match syn::parse2::<syn::ItemMod>(item) {
         Ok(item) => {
             let subject = reuse::Subject::Module(Box::new(item));

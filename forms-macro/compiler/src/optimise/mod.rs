@@ -166,7 +166,15 @@ fn group(
             Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::Unknown(_)),
             _ => false,
         };
+        // What jumps with the unknown is no load, though its derivative is zero almost everywhere.
+        let graph = &*scalariser.graph;
+        let jumps = graph.reachable(&[density]).into_iter().any(|scalar| {
+            let comparison =
+                matches!(graph.node(scalar), Node::Less(..) | Node::LessEqual(..) | Node::Equal(..));
+            comparison && graph.depends(scalar, varies)
+        });
         let dependence = match tangent.is_empty() {
+            _ if jumps => Dependence::Nonlinear,
             true => Dependence::Constant,
             false if tangent.iter().any(|(_, derivative)| scalariser.graph.depends(*derivative, varies)) => {
                 Dependence::Nonlinear

@@ -3,6 +3,7 @@
 pub mod declared_type;
 mod expression;
 mod external;
+pub mod nesting;
 pub mod syntax;
 
 use syn::{Fields, FnArg, Item, ItemFn, ItemMod, ItemStruct, Pat, ReturnType, Type};

@@ -2,7 +2,7 @@
 //! an integral (symmetric, linear, constant) with the numbers.
 
 use super::assembly::{Basis, Points, bilinear, expression, linear};
-use super::data::{Random, component, points};
+use super::data::{Random, combination, points};
 use super::emitted::{Function, Integral, read};
 use super::source::Source;
 use crate::check::{CheckedFunction, Content};
@@ -56,7 +56,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
         let nodes =
             [0, 1].map(|_| -> Vec<_> { here.iter().map(|_| random.jet(1, checked.dimension)).collect() });
         let comparison =
-            Comparison { checked, emitted, regions, count_of_regions, name, here, elsewhere, nodes };
+            Comparison { checked, emitted, regions, count_of_regions, seed, name, here, elsewhere, nodes };
         comparison.run(&mut tally)?;
     }
     Ok(tally)
@@ -68,6 +68,7 @@ struct Comparison<'a> {
     /// The module's region of each region of the emitted form.
     regions: Vec<usize>,
     count_of_regions: usize,
+    seed: u64,
     name: String,
     here: Vec<(f64, crate::reference::Point)>,
     /// The same with other values of the unknowns.
@@ -82,6 +83,12 @@ struct Argument {
     side: Side,
     field: usize,
     components: usize,
+    /// A random vector: what is compared is the block times it, all entries at once.
+    coefficients: Vec<f64>,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Comparison<'_> {
@@ -190,13 +197,16 @@ impl Comparison<'_> {
             true => &[Side::This, Side::Other],
             false => &[Side::This],
         };
-        let fields = fields.iter().enumerate();
-        fields
-            .flat_map(|(number, (field, components))| {
-                let argument = move |side| Argument { number, side, field: *field, components: *components };
-                sides.iter().copied().map(argument)
-            })
-            .collect()
+        let mut random = Random(self.seed);
+        let mut arguments = Vec::new();
+        for (number, (field, components)) in fields.iter().enumerate() {
+            for side in sides {
+                let coefficients = random.numbers(*components);
+                let (field, components) = (*field, *components);
+                arguments.push(Argument { number, side: *side, field, components, coefficients });
+            }
+        }
+        arguments
     }
 
     /// Residual and tangent, for all regions, test functions and unknowns, at both states.
@@ -230,15 +240,11 @@ impl Comparison<'_> {
                 found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
             }
         }
-        for (entry, found) in found.iter().enumerate() {
-            let reference = |at: &Evaluator, point: usize| {
-                let row = component(&node[point], entry, test.components);
-                at.residual(region, (test.field, test.side, &row))
-            };
-            let what = format!("residual {}, {:?}, entry {entry}", test.number, test.side);
-            self.near(&what, *found, points, reference, tally)?;
-        }
-        Ok(())
+        let reference = |at: &Evaluator, point: usize| {
+            at.residual(region, (test.field, test.side, &combination(&node[point], &test.coefficients)))
+        };
+        let what = format!("residual {}, {:?}", test.number, test.side);
+        self.near(&what, dot(&found, &test.coefficients), points, reference, tally)
     }
 
     fn tangent(
@@ -256,20 +262,15 @@ impl Comparison<'_> {
                 found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
             }
         }
-        for (entry, found) in found.iter().enumerate() {
-            let (row, column) = (entry / trial.components, entry % trial.components);
-            let reference = |at: &Evaluator, point: usize| {
-                let row = component(&first[point], row, test.components);
-                let column = component(&second[point], column, trial.components);
-                at.tangent(region, (test.field, test.side, &row), (trial.field, trial.side, &column))
-            };
-            let what = format!(
-                "tangent {} {:?}, {} {:?}, entry {entry}",
-                test.number, test.side, trial.number, trial.side
-            );
-            self.near(&what, *found, points, reference, tally)?;
-        }
-        Ok(())
+        let rows: Vec<f64> =
+            found.chunks(trial.components).map(|row| dot(row, &trial.coefficients)).collect();
+        let reference = |at: &Evaluator, point: usize| {
+            let row = combination(&first[point], &test.coefficients);
+            let column = combination(&second[point], &trial.coefficients);
+            at.tangent(region, (test.field, test.side, &row), (trial.field, trial.side, &column))
+        };
+        let what = format!("tangent {} {:?}, {} {:?}", test.number, test.side, trial.number, trial.side);
+        self.near(&what, dot(&rows, &test.coefficients), points, reference, tally)
     }
 
     /// What is proved of single integrals holds: their sums have been compared already.
@@ -279,6 +280,18 @@ impl Comparison<'_> {
         for integral in self.emitted.residual.iter().filter(|integral| integral.dependence == "Constant") {
             let [here, elsewhere] = states(&|points| linear(&integral.kernel, points, first));
             self.same("a constant residual", &here, &elsewhere, tally)?;
+        }
+        // A linear integral is affine in the unknowns: half way it is the mean.
+        let mut halfway = self.here.clone();
+        for ((_, point), (_, other)) in halfway.iter_mut().zip(&self.elsewhere) {
+            let numbers = point.fields.iter_mut().flatten().flatten().flatten();
+            let others = other.fields.iter().flatten().flatten().flatten();
+            numbers.zip(others).for_each(|(number, other)| *number = 0.5 * (*number + other));
+        }
+        for integral in self.emitted.residual.iter().filter(|integral| integral.dependence == "Linear") {
+            let [here, elsewhere] = states(&|points| linear(&integral.kernel, points, first));
+            let mean: Vec<f64> = here.iter().zip(&elsewhere).map(|(a, b)| 0.5 * (a + b)).collect();
+            self.same("a linear residual", &mean, &linear(&integral.kernel, &halfway, first), tally)?;
         }
         for integral in &self.emitted.tangent {
             match integral.dependence.as_str() {

@@ -57,12 +57,13 @@ impl Random {
     }
 }
 
-/// One component of a basis function: φ e_component of a field with so many components.
-pub fn component(basis: &Jet, index: usize, components: usize) -> Jet {
+/// Σ c_a φ e_a: a vector of basis functions with these coefficients.
+pub fn combination(basis: &Jet, coefficients: &[f64]) -> Jet {
     let spread = |numbers: &Vec<f64>| {
-        let mut all = vec![0.0; components * numbers.len()];
-        all[index * numbers.len()..(index + 1) * numbers.len()].copy_from_slice(numbers);
-        all
+        coefficients
+            .iter()
+            .flat_map(|coefficient| numbers.iter().map(move |entry| coefficient * entry))
+            .collect()
     };
     basis.iter().map(spread).collect()
 }

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::reference::error_function;
 use syn::{Expr, Lit, Member, Pat, Stmt, UnOp};
 
 /// What an emitted expression gives.
@@ -204,7 +205,7 @@ fn lane_method(name: &str, arguments: &[Value]) -> Value {
     let truth = |index: usize| arguments[index].truth();
     let expected = match name {
         "multiply_add" | "select" => 3,
-        "powf" | "minimum" | "maximum" | "less" | "less_equal" | "equal" | "and" | "or" => 2,
+        "powf" | "atan2" | "minimum" | "maximum" | "less" | "less_equal" | "equal" | "and" | "or" => 2,
         _ => 1,
     };
     assert_eq!(arguments.len(), expected, "arguments of L::{name}");
@@ -218,6 +219,18 @@ fn lane_method(name: &str, arguments: &[Value]) -> Value {
         "cos" => number(0).cos(),
         "tan" => number(0).tan(),
         "tanh" => number(0).tanh(),
+        "asin" => number(0).asin(),
+        "acos" => number(0).acos(),
+        "atan" => number(0).atan(),
+        "atan2" => number(0).atan2(number(1)),
+        "sinh" => number(0).sinh(),
+        "cosh" => number(0).cosh(),
+        "asinh" => number(0).asinh(),
+        "acosh" => number(0).acosh(),
+        "atanh" => number(0).atanh(),
+        "log10" => number(0).log10(),
+        "erf" => error_function(number(0)),
+        "erfc" => 1.0 - error_function(number(0)),
         "abs" => number(0).abs(),
         "powf" => number(0).powf(number(1)),
         "minimum" => {

@@ -9,7 +9,7 @@ use super::number::Number;
 use super::point::{Jet, Point};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::parse::syntax::Comparison;
-use crate::tensor::{FieldRole, Geometry, Operator, Side, Tensor, Truth, Variable};
+use crate::tensor::{FieldRole, Function, Geometry, NEARLY_ZERO, Operator, Side, Tensor, Truth, Variable};
 
 /// How well the numbers of a walk are conditioned.
 #[derive(Clone, Copy, Debug)]
@@ -211,7 +211,9 @@ impl<'a> Evaluator<'a> {
         match &arena.node(tensor).operator {
             Number(value) => vec![self::Number::real(*value)],
             Zero => vec![self::Number::real(0.0); count],
+            Identity if shape.len() == 4 => identity_of_tensors(shape[0], 1.0, 0.0),
             Identity => identity(shape[0]),
+            SymmetricIdentity => identity_of_tensors(shape[0], 0.5, 0.5),
             Parameter(index) => around.parameters[*index].clone(),
             Field { field, order } => around.fields[around.side as usize][*field][*order].clone(),
             Restrict(side, a) => self.walk_known(*a, &Surroundings { side: *side, ..around.clone() }, known),
@@ -226,6 +228,30 @@ impl<'a> Evaluator<'a> {
                 let number = walk(*divisor).remove(0);
                 self.note(number.value().abs(), &[*divisor]);
                 walk(*a).iter().map(|a| a.over(&number)).collect()
+            }
+            DivideOrZero(a, divisor) => {
+                let number = walk(*divisor).remove(0);
+                self.note(number.value().abs(), &[*divisor]);
+                if number.value() <= NEARLY_ZERO {
+                    return vec![self::Number::real(0.0); count];
+                }
+                walk(*a).iter().map(|a| a.over(&number)).collect()
+            }
+            DoubleContract(a, b) => {
+                let inner = arena.shape(*b)[..2].iter().product();
+                matrix_product(&walk(*a), &walk(*b), inner)
+            }
+            Cross(a, b) => cross(&walk(*a), &walk(*b)),
+            Norm(a) => {
+                let numbers = walk(*a);
+                let square = total(&pairs(&numbers, &numbers, self::Number::times));
+                self.note(square.value().sqrt(), &[*a]);
+                vec![functions::function(Function::Sqrt, &square)]
+            }
+            Slice(a, selections) => {
+                let entries = chosen(arena.shape(*a), selections);
+                let numbers = walk(*a);
+                entries.into_iter().map(|entry| numbers[entry].clone()).collect()
             }
             Contract(a, b) => matrix_product(&walk(*a), &walk(*b), arena.shape(*b)[0]),
             Inner(a, b) => vec![total(&pairs(&walk(*a), &walk(*b), self::Number::times))],
@@ -259,6 +285,11 @@ impl<'a> Evaluator<'a> {
                 let whole = exponent.is_real() && exponent.value().fract() == 0.0 && exponent.value() >= 0.0;
                 self.note(if whole { f64::INFINITY } else { base.value().abs() }, &[*a]);
                 vec![functions::power(&base, &exponent)]
+            }
+            Atan2(a, b) => {
+                let (first, second) = (walk(*a).remove(0), walk(*b).remove(0));
+                self.note(functions::distance_from_cut(first.value(), second.value()), &[*a, *b]);
+                vec![functions::angle(&first, &second)]
             }
             Minimum(a, b) | Maximum(a, b) => {
                 let (first, second) = (walk(*a).remove(0), walk(*b).remove(0));

@@ -1,7 +1,7 @@
 //! Matrices of dual numbers, row-major: products, and determinants by Laplace's expansion.
 
 use super::number::Number;
-use crate::tensor::LinearMap;
+use crate::tensor::{LinearMap, Selection};
 
 pub fn pairs(a: &[Number], b: &[Number], join: fn(&Number, &Number) -> Number) -> Vec<Number> {
     a.iter().zip(b).map(|(a, b)| join(a, b)).collect()
@@ -51,6 +51,15 @@ pub fn linear_map(map: LinearMap, a: &[Number], shape: &[usize]) -> Vec<Number> 
             let spherical: Vec<_> = identity(shape[0]).iter().map(|entry| entry.times(&mean)).collect();
             pairs(a, &spherical, Number::minus)
         }
+        LinearMap::Curl if shape[0] == 2 => vec![a[2].minus(&a[1])],
+        // ε_ijk G_kj
+        LinearMap::Curl => vec![a[7].minus(&a[5]), a[2].minus(&a[6]), a[3].minus(&a[1])],
+        LinearMap::Perpendicular => vec![a[1].scaled(-1.0), a[0].clone()],
+        LinearMap::Diagonal => (0..shape[0]).map(|i| a[i * shape[1] + i].clone()).collect(),
+        LinearMap::DiagonalTensor => {
+            let unit = identity(shape[0]);
+            unit.iter().enumerate().map(|(entry, one)| one.times(&a[entry / shape[0]])).collect()
+        }
         // A map that is new: add its meaning here.
         other => panic!("the reference evaluator has no rule for {other:?}"),
     }
@@ -81,4 +90,40 @@ pub fn cofactor(a: &[Number], size: usize) -> Vec<Number> {
         determinant(&minor(a, size, row, column), size - 1).scaled(sign)
     };
     (0..size * size).map(entry).collect()
+}
+
+/// a × b, or its last component for vectors in the plane.
+pub fn cross(a: &[Number], b: &[Number]) -> Vec<Number> {
+    let entry = |i: usize, j: usize| a[i].times(&b[j]).minus(&a[j].times(&b[i]));
+    match a.len() {
+        2 => vec![entry(0, 1)],
+        _ => vec![entry(1, 2), entry(2, 0), entry(0, 1)],
+    }
+}
+
+/// `straight` δ_ik δ_jl + `crossed` δ_il δ_jk
+pub fn identity_of_tensors(size: usize, straight: f64, crossed: f64) -> Vec<Number> {
+    let entry = |index: usize| {
+        let (i, j) = (index / size.pow(3), index / size.pow(2) % size);
+        let (k, l) = (index / size % size, index % size);
+        let one = |holds: bool, value: f64| if holds { value } else { 0.0 };
+        Number::real(one(i == k && j == l, straight) + one(i == l && j == k, crossed))
+    };
+    (0..size.pow(4)).map(entry).collect()
+}
+
+/// The row-major positions of what is taken of a tensor.
+pub fn chosen(shape: &[usize], selections: &[Selection]) -> Vec<usize> {
+    let mut positions = vec![0];
+    for (extent, selection) in shape.iter().zip(selections) {
+        let range = match selection {
+            Selection::One(index) => *index..index + 1,
+            Selection::Range { start, end } => *start..*end,
+        };
+        positions = positions
+            .iter()
+            .flat_map(|position| range.clone().map(move |index| position * extent + index))
+            .collect();
+    }
+    positions
 }

@@ -11,6 +11,7 @@ mod number;
 mod point;
 
 pub use evaluator::{Condition, Evaluator};
+pub use functions::error_function;
 pub use point::{Jet, Point};
 
 mod tests;

@@ -1,0 +1,76 @@
+//! How deep tokens nest, counted without recursion: before `syn`, which recurses, sees them.
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
+/// Operators of one statement, and four per bracket around it. A form that people read has fewer than fifty.
+/// The compiler recurses about as deep; its stack holds several times as much.
+const LIMIT: usize = 512;
+const BRACKET: usize = 4;
+
+/// Words that stand before what they belong to, or chain it.
+const WORDS: &[&str] = &[
+    "as", "async", "await", "break", "const", "dyn", "else", "for", "if", "impl", "in", "let", "loop",
+    "match", "move", "mut", "ref", "return", "static", "unsafe", "while", "yield",
+];
+
+/// An error on the statement that nests too deep.
+pub fn check(tokens: TokenStream) -> syn::Result<()> {
+    let mut pending = vec![(tokens, 0)];
+    while let Some((tokens, outside)) = pending.pop() {
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        let mut start = 0;
+        for end in 0..tokens.len() {
+            if !ends_statement(&tokens[end], tokens.get(end + 1)) && end + 1 < tokens.len() {
+                continue;
+            }
+            let statement = &tokens[start..=end];
+            let depth = outside + operators(statement);
+            if depth > LIMIT {
+                let message = "this expression is too long or nests too deep to be compiled\nhelp: give parts of it names with `let`, or write functions";
+                return Err(syn::Error::new(statement[0].span(), message));
+            }
+            let groups = statement.iter().filter_map(|token| match token {
+                TokenTree::Group(group) => Some((group.stream(), depth)),
+                _ => None,
+            });
+            pending.extend(groups);
+            start = end + 1;
+        }
+    }
+    Ok(())
+}
+
+/// `;` and `,` end a statement, and so does a block that nothing continues.
+fn ends_statement(token: &TokenTree, next: Option<&TokenTree>) -> bool {
+    match token {
+        TokenTree::Punct(sign) => matches!(sign.as_char(), ';' | ','),
+        TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => match next {
+            Some(TokenTree::Ident(word)) => *word != "else" && *word != "as",
+            Some(TokenTree::Punct(sign)) => sign.as_char() == '#',
+            Some(TokenTree::Group(_)) => false,
+            _ => true,
+        },
+        _ => false,
+    }
+}
+
+fn operators(statement: &[TokenTree]) -> usize {
+    let mut count = 0;
+    let mut tokens = statement.iter().peekable();
+    while let Some(token) = tokens.next() {
+        count += match token {
+            // An attribute, such as a line of documentation.
+            TokenTree::Punct(sign)
+                if sign.as_char() == '#' && matches!(tokens.peek(), Some(TokenTree::Group(_))) =>
+            {
+                tokens.next();
+                0
+            }
+            TokenTree::Punct(_) => 1,
+            TokenTree::Group(_) => BRACKET,
+            TokenTree::Ident(word) => usize::from(WORDS.iter().any(|known| word == known)),
+            TokenTree::Literal(_) => 0,
+        };
+    }
+    count
+}
