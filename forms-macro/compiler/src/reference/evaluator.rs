@@ -389,8 +389,8 @@ impl<'a> Evaluator<'a> {
         let mut shifted = around.clone();
         let jets = around.fields.iter().flatten().zip(shifted.fields.iter_mut().flatten());
         for (jet, moved) in jets {
-            for order in 0..jet.len() {
-                for (entry, number) in moved[order].iter_mut().enumerate() {
+            for (order, components) in moved.iter_mut().enumerate() {
+                for (entry, number) in components.iter_mut().enumerate() {
                     let unknown = Number::real(f64::NAN);
                     let next = jet.get(order + 1).map_or(&unknown, |next| &next[entry * dimension + axis]);
                     *number = number.moved(next, level);
@@ -414,12 +414,12 @@ impl<'a> Evaluator<'a> {
             let along: Vec<Vec<Vec<Number>>> = (0..dimension)
                 .map(|axis| self.jet(tensor, orders - 1, &self.shifted(axis, around)))
                 .collect();
-            for order in 0..orders {
+            jet.extend((0..orders).map(|order| {
                 let count = along[0][order].len();
-                let next = (0..count * dimension)
-                    .map(|entry| along[entry % dimension][order][entry / dimension].slope(level));
-                jet.push(next.collect());
-            }
+                (0..count * dimension)
+                    .map(|entry| along[entry % dimension][order][entry / dimension].slope(level))
+                    .collect()
+            }));
         }
         jet
     }

@@ -77,7 +77,7 @@ pub fn determinant(a: &[Number], size: usize) -> Number {
         return Number::real(1.0);
     }
     let term = |column: usize| {
-        let sign = if column % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if column.is_multiple_of(2) { 1.0 } else { -1.0 };
         a[column].times(&determinant(&minor(a, size, 0, column), size - 1)).scaled(sign)
     };
     total(&(0..size).map(term).collect::<Vec<_>>())
