@@ -1,4 +1,4 @@
-//! `docs/operators.md` names everything that the language has built in.
+//! `docs/operators.md` names everything that the language has built in, and the reference has an example of it.
 
 /// The names in the tables of the compiler: `("dot", Builtin::Dot, …)`, `("h", Constant::…)`.
 fn built_in_names() -> Vec<&'static str> {
@@ -26,4 +26,30 @@ fn every_built_in_name_is_on_the_page() {
     let ours: String = page.lines().filter_map(|line| line.split('|').nth(1)).collect();
     let missing: Vec<_> = all.into_iter().filter(|name| !names(&ours, name)).collect();
     assert!(missing.is_empty(), "not in docs/operators.md: {missing:?}");
+}
+
+/// The examples of the language reference, whose doctests run: what stands between the fences of its pages.
+fn examples() -> String {
+    let pages = [
+        include_str!("../../fem/src/language/calculus.rs"),
+        include_str!("../../fem/src/language/derivatives.rs"),
+        include_str!("../../fem/src/language/facets.rs"),
+        include_str!("../../fem/src/language/functions.rs"),
+        include_str!("../../fem/src/language/geometry.rs"),
+        include_str!("../../fem/src/language/kinks.rs"),
+        include_str!("../../fem/src/language/laws.rs"),
+        include_str!("../../fem/src/language/products.rs"),
+        include_str!("../../fem/src/language/reuse.rs"),
+        include_str!("../../fem/src/language/tensors.rs"),
+    ];
+    pages.map(|page| page.split("```").skip(1).step_by(2).collect::<String>()).concat()
+}
+
+#[test]
+fn every_built_in_name_has_an_example_in_the_reference() {
+    let examples = examples();
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    let words: std::collections::BTreeSet<&str> = examples.split(|c| !word(c)).collect();
+    let missing: Vec<_> = built_in_names().into_iter().filter(|name| !words.contains(name)).collect();
+    assert!(missing.is_empty(), "no example in fem/src/language: {missing:?}");
 }

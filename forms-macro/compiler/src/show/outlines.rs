@@ -35,11 +35,19 @@ pub struct Outlines<'a> {
     pub dimension: usize,
     definitions: HashMap<(usize, Varied), Option<Rc<Definition>>>,
     linear: HashMap<(usize, Vec<bool>), bool>,
+    /// Functions call functions: without this, a chain of calls would be followed once per way through it.
+    vanishing: HashMap<(usize, Vec<bool>), bool>,
 }
 
 impl<'a> Outlines<'a> {
     pub fn new(module: &'a Module, dimension: usize) -> Self {
-        Outlines { module, dimension, definitions: HashMap::new(), linear: HashMap::new() }
+        Outlines {
+            module,
+            dimension,
+            definitions: HashMap::new(),
+            linear: HashMap::new(),
+            vanishing: HashMap::new(),
+        }
     }
 
     /// A function that gives a value, or its derivative. `None` if the function has a mistake.
@@ -263,6 +271,16 @@ impl<'a> Outlines<'a> {
 
     /// Is the function zero where these arguments are? Only what shows without arithmetic.
     pub fn vanishes(&mut self, function: usize, zero: &[bool]) -> bool {
+        let key = (function, zero.to_vec());
+        if let Some(known) = self.vanishing.get(&key) {
+            return *known;
+        }
+        let vanishes = self.find_vanishing(function, zero);
+        self.vanishing.insert(key, vanishes);
+        vanishes
+    }
+
+    fn find_vanishing(&mut self, function: usize, zero: &[bool]) -> bool {
         let Some(definition) = self.definition(function, &[]) else { return false };
         let Some(value) = definition.value else { return true };
         let mut arena = Arena::default();
