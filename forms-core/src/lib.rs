@@ -5,7 +5,7 @@
 //! scatter, and knows no physics. What the two share stands in [`contract`] and nowhere else; the
 //! toy backend in this package's tests shows that nothing more is needed.
 //!
-//! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`form`] (how a
+//! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`mod@form`] (how a
 //! form hands its kernels over), [`source`] (where data come from). Functions written in Rust compute with
 //! [`real`] and [`dual`] numbers, are called through [`external`], and may use [`spectral`] ones; a [`table`]
 //! is a law given by points, and [`history`] what a material remembers.
