@@ -57,6 +57,15 @@ impl<'a> Linear<'a> {
         found
     }
 
+    /// Does the function stand in the expression, be it with coefficients that cancel?
+    fn mentions(&self, scalar: Scalar) -> bool {
+        let function = self.function;
+        self.graph.depends(
+            scalar,
+            |node| matches!(node, Node::Field { field, side, .. } if (SidedField { field: *field, side: *side }) == function),
+        )
+    }
+
     fn read(&mut self, scalar: Scalar) -> Option<Coefficients> {
         let mut result = Coefficients::new();
         match self.graph.node(scalar).clone() {
@@ -70,7 +79,8 @@ impl<'a> Linear<'a> {
                 let mut every = f64::from_bits(constant) == 0.0;
                 for (coefficient, term) in terms {
                     let inner = self.coefficients(term)?;
-                    every &= !inner.is_empty();
+                    // A term in which the function cancels is zero, and no term without it.
+                    every &= !inner.is_empty() || self.mentions(term);
                     for (slot, value) in inner.iter() {
                         let scaled = self.graph.scale(f64::from_bits(coefficient), *value);
                         gathered.entry(*slot).or_default().push(scaled);
@@ -89,6 +99,10 @@ impl<'a> Linear<'a> {
                 let mut others = Vec::new();
                 for (factor, exponent) in factors {
                     let inner = self.coefficients(factor)?;
+                    if inner.is_empty() && self.mentions(factor) {
+                        // The function cancels in a factor: the product is zero.
+                        return Some(Coefficients::new());
+                    }
                     match (inner.is_empty(), &linear) {
                         (true, _) => others.push((factor, exponent)),
                         (false, None) if exponent == 1 => linear = Some(inner),
