@@ -7,10 +7,9 @@ use forms_core::contract::*;
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, slope, value};
 use toy_backend::mesh::Mesh;
+use toy_backend::plain::{Components, Matrix, dot, matrix, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression};
-
-type Matrix = Vec<Vec<f64>>;
 
 /// The state in one of the two cells.
 struct Limit {
@@ -33,36 +32,6 @@ struct At {
 }
 
 const A: f64 = 0.8;
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-fn matrix(d: usize, entry: impl Fn(usize, usize) -> f64) -> Matrix {
-    (0..d).map(|i| (0..d).map(|j| entry(i, j)).collect()).collect()
-}
-fn vector(d: usize, entry: impl Fn(usize) -> f64) -> Vec<f64> {
-    (0..d).map(entry).collect()
-}
-
-/// What an independent evaluation may give.
-trait Components {
-    fn components(self) -> Vec<f64>;
-}
-impl Components for f64 {
-    fn components(self) -> Vec<f64> {
-        vec![self]
-    }
-}
-impl Components for Vec<f64> {
-    fn components(self) -> Vec<f64> {
-        self
-    }
-}
-impl Components for Matrix {
-    fn components(self) -> Vec<f64> {
-        self.concat()
-    }
-}
 
 /// A mesh whose functions may jump, and a random state (u, s) on it.
 struct State<const D: usize> {

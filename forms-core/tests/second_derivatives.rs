@@ -7,10 +7,9 @@ use forms_core::contract::{self, *};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::{Mesh, determinant};
+use toy_backend::plain::{Components, Matrix, dot, inner, matrix, trace, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression, residual, tangent};
-
-type Matrix = Vec<Vec<f64>>;
 
 /// The state at a point: what the independent evaluations read.
 struct At {
@@ -26,44 +25,9 @@ struct At {
 
 const A: f64 = 0.8;
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-fn inner(a: &Matrix, b: &Matrix) -> f64 {
-    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
-}
-fn matrix(d: usize, entry: impl Fn(usize, usize) -> f64) -> Matrix {
-    (0..d).map(|i| (0..d).map(|j| entry(i, j)).collect()).collect()
-}
-fn vector(d: usize, entry: impl Fn(usize) -> f64) -> Vec<f64> {
-    (0..d).map(entry).collect()
-}
-fn trace(a: &Matrix) -> f64 {
-    (0..a.len()).map(|i| a[i][i]).sum()
-}
 /// ∂_k div u
 fn grad_div_u(p: &At, k: usize) -> f64 {
     (0..p.d).map(|i| p.hess_u[i][i][k]).sum()
-}
-
-/// What an independent evaluation may give.
-trait Components {
-    fn components(self) -> Vec<f64>;
-}
-impl Components for f64 {
-    fn components(self) -> Vec<f64> {
-        vec![self]
-    }
-}
-impl Components for Vec<f64> {
-    fn components(self) -> Vec<f64> {
-        self
-    }
-}
-impl Components for Matrix {
-    fn components(self) -> Vec<f64> {
-        self.concat()
-    }
 }
 
 /// A mesh and a random state (u, s) on it.

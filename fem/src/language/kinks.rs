@@ -1,22 +1,10 @@
 //! Functions with kinks and jumps, and the derivative that each takes where it has none.
 //!
-//! | written | meaning | value at 0 | derivative at 0 | derivative elsewhere |
-//! | --- | --- | --- | --- | --- |
-//! | `heaviside(s)` | 1 for s > 0 | 0 | 0 | 0 |
-//! | `sign(s)` | s/\|s\| | 0 | 0 | 0 |
-//! | `abs(s)` | \|s\| | 0 | 0 | sign(s) |
-//! | `pos_part(s)` | \[s\]₊ = (\|s\| + s)/2 | 0 | 0 | heaviside(s) |
-//! | `neg_part(s)` | \[s\]₋ = (\|s\| − s)/2 ≥ 0 | 0 | 0 | −heaviside(−s) |
-//! | `max(s, t)` | the larger | at s = t: s | that of t | that of the larger |
-//! | `min(s, t)` | the smaller | at s = t: s | that of s | that of the smaller |
-//! | `norm(e)` | √(e : e) | 0 | 0 | e : de / norm(e) |
-//! | `if c { a } else { b }` | a where c holds | | | that of the branch taken |
+#![doc = include_str!("kinks.md")]
 //!
-//! The compiler has these rules in one place, `differentiate/rules.rs` of `forms-compiler`. Newton's method with them is
-//! semismooth. The branch of an `if` that is not taken never poisons value or derivative, whatever it holds there.
-//!
-//! The switches of a form (one per kink that depends on the unknown) are handed to the backend, which counts the quadrature
-//! points where they are on: [`Assembler::active_set`](crate::assemble::Assembler::active_set).
+//! The compiler has these rules in one place, `differentiate/rules.rs` of `forms-compiler`. The branch of an `if` that is not taken
+//! never poisons value or derivative, whatever it holds there. How many points are on:
+//! [`Assembler::active_set`](crate::assemble::Assembler::active_set).
 //!
 //! ```
 //! # use forms_fem::prelude::*;

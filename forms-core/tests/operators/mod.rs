@@ -8,10 +8,9 @@ pub use forms_core::contract::*;
 pub use forms_core::forms;
 
 pub use crate::toy_backend::mesh::{Mesh, determinant, inverse};
+pub use crate::toy_backend::plain::{Components, Matrix, dot, inner, matrix, trace};
 pub use crate::toy_backend::random::Random;
 pub use crate::toy_backend::{Nodal, differences, expression, residual, tangent};
-
-pub type Matrix = Vec<Vec<f64>>;
 
 /// The state at a point: what the independent evaluations read.
 pub struct At {
@@ -32,15 +31,6 @@ pub fn c<const D: usize>() -> [[f64; D]; D] {
     std::array::from_fn(|i| std::array::from_fn(|j| 0.2 + 0.3 * i as f64 - 0.1 * (j * j) as f64))
 }
 
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-pub fn inner(a: &Matrix, b: &Matrix) -> f64 {
-    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
-}
-pub fn matrix(d: usize, entry: impl Fn(usize, usize) -> f64) -> Matrix {
-    (0..d).map(|i| (0..d).map(|j| entry(i, j)).collect()).collect()
-}
 pub fn transpose(a: &Matrix) -> Matrix {
     matrix(a.len(), |i, j| a[j][i])
 }
@@ -49,9 +39,6 @@ pub fn times(a: &Matrix, b: &Matrix) -> Matrix {
 }
 pub fn apply(a: &Matrix, v: &[f64]) -> Vec<f64> {
     a.iter().map(|row| dot(row, v)).collect()
-}
-pub fn trace(a: &Matrix) -> f64 {
-    (0..a.len()).map(|i| a[i][i]).sum()
 }
 pub fn scaled(factor: f64, v: &[f64]) -> Vec<f64> {
     v.iter().map(|value| factor * value).collect()
@@ -63,26 +50,6 @@ pub fn deformation(p: &At) -> Matrix {
 pub fn cofactor(a: &Matrix) -> Matrix {
     let (inverse, determinant) = (inverse(a), determinant(a));
     matrix(a.len(), |i, j| determinant * inverse[j][i])
-}
-
-/// What an independent evaluation may give.
-pub trait Components {
-    fn components(self) -> Vec<f64>;
-}
-impl Components for f64 {
-    fn components(self) -> Vec<f64> {
-        vec![self]
-    }
-}
-impl Components for Vec<f64> {
-    fn components(self) -> Vec<f64> {
-        self
-    }
-}
-impl Components for Matrix {
-    fn components(self) -> Vec<f64> {
-        self.concat()
-    }
 }
 
 /// A mesh and a random state (u, s) on it.

@@ -8,6 +8,7 @@ pub mod differences;
 pub mod interpolate;
 pub mod lanes;
 pub mod mesh;
+pub mod plain;
 pub mod random;
 
 use std::any::Any;
