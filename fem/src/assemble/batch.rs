@@ -13,7 +13,7 @@ use self::side::{SideBuffers, SideTables, inverse_transposed, surface};
 use super::AssemblyError;
 use super::binding::{Binding, Values};
 use super::walk::Group;
-use crate::lanes::{SimdLane, WIDEST};
+use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
 
 /// The two sides of an interior facet see a point at the same place up to this part of h.
@@ -94,7 +94,10 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         let form = binding.name;
         let mut reads = vec![Reads::default(); binding.elements.len()];
         for element in arguments {
-            reads[*element] = Reads { gradient: true, hessian: requirements.hessian };
+            reads[*element] = Reads {
+                gradient: requirements.basis_gradient || requirements.hessian,
+                hessian: requirements.hessian,
+            };
         }
         buffers.coefficients.resize_with(requirements.fields.len(), Vec::new);
         for (slot, coefficients) in requirements.fields.iter().zip(&mut buffers.coefficients) {
@@ -118,7 +121,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 _ => (None, 0),
             };
             if let Some(element) = element {
-                reads[element].gradient |= slot.order != Order::Value;
+                reads[element].gradient |= slot.order != Order::Value; // second derivatives need the first
                 reads[element].hessian |= slot.order == Order::Hessian;
             }
             coefficients.resize(length, zero);
@@ -190,6 +193,11 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     /// what is constant on their cells. Other lanes repeat the last entity.
     #[inline(always)]
     pub fn load(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
+        L::call(Load { batch: self, start, filled })
+    }
+
+    #[inline(always)]
+    fn load_here(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
         self.filled = filled;
         let sides = if self.two_sided() { 2 } else { 1 };
         for side in 0..sides {
@@ -268,6 +276,11 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     /// Moves to the q-th point: geometry, basis functions, fields.
     #[inline(always)]
     pub fn point(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
+        L::call(Point { batch: self, q })
+    }
+
+    #[inline(always)]
+    fn point_here(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
         let zero = L::splat(0.0);
         let reads_position = self.requirements.position || self.two_sided() || self.reads_functions();
         let (this, tables) = (&mut self.buffers.sides[0], &self.tables[0]);
@@ -350,5 +363,34 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     ) -> AssemblyError {
         let position = position.iter().map(|lanes| lanes[lane]).collect();
         AssemblyError::FacetMismatch { form: self.binding.name, cells, position, distance }
+    }
+}
+
+struct Load<'b, 'a, L, const D: usize> {
+    batch: &'b mut Batch<'a, L, D>,
+    start: usize,
+    filled: usize,
+}
+
+impl<L: SimdLane, const D: usize> SharedWork<L> for Load<'_, '_, L, D> {
+    type Output = CellGeometry<L>;
+
+    #[inline(always)]
+    fn run(self) -> CellGeometry<L> {
+        self.batch.load_here(self.start, self.filled)
+    }
+}
+
+struct Point<'b, 'a, L, const D: usize> {
+    batch: &'b mut Batch<'a, L, D>,
+    q: usize,
+}
+
+impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
+    type Output = Result<PointGeometry<L, D>, AssemblyError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.batch.point_here(self.q)
     }
 }

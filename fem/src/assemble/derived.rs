@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Region};
+use forms_core::contract::{
+    Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Region, Requirements,
+};
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
@@ -401,8 +403,8 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
         let mut buffers = BatchBuffers::default();
         for group in self.groups {
             let cells = Cells::Mesh(self.binding.mesh);
-            let mut batch =
-                Batch::<f64, D>::new(self.binding, group, cells, K::REQUIREMENTS, &[], &mut buffers)?;
+            let located = Requirements { position: true, ..K::REQUIREMENTS };
+            let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;
             for index in 0..group.entities() {
                 let cell = kernel.cell(&batch.load(index, 1));
                 for q in 0..group.points() {

@@ -11,7 +11,7 @@ use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::walk::Group;
-use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane};
+use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
 
 /// What the element matrices of a group depend on, besides the kernel.
 pub(super) struct ElementMatrices<'a, const D: usize> {
@@ -144,7 +144,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 }
             }
             let entries = Ordered { values: blocks, order };
-            L::store_transposed(&entries, size, filled, matrices, size);
+            L::call(Transposition { source: &entries, count: size, filled, target: matrices, stride: size });
             deliver(start, &matrices[..filled * size])?;
             start += filled;
         }

@@ -12,7 +12,7 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::element_matrices::Deliver;
 use super::walk::Group;
-use crate::lanes::{InstructionSet, LaneWork, SimdLane};
+use crate::lanes::{InstructionSet, LaneWork, SimdLane, Transposition};
 
 /// What the element vectors of a group depend on, besides the kernel.
 pub(super) struct ElementVectors<'a, const D: usize> {
@@ -102,7 +102,7 @@ impl<const D: usize> ElementVectors<'_, D> {
                     }
                 }
             }
-            L::store_transposed(&sums[..], size, filled, vectors, size);
+            L::call(Transposition { source: &sums[..], count: size, filled, target: vectors, stride: size });
             deliver(start, &vectors[..filled * size])?;
             start += filled;
         }

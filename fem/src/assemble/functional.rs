@@ -1,6 +1,6 @@
 //! Numbers: integrals of densities, and the count of active quadrature points.
 
-use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral};
+use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral, Requirements};
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
@@ -135,14 +135,9 @@ fn each_point<K: ExpressionKernel<D>, L: SimdLane, const D: usize>(
     let mut value = vec![0.0; count];
     let mut buffers = BatchBuffers::default();
     for group in groups(binding, integral, quadrature, degrees, &K::REQUIREMENTS)? {
-        let mut batch = Batch::<L, D>::new(
-            binding,
-            &group,
-            Cells::Mesh(binding.mesh),
-            K::REQUIREMENTS,
-            &[],
-            &mut buffers,
-        )?;
+        let located = Requirements { position: true, ..K::REQUIREMENTS };
+        let mut batch =
+            Batch::<L, D>::new(binding, &group, Cells::Mesh(binding.mesh), located, &[], &mut buffers)?;
         for start in (0..group.entities()).step_by(L::WIDTH) {
             let filled = L::WIDTH.min(group.entities() - start);
             let cell = kernel.cell(&batch.load(start, filled));

@@ -39,8 +39,20 @@ pub(crate) trait LaneWork {
     fn run<L: SimdLane>(self) -> Self::Output;
 }
 
+/// What is run with one lane type in a function of its own, which calls from many places share.
+pub(crate) trait SharedWork<L> {
+    /// What it gives.
+    type Output;
+    /// Does the work; `#[inline(always)]`, as in [`LaneWork`].
+    fn run(self) -> Self::Output;
+}
+
 /// A lane type with the passages between memory and lanes.
 pub(crate) trait SimdLane: Lane {
+    /// Runs some work in a function compiled for the lane type's instructions that is not inlined: what does
+    /// not depend on the kernel is compiled once for all kernels.
+    fn call<W: SharedWork<Self>>(work: W) -> W::Output;
+
     /// Entry `index[lane]` of `values`, lane by lane; the first [`Lane::WIDTH`] indices are read.
     ///
     /// # Panics
@@ -77,6 +89,29 @@ pub(crate) trait Entries<L> {
     fn entry(&self, k: usize) -> L;
 }
 
+/// [`SimdLane::store_transposed`] as work of its own.
+pub(crate) struct Transposition<'a, E: ?Sized> {
+    /// The entries.
+    pub source: &'a E,
+    /// How many.
+    pub count: usize,
+    /// How many lanes are written.
+    pub filled: usize,
+    /// Where to.
+    pub target: &'a mut [f64],
+    /// From one lane to the next.
+    pub stride: usize,
+}
+
+impl<L: SimdLane, E: Entries<L> + ?Sized> SharedWork<L> for Transposition<'_, E> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        L::store_transposed(self.source, self.count, self.filled, self.target, self.stride);
+    }
+}
+
 /// Entries in the order of memory.
 impl<L: Copy> Entries<L> for [L] {
     #[inline(always)]
@@ -103,7 +138,12 @@ fn store_entries<L: Lane>(
     }
 }
 
-impl SimdLane for f64 {}
+impl SimdLane for f64 {
+    #[inline(never)]
+    fn call<W: SharedWork<Self>>(work: W) -> W::Output {
+        work.run()
+    }
+}
 
 impl InstructionSet {
     /// The best set of this machine; found once.

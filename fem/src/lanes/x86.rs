@@ -10,7 +10,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use forms_core::contract::Lane;
 
 use super::logarithm::{self, Split};
-use super::{Entries, LaneWork, SimdLane, WIDEST, store_entries};
+use super::{Entries, LaneWork, SharedWork, SimdLane, WIDEST, store_entries};
 
 pub(super) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
@@ -379,6 +379,15 @@ const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
 impl SimdLane for Avx2 {
     #[inline(always)]
+    fn call<W: SharedWork<Avx2>>(work: W) -> W::Output {
+        #[target_feature(enable = "avx2,fma")]
+        #[inline(never)]
+        fn enter<W: SharedWork<Avx2>>(work: W) -> W::Output {
+            work.run()
+        }
+        simd!(enter(work))
+    }
+    #[inline(always)]
     fn store_transposed(
         source: &(impl Entries<Self> + ?Sized),
         count: usize,
@@ -421,6 +430,15 @@ fn transposed(a: Avx2, b: Avx2, c: Avx2, d: Avx2) -> [Avx2; 4] {
 }
 
 impl SimdLane for Avx512 {
+    #[inline(always)]
+    fn call<W: SharedWork<Avx512>>(work: W) -> W::Output {
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+        #[inline(never)]
+        fn enter<W: SharedWork<Avx512>>(work: W) -> W::Output {
+            work.run()
+        }
+        simd!(enter(work))
+    }
     #[inline(always)]
     fn store_transposed(
         source: &(impl Entries<Self> + ?Sized),
