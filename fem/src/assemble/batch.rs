@@ -84,11 +84,6 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         })
     }
 
-    /// Number of batches in the group.
-    pub fn count(&self) -> usize {
-        self.group.sides[0].cells.len().div_ceil(L::WIDTH)
-    }
-
     /// The cells of this batch on a side, without the repeated ones.
     pub fn cells(&self, side: usize) -> &[u32] {
         &self.sides[side].cells[..self.filled]
@@ -109,11 +104,11 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         &self.fields
     }
 
-    /// Loads the index-th batch and gives what is constant on its cells.
-    pub fn load(&mut self, index: usize) -> CellGeometry<L> {
+    /// Loads `filled` of the group's entities (at most one per lane, at least one) from `start` on, and gives
+    /// what is constant on their cells. Other lanes repeat the last entity.
+    pub fn load(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
         let mesh = self.binding.mesh;
-        let start = index * L::WIDTH;
-        self.filled = L::WIDTH.min(self.group.sides[0].cells.len() - start);
+        self.filled = filled;
         for side in &mut self.sides {
             side.load(mesh, start, self.filled);
         }

@@ -400,8 +400,8 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
     fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         for group in self.groups {
             let mut batch = Batch::<f64, D>::new(self.binding, group, K::REQUIREMENTS)?;
-            for index in 0..batch.count() {
-                let cell = kernel.cell(&batch.load(index));
+            for index in 0..group.entities() {
+                let cell = kernel.cell(&batch.load(index, 1));
                 for q in 0..group.points() {
                     let geometry = batch.point(q)?;
                     let value = kernel.evaluate(&cell, &geometry, batch.fields()).as_ref().to_vec();

@@ -134,8 +134,9 @@ fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
     let mut value = vec![0.0; count];
     for group in groups(binding, integral, quadrature, degrees, &K::REQUIREMENTS)? {
         let mut batch = Batch::<L, D>::new(binding, &group, K::REQUIREMENTS)?;
-        for index in 0..batch.count() {
-            let cell = kernel.cell(&batch.load(index));
+        for start in (0..group.entities()).step_by(L::WIDTH) {
+            let filled = L::WIDTH.min(group.entities() - start);
+            let cell = kernel.cell(&batch.load(start, filled));
             for q in 0..group.points() {
                 let geometry = batch.point(q)?;
                 let values = kernel.evaluate(&cell, &geometry, batch.fields());

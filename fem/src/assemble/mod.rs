@@ -11,6 +11,8 @@ mod batch;
 mod binding;
 mod block_pattern;
 mod derived;
+mod element_matrices;
+mod element_vectors;
 mod error;
 mod functional;
 mod residual;

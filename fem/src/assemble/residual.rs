@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Integral, Lane, LinearKernel, LinearVisitor, Role};
+use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Role};
 
-use super::batch::{Batch, WIDEST};
 use super::binding::Binding;
+use super::element_vectors::ElementVectors;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::Field;
@@ -78,56 +78,40 @@ impl<const D: usize> LinearVisitor<D> for ResidualVisitor<'_, D> {
         if !self.parts.contain(integral.dependence) {
             return Ok(());
         }
-        self.integrate::<K, f64>(integral, kernel)
+        self.integrate(integral, kernel)
     }
 }
 
 impl<const D: usize> ResidualVisitor<'_, D> {
-    fn integrate<K: LinearKernel<D>, L: Lane>(
+    fn integrate<K: LinearKernel<D>>(
         &mut self,
         integral: &Integral,
         kernel: &K,
     ) -> Result<(), AssemblyError> {
         let space = self.tests[integral.test];
-        let element = self.elements[integral.test];
         let offset = self.offsets[integral.test];
-        let zero = L::splat(0.0);
         let components = K::TEST_COMPONENTS;
         let name = self.binding.name_of(Role::Test(integral.test));
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
             group.check_support(self.binding.name, name, space)?;
             let side = group.side(self.binding.name, integral.test_side)?;
             let facet = group.sides[side].facet.map(|(local, _)| local);
-            let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
-            let mut sums = vec![zero; group.sides[side].elements[element].nodes * components];
-            let mut lanes = vec![[0.0; WIDEST]; sums.len()];
-            for index in 0..batch.count() {
-                let cell = kernel.cell(&batch.load(index));
-                sums.fill(zero);
-                for q in 0..group.points() {
-                    let geometry = batch.point(q)?;
-                    let flux = kernel.point(&cell, &geometry, batch.fields());
-                    let functions = batch.basis(side, element).iter().zip(batch.hessians(side, element));
-                    for ((basis, hessian), sums) in functions.zip(sums.chunks_mut(components)) {
-                        let block = kernel.test(&flux, basis, hessian);
-                        for (sum, value) in sums.iter_mut().zip(block.as_ref()) {
+            let element = self.elements[integral.test];
+            let task = ElementVectors { binding: self.binding, group: &group, side, element };
+            let size = task.nodes() * components;
+            let cells = &group.sides[side].cells;
+            task.compute(kernel, 0..group.entities(), &mut |first, vectors| {
+                for (cell, vector) in cells[first..].iter().zip(vectors.chunks_exact(size)) {
+                    let nodes = space.nodes_at(*cell, facet);
+                    for (node, values) in nodes.iter().zip(vector.chunks_exact(components)) {
+                        let first = offset + *node as usize * components;
+                        for (sum, value) in self.vector[first..first + components].iter_mut().zip(values) {
                             *sum += *value;
                         }
                     }
                 }
-                for (sum, lanes) in sums.iter().zip(&mut lanes) {
-                    sum.store(lanes);
-                }
-                for (lane, cell) in batch.cells(side).iter().enumerate() {
-                    let nodes = space.nodes_at(*cell, facet);
-                    for (node, lanes) in nodes.iter().zip(lanes.chunks(components)) {
-                        let first = offset + *node as usize * components;
-                        for (component, lanes) in lanes.iter().enumerate() {
-                            self.vector[first + component] += lanes[lane];
-                        }
-                    }
-                }
-            }
+                Ok(())
+            })?;
         }
         Ok(())
     }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Lane, Role, Side};
+use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
-use super::batch::{Batch, WIDEST};
 use super::binding::Binding;
+use super::element_matrices::ElementMatrices;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::field::Field;
@@ -145,19 +145,17 @@ impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
         if !self.parts.contain(integral.dependence) {
             return Ok(());
         }
-        self.integrate::<K, f64>(integral, kernel)
+        self.integrate(integral, kernel)
     }
 }
 
 impl<const D: usize> TangentVisitor<'_, D> {
-    fn integrate<K: BilinearKernel<D>, L: Lane>(
+    fn integrate<K: BilinearKernel<D>>(
         &mut self,
         integral: &Integral,
         kernel: &K,
     ) -> Result<(), AssemblyError> {
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
-        let (test_element, trial_element) =
-            (self.test_elements[integral.test], self.trial_elements[integral.trial]);
         let form = self.binding.name;
         let names = [
             self.binding.name_of(Role::Test(integral.test)),
@@ -165,66 +163,42 @@ impl<const D: usize> TangentVisitor<'_, D> {
         ];
         // Half of the pairs suffice when test and trial nodes are the same.
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
-        let symmetric = K::SYMMETRIC && same_nodes;
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
             group.check_support(form, names[0], test)?;
             group.check_support(form, names[1], trial)?;
-            let (test_side, trial_side) =
-                (group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?);
-            let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
-            let rows = group.sides[test_side].elements[test_element].nodes;
-            let columns = group.sides[trial_side].elements[trial_element].nodes;
-            let mut accumulators = vec![K::zero::<L>(); rows * columns];
-            let mut trial_factors = Vec::with_capacity(columns);
-            let mut element = ElementBatch::new([rows, columns], [test.components(), trial.components()]);
-            for index in 0..batch.count() {
-                let cell = kernel.cell(&batch.load(index));
-                accumulators.fill(K::zero::<L>());
-                for q in 0..group.points() {
-                    let geometry = batch.point(q)?;
-                    let point = kernel.point(&cell, &geometry, batch.fields());
-                    trial_factors.clear();
-                    let hessians = batch.hessians(trial_side, trial_element);
-                    for (basis, hessian) in batch.basis(trial_side, trial_element).iter().zip(hessians) {
-                        trial_factors.push(kernel.trial(&point, basis, hessian));
-                    }
-                    let hessians = batch.hessians(test_side, test_element);
-                    let functions = batch.basis(test_side, test_element).iter().zip(hessians);
-                    for (i, (basis, hessian)) in functions.enumerate() {
-                        let factors = kernel.test(&point, basis, hessian);
-                        let first = if symmetric { i } else { 0 };
-                        let row = &mut accumulators[i * columns + first..(i + 1) * columns];
-                        for (accumulator, trial) in row.iter_mut().zip(&trial_factors[first..]) {
-                            K::pair(accumulator, &factors, trial);
-                        }
-                    }
-                }
-                for i in 0..rows {
-                    for j in if symmetric { i } else { 0 }..columns {
-                        let block = kernel.finish(&cell, &accumulators[i * columns + j]);
-                        element.put([i, j], block.as_ref(), symmetric);
-                    }
-                }
-                for lane in 0..batch.cells(0).len() {
-                    self.deliver(integral, &group, index * L::WIDTH + lane, &element, lane)
+            let task = ElementMatrices {
+                binding: self.binding,
+                group: &group,
+                sides: [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?],
+                elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
+                symmetric: K::SYMMETRIC && same_nodes,
+            };
+            let nodes = task.nodes();
+            let size = nodes[0] * nodes[1] * K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+            task.compute(kernel, 0..group.entities(), &mut |first, matrices| {
+                for (number, matrix) in matrices.chunks_exact(size).enumerate() {
+                    self.deliver(integral, &group, first + number, nodes, matrix)
                         .ok_or(AssemblyError::Pattern { form, test: names[0], trial: names[1] })?;
                 }
-            }
+                Ok(())
+            })?;
         }
         Ok(())
     }
 
-    /// Hands over the element matrix of one lane, that of the group's `number`-th entity. `None`: the pattern
-    /// does not have its entries.
+    /// Hands over the element matrix of the group's `number`-th entity. `None`: the pattern does not have its
+    /// entries.
     fn deliver(
         &mut self,
         integral: &Integral,
         group: &Group<D>,
         number: usize,
-        element: &ElementBatch,
-        lane: usize,
+        nodes: [usize; 2],
+        matrix: &[f64],
     ) -> Option<()> {
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
+        let components = [test.components(), trial.components()];
+        let block = components[0] * components[1];
         let seen_from = |side: usize| {
             let side = &group.sides[side];
             (side.cells[number], side.facet.map(|(local, _)| local))
@@ -236,21 +210,23 @@ impl<const D: usize> TangentVisitor<'_, D> {
                 let rows = test.nodes_at(cell, facet);
                 let (cell, facet) = of_side(integral.trial_side);
                 let columns = trial.nodes_at(cell, facet);
-                for (i, row) in rows.iter().enumerate() {
-                    for (j, column) in columns.iter().enumerate() {
+                let mut blocks = matrix.chunks_exact(block);
+                for row in rows {
+                    for column in columns {
                         let (row, column) =
                             ((integral.test, *row as usize), (integral.trial, *column as usize));
-                        pattern.add(values, row, column, |entry| element.get([i, j], entry, lane))?;
+                        let block = blocks.next()?;
+                        pattern.add(values, row, column, |entry| block[entry])?;
                     }
                 }
             }
             Target::Elements(found) => {
-                let (rows, columns) =
-                    (element.nodes[0] * element.components[0], element.nodes[1] * element.components[1]);
+                let (rows, columns) = (nodes[0] * components[0], nodes[1] * components[1]);
                 let entry = |index: usize| {
                     let (row, column) = (index / columns, index % columns);
-                    let [a, b] = element.components;
-                    element.get([row / a, column / b], row % a * b + column % b, lane)
+                    let [a, b] = components;
+                    let pair = row / a * nodes[1] + column / b;
+                    matrix[pair * block + row % a * b + column % b]
                 };
                 let values = (0..rows * columns).map(entry).collect();
                 let (cell, facet) = seen_from(0);
@@ -263,38 +239,5 @@ impl<const D: usize> TangentVisitor<'_, D> {
             }
         }
         Some(())
-    }
-}
-
-/// The element matrices of a batch, block after block, lanes innermost.
-struct ElementBatch {
-    nodes: [usize; 2],
-    components: [usize; 2],
-    values: Vec<[f64; WIDEST]>,
-}
-
-impl ElementBatch {
-    fn new(nodes: [usize; 2], components: [usize; 2]) -> Self {
-        let count = nodes.iter().chain(&components).product();
-        ElementBatch { nodes, components, values: vec![[0.0; WIDEST]; count] }
-    }
-
-    fn put<L: Lane>(&mut self, [i, j]: [usize; 2], block: &[L], symmetric: bool) {
-        let size = block.len();
-        let start = (i * self.nodes[1] + j) * size;
-        for (lanes, entry) in self.values[start..start + size].iter_mut().zip(block) {
-            entry.store(lanes);
-        }
-        if symmetric && i != j {
-            let mirrored = (j * self.nodes[1] + i) * size;
-            let count = self.components[1];
-            for entry in 0..size {
-                self.values[mirrored + entry % count * count + entry / count] = self.values[start + entry];
-            }
-        }
-    }
-
-    fn get(&self, [i, j]: [usize; 2], entry: usize, lane: usize) -> f64 {
-        self.values[(i * self.nodes[1] + j) * self.components[0] * self.components[1] + entry][lane]
     }
 }

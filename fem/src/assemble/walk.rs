@@ -77,6 +77,11 @@ impl<const D: usize> Group<D> {
         self.weights.len()
     }
 
+    /// Number of cells or facets.
+    pub fn entities(&self) -> usize {
+        self.sides[0].cells.len()
+    }
+
     /// The index of a side.
     pub fn side(&self, form: &'static str, side: Side) -> Result<usize, AssemblyError> {
         match side {

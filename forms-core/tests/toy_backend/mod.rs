@@ -92,14 +92,17 @@ fn basis<L: Lane, const D: usize>(
 ) -> (Basis<L, D>, Hessian<L, D>) {
     let read =
         |read: &dyn Fn(&mesh::Point<D>) -> f64| pack(batch, |place| read(&place.on(side).points[point]));
-    let basis = Basis {
-        value: read(&|point| point.basis[node].value),
-        gradient: std::array::from_fn(|k| read(&|point| point.basis[node].gradient[k])),
-    };
-    let second = |a: usize, b: usize| match requirements.hessian {
-        true => read(&|point| point.hessians[node][a][b]),
+    let asked = |asked: bool, number: &dyn Fn(&mesh::Point<D>) -> f64| match asked {
+        true => read(number),
         false => L::splat(f64::NAN),
     };
+    let basis = Basis {
+        value: asked(requirements.basis_value, &|point| point.basis[node].value),
+        gradient: std::array::from_fn(|k| {
+            asked(requirements.basis_gradient, &|point| point.basis[node].gradient[k])
+        }),
+    };
+    let second = |a: usize, b: usize| asked(requirements.hessian, &|point| point.hessians[node][a][b]);
     (basis, std::array::from_fn(|a| std::array::from_fn(|b| second(a, b))))
 }
 

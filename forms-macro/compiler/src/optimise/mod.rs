@@ -17,7 +17,7 @@ use crate::differentiate::{Derived, ResidualPart};
 use crate::parse::syntax::{MemberKind, Module};
 use crate::tensor::{FieldInfo, FieldRole, Function, Operator, Side, Tensor};
 use degree::{Degree, Degrees};
-pub use factor::BilinearPlan;
+pub use factor::{BilinearPlan, varies_over_cell};
 use linear::{Coefficients, Linear, SidedField, without};
 use scalar::{Graph, Node, Scalar};
 use scalarise::Scalariser;

@@ -293,7 +293,12 @@ impl Comparison<'_> {
             let mean: Vec<f64> = here.iter().zip(&elsewhere).map(|(a, b)| 0.5 * (a + b)).collect();
             self.same("a linear residual", &mean, &linear(&integral.kernel, &halfway, first), tally)?;
         }
+        for integral in &self.emitted.residual {
+            self.counted(integral, &["point", "test"])?;
+        }
         for integral in &self.emitted.tangent {
+            self.counted(integral, &["point", "test", "trial", "pair", "finish"])?;
+            self.structure(integral, &bilinear(&integral.kernel, &self.here, first, second))?;
             match integral.dependence.as_str() {
                 "Constant" => return Err(format!("`{}` has a tangent of a load", self.name)),
                 "Linear" => {
@@ -314,6 +319,34 @@ impl Comparison<'_> {
                     (0..size * size).map(|entry| there[entry % size * size + entry / size]).collect();
                 self.same("a symmetric tangent", &here, &transposed, tally)?;
             }
+        }
+        Ok(())
+    }
+
+    /// What a kernel says that its functions cost is what stands in them.
+    fn counted(&self, integral: &Integral, methods: &[&str]) -> Result<(), Difference> {
+        for method in methods {
+            let claimed = integral.kernel.constants["OPERATIONS"].member(method).index();
+            let found = integral.kernel.operations(method);
+            if claimed != found {
+                return Err(format!("`{method}` of `{}` has {found} operations, not {claimed}", self.name));
+            }
+        }
+        Ok(())
+    }
+
+    /// Entries that are proved zero are zero; a kernel with constant coefficients asks for nothing that varies.
+    fn structure(&self, integral: &Integral, block: &[f64]) -> Result<(), Difference> {
+        let constants = &integral.kernel.constants;
+        let nonzero = constants["NONZERO"].list();
+        let wrong = block.iter().zip(nonzero).any(|(entry, nonzero)| !nonzero.truth() && *entry != 0.0);
+        if wrong || nonzero.len() != block.len() {
+            return Err(format!("`{}`: the block is {block:?}, but {nonzero:?}", self.name));
+        }
+        let reads = &constants["REQUIREMENTS"];
+        let varies = ["position", "normal", "curvature"].iter().any(|name| reads.member(name).truth());
+        if constants["CELL_CONSTANT"].truth() && (varies || !reads.member("fields").list().is_empty()) {
+            return Err(format!("`{}`: coefficients that vary are called constant", self.name));
         }
         Ok(())
     }

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use proc_macro2::TokenStream;
+use quote::ToTokens;
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, Item, ItemMod, Pat, Stmt, Type};
 
+use crate::dump::counts::operations;
 use crate::tensor::Side;
 
 use super::interpreter::{Scope, Value, evaluate, run};
@@ -46,6 +48,13 @@ impl Kernel {
     pub fn prepare(&self, parameters: &[f64]) -> Value {
         let mut scope = Scope::from([("parameters".to_string(), Value::numbers(parameters.iter().copied()))]);
         run(&self.new, &mut scope).expect("`new` gives the kernel")
+    }
+
+    /// Operations in a method's text, a multiply-add as one.
+    pub fn operations(&self, method: &str) -> usize {
+        let text = self.methods[method].block.to_token_stream();
+        let contracted = text.to_string().matches("multiply_add").count();
+        operations(text) - contracted
     }
 
     /// The result of a method, and what became of its arguments.
