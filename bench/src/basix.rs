@@ -161,6 +161,12 @@ const fn basix_node(shape: CellShape, degree: usize, order: NodeOrder, index: us
     }
 }
 
+/// Reference coordinates of basix's nodes; the third is zero in two dimensions.
+pub fn node_points(shape: CellShape, degree: usize, order: NodeOrder) -> Vec<[f64; 3]> {
+    let node = |index| basix_node(shape, degree, order, index).map(|half| 0.5 * f64::from(half));
+    (0..node_count(shape, degree)).map(node).collect()
+}
+
 /// For each node of basix's element, in its order, our number of that node. N is [`node_count`].
 ///
 /// # Panics

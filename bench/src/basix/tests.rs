@@ -78,7 +78,8 @@ type Points = Vec<(Vec<f64>, f64)>;
 
 fn sorted(mut points: Points) -> Points {
     // Rounded, so that round-off does not change the order.
-    let key = |point: &(Vec<f64>, f64)| -> Vec<i64> { point.0.iter().map(|x| (x * 1e9).round() as i64).collect() };
+    let key =
+        |point: &(Vec<f64>, f64)| -> Vec<i64> { point.0.iter().map(|x| (x * 1e9).round() as i64).collect() };
     points.sort_by_key(key);
     points
 }
@@ -87,9 +88,10 @@ fn close(theirs: Points, ours: Points) -> bool {
     let (theirs, ours) = (sorted(theirs), sorted(ours));
     let near = |a: f64, b: f64| (a - b).abs() < 2e-14;
     theirs.len() == ours.len()
-        && theirs.iter().zip(&ours).all(|((x, v), (y, w))| {
-            near(*v, *w) && x.iter().zip(y).all(|(x, y)| near(*x, *y))
-        })
+        && theirs
+            .iter()
+            .zip(&ours)
+            .all(|((x, v), (y, w))| near(*v, *w) && x.iter().zip(y).all(|(x, y)| near(*x, *y)))
 }
 
 fn of_rule<const D: usize>(rule: &QuadratureRule<D>) -> Points {
@@ -149,12 +151,16 @@ fn rules_on_triangles_are_symmetric() {
 fn rules_sum_to_the_volume() -> Result<(), RuleError> {
     for degree in 0..=12 {
         for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-            let Quadrature::Explicit { cell, facet } = quadrature::<2>(shape, degree)? else { unreachable!() };
+            let Quadrature::Explicit { cell, facet } = quadrature::<2>(shape, degree)? else {
+                unreachable!()
+            };
             assert!((cell.weights.iter().sum::<f64>() - shape.volume()).abs() < 1e-14);
             assert!((facet.weights.iter().sum::<f64>() - shape.facet_volume()).abs() < 1e-14);
         }
         for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-            let Quadrature::Explicit { cell, facet } = quadrature::<3>(shape, degree)? else { unreachable!() };
+            let Quadrature::Explicit { cell, facet } = quadrature::<3>(shape, degree)? else {
+                unreachable!()
+            };
             assert!((cell.weights.iter().sum::<f64>() - shape.volume()).abs() < 1e-14);
             assert!((facet.weights.iter().sum::<f64>() - shape.facet_volume()).abs() < 1e-14);
         }
