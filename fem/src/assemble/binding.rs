@@ -127,7 +127,26 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(binding)
     }
 
-    fn resolve(
+    /// A binding whose values are pushed one by one. `first` is the element of the arguments.
+    pub fn without_values(
+        name: &'static str,
+        fields: &'static [FieldDescription],
+        regions: &'a [Region],
+        mesh: &'a Mesh<D>,
+        first: Tabulated,
+    ) -> Self {
+        Binding {
+            name,
+            mesh,
+            fields,
+            values: Vec::with_capacity(fields.len()),
+            elements: vec![first],
+            regions,
+        }
+    }
+
+    /// Where a field's values come from, of a field that is no unknown and no test function.
+    pub fn resolve(
         &mut self,
         field: &FieldDescription,
         source: &'a Source<D>,
@@ -183,7 +202,11 @@ impl<'a, const D: usize> Binding<'a, D> {
 
     /// The index of a space's element among those that are tabulated.
     pub fn element(&mut self, space: &Space<D>) -> usize {
-        let element = Tabulated { element: space.element, on_facets: space.facet_region().is_some() };
+        self.tabulated(Tabulated { element: space.element, on_facets: space.facet_region().is_some() })
+    }
+
+    /// The index of an element among those that are tabulated.
+    pub fn tabulated(&mut self, element: Tabulated) -> usize {
         self.elements.iter().position(|known| *known == element).unwrap_or_else(|| {
             self.elements.push(element);
             self.elements.len() - 1

@@ -4,6 +4,7 @@ use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::sizes::Counted;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::field::Field;
@@ -140,9 +141,9 @@ fn each_point<K: ExpressionKernel<D>, L: SimdLane, const D: usize>(
             Batch::<L, D>::new(binding, &group, Cells::Mesh(binding.mesh), located, &[], &mut buffers)?;
         for start in (0..group.entities()).step_by(L::WIDTH) {
             let filled = L::WIDTH.min(group.entities() - start);
-            let cell = kernel.cell(&batch.load(start, filled));
+            let cell = kernel.cell(&batch.load::<Counted>(start, filled));
             for q in 0..group.points() {
-                let geometry = batch.point(q)?;
+                let geometry = batch.point::<Counted>(q)?;
                 let values = kernel.evaluate(&cell, &geometry, batch.fields());
                 let all = values.as_ref().iter().chain([&geometry.weight]).chain(&geometry.position);
                 for (lanes, entry) in lanes.iter_mut().zip(all) {

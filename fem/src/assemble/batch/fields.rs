@@ -9,6 +9,7 @@ use forms_core::source::PositionFunction;
 use super::Batch;
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Values;
+use crate::assemble::sizes::Sizes;
 use crate::history::{HistoryMismatch, Snapshot};
 use crate::lanes::{SimdLane, WIDEST};
 
@@ -71,7 +72,11 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
 
     /// All fields at the q-th point.
     #[inline(always)]
-    pub(super) fn evaluate_fields(&mut self, q: usize, position: &[L; D]) -> Result<(), AssemblyError> {
+    pub(super) fn evaluate_fields<S: Sizes>(
+        &mut self,
+        q: usize,
+        position: &[L; D],
+    ) -> Result<(), AssemblyError> {
         for index in 0..self.requirements.fields.len() {
             let slot = self.requirements.fields[index];
             let count = match slot.order {
@@ -89,7 +94,14 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     }
                 }
                 Values::Discrete { element, .. } | Values::Given { element, .. } => {
-                    self.interpolate(&slot, index, *element);
+                    // The first element is that of the arguments, which has the fixed size.
+                    if *element == 0 {
+                        let nodes = S::nodes(self.buffers.sides[side_index(slot.side)].basis[0].len());
+                        self.interpolate(&slot, index, 0, nodes);
+                    } else {
+                        let nodes = self.buffers.sides[side_index(slot.side)].basis[*element].len();
+                        self.interpolate(&slot, index, *element, nodes);
+                    }
                 }
                 Values::History(history) => {
                     let lanes = self.history(&slot, history, q)?;
@@ -114,17 +126,17 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
 
     /// Σ over the nodes of coefficient × basis function, or its derivatives.
     #[inline(always)]
-    fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize) {
+    fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize, nodes: usize) {
         let side = &self.buffers.sides[side_index(slot.side)];
-        let (basis, hessians) = (&side.basis[element][..], &side.hessians[element][..]);
-        let coefficients = &self.buffers.coefficients[index][..];
+        let (basis, hessians) = (&side.basis[element][..nodes], &side.hessians[element][..nodes]);
         let components = slot.components;
+        let coefficients = &self.buffers.coefficients[index][..nodes * components];
         // One component after the other, so that its sums stay in registers.
         for component in 0..components {
             match slot.order {
                 Order::Value => {
                     let mut sum = L::splat(0.0);
-                    for node in 0..basis.len() {
+                    for node in 0..nodes {
                         sum =
                             basis[node].value.multiply_add(coefficients[node * components + component], sum);
                     }
@@ -132,7 +144,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 }
                 Order::Gradient => {
                     let mut sums = [L::splat(0.0); D];
-                    for node in 0..basis.len() {
+                    for node in 0..nodes {
                         let coefficient = coefficients[node * components + component];
                         for axis in 0..D {
                             sums[axis] = basis[node].gradient[axis].multiply_add(coefficient, sums[axis]);
@@ -143,7 +155,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 }
                 Order::Hessian => {
                     let mut sums = [[L::splat(0.0); D]; D];
-                    for node in 0..basis.len() {
+                    for node in 0..nodes {
                         let coefficient = coefficients[node * components + component];
                         for i in 0..D {
                             for j in 0..D {
