@@ -26,8 +26,15 @@ pub(super) enum Cells<'a, const D: usize> {
     /// The cells of the group, on their mesh.
     Mesh(&'a Mesh<D>),
     /// Cells that the caller lists: the coordinates of geometry node n of cell c start at
-    /// `coordinates[c * stride + offsets[n]]`.
-    Given { coordinates: &'a [f64], stride: usize, offsets: &'a [usize] },
+    /// `coordinates[c * stride + offsets[n]]`; the coefficients of its fields are in
+    /// `coefficients[c * coefficient_stride..]`.
+    Given {
+        coordinates: &'a [f64],
+        stride: usize,
+        offsets: &'a [usize],
+        coefficients: &'a [f64],
+        coefficient_stride: usize,
+    },
 }
 
 /// Memory of a batch, kept from one run of a kernel to the next.
@@ -38,6 +45,8 @@ pub(super) struct BatchBuffers<L, const D: usize> {
     fields: Vec<L>,
     /// Which derivatives of each element's basis are read.
     reads: Vec<Reads>,
+    /// All of this has been made for the kernel and sizes like those of the group.
+    prepared: bool,
 }
 
 impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
@@ -47,64 +56,34 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
             coefficients: vec![],
             fields: vec![],
             reads: vec![],
+            prepared: false,
         }
     }
 }
 
-/// A loop over the batches of a group.
-pub(super) struct Batch<'a, L, const D: usize> {
-    binding: &'a Binding<'a, D>,
-    group: &'a Group<D>,
-    requirements: Requirements,
-    cells: Cells<'a, D>,
-    tables: [SideTables<'a, D>; 2],
-    buffers: &'a mut BatchBuffers<L, D>,
-    /// How many lanes hold cells of their own.
-    filled: usize,
-    /// How far the two sides of an interior facet may be apart.
-    tolerance: [f64; WIDEST],
-    /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
-    affine: Option<AffineGeometry<L, D>>,
-}
-
-/// Whether a kernel or one of its fields reads gradients and second derivatives of an element's basis.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Reads {
-    pub gradient: bool,
-    pub hessian: bool,
-}
-
-/// What is the same at all points of affine cells.
-#[derive(Clone, Copy)]
-struct AffineGeometry<L, const D: usize> {
-    measure: L,
-    normal: [L; D],
-}
-
-impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
-    /// A loop over a group. `arguments` are the elements of the test and trial functions, whose basis the
-    /// kernel reads.
-    pub fn new(
-        binding: &'a Binding<'a, D>,
-        group: &'a Group<D>,
-        cells: Cells<'a, D>,
+impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
+    /// Checks that the kernel finds what it reads, and makes room for it.
+    fn prepare(
+        &mut self,
+        binding: &Binding<D>,
+        group: &Group<D>,
         requirements: Requirements,
         arguments: &[usize],
-        buffers: &'a mut BatchBuffers<L, D>,
-    ) -> Result<Self, AssemblyError> {
+    ) -> Result<(), AssemblyError> {
         let zero = L::splat(0.0);
         let form = binding.name;
-        let reads = &mut buffers.reads;
+        let reads = &mut self.reads;
         reads.clear();
         reads.resize(binding.elements.len(), Reads::default());
         for element in arguments {
             reads[*element] = Reads {
+                value: requirements.basis_value,
                 gradient: requirements.basis_gradient || requirements.hessian,
                 hessian: requirements.hessian,
             };
         }
-        buffers.coefficients.resize_with(requirements.fields.len(), Vec::new);
-        for (slot, coefficients) in requirements.fields.iter().zip(&mut buffers.coefficients) {
+        self.coefficients.resize_with(requirements.fields.len(), Vec::new);
+        for (slot, coefficients) in requirements.fields.iter().zip(&mut self.coefficients) {
             let side = group.side(form, slot.side)?;
             let field = binding.fields[slot.field].name;
             let (element, length) = match &binding.values[slot.field] {
@@ -125,6 +104,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 _ => (None, 0),
             };
             if let Some(element) = element {
+                reads[element].value |= slot.order == Order::Value;
                 reads[element].gradient |= slot.order != Order::Value; // second derivatives need the first
                 reads[element].hessian |= slot.order == Order::Hessian;
             }
@@ -137,14 +117,67 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         if requirements.opposite_diameter || requirements.opposite_volume {
             group.side(form, Side::Other)?;
         }
-        buffers.fields.resize(requirements.field_length, zero);
-        for (tables, buffers) in group.sides.iter().zip(&mut buffers.sides) {
-            buffers.prepare(tables);
+        self.fields.resize(requirements.field_length, zero);
+        for (tables, side) in group.sides.iter().zip(&mut self.sides) {
+            side.prepare(tables);
         }
-        let tables = [0, 1].map(|side| {
-            let group = &group.sides[side.min(group.sides.len() - 1)];
-            SideTables::new(group, &binding.elements, binding.mesh.is_affine())
-        });
+        self.prepared = true;
+        Ok(())
+    }
+}
+
+/// A loop over the batches of a group.
+pub(super) struct Batch<'a, L, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    group: &'a Group<D>,
+    requirements: Requirements,
+    cells: Cells<'a, D>,
+    tables: [SideTables<'a, D>; 2],
+    buffers: &'a mut BatchBuffers<L, D>,
+    /// How many lanes hold cells of their own.
+    filled: usize,
+    /// How far the two sides of an interior facet may be apart.
+    tolerance: [f64; WIDEST],
+    /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
+    affine: Option<AffineGeometry<L, D>>,
+}
+
+/// Whether a kernel or one of its fields reads values, gradients and second derivatives of an element's basis.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reads {
+    pub value: bool,
+    pub gradient: bool,
+    pub hessian: bool,
+}
+
+/// What is the same at all points of affine cells.
+#[derive(Clone, Copy)]
+struct AffineGeometry<L, const D: usize> {
+    measure: L,
+    normal: [L; D],
+}
+
+impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
+    /// A loop over a group. `arguments` are the elements of the test and trial functions, whose basis the
+    /// kernel reads.
+    #[inline]
+    pub fn new(
+        binding: &'a Binding<'a, D>,
+        group: &'a Group<D>,
+        cells: Cells<'a, D>,
+        requirements: Requirements,
+        arguments: &[usize],
+        buffers: &'a mut BatchBuffers<L, D>,
+    ) -> Result<Self, AssemblyError> {
+        if !buffers.prepared {
+            buffers.prepare(binding, group, requirements, arguments)?;
+        }
+        let affine = binding.mesh.is_affine();
+        let (first, second) = (&group.sides[0], &group.sides[group.sides.len() - 1]);
+        let tables = [
+            SideTables::new(first, &binding.elements, affine),
+            SideTables::new(second, &binding.elements, affine),
+        ];
         Ok(Batch {
             binding,
             group,

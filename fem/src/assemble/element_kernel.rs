@@ -6,19 +6,19 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, Form, Integral, LinearKernel, LinearVisitor, Role,
+    BilinearKernel, BilinearVisitor, FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Role,
 };
 
 use super::AssemblyError;
 use super::batch::Cells;
-use super::binding::{Binding, Tabulated, Values};
+use super::binding::{Binding, List, Tabulated, Values};
 use super::element_matrices::{ElementMatrices, MatrixBuffers, block_order};
 use super::element_vectors::{ElementVectors, VectorBuffers};
 use super::receiver::Direct;
 use super::sizes::{Counted, Sizes};
 use super::walk::{Group, groups};
 use crate::element::Lagrange;
-use crate::lanes::{InstructionSet, LaneWork, SimdLane};
+use crate::lanes::{Checked, InstructionSet, LaneWork, SimdLane};
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 
@@ -84,14 +84,14 @@ struct ElementTables<const D: usize> {
     /// The reference cell as a mesh.
     reference: Arc<Mesh<D>>,
     layout: ElementLayout,
-    /// Components of the unknown.
-    components: usize,
+    /// Values and elements of the form's fields, if the caller lists all of them.
+    known: Option<(Vec<Values<'static, D>>, Vec<Tabulated>)>,
     /// Per integral of the tangent, and of the residual: one group on cells, one per local facet.
     tangent: Vec<Vec<Group<D>>>,
     residual: Vec<Vec<Group<D>>>,
     /// Orders of the entries of a matrix, of a symmetric one, and of a vector.
     orders: [Vec<u32>; 3],
-    instructions: InstructionSet,
+    instructions: Checked,
 }
 
 /// Memory of the loops, whose types are known inside them.
@@ -177,12 +177,17 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         let mut tables = ElementTables {
             reference: Arc::new(reference),
             layout,
-            components,
+            known: None,
             tangent: vec![],
             residual: vec![],
             orders,
-            instructions: InstructionSet::best(),
+            instructions: InstructionSet::best().checked(),
         };
+        let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
+        binding.tabulated(Tabulated { element: tables.layout.element, on_facets: false });
+        let listed: Option<Vec<_>> = tables.listed(&form, &mut binding).into_iter().collect();
+        let elements = binding.elements.to_vec();
+        tables.known = listed.map(|listed| (listed, elements));
         let mut prepare = Prepare { tables: &tables, form: &form, quadrature, found: vec![] };
         form.tangent(&mut prepare)?;
         let tangent = prepare.found;
@@ -207,7 +212,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
 
     /// The same with kernels compiled for a certain set of instructions.
     pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
-        self.tables.instructions = instructions;
+        self.tables.instructions = instructions.checked();
         self
     }
 
@@ -228,7 +233,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     pub fn matrices(&mut self, cells: &ElementCells, matrices: &mut [f64]) -> Result<(), AssemblyError> {
         let ElementKernel { form, tables, memory, .. } = self;
         let size = tables.layout.rows.len();
-        let binding = tables.bind(form, cells)?;
+        let binding = tables.bind(form)?;
         let target = target(form.name(), matrices, cells.count * size * size)?;
         let mut run =
             Run::<S, D> { tables, memory, binding: &binding, cells, target, index: 0, sizes: PhantomData };
@@ -246,7 +251,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     pub fn vectors(&mut self, cells: &ElementCells, vectors: &mut [f64]) -> Result<(), AssemblyError> {
         let ElementKernel { form, tables, memory, .. } = self;
         let size = tables.layout.rows.len();
-        let binding = tables.bind(form, cells)?;
+        let binding = tables.bind(form)?;
         let target = target(form.name(), vectors, cells.count * size)?;
         let mut run =
             Run::<S, D> { tables, memory, binding: &binding, cells, target, index: 0, sizes: PhantomData };
@@ -271,39 +276,43 @@ fn target<'a>(
 }
 
 impl<const D: usize> ElementTables<D> {
-    fn bind<'a, F: Form<D>>(
-        &'a self,
-        form: &'a F,
-        cells: &ElementCells<'a>,
-    ) -> Result<Binding<'a, D>, AssemblyError> {
-        let layout = &self.layout;
-        let first = Tabulated { element: layout.element, on_facets: false };
-        let mut binding = Binding::without_values(
-            form.name(),
-            form.fields(),
-            &form.inputs().regions,
-            &self.reference,
-            first,
-        );
-        for (index, field) in form.fields().iter().enumerate() {
-            let listed = layout.fields.iter().find(|known| known.name == field.name);
-            let values = match (listed, field.role, &form.inputs().sources[index]) {
-                (Some(listed), ..) => {
+    /// Values that the caller lists, by field; `None` of those that come with the form.
+    fn listed<F: Form<D>>(&self, form: &F, binding: &mut Binding<D>) -> Vec<Option<Values<'static, D>>> {
+        let value = |field: &FieldDescription| {
+            let listed = self.layout.fields.iter().find(|known| known.name == field.name);
+            let source = !matches!(field.role, Role::Unknown(_) | Role::Test(_) | Role::Direction(_));
+            match listed {
+                Some(listed) => {
                     let element = Tabulated { element: listed.element, on_facets: false };
-                    Values::Given {
-                        element: binding.tabulated(element),
-                        values: cells.coefficients,
-                        stride: layout.coefficient_stride,
-                        offsets: &listed.offsets,
-                    }
+                    let element = binding.tabulated(element);
+                    Some(Values::Given { element, offsets: listed.offsets.as_slice().into() })
                 }
-                (None, Role::Unknown(_) | Role::Test(_) | Role::Direction(_), _) | (None, _, None) => {
-                    Values::Absent
-                }
-                (None, _, Some(source)) => binding.resolve(field, source, &self.reference)?,
-            };
-            binding.values.push(values);
+                None if source => None,
+                None => Some(Values::Absent),
+            }
+        };
+        form.fields().iter().map(value).collect()
+    }
+
+    fn bind<'a, F: Form<D>>(&'a self, form: &'a F) -> Result<Binding<'a, D>, AssemblyError> {
+        let inputs = form.inputs();
+        let mut binding = Binding::empty(form.name(), form.fields(), &inputs.regions, &self.reference);
+        if let Some((values, elements)) = &self.known {
+            (binding.values, binding.elements) = (List::Other(values), List::Other(elements));
+            return Ok(binding);
         }
+        // The arguments' element is the first one.
+        binding.tabulated(Tabulated { element: self.layout.element, on_facets: false });
+        let mut values = Vec::with_capacity(form.fields().len());
+        let listed = self.listed(form, &mut binding);
+        for ((field, listed), source) in form.fields().iter().zip(listed).zip(&inputs.sources) {
+            values.push(match (listed, source) {
+                (Some(listed), _) => listed,
+                (None, Some(source)) => binding.resolve(field, source, &self.reference)?,
+                (None, None) => Values::Absent,
+            });
+        }
+        binding.values = List::Own(values);
         Ok(binding)
     }
 
@@ -312,6 +321,8 @@ impl<const D: usize> ElementTables<D> {
             coordinates: cells.coordinates,
             stride: self.layout.coordinate_stride,
             offsets: &self.layout.coordinate_offsets,
+            coefficients: cells.coefficients,
+            coefficient_stride: self.layout.coefficient_stride,
         }
     }
 }
@@ -330,8 +341,7 @@ impl<F: Form<D>, const D: usize> Prepare<'_, F, D> {
         integral: &Integral,
         requirements: &forms_core::contract::Requirements,
     ) -> Result<(), AssemblyError> {
-        let nothing = ElementCells { count: 0, coordinates: &[], coefficients: &[], facet: 0 };
-        let binding = self.tables.bind(self.form, &nothing)?;
+        let binding = self.tables.bind(self.form)?;
         let degree = self.tables.layout.element.degree;
         let degrees: Vec<usize> = binding.degrees(&[]).into_iter().collect();
         let degrees: Vec<usize> = (self.form.fields().iter().zip(degrees))
@@ -373,6 +383,11 @@ struct Run<'a, S, const D: usize> {
     sizes: PhantomData<S>,
 }
 
+#[cold]
+fn no_facet(form: &'static str, facet: usize) -> AssemblyError {
+    AssemblyError::Layout { form, what: format!("there is no facet {facet}") }
+}
+
 /// The group of the facet that was asked for, or of the cells.
 fn choose<const D: usize>(groups: &[Group<D>], facet: usize) -> Option<&Group<D>> {
     if groups.len() == 1 { groups.first() } else { groups.get(facet) }
@@ -386,10 +401,8 @@ impl<S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, S, D> {
         let Memory { tangent, addend, .. } = &mut *self.memory;
         tangent.resize_with(tables.tangent.len(), || None);
         let facet = self.cells.facet;
-        let group = choose(&tables.tangent[self.index], facet).ok_or(AssemblyError::Layout {
-            form: self.binding.name,
-            what: format!("there is no facet {facet}"),
-        })?;
+        let group =
+            choose(&tables.tangent[self.index], facet).ok_or_else(|| no_facet(self.binding.name, facet))?;
         let task = ElementMatrices {
             binding: self.binding,
             group,
@@ -422,10 +435,8 @@ impl<S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, S, D> {
         let Memory { residual, addend, .. } = &mut *self.memory;
         residual.resize_with(tables.residual.len(), || None);
         let facet = self.cells.facet;
-        let group = choose(&tables.residual[self.index], facet).ok_or(AssemblyError::Layout {
-            form: self.binding.name,
-            what: format!("there is no facet {facet}"),
-        })?;
+        let group =
+            choose(&tables.residual[self.index], facet).ok_or_else(|| no_facet(self.binding.name, facet))?;
         let task = ElementVectors {
             binding: self.binding,
             group,

@@ -47,8 +47,10 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Default for MatrixBuffer
 
 impl<const D: usize> ElementMatrices<'_, D> {
     /// Number of test and of trial nodes.
+    #[inline]
     pub fn nodes(&self) -> [usize; 2] {
-        [0, 1].map(|k| self.group.sides[self.sides[k]].elements[self.elements[k]].nodes)
+        let nodes = |k: usize| self.group.sides[self.sides[k]].elements[self.elements[k]].nodes;
+        [nodes(0), nodes(1)]
     }
 
     /// Computes the element matrices of the group's entities in a range, and hands them over in their order:
@@ -67,7 +69,13 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let [rows, columns] = self.nodes();
         let components = [K::TEST_COMPONENTS, K::TRIAL_COMPONENTS];
         let order = block_order([rows, columns], components, self.symmetric);
-        set.run(Compute { task: self, kernel, order: &order, range, receiver: Buffered::new(deliver) })
+        set.checked().run(Compute {
+            task: self,
+            kernel,
+            order: &order,
+            range,
+            receiver: Buffered::new(deliver),
+        })
     }
 
     /// The loops. The entries of an element matrix come out in the order that [`block_order`] gives to
@@ -134,7 +142,11 @@ impl<const D: usize> ElementMatrices<'_, D> {
                         K::pair(&mut accumulator, &tests[q * rows + i], &trials[q * columns + j]);
                     }
                     let block = kernel.finish(&cell, &accumulator);
-                    blocks[next..][..entries].copy_from_slice(&block.as_ref()[..entries]);
+                    // No copy of slices: that would be a call.
+                    let (block, target) = (&block.as_ref()[..entries], &mut blocks[next..][..entries]);
+                    for entry in 0..entries {
+                        target[entry] = block[entry];
+                    }
                     next += entries;
                 }
             }
@@ -177,10 +189,10 @@ pub(super) struct Ordered<'a, L> {
     pub order: &'a [u32],
 }
 
-impl<L: Copy> Entries<L> for Ordered<'_, L> {
+impl<L> Entries<L> for Ordered<'_, L> {
     #[inline(always)]
-    fn entry(&self, k: usize) -> L {
-        self.values[self.order[k] as usize]
+    fn entry(&self, k: usize) -> &L {
+        &self.values[self.order[k] as usize]
     }
 }
 

@@ -59,7 +59,13 @@ impl<const D: usize> ElementVectors<'_, D> {
         range: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        set.run(Compute { task: self, kernel, order: None, range, receiver: Buffered::new(deliver) })
+        set.checked().run(Compute {
+            task: self,
+            kernel,
+            order: None,
+            range,
+            receiver: Buffered::new(deliver),
+        })
     }
 
     /// The loops. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.

@@ -6,7 +6,7 @@
 use forms_core::contract::{FieldSlot, Order, Side};
 use forms_core::source::PositionFunction;
 
-use super::Batch;
+use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Values;
 use crate::assemble::sizes::Sizes;
@@ -40,29 +40,25 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     for lane in 0..L::WIDTH {
                         nodes[lane] = space.nodes_at(side.cells[lane], local);
                     }
-                    for (node, target) in coefficients.chunks_exact_mut(slot.components).enumerate() {
+                    let coefficients = coefficients.chunks_exact_mut(slot.components);
+                    for (node, target) in coefficients.enumerate() {
                         for lane in 0..L::WIDTH {
                             places[lane] = nodes[lane][node] as usize * slot.components;
                         }
-                        for target in target {
-                            *target = L::gather(values, &places);
-                            for place in &mut places {
-                                *place += 1;
-                            }
-                        }
+                        gather_all(values, &places, target);
                     }
                 }
-                Values::Given { values, stride, offsets, .. } => {
-                    for (node, target) in coefficients.chunks_exact_mut(slot.components).enumerate() {
+                Values::Given { offsets, .. } => {
+                    let Cells::Given { coefficients: values, coefficient_stride: stride, .. } = self.cells
+                    else {
+                        continue;
+                    };
+                    let coefficients = coefficients.chunks_exact_mut(slot.components);
+                    for (node, target) in coefficients.enumerate() {
                         for lane in 0..L::WIDTH {
                             places[lane] = (start + lane.min(self.filled - 1)) * stride + offsets[node];
                         }
-                        for target in target {
-                            *target = L::gather(values, &places);
-                            for place in &mut places {
-                                *place += 1;
-                            }
-                        }
+                        gather_all(values, &places, target);
                     }
                 }
                 _ => {}
@@ -151,7 +147,10 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         }
                     }
                     let start = slot.offset + component * D;
-                    self.buffers.fields[start..start + D].copy_from_slice(&sums);
+                    let target = &mut self.buffers.fields[start..start + D];
+                    for axis in 0..D {
+                        target[axis] = sums[axis];
+                    }
                 }
                 Order::Hessian => {
                     let mut sums = [[L::splat(0.0); D]; D];
@@ -216,6 +215,25 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             }
         }
         Ok(lanes)
+    }
+}
+
+/// Successive entries from each lane's place on, of values in memory.
+#[inline(always)]
+fn gather_all<L: SimdLane>(values: &[f64], places: &[usize; WIDEST], target: &mut [L]) {
+    match target.len() {
+        1 => [target[0]] = L::gather::<1>(values, places),
+        2 => [target[0], target[1]] = L::gather::<2>(values, places),
+        3 => [target[0], target[1], target[2]] = L::gather::<3>(values, places),
+        count => {
+            let mut places = *places;
+            for component in 0..count {
+                target[component] = L::gather::<1>(values, &places)[0];
+                for lane in 0..WIDEST {
+                    places[lane] += 1;
+                }
+            }
+        }
     }
 }
 

@@ -87,29 +87,22 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                     lists[lane] = mesh.cell(self.cells[lane] as usize);
                 }
                 let coordinates = mesh.nodes().as_flattened();
-                for node in 0..S::geometry_nodes(self.nodes.len()) {
+                let count = S::geometry_nodes(self.nodes.len());
+                for (node, target) in self.nodes[..count].iter_mut().enumerate() {
                     for lane in 0..L::WIDTH {
                         places[lane] = lists[lane][node] as usize * D;
                     }
-                    for axis in 0..D {
-                        self.nodes[node][axis] = L::gather(coordinates, &places);
-                        for place in &mut places {
-                            *place += 1;
-                        }
-                    }
+                    *target = L::gather(coordinates, &places);
                 }
             }
-            Cells::Given { coordinates, stride, offsets } => {
-                for node in 0..S::geometry_nodes(self.nodes.len()) {
+            Cells::Given { coordinates, stride, offsets, .. } => {
+                let count = S::geometry_nodes(self.nodes.len());
+                let (nodes, offsets) = (&mut self.nodes[..count], &offsets[..count]);
+                for node in 0..count {
                     for lane in 0..L::WIDTH {
                         places[lane] = (start + lane.min(filled - 1)) * stride + offsets[node];
                     }
-                    for axis in 0..D {
-                        self.nodes[node][axis] = L::gather(coordinates, &places);
-                        for place in &mut places {
-                            *place += 1;
-                        }
-                    }
+                    nodes[node] = L::gather(coordinates, &places);
                 }
             }
         }
@@ -223,8 +216,10 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
             let values = &table.value[q * nodes..][..nodes];
             let slopes = &table.gradient[q * nodes..][..nodes];
             let basis = &mut self.basis[index][..nodes];
-            for node in 0..nodes {
-                basis[node].value = L::splat(values[node]);
+            if reads[index].value {
+                for node in 0..nodes {
+                    basis[node].value = L::splat(values[node]);
+                }
             }
             if !reads[index].gradient && !reads[index].hessian {
                 return;
