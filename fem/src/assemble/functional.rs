@@ -1,12 +1,13 @@
 //! Numbers: integrals of densities, and the count of active quadrature points.
 
-use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral, Lane};
+use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral, Requirements};
 
-use super::batch::{Batch, WIDEST};
+use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::field::Field;
+use crate::lanes::{SimdLane, WIDEST};
 use crate::quadrature::Quadrature;
 
 impl<const D: usize> Assembler<D> {
@@ -121,7 +122,7 @@ impl<const D: usize> ExpressionVisitor<D> for SwitchVisitor<'_, D> {
 }
 
 /// Calls `receive(value, weight, position)` at every quadrature point of an integral's region.
-fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
+fn each_point<K: ExpressionKernel<D>, L: SimdLane, const D: usize>(
     binding: &Binding<D>,
     quadrature: &Quadrature<D>,
     degrees: &[usize],
@@ -132,8 +133,11 @@ fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
     let count: usize = K::SHAPE.iter().product();
     let mut lanes = vec![[0.0; WIDEST]; count + 1 + D];
     let mut value = vec![0.0; count];
+    let mut buffers = BatchBuffers::default();
     for group in groups(binding, integral, quadrature, degrees, &K::REQUIREMENTS)? {
-        let mut batch = Batch::<L, D>::new(binding, &group, K::REQUIREMENTS)?;
+        let located = Requirements { position: true, ..K::REQUIREMENTS };
+        let mut batch =
+            Batch::<L, D>::new(binding, &group, Cells::Mesh(binding.mesh), located, &[], &mut buffers)?;
         for start in (0..group.entities()).step_by(L::WIDTH) {
             let filled = L::WIDTH.min(group.entities() - start);
             let cell = kernel.cell(&batch.load(start, filled));

@@ -27,6 +27,7 @@ pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
 pub use tangent::ElementMatrix;
 
+use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 
@@ -38,6 +39,7 @@ use crate::quadrature::Quadrature;
 pub struct Assembler<const D: usize> {
     mesh: Arc<Mesh<D>>,
     quadrature: Quadrature<D>,
+    instructions: InstructionSet,
 }
 
 /// Which integrals to assemble, by their dependence on the unknowns.
@@ -71,12 +73,22 @@ impl Parts {
 impl<const D: usize> Assembler<D> {
     /// An assembler that takes the quadrature degree from the compiler's estimate.
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
-        Assembler { mesh: mesh.clone(), quadrature: Quadrature::Estimated }
+        Assembler {
+            mesh: mesh.clone(),
+            quadrature: Quadrature::Estimated,
+            instructions: InstructionSet::best(),
+        }
     }
 
     /// The same with another choice of quadrature.
     pub fn with_quadrature(self, quadrature: Quadrature<D>) -> Self {
         Assembler { quadrature, ..self }
+    }
+
+    /// The same with kernels compiled for a certain set of instructions; plain ones where the machine does not
+    /// have it. Without this the best set of the machine is taken.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        Assembler { instructions, ..self }
     }
 
     /// The mesh.

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Role};
 
+use super::batch::Cells;
 use super::binding::Binding;
 use super::element_vectors::ElementVectors;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::Field;
+use crate::lanes::InstructionSet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 
@@ -54,6 +56,7 @@ impl<const D: usize> Assembler<D> {
             vector: vec![0.0; offsets[tests.len()]],
             offsets,
             parts,
+            set: self.instructions,
         };
         form.residual(&mut visitor)?;
         Ok(visitor.vector)
@@ -69,6 +72,7 @@ struct ResidualVisitor<'a, const D: usize> {
     offsets: Vec<usize>,
     vector: Vec<f64>,
     parts: Parts,
+    set: InstructionSet,
 }
 
 impl<const D: usize> LinearVisitor<D> for ResidualVisitor<'_, D> {
@@ -97,10 +101,11 @@ impl<const D: usize> ResidualVisitor<'_, D> {
             let side = group.side(self.binding.name, integral.test_side)?;
             let facet = group.sides[side].facet.map(|(local, _)| local);
             let element = self.elements[integral.test];
-            let task = ElementVectors { binding: self.binding, group: &group, side, element };
+            let cells = Cells::Mesh(self.binding.mesh);
+            let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };
             let size = task.nodes() * components;
             let cells = &group.sides[side].cells;
-            task.compute(kernel, 0..group.entities(), &mut |first, vectors| {
+            task.compute(kernel, self.set, 0..group.entities(), &mut |first, vectors| {
                 for (cell, vector) in cells[first..].iter().zip(vectors.chunks_exact(size)) {
                     let nodes = space.nodes_at(*cell, facet);
                     for (node, values) in nodes.iter().zip(vector.chunks_exact(components)) {

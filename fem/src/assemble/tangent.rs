@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
+use super::batch::Cells;
 use super::binding::Binding;
 use super::element_matrices::ElementMatrices;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::field::Field;
+use crate::lanes::InstructionSet;
 use crate::linear_algebra::CsrMatrix;
 use crate::mesh::Facet;
 use crate::quadrature::Quadrature;
@@ -97,6 +99,7 @@ impl<const D: usize> Assembler<D> {
             trial_elements,
             target,
             parts,
+            set: self.instructions,
         })
     }
 }
@@ -136,6 +139,7 @@ struct TangentVisitor<'a, const D: usize> {
     trial_elements: Vec<usize>,
     target: Target<'a>,
     parts: Parts,
+    set: InstructionSet,
 }
 
 impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
@@ -169,13 +173,14 @@ impl<const D: usize> TangentVisitor<'_, D> {
             let task = ElementMatrices {
                 binding: self.binding,
                 group: &group,
+                cells: Cells::Mesh(self.binding.mesh),
                 sides: [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?],
                 elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
                 symmetric: K::SYMMETRIC && same_nodes,
             };
             let nodes = task.nodes();
             let size = nodes[0] * nodes[1] * K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
-            task.compute(kernel, 0..group.entities(), &mut |first, matrices| {
+            task.compute(kernel, self.set, 0..group.entities(), &mut |first, matrices| {
                 for (number, matrix) in matrices.chunks_exact(size).enumerate() {
                     self.deliver(integral, &group, first + number, nodes, matrix)
                         .ok_or(AssemblyError::Pattern { form, test: names[0], trial: names[1] })?;
