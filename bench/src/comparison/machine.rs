@@ -47,5 +47,5 @@ impl Machine {
 }
 
 fn instruction_set() -> String {
-    "plain".to_owned()
+    forms_fem::lanes::InstructionSet::best().to_string()
 }

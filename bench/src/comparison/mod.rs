@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use forms_fem::output::picture::PictureError;
 use thiserror::Error;
 
-pub use assembly::{AssemblyRow, ContactRow};
+pub use assembly::{AssemblyRow, ContactRow, WORKER, work};
 pub use kernels::{KernelRow, Timing};
 pub use machine::Machine;
 pub use report::Report;
