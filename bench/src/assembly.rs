@@ -130,7 +130,12 @@ fn timed<T>(work: impl FnOnce() -> Result<T, Box<dyn Error>>) -> Result<(f64, T)
 ///
 /// # Errors
 /// What mesh, space or assembler say.
-pub fn measure(case: Case, divisions: usize, samples: usize, threads: usize) -> Result<Measured, Box<dyn Error>> {
+pub fn measure(
+    case: Case,
+    divisions: usize,
+    samples: usize,
+    threads: usize,
+) -> Result<Measured, Box<dyn Error>> {
     match case {
         Case::Triangles => {
             let mesh = rectangle([0.0; 2], [1.0; 2], [divisions; 2], CellShape::Triangle, 1)?;
@@ -158,7 +163,8 @@ where
     crate::forms::linear_elastic::stiffness::Form<D>: Form<D>,
 {
     let space = Space::vector(&mesh, 2)?;
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(rule)).with_threads(Threads::new(threads));
+    let assembler =
+        Assembler::new(&mesh).with_quadrature(Quadrature::Degree(rule)).with_threads(Threads::new(threads));
     let form = elasticity::<D>(&CONSTANTS);
     let (u, spaces) = (Field::zero(&space), [&space]);
     let make = || -> Result<_, Box<dyn Error>> {
@@ -179,7 +185,8 @@ where
         ..Measured::default()
     };
     for _ in 0..samples {
-        let again = || Ok(assembler.assemble_tangent(&form, &[&u], &spaces, Parts::ALL, &pattern, &mut matrix)?);
+        let again =
+            || Ok(assembler.assemble_tangent(&form, &[&u], &spaces, Parts::ALL, &pattern, &mut matrix)?);
         measured.reassembly.push(timed(again)?.0);
         measured.residual.push(timed(|| Ok(assembler.residual(&form, &[&u], &spaces)?))?.0);
     }
@@ -203,7 +210,8 @@ pub fn measure_contact(across: usize, samples: usize) -> Result<ContactUpdate, B
     let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
-    let (stiffness, boundary) = (elasticity::<2>(&CONSTANTS), contact::<2>(&CONSTANTS, Given::constant(-0.001)));
+    let (stiffness, boundary) =
+        (elasticity::<2>(&CONSTANTS), contact::<2>(&CONSTANTS, Given::constant(-0.001)));
     let (u, spaces) = (Field::zero(&space), [&space]);
     let pattern = BlockPattern::for_form(&stiffness, &spaces, &spaces)?;
     let mut matrix = BlockMatrix::zero(pattern.sparsity());

@@ -96,7 +96,8 @@ fn on_path(program: &str) -> bool {
 
 /// Runs this program again as a worker that prints what it measures.
 fn ours(arguments: &[&str]) -> Result<String, ComparisonError> {
-    let program = std::env::current_exe().map_err(|source| ComparisonError::File { path: PathBuf::new(), source })?;
+    let program =
+        std::env::current_exe().map_err(|source| ComparisonError::File { path: PathBuf::new(), source })?;
     output("forms-fem", Command::new(program).arg(WORKER).args(arguments))
 }
 
@@ -164,7 +165,11 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
             let Some(mut command) = (peer.command)(case) else { continue };
             eprintln!("{}: {}", case.name(), peer.name);
             let samples = if options.quick { 1 } else { peer.samples }.to_string();
-            let flags = if peer.name == "FreeFEM" { ["-divisions", "-samples"] } else { ["--divisions", "--samples"] };
+            let flags = if peer.name == "FreeFEM" {
+                ["-divisions", "-samples"]
+            } else {
+                ["--divisions", "--samples"]
+            };
             command.args([flags[0], &size, flags[1], &samples]);
             command.env("OMP_NUM_THREADS", "1").env("PYTHONDONTWRITEBYTECODE", "1");
             match output(peer.name, &mut command).and_then(|text| read::<Measured>(peer.name, &text)) {

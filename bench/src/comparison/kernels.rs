@@ -120,8 +120,7 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
 
 /// Reads what `time_kernels` prints.
 fn read(text: &str) -> Result<Vec<KernelRow>, ComparisonError> {
-    let bad =
-        |reason: String| ComparisonError::Output { program: "run_ffcx_kernels.sh".to_owned(), reason };
+    let bad = |reason: String| ComparisonError::Output { program: "run_ffcx_kernels.sh".to_owned(), reason };
     let forms: BTreeMap<String, BTreeMap<String, serde_json::Value>> =
         serde_json::from_str(text).map_err(|error| bad(error.to_string()))?;
     let mut rows = Vec::new();
@@ -148,7 +147,8 @@ mod tests {
 
     #[test]
     fn the_fastest_variant_is_the_opponent() -> Result<(), ComparisonError> {
-        let timing = |ns: f64| format!("{{\"ns\": {ns}, \"ns_med\": {ns}, \"gflops\": 1.0, \"relerr\": 0.0}}");
+        let timing =
+            |ns: f64| format!("{{\"ns\": {ns}, \"ns_med\": {ns}, \"gflops\": 1.0, \"relerr\": 0.0}}");
         let text = format!(
             "{{\"mass\": {{\"flops\": 10, \"a\": {}, \"b\": {}, \"ours\": {}}}, \"new\": {{\"flops\": 1, \"a\": {}}}}}",
             timing(8.0),

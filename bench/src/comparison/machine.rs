@@ -32,9 +32,20 @@ impl Machine {
             ("gcc", "gcc", &["--version"]),
             ("clang", "clang", &["--version"]),
             ("FFCx (pip)", &environment, &["-c", ffcx]),
-            ("FFCx (Debian)", &system, &["-c", "from importlib.metadata import version; print(version('fenics-ffcx'))"]),
+            (
+                "FFCx (Debian)",
+                &system,
+                &["-c", "from importlib.metadata import version; print(version('fenics-ffcx'))"],
+            ),
             ("DOLFINx", &system, &["-c", dolfinx]),
-            ("GetFEM", &system, &["-c", "import getfem; print(getfem.__version__ if hasattr(getfem, '__version__') else '5.4')"]),
+            (
+                "GetFEM",
+                &system,
+                &[
+                    "-c",
+                    "import getfem; print(getfem.__version__ if hasattr(getfem, '__version__') else '5.4')",
+                ],
+            ),
             ("scikit-fem", &environment, &["-c", "import skfem; print(skfem.__version__)"]),
         ];
         let versions = commands

@@ -106,7 +106,11 @@ impl Report {
                 default / ours,
             );
         }
-        let _ = write!(text, "\nGeometric mean of the ratios to FFCx at its best: **{:.2}**", self.geometric_mean());
+        let _ = write!(
+            text,
+            "\nGeometric mean of the ratios to FFCx at its best: **{:.2}**",
+            self.geometric_mean()
+        );
         if let Some((form, ratio)) = self.slowest() {
             let _ = write!(text, "; the least is {ratio:.2} ({form})");
         }
@@ -152,14 +156,16 @@ impl Report {
     }
 
     fn chart_of_assembly(&self) -> Option<BarChart> {
-        let mut chart = BarChart::new("times faster on one thread").title("Assembly of elasticity").line(1.0, "");
+        let mut chart =
+            BarChart::new("times faster on one thread").title("Assembly of elasticity").line(1.0, "");
         let mut any = false;
         for row in &self.assembly {
             let Some((ours, peers)) = row.programs.split_first() else { continue };
             for peer in peers {
                 let ratio = median(&peer.reassembly) / median(&ours.reassembly);
                 if ratio.is_finite() {
-                    (chart, any) = (chart.bar(&format!("{}, {}", row.case.name(), peer.program), ratio), true);
+                    (chart, any) =
+                        (chart.bar(&format!("{}, {}", row.case.name(), peer.program), ratio), true);
                 }
             }
         }

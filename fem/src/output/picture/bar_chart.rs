@@ -147,7 +147,10 @@ mod tests {
         assert!(matches!(BarChart::new("times").draw(), Err(PictureError::Empty { .. })));
         let chart = BarChart::new("times").bar("good", 3.0);
         assert!(chart.draw().is_ok());
-        assert!(matches!(chart.clone().bar("none", 0.0).draw(), Err(PictureError::NotPositive { index: 1, .. })));
+        assert!(matches!(
+            chart.clone().bar("none", 0.0).draw(),
+            Err(PictureError::NotPositive { index: 1, .. })
+        ));
         assert!(matches!(chart.bar("bad", f64::NAN).draw(), Err(PictureError::NotFinite { index: 1, .. })));
     }
 
