@@ -66,6 +66,7 @@ pub mod output;
 pub mod quadrature;
 pub mod solve;
 pub mod space;
+pub mod threads;
 
 pub use forms_core::contract;
 pub use forms_core::forms;
@@ -117,5 +118,6 @@ pub mod prelude {
         NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
     };
     pub use crate::space::{Family, Space};
+    pub use crate::threads::Threads;
     pub use crate::{form, forms};
 }
