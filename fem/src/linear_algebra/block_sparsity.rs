@@ -216,15 +216,6 @@ impl BlockSparsity {
         })
     }
 
-    /// Number of entries of a scalar row.
-    pub(crate) fn row_length(&self, row: usize) -> usize {
-        let (set, node, _) = Self::locate(&self.rows, row);
-        let of = |(number, columns): (usize, &NodeSet)| {
-            self.pair(set, number).range(node).len() * columns.components
-        };
-        self.columns.iter().enumerate().map(of).sum()
-    }
-
     /// The place of an entry in the list of values, if it is stored.
     pub fn find(&self, row: usize, column: usize) -> Option<usize> {
         if row >= self.row_count() || column >= self.column_count() {
