@@ -142,10 +142,11 @@ fn matrices_and_vectors() {
         let (vectors, scalars) = (Space::vector(&mesh, degree).unwrap(), Space::scalar(&mesh, 1).unwrap());
         let (omega, wall) = (terms::Omega::on("all"), terms::Wall::on("boundary"));
         same(&terms::body(&data(), &omega, &terms::Core::on("core"), &wall), &mesh, &[&vectors]);
-        same(&terms::mixed(&omega), &mesh, &[&vectors, &scalars]);
-        same(&terms::across(&terms::Inside::on("interior")), &mesh, &[&scalars]);
+        same(&terms::mixed(&data(), &omega), &mesh, &[&vectors, &scalars]);
+        let discontinuous = Space::discontinuous_scalar(&mesh, degree).unwrap();
+        same(&terms::across(&data(), &terms::Inside::on("interior")), &mesh, &[&discontinuous]);
         let traces = Space::on_facets(&mesh, "boundary", 1).unwrap();
-        same(&terms::tied(&omega, &wall), &mesh, &[&scalars, &traces]);
+        same(&terms::tied(&data(), &omega, &wall), &mesh, &[&scalars, &traces]);
     }
 }
 
@@ -158,7 +159,7 @@ fn three_dimensions() {
     let form = terms::body(&data(), &terms::Omega::on("all"), &terms::Core::on("core"), &wall);
     same(&form, &mesh, &[&space]);
     let discontinuous = Space::discontinuous_scalar(&mesh, 1).unwrap();
-    same(&terms::across(&terms::Inside::on("interior")), &mesh, &[&discontinuous]);
+    same(&terms::across(&data(), &terms::Inside::on("interior")), &mesh, &[&discontinuous]);
 }
 
 #[test]
@@ -167,7 +168,7 @@ fn numbers_and_active_points() {
     let space = Space::vector(&mesh, 2).unwrap();
     let u = wave(&space);
     let (omega, wall) = (terms::Omega::on("all"), terms::Wall::on("boundary"));
-    let energy = terms::energy(&omega, &wall);
+    let energy = terms::energy(&data(), &omega, &wall);
     let form = terms::body(&data(), &omega, &terms::Core::on("core"), &wall);
     let of = |threads| {
         let assembler = Assembler::new(&mesh).with_threads(Threads::new(threads));
