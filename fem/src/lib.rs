@@ -57,6 +57,7 @@ pub mod constraints;
 pub mod element;
 pub mod field;
 pub mod history;
+pub mod lanes;
 pub mod language;
 pub mod linear_algebra;
 pub mod locate;

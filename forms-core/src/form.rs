@@ -40,6 +40,8 @@ pub enum Role {
     State,
     /// A field, function of position or history among the data.
     Given,
+    /// The direction for the k-th unknown: only [`Form::action`] reads it. It has no source among the inputs.
+    Direction(usize),
 }
 
 /// One field of a form, by index.
@@ -98,7 +100,7 @@ pub struct Integral {
 /// What a form was given when it was built.
 #[derive(Clone, Debug)]
 pub struct Inputs<const D: usize> {
-    /// Where each field comes from; `None` for unknowns and test functions.
+    /// Where each field comes from; `None` for unknowns, test functions and directions.
     pub sources: Vec<Option<Source<D>>>,
     /// The regions, bound.
     pub regions: Vec<Region>,
@@ -136,7 +138,7 @@ impl<const D: usize> Inputs<D> {
     }
 }
 
-/// Receives the integrals of a residual.
+/// Receives the integrals of a residual, or of a tangent's action.
 pub trait LinearVisitor<const D: usize> {
     /// What stops the walk.
     type Error;
@@ -192,6 +194,10 @@ pub trait Form<const D: usize> {
     fn residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
     /// Walks the integrals of the tangent; those of [`Dependence::Constant`] do not appear.
     fn tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+    /// Walks the integrals of the tangent applied to a direction, ∂R/∂u (u; v) w: as those of a residual, with kernels that
+    /// read the fields of [`Role::Direction`], and the unknowns only where the tangent depends on them. One matrix-free
+    /// product costs about as much as a residual.
+    fn action<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
     /// Walks the switches of each integral that has kinks: a vector that is positive, entry by entry,
     /// where `pos_part`, `neg_part`, `heaviside`, `max`, `min`, `abs`, `sign` or a comparison is "on".
     fn switches<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;

@@ -114,6 +114,10 @@ pub struct Requirements {
     pub opposite_diameter: bool,
     /// Reads [`CellGeometry::opposite_volume`].
     pub opposite_volume: bool,
+    /// `test` or `trial` reads [`Basis::value`].
+    pub basis_value: bool,
+    /// `test` or `trial` reads [`Basis::gradient`].
+    pub basis_gradient: bool,
     /// Reads the second derivatives of test or trial functions.
     pub hessian: bool,
     /// The layout of the `fields` slice.
@@ -122,12 +126,31 @@ pub struct Requirements {
     pub field_length: usize,
 }
 
+/// Operations of one call of each of a kernel's functions, counted in the emitted code. An addition, a product, a
+/// contracted multiply-add, a quotient, a function or a comparison is one; a sign and a literal are none. With the
+/// numbers of nodes and points they say what a way to run the kernel costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Operations {
+    /// Of `point`.
+    pub point: usize,
+    /// Of `test`.
+    pub test: usize,
+    /// Of [`BilinearKernel::trial`]; none in a linear kernel.
+    pub trial: usize,
+    /// Of [`BilinearKernel::pair`].
+    pub pair: usize,
+    /// Of [`BilinearKernel::finish`].
+    pub finish: usize,
+}
+
 /// One integral, linear in one test function: ∫ (flux, test) as `Σ_points Σ_nodes`.
 pub trait LinearKernel<const D: usize>: Send + Sync {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;
     /// Number of scalar components of the test function.
     const TEST_COMPONENTS: usize;
+    /// What its functions cost.
+    const OPERATIONS: Operations;
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;
     /// Coefficients of the test function's value and gradient, weight included.
@@ -154,6 +177,10 @@ pub trait LinearKernel<const D: usize>: Send + Sync {
 }
 
 /// One integral, linear in one test and one trial function.
+///
+/// `test` and `trial` are linear in their basis function (value, gradient and second derivatives together), `pair` adds
+/// what is bilinear in their results, and `finish` is linear in the accumulator: a backend may put other linear
+/// functions in place of basis functions, as a reference tensor and sum factorisation do.
 pub trait BilinearKernel<const D: usize>: Send + Sync {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;
@@ -163,6 +190,13 @@ pub trait BilinearKernel<const D: usize>: Send + Sync {
     const TRIAL_COMPONENTS: usize;
     /// The compiler has proved block(i, j) = block(j, i)ᵀ: only pairs i ≤ j need be computed.
     const SYMMETRIC: bool;
+    /// The coefficients are constant on the cell: `point` reads its cell and the weight, in which it is linear, but no
+    /// position, normal, curvature or field. On affine cells the loop over points may be replaced by a reference tensor.
+    const CELL_CONSTANT: bool;
+    /// Per entry of the block, row-major: false where it is proved zero for all data.
+    const NONZERO: &'static [bool];
+    /// What its functions cost.
+    const OPERATIONS: Operations;
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;
     /// Coefficients at a point, weight included.

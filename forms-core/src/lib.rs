@@ -35,8 +35,8 @@ pub mod contract {
     };
     pub use crate::history::{History, HistoryHandle, QuadratureValues};
     pub use crate::kernel::{
-        Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Hessian, LinearKernel, Order,
-        PointGeometry, Requirements, Side,
+        Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Hessian, LinearKernel, Operations,
+        Order, PointGeometry, Requirements, Side,
     };
     pub use crate::lane::Lane;
     pub use crate::real::Real;

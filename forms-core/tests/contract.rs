@@ -437,6 +437,12 @@ fn a_form_tells_what_it_was_given() {
     let roles: Vec<_> = contract::Form::fields(&form).iter().map(|field| (field.name, field.role)).collect();
     assert_eq!(
         roles,
-        [("u", Role::Unknown(0)), ("v", Role::Test(0)), ("gap", Role::Given), ("f", Role::Given)]
+        [
+            ("u", Role::Unknown(0)),
+            ("v", Role::Test(0)),
+            ("gap", Role::Given),
+            ("f", Role::Given),
+            ("du", Role::Direction(0))
+        ]
     );
 }

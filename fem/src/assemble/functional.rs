@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral, Lane};
+use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral, Requirements};
 
-use super::batch::{Batch, WIDEST};
+use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::field::Field;
+use crate::lanes::{SimdLane, WIDEST};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
@@ -119,7 +120,7 @@ struct PointWalk<'a, const D: usize> {
 impl<const D: usize> PointWalk<'_, D> {
     /// Calls `receive(result of the chunk, value, weight, position)` at every quadrature point of an integral's
     /// region, and gives the results of all chunks in their order.
-    fn chunks<K: ExpressionKernel<D>, L: Lane, R: Default + Send>(
+    fn chunks<K: ExpressionKernel<D>, L: SimdLane, R: Default + Send>(
         &self,
         integral: &Integral,
         kernel: &K,
@@ -131,7 +132,9 @@ impl<const D: usize> PointWalk<'_, D> {
             let parts = self.threads.count().min(chunks).max(1);
             let parts = (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect();
             let done = self.threads.run(parts, |chunks: Range<usize>| {
-                let mut batch = Batch::<L, D>::new(self.binding, &group, K::REQUIREMENTS)?;
+                let located = Requirements { position: true, ..K::REQUIREMENTS };
+                let (cells, mut buffers) = (Cells::Mesh(self.binding.mesh), BatchBuffers::default());
+                let mut batch = Batch::<L, D>::new(self.binding, &group, cells, located, &[], &mut buffers)?;
                 let mut results = Vec::with_capacity(chunks.len());
                 for chunk in chunks {
                     let range = chunk * CHUNK..entities.min((chunk + 1) * CHUNK);
@@ -152,7 +155,7 @@ impl<const D: usize> PointWalk<'_, D> {
 }
 
 /// Calls `receive(value, weight, position)` at every quadrature point of some of a group's entities.
-fn each_point<K: ExpressionKernel<D>, L: Lane, const D: usize>(
+fn each_point<K: ExpressionKernel<D>, L: SimdLane, const D: usize>(
     batch: &mut Batch<L, D>,
     points: usize,
     range: Range<usize>,

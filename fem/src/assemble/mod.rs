@@ -33,6 +33,7 @@ pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
 pub use tangent::ElementMatrix;
 
+use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -45,6 +46,7 @@ use crate::threads::Threads;
 pub struct Assembler<const D: usize> {
     mesh: Arc<Mesh<D>>,
     quadrature: Quadrature<D>,
+    instructions: InstructionSet,
     threads: Threads,
 }
 
@@ -79,7 +81,12 @@ impl Parts {
 impl<const D: usize> Assembler<D> {
     /// An assembler that takes the quadrature degree from the compiler's estimate, and all cores.
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
-        Assembler { mesh: mesh.clone(), quadrature: Quadrature::Estimated, threads: Threads::all() }
+        Assembler {
+            mesh: mesh.clone(),
+            quadrature: Quadrature::Estimated,
+            instructions: InstructionSet::best(),
+            threads: Threads::all(),
+        }
     }
 
     /// The same with another choice of quadrature.
@@ -87,8 +94,14 @@ impl<const D: usize> Assembler<D> {
         Assembler { quadrature, ..self }
     }
 
+    /// The same with kernels compiled for a certain set of instructions; plain ones where the machine does not
+    /// have it. Without this the best set of the machine is taken.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        Assembler { instructions, ..self }
+    }
+
     /// The same on another number of threads. Matrices, vectors and numbers are the same to the last bit, whatever
-    /// the number.
+    /// the number (but not for different instruction sets).
     pub fn with_threads(self, threads: Threads) -> Self {
         Assembler { threads, ..self }
     }

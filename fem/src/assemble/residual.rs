@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Role};
 
+use super::batch::Cells;
 use super::binding::Binding;
 use super::element_vectors::ElementVectors;
 use super::scatter::{GroupNodes, VectorScatter};
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::Field;
+use crate::lanes::InstructionSet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -57,6 +59,7 @@ impl<const D: usize> Assembler<D> {
             vector: vec![0.0; offsets[tests.len()]],
             offsets,
             parts,
+            set: self.instructions,
         };
         form.residual(&mut visitor)?;
         Ok(visitor.vector)
@@ -73,6 +76,7 @@ struct ResidualVisitor<'a, const D: usize> {
     offsets: Vec<usize>,
     vector: Vec<f64>,
     parts: Parts,
+    set: InstructionSet,
 }
 
 impl<const D: usize> LinearVisitor<D> for ResidualVisitor<'_, D> {
@@ -99,14 +103,15 @@ impl<const D: usize> ResidualVisitor<'_, D> {
             group.check_support(self.binding.name, name, space)?;
             let side = group.side(self.binding.name, integral.test_side)?;
             let element = self.elements[integral.test];
-            let task = ElementVectors { binding: self.binding, group: &group, side, element };
+            let cells = Cells::Mesh(self.binding.mesh);
+            let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };
             let tests = GroupNodes::new(space, &group.sides[side]);
             let scatter = VectorScatter { tests, components: K::TEST_COMPONENTS, nodes: task.nodes() };
             let values = &mut self.vector[offset..offset + space.unknowns()];
             let partition = scatter.tests.partition(self.threads);
             let parts = scatter.parts(&partition, values);
             let done = self.threads.run(parts, |(entities, mut part)| {
-                task.compute(kernel, entities, &mut |first, vectors| {
+                task.compute(kernel, self.set, entities, &mut |first, vectors| {
                     scatter.add(first, vectors, &mut part);
                     Ok(())
                 })?;

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
+use super::batch::Cells;
 use super::binding::Binding;
 use super::element_matrices::ElementMatrices;
 use super::scatter::{GroupNodes, MatrixScatter};
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::field::Field;
+use crate::lanes::InstructionSet;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
 use crate::mesh::Facet;
 use crate::quadrature::Quadrature;
@@ -146,6 +148,7 @@ impl<const D: usize> Assembler<D> {
             trial_elements,
             target,
             parts,
+            set: self.instructions,
         })
     }
 }
@@ -191,6 +194,7 @@ struct TangentVisitor<'a, const D: usize> {
     trial_elements: Vec<usize>,
     target: Target<'a, D>,
     parts: Parts,
+    set: InstructionSet,
 }
 
 impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
@@ -225,6 +229,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
             let task = ElementMatrices {
                 binding: self.binding,
                 group: &group,
+                cells: Cells::Mesh(self.binding.mesh),
                 sides,
                 elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
                 symmetric: K::SYMMETRIC && same_nodes,
@@ -233,7 +238,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
             let size = nodes[0] * nodes[1] * K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
             match &mut self.target {
                 Target::Elements(found) => {
-                    task.compute(kernel, 0..group.entities(), &mut |first, matrices| {
+                    task.compute(kernel, self.set, 0..group.entities(), &mut |first, matrices| {
                         for (number, matrix) in matrices.chunks_exact(size).enumerate() {
                             found.push(element_matrix(
                                 integral,
@@ -265,7 +270,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     let parts = scatter.parts(&partition, values, *written);
                     let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
                     let done = self.threads.run(parts, |(entities, mut part)| {
-                        task.compute(kernel, entities, &mut |first, matrices| {
+                        task.compute(kernel, self.set, entities, &mut |first, matrices| {
                             scatter.add(first, matrices, &mut part).ok_or_else(missing)
                         })?;
                         Ok(scatter.finish(part))

@@ -28,6 +28,8 @@ pub(super) struct Group<const D: usize> {
 pub(super) struct GroupSide<const D: usize> {
     /// Cells, or the cells that own the facets.
     pub cells: Vec<u32>,
+    /// Vertices of a cell, which are its first geometry nodes.
+    pub vertices: usize,
     /// Local facet number and reference tangents; `None` inside cells.
     pub facet: Option<(u8, [[f64; D]; 2])>,
     /// The geometry map's basis.
@@ -142,6 +144,7 @@ impl<const D: usize> GroupSide<D> {
         let local = facet.map(|(local, _)| local);
         Ok(GroupSide {
             cells,
+            vertices: mesh.shape().vertices(),
             facet: *facet,
             geometry: map,
             elements: elements.iter().map(|element| element.tabulate(points, local, hessians)).collect(),

@@ -4,7 +4,7 @@ use forms_core::contract::{Form, Functional};
 
 use super::mesh::Mesh;
 use super::random::Random;
-use super::{Nodal, functional, residual, tangent};
+use super::{Nodal, action, functional, residual, tangent};
 
 /// The unknowns, moved by step × direction.
 fn moved(unknowns: &[Nodal], direction: &[f64], step: f64) -> Vec<Nodal> {
@@ -18,7 +18,8 @@ fn unit(count: usize, index: usize) -> Vec<f64> {
     (0..count).map(|k| if k == index { 1.0 } else { 0.0 }).collect()
 }
 
-/// The tangent column by column against central differences of the residual, and by a Taylor test.
+/// The tangent column by column against central differences of the residual, and by a Taylor test; the action against
+/// the tangent.
 pub fn check_tangent<F: Form<D>, const D: usize>(
     mesh: &Mesh<D>,
     form: &F,
@@ -47,6 +48,19 @@ pub fn check_tangent<F: Form<D>, const D: usize>(
     let start = at(unknowns);
     let product = |row: &Vec<f64>| row.iter().zip(&direction).map(|(a, b)| a * b).sum::<f64>();
     let slope: Vec<f64> = matrix.iter().map(product).collect();
+    // Without a matrix.
+    let mut rest = &direction[..];
+    let directions = unknowns.iter().map(|field| {
+        let (values, others) = rest.split_at(field.values.len());
+        rest = others;
+        Nodal { components: field.components, values: values.to_vec() }
+    });
+    let directions: Vec<Nodal> = directions.collect();
+    let found = action::<f64, F, D>(mesh, form, unknowns, &directions);
+    for (row, (found, slope)) in found.iter().zip(&slope).enumerate() {
+        let bound = 1e-14 * scale * columns as f64;
+        assert!((found - slope).abs() <= bound, "action, row {row}: {found}, by the matrix {slope}");
+    }
     let remainder = |step: f64| -> f64 {
         let moved = at(&moved(unknowns, &direction, step));
         let rows = moved.iter().zip(&start).zip(&slope);

@@ -46,6 +46,8 @@ struct Walk<'a, const D: usize> {
     fields: &'static [FieldDescription],
     inputs: &'a Inputs<D>,
     unknowns: &'a [Nodal],
+    /// Per unknown; read by actions.
+    directions: &'a [Nodal],
 }
 
 /// Gathers one number per cell of a batch.
@@ -92,14 +94,17 @@ fn basis<L: Lane, const D: usize>(
 ) -> (Basis<L, D>, Hessian<L, D>) {
     let read =
         |read: &dyn Fn(&mesh::Point<D>) -> f64| pack(batch, |place| read(&place.on(side).points[point]));
-    let basis = Basis {
-        value: read(&|point| point.basis[node].value),
-        gradient: std::array::from_fn(|k| read(&|point| point.basis[node].gradient[k])),
-    };
-    let second = |a: usize, b: usize| match requirements.hessian {
-        true => read(&|point| point.hessians[node][a][b]),
+    let asked = |asked: bool, number: &dyn Fn(&mesh::Point<D>) -> f64| match asked {
+        true => read(number),
         false => L::splat(f64::NAN),
     };
+    let basis = Basis {
+        value: asked(requirements.basis_value, &|point| point.basis[node].value),
+        gradient: std::array::from_fn(|k| {
+            asked(requirements.basis_gradient, &|point| point.basis[node].gradient[k])
+        }),
+    };
+    let second = |a: usize, b: usize| asked(requirements.hessian, &|point| point.hessians[node][a][b]);
     (basis, std::array::from_fn(|a| std::array::from_fn(|b| second(a, b))))
 }
 
@@ -147,6 +152,7 @@ impl<const D: usize> Walk<'_, D> {
         };
         match (self.fields[slot.field].role, &self.inputs.sources[slot.field]) {
             (Role::Unknown(number), None) => nodal(&self.unknowns[number]),
+            (Role::Direction(number), None) => nodal(&self.directions[number]),
             (_, Some(Source::Discrete(field))) => {
                 nodal(field.as_any().downcast_ref::<Nodal>().expect("a field of this backend"))
             }
@@ -181,6 +187,26 @@ pub fn residual<L: Lane, F: Form<D>, const D: usize>(
     form: &F,
     unknowns: &[Nodal],
 ) -> Vec<f64> {
+    vector::<L, F, D>(mesh, form, unknowns, None)
+}
+
+/// ∂R/∂u w by lane type `L`, without a matrix.
+pub fn action<L: Lane, F: Form<D>, const D: usize>(
+    mesh: &Mesh<D>,
+    form: &F,
+    unknowns: &[Nodal],
+    directions: &[Nodal],
+) -> Vec<f64> {
+    vector::<L, F, D>(mesh, form, unknowns, Some(directions))
+}
+
+/// The residual, or the action on directions.
+fn vector<L: Lane, F: Form<D>, const D: usize>(
+    mesh: &Mesh<D>,
+    form: &F,
+    unknowns: &[Nodal],
+    directions: Option<&[Nodal]>,
+) -> Vec<f64> {
     struct Visitor<'a, const D: usize, L>(Walk<'a, D>, Vec<(usize, usize)>, Vec<f64>, L);
     impl<L: Lane, const D: usize> LinearVisitor<D> for Visitor<'_, D, L> {
         type Error = Infallible;
@@ -210,9 +236,19 @@ pub fn residual<L: Lane, F: Form<D>, const D: usize>(
         }
     }
     let (tests, size) = layout(form.fields(), mesh.nodes.len(), true);
-    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let walk = Walk {
+        mesh,
+        fields: form.fields(),
+        inputs: form.inputs(),
+        unknowns,
+        directions: directions.unwrap_or_default(),
+    };
     let mut visitor = Visitor(walk, tests, vec![0.0; size], L::splat(0.0));
-    form.residual(&mut visitor).unwrap_or_else(|never| match never {});
+    let walked = match directions {
+        Some(_) => form.action(&mut visitor),
+        None => form.residual(&mut visitor),
+    };
+    walked.unwrap_or_else(|never| match never {});
     visitor.2
 }
 
@@ -281,7 +317,7 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
     }
     let (tests, rows) = layout(form.fields(), mesh.nodes.len(), true);
     let (trials, columns) = layout(form.fields(), mesh.nodes.len(), false);
-    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns, directions: &[] };
     let matrix = vec![vec![0.0; columns]; rows];
     let mut visitor = Visitor::<D, L>(walk, [tests, trials], matrix, std::marker::PhantomData);
     form.tangent(&mut visitor).unwrap_or_else(|never| match never {});
@@ -319,7 +355,7 @@ impl<const D: usize> ExpressionVisitor<D> for Evaluation<'_, D> {
 
 /// The number that a functional (or energy) stands for.
 pub fn functional<F: Functional<D>, const D: usize>(mesh: &Mesh<D>, form: &F, unknowns: &[Nodal]) -> f64 {
-    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns, directions: &[] };
     let mut evaluation = Evaluation { walk, region: None, values: vec![] };
     form.density(&mut evaluation).unwrap_or_else(|never| match never {});
     evaluation.values.iter().map(|(weight, value)| weight * value[0]).sum()
@@ -331,7 +367,7 @@ pub fn expression<F: Expression<D>, const D: usize>(
     form: &F,
     region: (Entity, &str),
 ) -> Vec<Vec<f64>> {
-    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns: &[] };
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns: &[], directions: &[] };
     let mut evaluation = Evaluation { walk, region: Some(region), values: vec![] };
     form.expression(&mut evaluation).unwrap_or_else(|never| match never {});
     evaluation.values.into_iter().map(|(_, value)| value).collect()
@@ -339,7 +375,7 @@ pub fn expression<F: Expression<D>, const D: usize>(
 
 /// The switches of a form at all points of its regions.
 pub fn switches<F: Form<D>, const D: usize>(mesh: &Mesh<D>, form: &F, unknowns: &[Nodal]) -> Vec<Vec<f64>> {
-    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns };
+    let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns, directions: &[] };
     let mut evaluation = Evaluation { walk, region: None, values: vec![] };
     form.switches(&mut evaluation).unwrap_or_else(|never| match never {});
     evaluation.values.into_iter().map(|(_, value)| value).collect()

@@ -20,13 +20,15 @@ impl Dump {
         for scalar in graph.reachable(&roots(optimised)) {
             self.text += &format!("  s{} = {}\n", scalar.0, node(graph, scalar, fields));
         }
-        for integral in &optimised.residual {
-            self.text += &format!(
-                "residual {}, tested by {}\n{}",
-                description(&integral.description, module),
-                sided(integral.test, fields),
-                coefficients(&integral.flux)
-            );
+        for (what, integrals) in [("residual", &optimised.residual), ("action", &optimised.action)] {
+            for integral in integrals {
+                self.text += &format!(
+                    "{what} {}, tested by {}\n{}",
+                    description(&integral.description, module),
+                    sided(integral.test, fields),
+                    coefficients(&integral.flux)
+                );
+            }
         }
         for integral in &optimised.tangent {
             self.text += &tangent(integral, module, fields);
@@ -48,7 +50,7 @@ impl Dump {
 
 fn roots(optimised: &Optimised) -> Vec<Scalar> {
     let mut roots: Vec<Scalar> = Vec::new();
-    for integral in &optimised.residual {
+    for integral in optimised.residual.iter().chain(&optimised.action) {
         roots.extend(integral.flux.values());
     }
     for integral in &optimised.tangent {

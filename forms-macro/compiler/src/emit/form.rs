@@ -166,12 +166,12 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     });
     let tables = module.data.iter().flat_map(|data| &data.members);
     let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
-    // An energy has a test function per unknown that no argument names.
-    let variations = function
-        .arguments
-        .iter()
-        .filter(|argument| function.output == Output::Energy && argument.role == ArgumentRole::Unknown)
-        .map(|_| quote! { None });
+    // No argument names an energy's test function per unknown, nor a tangent's direction per unknown.
+    let unknowns =
+        function.arguments.iter().filter(|argument| argument.role == ArgumentRole::Unknown).count();
+    let variations = if function.output == Output::Energy { unknowns } else { 0 };
+    let directions = if has_tangent(function) { unknowns } else { 0 };
+    let unnamed = std::iter::repeat_n(quote! { None }, variations + directions);
     let regions = used.iter().map(|region| {
         let name = region_argument(&module.regions[*region].name);
         quote! { #name.0.clone() }
@@ -179,7 +179,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     quote! {
         let mut #own_inputs = contract::Inputs::<D>::empty();
         #(#parameters)*
-        #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#variations,)*];
+        #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#unnamed,)*];
         #own_inputs.tables = ::std::vec![#(#own_data.#tables.clone()),*];
         #own_inputs.regions = ::std::vec![#(#regions),*];
     }
@@ -194,7 +194,7 @@ fn implementation(
 ) -> TokenStream {
     let kernels_name = format_ident!("kernels_{dimension}");
     let mut kernels = TokenStream::new();
-    let (mut residual, mut tangent, mut switches, mut density) = (vec![], vec![], vec![], vec![]);
+    let [mut residual, mut tangent, mut action, mut switches, mut density] = [const { Vec::new() }; 5];
     let mut value = None;
     let mut fields = fields_of(module, function, dimension);
     if let Some(mut optimised) = optimised {
@@ -206,12 +206,16 @@ fn implementation(
         let visit = |description: TokenStream, kernel: &Ident| {
             quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters, &self.inputs.tables))?; }
         };
-        for (index, integral) in optimised.residual.iter().enumerate() {
-            let kernel = format_ident!("Residual{index}");
-            kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
-            let arguments = [argument(integral.test, &fields), NO_ARGUMENT];
-            let description = describe(&integral.description, used, arguments, false);
-            residual.push(visit(description, &kernel));
+        for (list, integrals, prefix) in
+            [(&mut residual, &optimised.residual, "Residual"), (&mut action, &optimised.action, "Action")]
+        {
+            for (index, integral) in integrals.iter().enumerate() {
+                let kernel = format_ident!("{prefix}{index}");
+                kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
+                let arguments = [argument(integral.test, &fields), NO_ARGUMENT];
+                let description = describe(&integral.description, used, arguments, false);
+                list.push(visit(description, &kernel));
+            }
         }
         for (index, integral) in optimised.tangent.iter().enumerate() {
             let kernel = format_ident!("Tangent{index}");
@@ -239,7 +243,7 @@ fn implementation(
             value = Some(visit(describe(&description, &[0], [NO_ARGUMENT; 2], false), &kernel));
         }
     }
-    let common = common_methods(&function.name, &fields, dimension);
+    let common = common_methods(function, &fields, dimension);
     let traits = match function.output {
         Output::Value(rank) => {
             let shape = rank.shape(dimension);
@@ -275,6 +279,10 @@ fn implementation(
                         #(#tangent)*
                         Ok(())
                     }
+                    fn action<V: contract::LinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                        #(#action)*
+                        Ok(())
+                    }
                     fn switches<V: contract::ExpressionVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
                         #(#switches)*
                         Ok(())
@@ -298,6 +306,10 @@ fn implementation(
     }
 }
 
+fn has_tangent(function: &Function) -> bool {
+    matches!(function.output, Output::Form | Output::Energy)
+}
+
 /// What a backend is told of a test or trial function.
 fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
     let number = match fields[function.field].role {
@@ -307,14 +319,15 @@ fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
     Described { number, side: function.side }
 }
 
-fn common_methods(name: &Ident, fields: &[FieldInfo], dimension: usize) -> TokenStream {
-    let text = name.to_string();
+fn common_methods(function: &Function, fields: &[FieldInfo], dimension: usize) -> TokenStream {
+    let text = function.name.to_string();
     let fields = fields.iter().filter_map(|field| {
         let role = match field.role {
             FieldRole::Unknown(number) => quote! { Unknown(#number) },
             FieldRole::Test(number) => quote! { Test(#number) },
             FieldRole::State => quote! { State },
             FieldRole::Given | FieldRole::History => quote! { Given },
+            FieldRole::Trial(number) if has_tangent(function) => quote! { Direction(#number) },
             FieldRole::Trial(_) => return None,
         };
         let (name, shape) = (&field.name, &field.shape);

@@ -9,8 +9,15 @@ use super::print::{Demand, Store, from_point};
 use super::straight_line::{Code, Level, Value};
 use crate::optimise::linear::{Coefficients, of_component};
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
-use crate::optimise::{BilinearIntegral, BilinearPlan};
+use crate::optimise::{BilinearIntegral, BilinearPlan, varies_over_cell};
 use crate::tensor::{FieldInfo, Geometry};
+
+/// `contract::Operations`.
+fn operations([point, test, trial, pair, finish]: [usize; 5]) -> TokenStream {
+    quote! {
+        contract::Operations { point: #point, test: #test, trial: #trial, pair: #pair, finish: #finish }
+    }
+}
 
 /// Writes the kernels of one function in one dimension.
 pub struct KernelWriter<'a> {
@@ -44,17 +51,20 @@ impl KernelWriter<'_> {
             from_point(&mut point, value)
         });
         let (test_statements, test_results) = (test_body.statements, test_body.results);
-        let point_function = self.point_function(&code, &point, &layout, &mut form, &mut cell);
+        let (point_function, point_operations) =
+            self.point_function(&code, &point, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&code, &cell, &mut form);
         let structure = self.structure(name, &code, &form);
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
+        let operations = operations([point_operations, test_body.operations, 0, 0, 0]);
 
         quote! {
             #structure
             impl contract::LinearKernel<#d> for #name {
                 const REQUIREMENTS: contract::Requirements = #requirements;
                 const TEST_COMPONENTS: usize = #components;
+                const OPERATIONS: contract::Operations = #operations;
                 type Cell<L: Lane> = [L; #cell_count];
                 type Flux<L: Lane> = [L; #point_count];
                 type Block<L: Lane> = [L; #components];
@@ -112,6 +122,14 @@ impl KernelWriter<'_> {
                 (0..entries).map(|entry| self.graph.intern(Node::Accumulated(entry))).collect()
             }
         };
+        let nonzero: Vec<bool> = match &integral.plan {
+            BilinearPlan::Accumulated { block, .. } => {
+                block.iter().map(|entry| !self.graph.is_zero(*entry)).collect()
+            }
+            BilinearPlan::Factored { block } => block.iter().map(|products| !products.is_empty()).collect(),
+        };
+        let cell_constant =
+            !tests.iter().chain(&trials).any(|factor| self.graph.depends(*factor, varies_over_cell));
         let roots: Vec<Scalar> = tests.iter().chain(&trials).chain(&block).copied().collect();
         let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
         let mut code = Code::new(self.graph, self.externals, &roots);
@@ -132,9 +150,18 @@ impl KernelWriter<'_> {
                 demand.text(value, level)
             })
         };
-        let point_function = self.point_function(&code, &point, &layout, &mut form, &mut cell);
+        let (point_function, point_operations) =
+            self.point_function(&code, &point, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&code, &cell, &mut form);
         let structure = self.structure(name, &code, &form);
+        let pair_operations = sums.iter().map(Vec::len).sum();
+        let operations = operations([
+            point_operations,
+            test.operations,
+            trial.operations,
+            pair_operations,
+            finish.operations,
+        ]);
         let pair = sums.iter().enumerate().filter(|(_, pairs)| !pairs.is_empty()).map(|(entry, pairs)| {
             let start = quote! { accumulator[#entry] };
             let sum = pairs.iter().fold(
@@ -157,6 +184,9 @@ impl KernelWriter<'_> {
                 const TEST_COMPONENTS: usize = #rows;
                 const TRIAL_COMPONENTS: usize = #columns;
                 const SYMMETRIC: bool = #symmetric;
+                const CELL_CONSTANT: bool = #cell_constant;
+                const NONZERO: &'static [bool] = &[#(#nonzero),*];
+                const OPERATIONS: contract::Operations = #operations;
                 type Cell<L: Lane> = [L; #cell_count];
                 type Point<L: Lane> = [L; #point_count];
                 type Test<L: Lane> = [L; #test_count];
@@ -238,7 +268,7 @@ impl KernelWriter<'_> {
         layout: &Layout,
         form: &mut Store,
         cell: &mut Store,
-    ) -> TokenStream {
+    ) -> (TokenStream, usize) {
         let mut demand = Demand { form, cell };
         let body = code.print(
             &point.values,
@@ -247,10 +277,11 @@ impl KernelWriter<'_> {
             &mut |value, level| demand.text(value, level),
         );
         let (statements, results) = (body.statements, body.results);
-        quote! {
+        let text = quote! {
             #statements
             [#(#results),*]
-        }
+        };
+        (text, body.operations)
     }
 
     fn cell_function(&self, code: &Code, cell: &Store, form: &mut Store) -> TokenStream {

@@ -24,6 +24,8 @@ impl Layout {
         let has =
             |wanted: Geometry| reads(&|node| matches!(node, Node::Geometry(kind, _) if *kind == wanted));
         let opposite = |wanted: Geometry| reads(&|node| *node == Node::Opposite(wanted));
+        let basis_value = reads(&|node| matches!(node, Node::Basis(_, Derivative::Value)));
+        let basis_gradient = reads(&|node| matches!(node, Node::Basis(_, Derivative::First(_))));
         let hessian = reads(&|node| matches!(node, Node::Basis(_, Derivative::Second(..))));
         let mut offsets: BTreeMap<(usize, Side, usize), usize> = BTreeMap::new();
         for scalar in &terminals {
@@ -74,6 +76,8 @@ impl Layout {
                 curvature: #curvature,
                 opposite_diameter: #opposite_diameter,
                 opposite_volume: #opposite_volume,
+                basis_value: #basis_value,
+                basis_gradient: #basis_gradient,
                 hessian: #hessian,
                 fields: &[#(#slots),*],
                 field_length: #next,

@@ -13,6 +13,8 @@ use crate::tensor::{External, Function};
 pub struct Body {
     pub statements: TokenStream,
     pub results: Vec<TokenStream>,
+    /// How many operations that is.
+    pub operations: usize,
 }
 
 /// Values that one function leaves to later ones, in the order of their slots.
@@ -84,6 +86,7 @@ impl Code<'_> {
             }
         }
         own.sort_unstable();
+        let operations = own.iter().filter(|value| self.instruction(**value).is_operation()).count();
         let mut texts: HashMap<Value, TokenStream> = HashMap::new();
         // One `let` for all names: with one per name, each opens a scope inside the last, and some thousands
         // of them overflow rustc's stack where it writes debug information.
@@ -99,7 +102,7 @@ impl Code<'_> {
             texts.insert(value, quote! { #name });
         }
         let results = roots.iter().map(|root| self.text(*root, earlier, &mut texts)).collect();
-        Body { statements, results }
+        Body { statements, results, operations }
     }
 
     fn text(

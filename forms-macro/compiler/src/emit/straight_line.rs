@@ -78,6 +78,12 @@ impl Instruction {
         }
     }
 
+    /// Does it cost anything? As `contract::Operations` counts.
+    pub(super) fn is_operation(&self) -> bool {
+        use Instruction::*;
+        !matches!(self, Number(_) | Terminal(_) | Negate(_) | Entry(..))
+    }
+
     /// Truth values are not stored between functions: they are computed where they are used.
     pub(super) fn is_truth(&self) -> bool {
         use Instruction::*;

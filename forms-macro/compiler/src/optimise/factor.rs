@@ -210,9 +210,10 @@ fn accumulated(
     Some(Candidate { plan: BilinearPlan::Accumulated { sums, block }, cost })
 }
 
-fn varies_over_cell(node: &Node) -> bool {
+/// May the terminal differ between the points of a cell, but for weight and basis functions?
+pub fn varies_over_cell(node: &Node) -> bool {
     match node {
-        Node::Field { .. } | Node::Weight | Node::Basis(..) => true,
+        Node::Field { .. } => true,
         Node::Geometry(geometry, _) => {
             matches!(geometry, Geometry::Normal | Geometry::Position | Geometry::Curvature)
         }

@@ -17,7 +17,7 @@ use crate::differentiate::{Derived, ResidualPart};
 use crate::parse::syntax::{MemberKind, Module};
 use crate::tensor::{FieldInfo, FieldRole, Function, Operator, Side, Tensor};
 use degree::{Degree, Degrees};
-pub use factor::BilinearPlan;
+pub use factor::{BilinearPlan, varies_over_cell};
 use linear::{Coefficients, Linear, SidedField, without};
 use scalar::{Graph, Node, Scalar};
 use scalarise::Scalariser;
@@ -30,6 +30,8 @@ pub struct Optimised {
     pub fields: Vec<FieldInfo>,
     pub residual: Vec<LinearIntegral>,
     pub tangent: Vec<BilinearIntegral>,
+    /// The tangent applied to a direction: the trial functions are fields as others are.
+    pub action: Vec<LinearIntegral>,
     pub switches: Vec<ExpressionIntegral>,
     pub density: Vec<ExpressionIntegral>,
     pub value: Option<(Vec<Scalar>, Vec<usize>)>,
@@ -107,6 +109,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         value: value.map(|value| (scalariser.components(value), arena.shape(value).to_vec())),
         residual: vec![],
         tangent: vec![],
+        action: vec![],
         switches: vec![],
         density: densities(&density, &mut scalariser, &mut degrees),
         fields,
@@ -223,6 +226,14 @@ fn plan_group(
         if !flux.is_empty() {
             let flux = (*flux).clone();
             planned.residual.push(LinearIntegral { description: group.description.clone(), test, flux });
+        }
+        let derivatives: Vec<Scalar> = group.tangent.values().copied().collect();
+        let action = graph.sum(&derivatives);
+        let action = without(graph, action, &others);
+        let flux = Linear::new(graph, test).coefficients(action).ok_or_else(not_linear)?;
+        if !flux.is_empty() {
+            let flux = (*flux).clone();
+            planned.action.push(LinearIntegral { description: group.description.clone(), test, flux });
         }
         for (trial, derivative) in &group.tangent {
             let derivative = without(graph, *derivative, &others);

@@ -70,8 +70,11 @@ fn basis(kernel: &Kernel, jet: &Jet) -> [Value; 2] {
     let hessian =
         hessian.map(|row| Value::numbers(row.iter().map(|entry| requirement(kernel, "hessian", *entry))));
     let basis = Value::structure([
-        ("value", Value::Number(jet[0][0])),
-        ("gradient", Value::numbers(jet[1].iter().copied())),
+        ("value", Value::Number(requirement(kernel, "basis_value", jet[0][0]))),
+        (
+            "gradient",
+            Value::numbers(jet[1].iter().map(|entry| requirement(kernel, "basis_gradient", *entry))),
+        ),
     ]);
     [basis, Value::List(hessian.collect())]
 }

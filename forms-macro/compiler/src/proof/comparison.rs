@@ -191,12 +191,16 @@ impl Comparison<'_> {
         Ok(())
     }
 
-    /// All test functions (or trial functions), on each side if there are two.
-    fn arguments(&self, fields: &[(usize, usize)]) -> Vec<Argument> {
-        let sides: &[Side] = match Evaluator::reads_other_side(self.checked) {
+    fn sides(&self) -> &'static [Side] {
+        match Evaluator::reads_other_side(self.checked) {
             true => &[Side::This, Side::Other],
             false => &[Side::This],
-        };
+        }
+    }
+
+    /// All test functions (or trial functions), on each side if there are two.
+    fn arguments(&self, fields: &[(usize, usize)]) -> Vec<Argument> {
+        let sides = self.sides();
         let mut random = Random(self.seed);
         let mut arguments = Vec::new();
         for (number, (field, components)) in fields.iter().enumerate() {
@@ -219,6 +223,7 @@ impl Comparison<'_> {
                     for trial in &trials {
                         self.tangent(points, region, [test, trial], tally)?;
                     }
+                    self.action(points, region, test, tally)?;
                 }
             }
         }
@@ -273,6 +278,54 @@ impl Comparison<'_> {
         self.near(&what, dot(&rows, &test.coefficients), points, reference, tally)
     }
 
+    /// The action is the tangent with the directions for trial functions, on both sides at once.
+    fn action(
+        &self,
+        points: &Points,
+        region: usize,
+        test: &Argument,
+        tally: &mut Tally,
+    ) -> Result<(), Difference> {
+        let unknowns = self.unknowns();
+        let directions = &self.emitted.directions;
+        if directions.len() != unknowns.len() {
+            return Err(format!("`{}` has {} directions", self.name, directions.len()));
+        }
+        let mut random = Random(self.seed.wrapping_add(1));
+        let mut extended = points.to_vec();
+        for (_, point) in &mut extended {
+            for fields in &mut point.fields {
+                fields.resize(directions.last().map_or(0, |last| last + 1).max(fields.len()), vec![]);
+                for (direction, (_, components)) in directions.iter().zip(&unknowns) {
+                    fields[*direction] = random.jet(*components, self.checked.dimension);
+                }
+            }
+        }
+        let node = &self.nodes[0];
+        let mut found = vec![0.0; test.components];
+        for integral in self.on(&self.emitted.action, region) {
+            if integral.test == (test.number, test.side) {
+                let block = linear(&integral.kernel, &extended, node);
+                found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
+            }
+        }
+        let sides = self.sides();
+        let reference = |at: &Evaluator, point: usize| {
+            let row = combination(&node[point], &test.coefficients);
+            let mut sum = 0.0;
+            for (number, (unknown, _)) in unknowns.iter().enumerate() {
+                for side in sides {
+                    let jets = &extended[point].1.fields[*side as usize];
+                    let trial = (*unknown, *side, &jets[directions[number]]);
+                    sum += at.tangent(region, (test.field, test.side, &row), trial);
+                }
+            }
+            sum
+        };
+        let what = format!("action {}, {:?}", test.number, test.side);
+        self.near(&what, dot(&found, &test.coefficients), points, reference, tally)
+    }
+
     /// What is proved of single integrals holds: their sums have been compared already.
     fn claims(&self, tally: &mut Tally) -> Result<(), Difference> {
         let [first, second] = &self.nodes;
@@ -293,7 +346,12 @@ impl Comparison<'_> {
             let mean: Vec<f64> = here.iter().zip(&elsewhere).map(|(a, b)| 0.5 * (a + b)).collect();
             self.same("a linear residual", &mean, &linear(&integral.kernel, &halfway, first), tally)?;
         }
+        for integral in self.emitted.residual.iter().chain(&self.emitted.action) {
+            self.counted(integral, &["point", "test"])?;
+        }
         for integral in &self.emitted.tangent {
+            self.counted(integral, &["point", "test", "trial", "pair", "finish"])?;
+            self.structure(integral, &bilinear(&integral.kernel, &self.here, first, second))?;
             match integral.dependence.as_str() {
                 "Constant" => return Err(format!("`{}` has a tangent of a load", self.name)),
                 "Linear" => {
@@ -314,6 +372,34 @@ impl Comparison<'_> {
                     (0..size * size).map(|entry| there[entry % size * size + entry / size]).collect();
                 self.same("a symmetric tangent", &here, &transposed, tally)?;
             }
+        }
+        Ok(())
+    }
+
+    /// What a kernel says that its functions cost is what stands in them.
+    fn counted(&self, integral: &Integral, methods: &[&str]) -> Result<(), Difference> {
+        for method in methods {
+            let claimed = integral.kernel.constants["OPERATIONS"].member(method).index();
+            let found = integral.kernel.operations(method);
+            if claimed != found {
+                return Err(format!("`{method}` of `{}` has {found} operations, not {claimed}", self.name));
+            }
+        }
+        Ok(())
+    }
+
+    /// Entries that are proved zero are zero; a kernel with constant coefficients asks for nothing that varies.
+    fn structure(&self, integral: &Integral, block: &[f64]) -> Result<(), Difference> {
+        let constants = &integral.kernel.constants;
+        let nonzero = constants["NONZERO"].list();
+        let wrong = block.iter().zip(nonzero).any(|(entry, nonzero)| !nonzero.truth() && *entry != 0.0);
+        if wrong || nonzero.len() != block.len() {
+            return Err(format!("`{}`: the block is {block:?}, but {nonzero:?}", self.name));
+        }
+        let reads = &constants["REQUIREMENTS"];
+        let varies = ["position", "normal", "curvature"].iter().any(|name| reads.member(name).truth());
+        if constants["CELL_CONSTANT"].truth() && (varies || !reads.member("fields").list().is_empty()) {
+            return Err(format!("`{}`: coefficients that vary are called constant", self.name));
         }
         Ok(())
     }

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use proc_macro2::TokenStream;
+use quote::ToTokens;
 use syn::{Expr, FnArg, ImplItem, ImplItemFn, Item, ItemMod, Pat, Stmt, Type};
 
+use crate::dump::counts::operations;
 use crate::tensor::Side;
 
 use super::interpreter::{Scope, Value, evaluate, run};
@@ -16,6 +18,9 @@ pub struct Function {
     pub argument_types: Vec<String>,
     pub residual: Vec<Integral>,
     pub tangent: Vec<Integral>,
+    pub action: Vec<Integral>,
+    /// The index of each unknown's direction among the fields.
+    pub directions: Vec<usize>,
     pub switches: Vec<Integral>,
     pub density: Vec<Integral>,
     pub expression: Vec<Integral>,
@@ -46,6 +51,13 @@ impl Kernel {
     pub fn prepare(&self, parameters: &[f64]) -> Value {
         let mut scope = Scope::from([("parameters".to_string(), Value::numbers(parameters.iter().copied()))]);
         run(&self.new, &mut scope).expect("`new` gives the kernel")
+    }
+
+    /// Operations in a method's text, a multiply-add as one.
+    pub fn operations(&self, method: &str) -> usize {
+        let text = self.methods[method].block.to_token_stream();
+        let contracted = text.to_string().matches("multiply_add").count();
+        operations(text) - contracted
     }
 
     /// The result of a method, and what became of its arguments.
@@ -145,6 +157,11 @@ fn read_function(module: &ItemMod) -> Function {
             let list = match method.sig.ident.to_string().as_str() {
                 "residual" => &mut function.residual,
                 "tangent" => &mut function.tangent,
+                "action" => &mut function.action,
+                "fields" => {
+                    function.directions = directions(&method.block);
+                    continue;
+                }
                 "switches" => &mut function.switches,
                 "density" => &mut function.density,
                 "expression" => &mut function.expression,
@@ -158,6 +175,18 @@ fn read_function(module: &ItemMod) -> Function {
         }
     }
     function
+}
+
+/// The places of `role: contract::Role::Direction(0)`, `Direction(1)`, .. in the list that the block gives.
+fn directions(block: &syn::Block) -> Vec<usize> {
+    let Some(Stmt::Expr(Expr::Reference(list), None)) = block.stmts.first() else {
+        panic!("a list of fields")
+    };
+    let Expr::Array(list) = &*list.expr else { panic!("a list of fields") };
+    let texts: Vec<String> = list.elems.iter().map(|one| one.to_token_stream().to_string()).collect();
+    let place =
+        |number: usize| texts.iter().position(|text| text.contains(&format!("Direction ({number}usize)")));
+    (0..).map_while(place).collect()
 }
 
 /// `visitor.visit(&contract::Integral { .. }, &kernels_2::Tangent0::new(..))`
