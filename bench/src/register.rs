@@ -64,7 +64,7 @@ macro_rules! register {
             const GEOMETRY_NODES: usize = $crate::basix::node_count(SETTING.shape, $geometry);
             const NODES: usize = $crate::basix::node_count(SETTING.shape, $degree);
             #[allow(unused_variables)]
-            fn form($c: &[f64], $w: &Coefficients<D>) -> impl forms_fem::contract::Form<D> {
+            fn form($c: &[f64], $w: &Coefficients<D>) -> impl forms_fem::contract::Form<D> + use<> {
                 $form
             }
             // SAFETY: the symbol is this kernel's alone, for the names in a basket differ.
