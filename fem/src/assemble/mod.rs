@@ -22,6 +22,7 @@ mod functional;
 mod partition;
 mod place_map;
 mod receiver;
+mod reference_tensor;
 mod residual;
 mod scatter;
 mod sizes;
