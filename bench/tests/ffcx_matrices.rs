@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use forms_bench::basix::node_count;
 use forms_bench::basket::BASKET;
 use forms_bench::element_batch::Output;
 use forms_bench::random_cells::{BATCH, RandomCells};
@@ -43,7 +42,7 @@ fn every_form_agrees_with_ffcx() {
             })
             .sum();
         let cells = RandomCells::new(setting, width);
-        let stride = node_count(setting.shape, setting.geometry) * 3;
+        let stride = lengths.coordinates;
         let mut matrices = vec![f64::NAN; BATCH * rows * columns];
         for (facet, expected) in reference.rows.chunks(BATCH).enumerate() {
             let first = facet * BATCH;
