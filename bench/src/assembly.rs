@@ -209,7 +209,7 @@ pub fn measure_contact(across: usize, samples: usize) -> Result<ContactUpdate, B
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
     let (stiffness, boundary) =
-        (elasticity::<2>(&CONSTANTS), contact_with_gap::<2>(&CONSTANTS, Given::constant(-0.001)));
+        (elasticity::<2>(&CONSTANTS), contact_with_gap::<2>(&CONSTANTS, "outer", -0.001));
     let (u, spaces) = (Field::zero(&space), [&space]);
     let pattern = BlockPattern::for_form(&stiffness, &spaces, &spaces)?;
     let mut matrix = BlockMatrix::zero(pattern.sparsity());

@@ -136,10 +136,14 @@ const TETRAHEDRON_POINTS: [usize; 13] = [1, 1, 4, 5, 14, 15, 24, 31, 45, 57, 74,
 pub const fn point_count(shape: CellShape, degree: usize, entities: Entities) -> usize {
     let line = degree / 2 + 1;
     match (shape, entities) {
-        (CellShape::Triangle, Entities::Cells) | (CellShape::Tetrahedron, Entities::Facets) => TRIANGLE_POINTS[degree],
+        (CellShape::Triangle, Entities::Cells) | (CellShape::Tetrahedron, Entities::Facets) => {
+            TRIANGLE_POINTS[degree]
+        }
         (CellShape::Tetrahedron, Entities::Cells) => TETRAHEDRON_POINTS[degree],
         (CellShape::Triangle | CellShape::Quadrilateral, Entities::Facets) => line,
-        (CellShape::Quadrilateral, Entities::Cells) | (CellShape::Hexahedron, Entities::Facets) => line * line,
+        (CellShape::Quadrilateral, Entities::Cells) | (CellShape::Hexahedron, Entities::Facets) => {
+            line * line
+        }
         (CellShape::Hexahedron, Entities::Cells) => line * line * line,
     }
 }

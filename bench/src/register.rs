@@ -32,7 +32,7 @@ macro_rules! register {
     )*) => {
         /// All kernels of the basket.
         pub const BASKET: &[$crate::register::Entry] = &[$({
-            use $crate::basix::{NodeOrder, dimension, node_count, point_count};
+            use $crate::basix::{NodeOrder, dimension, node_count};
             use $crate::element_batch::{Batch, BatchError, Entities, Output, Setting, prepare, test_components};
             use $crate::plugin::{CONSTANTS, Kept, Lengths, call};
             const SETTING: Setting = Setting {
@@ -50,7 +50,7 @@ macro_rules! register {
             #[cfg(not(debug_assertions))]
             type Sizes = forms_fem::assemble::Fixed<
                 { node_count(SETTING.shape, $degree) },
-                { point_count(SETTING.shape, $rule, SETTING.entities) },
+                { $crate::basix::point_count(SETTING.shape, $rule, SETTING.entities) },
                 { node_count(SETTING.shape, $geometry) },
             >;
             #[cfg(debug_assertions)]

@@ -1,7 +1,5 @@
 //! The forms with the basket's data: constants λ, μ, γ₀ in this order, and fields.
 
-use forms_fem::prelude::*;
-
 use super::*;
 
 /// The region to which cell integrals are bound.
