@@ -46,7 +46,7 @@ pub struct ContactProblem<const D: usize> {
     pub regions: Regions,
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
-    pattern: Arc<BlockPattern>,
+    pattern: Arc<BlockPattern<D>>,
 }
 
 /// The paper's three adjoint states.

@@ -57,6 +57,7 @@ pub mod constraints;
 pub mod element;
 pub mod field;
 pub mod history;
+pub mod lanes;
 pub mod language;
 pub mod linear_algebra;
 pub mod locate;
@@ -66,6 +67,7 @@ pub mod output;
 pub mod quadrature;
 pub mod solve;
 pub mod space;
+pub mod threads;
 
 pub use forms_core::contract;
 pub use forms_core::forms;
@@ -117,5 +119,6 @@ pub mod prelude {
         NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
     };
     pub use crate::space::{Family, Space};
+    pub use crate::threads::Threads;
     pub use crate::{form, forms};
 }

@@ -25,7 +25,8 @@ pub enum Family {
 
 /// A Lagrange space with a number of components per node. Unknown number = node * components + component.
 ///
-/// Nodes are numbered in the order in which the cells (or facets) first use them.
+/// Nodes are numbered in the order in which the cells (or facets) first use them, along the mesh's
+/// [`CellOrder`](crate::mesh::CellOrder): nodes of near numbers lie near each other, however the mesh was numbered.
 #[derive(Debug)]
 pub struct Space<const D: usize> {
     pub(crate) mesh: Arc<Mesh<D>>,
@@ -182,8 +183,10 @@ impl<const D: usize> Space<D> {
             }
             Family::Discontinuous => {
                 let nodes = mesh.cell_count() * element.nodes();
-                let last = u32::try_from(nodes).map_err(|_| SpaceError::TooLarge { unknowns: nodes })?;
-                cell_nodes = (0..last).collect();
+                if u32::try_from(nodes).is_err() {
+                    return Err(SpaceError::TooLarge { unknowns: nodes });
+                }
+                cell_nodes = numbering::separate_nodes(mesh, &element);
                 numbering::node_positions(mesh, &element, &cell_nodes)
             }
             Family::OnFacets(region) => {

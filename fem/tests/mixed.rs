@@ -1,6 +1,7 @@
 //! Several unknowns with their own spaces in one form: Taylor–Hood elements for Stokes flow.
 
 use forms_fem::assemble::BlockPattern;
+use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::prelude::*;
 use forms_fem::solve::{LinearProblemError, SolverError};
 
@@ -145,25 +146,31 @@ fn what_no_integral_couples_is_not_stored() {
 
 #[test]
 fn a_pattern_of_another_form_is_an_error() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap());
+    let mut mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap();
+    mesh.name_cells("part", |centre| centre[0] < 0.5).unwrap();
+    let mesh = Arc::new(mesh);
     let spaces = [&Space::vector(&mesh, 1).unwrap(), &Space::scalar(&mesh, 1).unwrap()];
     let assembler = Assembler::new(&mesh);
-    let part = {
-        let mut mesh = (*mesh).clone();
-        mesh.name_cells("part", |centre| centre[0] < 0.5).unwrap();
-        Arc::new(mesh)
-    };
-    let on_part = [&Space::vector(&part, 1).unwrap(), &Space::scalar(&part, 1).unwrap()];
     let data = data([0.0; 2].into(), 0.0);
     let small = stokes::flow(&data, &stokes::Omega::on("part"));
-    let pattern = BlockPattern::for_form(&small, &on_part, &on_part).unwrap();
+    let pattern = BlockPattern::for_form(&small, &spaces, &spaces).unwrap();
     let form = stokes::flow(&data, &stokes::Omega::on("all"));
-    let mut matrix = forms_fem::linear_algebra::CsrMatrix::zero(pattern.pattern());
+    let mut matrix = BlockMatrix::zero(pattern.sparsity());
     let zero = spaces.map(Field::zero);
     let error = assembler
         .add_tangent(&form, &zero.each_ref(), &spaces, Parts::ALL, &pattern, &mut matrix)
         .unwrap_err();
     assert_eq!(error.to_string(), "form `flow` couples `v` with `u` where the matrix pattern has no entries");
+    // A pattern of other spaces.
+    let others = [&Space::vector(&mesh, 2).unwrap(), spaces[1]];
+    let pattern = BlockPattern::for_form(&form, &others, &others).unwrap();
+    let error = assembler
+        .add_tangent(&form, &zero.each_ref(), &spaces, Parts::ALL, &pattern, &mut matrix)
+        .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "form `flow`: the positions of the matrix given for `v` belong to another space"
+    );
 }
 
 #[test]

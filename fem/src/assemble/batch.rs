@@ -3,54 +3,107 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
+mod fields;
 mod side;
 
-use forms_core::contract::{
-    Basis, CellGeometry, FieldSlot, Hessian, Lane, Order, PointGeometry, Requirements, Side,
-};
+use forms_core::contract::{Basis, CellGeometry, Hessian, Order, PointGeometry, Requirements, Side};
 
-use self::side::{BatchSide, inverse_transposed, surface};
+use self::side::{SideBuffers, SideTables, inverse_transposed, surface};
 
 use super::AssemblyError;
 use super::binding::{Binding, Values};
-use super::walk::{Group, reads_hessians};
-use crate::history::HistoryMismatch;
+use super::walk::Group;
+use crate::lanes::{SharedWork, SimdLane, WIDEST};
+use crate::mesh::Mesh;
 
 /// The two sides of an interior facet see a point at the same place up to this part of h.
 const SAME_PLACE: f64 = 1e-10;
 
-/// The widest lane type of any instruction set.
-pub(super) const WIDEST: usize = 16;
+/// Where the nodes of the cells come from.
+#[derive(Clone, Copy)]
+pub(super) enum Cells<'a, const D: usize> {
+    /// The cells of the group, on their mesh.
+    Mesh(&'a Mesh<D>),
+    /// Cells that the caller lists: the coordinates of geometry node n of cell c start at
+    /// `coordinates[c * stride + offsets[n]]`.
+    Given { coordinates: &'a [f64], stride: usize, offsets: &'a [usize] },
+}
 
-/// Scratch memory of a loop over the batches of a group.
-pub(super) struct Batch<'a, L, const D: usize> {
-    binding: &'a Binding<'a, D>,
-    group: &'a Group<D>,
-    requirements: Requirements,
-    /// How many lanes hold cells of their own.
-    filled: usize,
-    /// The cells on each side of the group.
-    sides: Vec<BatchSide<'a, L, D>>,
-    /// How far the two sides of an interior facet may be apart.
-    tolerance: [f64; WIDEST],
+/// Memory of a batch, kept from one run of a kernel to the next.
+pub(super) struct BatchBuffers<L, const D: usize> {
+    sides: [SideBuffers<L, D>; 2],
     /// Coefficients of the field of each slot: node × component.
     coefficients: Vec<Vec<L>>,
     fields: Vec<L>,
 }
 
-impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
+impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
+    fn default() -> Self {
+        BatchBuffers {
+            sides: [SideBuffers::default(), SideBuffers::default()],
+            coefficients: vec![],
+            fields: vec![],
+        }
+    }
+}
+
+/// A loop over the batches of a group.
+pub(super) struct Batch<'a, L, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    group: &'a Group<D>,
+    requirements: Requirements,
+    cells: Cells<'a, D>,
+    /// Which derivatives of each element's basis are read.
+    reads: Vec<Reads>,
+    tables: [SideTables<'a, D>; 2],
+    buffers: &'a mut BatchBuffers<L, D>,
+    /// How many lanes hold cells of their own.
+    filled: usize,
+    /// How far the two sides of an interior facet may be apart.
+    tolerance: [f64; WIDEST],
+    /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
+    affine: Option<AffineGeometry<L, D>>,
+}
+
+/// Whether a kernel or one of its fields reads gradients and second derivatives of an element's basis.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reads {
+    pub gradient: bool,
+    pub hessian: bool,
+}
+
+/// What is the same at all points of affine cells.
+#[derive(Clone, Copy)]
+struct AffineGeometry<L, const D: usize> {
+    measure: L,
+    normal: [L; D],
+}
+
+impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
+    /// A loop over a group. `arguments` are the elements of the test and trial functions, whose basis the
+    /// kernel reads.
     pub fn new(
         binding: &'a Binding<'a, D>,
         group: &'a Group<D>,
+        cells: Cells<'a, D>,
         requirements: Requirements,
+        arguments: &[usize],
+        buffers: &'a mut BatchBuffers<L, D>,
     ) -> Result<Self, AssemblyError> {
         let zero = L::splat(0.0);
         let form = binding.name;
-        let mut coefficients = Vec::new();
-        for slot in requirements.fields {
+        let mut reads = vec![Reads::default(); binding.elements.len()];
+        for element in arguments {
+            reads[*element] = Reads {
+                gradient: requirements.basis_gradient || requirements.hessian,
+                hessian: requirements.hessian,
+            };
+        }
+        buffers.coefficients.resize_with(requirements.fields.len(), Vec::new);
+        for (slot, coefficients) in requirements.fields.iter().zip(&mut buffers.coefficients) {
             let side = group.side(form, slot.side)?;
             let field = binding.fields[slot.field].name;
-            coefficients.push(match &binding.values[slot.field] {
+            let (element, length) = match &binding.values[slot.field] {
                 Values::Function(_) if slot.order != Order::Value => {
                     return Err(AssemblyError::GradientOfFunction { form, field });
                 }
@@ -60,10 +113,18 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
                         let region = region.to_owned();
                         return Err(AssemblyError::HessianOnFacets { form, field, region });
                     }
-                    vec![zero; group.sides[side].elements[*element].nodes * slot.components]
+                    (Some(*element), group.sides[side].elements[*element].nodes * slot.components)
                 }
-                _ => vec![],
-            });
+                Values::Given { element, .. } => {
+                    (Some(*element), group.sides[side].elements[*element].nodes * slot.components)
+                }
+                _ => (None, 0),
+            };
+            if let Some(element) = element {
+                reads[element].gradient |= slot.order != Order::Value; // second derivatives need the first
+                reads[element].hessian |= slot.order == Order::Hessian;
+            }
+            coefficients.resize(length, zero);
         }
         let needs_facet = requirements.normal || requirements.facet_area || requirements.curvature;
         if needs_facet && group.sides[0].facet.is_none() {
@@ -72,66 +133,95 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
         if requirements.opposite_diameter || requirements.opposite_volume {
             group.side(form, Side::Other)?;
         }
+        buffers.fields.resize(requirements.field_length, zero);
+        for (tables, buffers) in group.sides.iter().zip(&mut buffers.sides) {
+            buffers.prepare(tables);
+        }
+        let tables = [0, 1].map(|side| {
+            let group = &group.sides[side.min(group.sides.len() - 1)];
+            SideTables::new(group, &binding.elements, binding.mesh.is_affine())
+        });
         Ok(Batch {
             binding,
             group,
             requirements,
+            cells,
+            reads,
+            tables,
+            buffers,
             filled: 0,
-            sides: group.sides.iter().map(BatchSide::new).collect(),
             tolerance: [0.0; WIDEST],
-            coefficients,
-            fields: vec![zero; requirements.field_length],
+            affine: None,
         })
+    }
+
+    fn two_sided(&self) -> bool {
+        self.group.sides.len() == 2
     }
 
     /// The cells of this batch on a side, without the repeated ones.
     pub fn cells(&self, side: usize) -> &[u32] {
-        &self.sides[side].cells[..self.filled]
+        &self.buffers.sides[side].cells[..self.filled]
     }
 
     /// The basis functions of an element at the current point.
+    #[inline(always)]
     pub fn basis(&self, side: usize, element: usize) -> &[Basis<L, D>] {
-        &self.sides[side].basis[element]
+        &self.buffers.sides[side].basis[element]
     }
 
     /// Second derivatives of the basis functions of an element at the current point.
+    #[inline(always)]
     pub fn hessians(&self, side: usize, element: usize) -> &[Hessian<L, D>] {
-        &self.sides[side].hessians[element]
+        &self.buffers.sides[side].hessians[element]
     }
 
     /// The fields at the current point, as the kernel wants them.
+    #[inline(always)]
     pub fn fields(&self) -> &[L] {
-        &self.fields
+        &self.buffers.fields
+    }
+
+    /// det J and J⁻ᵀ of this side's cells, for affine cells after [`Batch::load`].
+    #[inline(always)]
+    pub fn affine_map(&self, side: usize) -> (L, [[L; D]; D]) {
+        let side = &self.buffers.sides[side];
+        (side.determinant, side.inverse)
     }
 
     /// Loads `filled` of the group's entities (at most one per lane, at least one) from `start` on, and gives
     /// what is constant on their cells. Other lanes repeat the last entity.
+    #[inline(always)]
     pub fn load(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
-        let mesh = self.binding.mesh;
+        L::call(Load { batch: self, start, filled })
+    }
+
+    #[inline(always)]
+    fn load_here(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
         self.filled = filled;
-        for side in &mut self.sides {
-            side.load(mesh, start, self.filled);
+        let sides = if self.two_sided() { 2 } else { 1 };
+        for side in 0..sides {
+            self.buffers.sides[side].load(&self.tables[side], self.cells, start, filled);
         }
-        let mut lanes = [0.0; WIDEST];
-        for (slot, coefficients) in self.requirements.fields.iter().zip(&mut self.coefficients) {
-            let Values::Discrete { space, values, .. } = &self.binding.values[slot.field] else { continue };
-            let side = &self.sides[side_index(slot.side)];
-            let local = side.tables.facet.map(|(local, _)| local);
-            let mut nodes: [&[u32]; WIDEST] = [&[]; WIDEST];
-            for lane in 0..L::WIDTH {
-                nodes[lane] = space.nodes_at(side.cells[lane], local);
+        self.load_coefficients(start);
+        self.affine = None;
+        if self.tables[0].affine {
+            for side in 0..sides {
+                self.buffers.sides[side].map_affinely(&self.tables[side]);
             }
-            for (entry, coefficient) in coefficients.iter_mut().enumerate() {
-                let (node, component) = (entry / slot.components, entry % slot.components);
-                for lane in 0..L::WIDTH {
-                    lanes[lane] = values[nodes[lane][node] as usize * slot.components + component];
+            let this = &self.buffers.sides[0];
+            self.affine = Some(match &self.tables[0].group.facet {
+                None => AffineGeometry { measure: this.determinant, normal: [L::splat(0.0); D] },
+                Some((_, tangents)) => {
+                    let (measure, normal) = surface(&this.jacobian, tangents);
+                    AffineGeometry { measure, normal }
                 }
-                *coefficient = L::load(&lanes);
-            }
+            });
         }
         self.cell_geometry()
     }
 
+    #[inline(always)]
     fn cell_geometry(&mut self) -> CellGeometry<L> {
         let zero = L::splat(0.0);
         let requirements = &self.requirements;
@@ -142,75 +232,105 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
             opposite_diameter: zero,
             opposite_volume: zero,
         };
-        let this = &self.sides[0];
+        let (this, tables) = (&self.buffers.sides[0], &self.tables[0]);
         if requirements.diameter {
-            geometry.diameter = this.diameter(self.binding.mesh);
+            geometry.diameter = this.diameter(tables);
         }
         if requirements.cell_volume {
-            geometry.cell_volume = this.volume();
+            geometry.cell_volume = this.volume(tables);
         }
-        if let (true, Some((tables, weights)), Some((_, tangents))) =
-            (requirements.facet_area, &this.tables.measure.facet, &this.tables.facet)
+        if requirements.facet_area
+            && let (Some((map, weights)), Some((_, tangents))) =
+                (&tables.group.measure.facet, &tables.group.facet)
         {
-            for (q, weight) in weights.iter().enumerate() {
-                let (element, _) = surface(&this.jacobian(tables, q), tangents);
-                geometry.facet_area = element.multiply_add(L::splat(*weight), geometry.facet_area);
+            match &self.affine {
+                Some(affine) => {
+                    let mut sum = 0.0;
+                    for weight in weights {
+                        sum += *weight;
+                    }
+                    geometry.facet_area = affine.measure * L::splat(sum);
+                }
+                None => {
+                    for q in 0..weights.len() {
+                        let (element, _) = surface(&this.jacobian_at(map, q), tangents);
+                        geometry.facet_area = element.multiply_add(L::splat(weights[q]), geometry.facet_area);
+                    }
+                }
             }
         }
-        if let Some(other) = self.sides.get(1) {
-            let diameter = other.diameter(self.binding.mesh);
+        if self.two_sided() {
+            let (other, tables) = (&self.buffers.sides[1], &self.tables[1]);
+            let diameter = other.diameter(tables);
             diameter.store(&mut self.tolerance);
             if requirements.opposite_diameter {
                 geometry.opposite_diameter = diameter;
             }
             if requirements.opposite_volume {
-                geometry.opposite_volume = other.volume();
+                geometry.opposite_volume = other.volume(tables);
             }
         }
         geometry
     }
 
     /// Moves to the q-th point: geometry, basis functions, fields.
+    #[inline(always)]
     pub fn point(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
+        L::call(Point { batch: self, q })
+    }
+
+    #[inline(always)]
+    fn point_here(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
         let zero = L::splat(0.0);
-        let this = &mut self.sides[0];
-        let jacobian = this.jacobian(&this.tables.geometry, q);
-        let (determinant, inverse) = inverse_transposed(&jacobian);
+        let reads_position = self.requirements.position || self.two_sided() || self.reads_functions();
+        let (this, tables) = (&mut self.buffers.sides[0], &self.tables[0]);
         let mut geometry = PointGeometry {
             weight: L::splat(self.group.weights[q]),
-            position: this.position(q),
+            position: if reads_position { this.position(tables, q) } else { [zero; D] },
             normal: [zero; D],
             curvature: zero,
         };
-        match &this.tables.facet {
-            None => geometry.weight = geometry.weight * determinant,
-            Some((_, tangents)) => {
-                let (element, normal) = surface(&jacobian, tangents);
-                geometry.weight = geometry.weight * element;
-                geometry.normal = normal;
-                if self.requirements.curvature {
-                    geometry.curvature = this.curvature(q, &jacobian, tangents, &normal);
-                }
+        let inverse = match &self.affine {
+            Some(affine) => {
+                geometry.weight = geometry.weight * affine.measure;
+                geometry.normal = affine.normal;
+                this.inverse
             }
-        }
-        let elements = &self.binding.elements;
-        let hessians = reads_hessians(&self.requirements);
-        this.evaluate_basis(elements, q, &inverse, &geometry.normal, hessians);
-        if let Some(other) = self.sides.get_mut(1) {
-            let (_, inverse) = inverse_transposed(&other.jacobian(&other.tables.geometry, q));
-            other.evaluate_basis(elements, q, &inverse, &geometry.normal, hessians);
+            None => {
+                let jacobian = this.jacobian_at(&tables.group.geometry, q);
+                let (determinant, inverse) = inverse_transposed(&jacobian);
+                match &tables.group.facet {
+                    None => geometry.weight = geometry.weight * determinant,
+                    Some((_, tangents)) => {
+                        let (element, normal) = surface(&jacobian, tangents);
+                        geometry.weight = geometry.weight * element;
+                        geometry.normal = normal;
+                        if self.requirements.curvature {
+                            geometry.curvature = this.curvature(tables, q, &jacobian, tangents, &normal);
+                        }
+                    }
+                }
+                inverse
+            }
+        };
+        this.evaluate_basis(tables, &self.reads, q, &inverse, &geometry.normal);
+        if self.two_sided() {
+            let (other, tables) = (&mut self.buffers.sides[1], &self.tables[1]);
+            let inverse = match self.affine {
+                Some(_) => other.inverse,
+                None => inverse_transposed(&other.jacobian_at(&tables.group.geometry, q)).1,
+            };
+            other.evaluate_basis(tables, &self.reads, q, &inverse, &geometry.normal);
             self.check_facing(q, &geometry.position)?;
         }
-        for index in 0..self.requirements.fields.len() {
-            let slot = self.requirements.fields[index];
-            self.evaluate(&slot, index, q, &geometry.position)?;
-        }
+        self.evaluate_fields(q, &geometry.position)?;
         Ok(geometry)
     }
 
     /// Both sides of an interior facet must see its q-th point at one place.
+    #[inline(always)]
     fn check_facing(&self, q: usize, position: &[L; D]) -> Result<(), AssemblyError> {
-        let other = self.sides[1].position(q);
+        let other = self.buffers.sides[1].position(&self.tables[1], q);
         let mut square = L::splat(0.0);
         for axis in 0..D {
             let gap = other[axis] - position[axis];
@@ -224,119 +344,53 @@ impl<'a, L: Lane, const D: usize> Batch<'a, L, D> {
                 continue;
             }
             let cells = [self.cells(0)[lane], self.cells(1)[lane]];
-            let mut lanes = [0.0; WIDEST];
-            let position = position.iter().map(|x| {
-                x.store(&mut lanes);
-                lanes[lane]
-            });
-            let (form, position) = (self.binding.name, position.collect());
-            return Err(AssemblyError::FacetMismatch { form, cells, position, distance });
+            let mut lanes = [[0.0; WIDEST]; D];
+            for axis in 0..D {
+                position[axis].store(&mut lanes[axis]);
+            }
+            return Err(self.mismatch(cells, &lanes, lane, distance));
         }
         Ok(())
     }
 
-    fn evaluate(
-        &mut self,
-        slot: &FieldSlot,
-        index: usize,
-        q: usize,
-        position: &[L; D],
-    ) -> Result<(), AssemblyError> {
-        let zero = L::splat(0.0);
-        let count = match slot.order {
-            Order::Value => slot.components,
-            Order::Gradient => slot.components * D,
-            Order::Hessian => slot.components * D * D,
-        };
-        let target = &mut self.fields[slot.offset..slot.offset + count];
-        match &self.binding.values[slot.field] {
-            Values::Absent => target.fill(zero),
-            Values::Constant(values) => {
-                for (component, target) in target.iter_mut().enumerate() {
-                    *target = if slot.order == Order::Value { L::splat(values[component]) } else { zero };
-                }
-            }
-            Values::Discrete { element, .. } => {
-                target.fill(zero);
-                let side = &self.sides[side_index(slot.side)];
-                let basis = side.basis[*element].iter().zip(&side.hessians[*element]);
-                let coefficients = self.coefficients[index].chunks(slot.components);
-                for ((basis, hessian), coefficients) in basis.zip(coefficients) {
-                    for (component, coefficient) in coefficients.iter().enumerate() {
-                        match slot.order {
-                            Order::Value => {
-                                target[component] = basis.value.multiply_add(*coefficient, target[component]);
-                            }
-                            Order::Gradient => {
-                                for axis in 0..D {
-                                    let entry = &mut target[component * D + axis];
-                                    *entry = basis.gradient[axis].multiply_add(*coefficient, *entry);
-                                }
-                            }
-                            Order::Hessian => {
-                                for i in 0..D {
-                                    for j in 0..D {
-                                        let entry = &mut target[(component * D + i) * D + j];
-                                        *entry = hessian[i][j].multiply_add(*coefficient, *entry);
-                                    }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-            Values::History(history) => {
-                let (form, field) = (self.binding.name, self.binding.fields[slot.field].name);
-                let mismatch = |source| AssemblyError::History { form, field, source };
-                if slot.order != Order::Value {
-                    return Err(mismatch(HistoryMismatch::Gradient));
-                }
-                let side = &self.sides[side_index(slot.side)];
-                let local = side.tables.facet.map(|(local, _)| local);
-                let mut lanes = vec![[0.0; WIDEST]; slot.components];
-                for lane in 0..L::WIDTH {
-                    let values = history.at(side.cells[lane], local, q).map_err(mismatch)?;
-                    for (component, value) in values.iter().enumerate() {
-                        lanes[component][lane] = *value;
-                    }
-                }
-                for (target, lanes) in target.iter_mut().zip(&lanes) {
-                    *target = L::load(lanes);
-                }
-            }
-            Values::Function(function) => {
-                let mut values = vec![0.0; slot.components];
-                let mut lanes = vec![[0.0; WIDEST]; slot.components];
-                let mut components = [[0.0; WIDEST]; D];
-                for axis in 0..D {
-                    position[axis].store(&mut components[axis]);
-                }
-                for lane in 0..L::WIDTH {
-                    let x: [f64; D] = std::array::from_fn(|axis| components[axis][lane]);
-                    function(&x, &mut values);
-                    if !values.iter().all(|value| value.is_finite()) {
-                        return Err(AssemblyError::NotFinite {
-                            form: self.binding.name,
-                            field: self.binding.fields[slot.field].name,
-                            position: Some(x.to_vec()),
-                        });
-                    }
-                    for (component, value) in values.iter().enumerate() {
-                        lanes[component][lane] = *value;
-                    }
-                }
-                for (target, lanes) in target.iter_mut().zip(&lanes) {
-                    *target = L::load(lanes);
-                }
-            }
-        }
-        Ok(())
+    #[cold]
+    fn mismatch(
+        &self,
+        cells: [u32; 2],
+        position: &[[f64; WIDEST]; D],
+        lane: usize,
+        distance: f64,
+    ) -> AssemblyError {
+        let position = position.iter().map(|lanes| lanes[lane]).collect();
+        AssemblyError::FacetMismatch { form: self.binding.name, cells, position, distance }
     }
 }
 
-fn side_index(side: Side) -> usize {
-    match side {
-        Side::This => 0,
-        Side::Other => 1,
+struct Load<'b, 'a, L, const D: usize> {
+    batch: &'b mut Batch<'a, L, D>,
+    start: usize,
+    filled: usize,
+}
+
+impl<L: SimdLane, const D: usize> SharedWork<L> for Load<'_, '_, L, D> {
+    type Output = CellGeometry<L>;
+
+    #[inline(always)]
+    fn run(self) -> CellGeometry<L> {
+        self.batch.load_here(self.start, self.filled)
+    }
+}
+
+struct Point<'b, 'a, L, const D: usize> {
+    batch: &'b mut Batch<'a, L, D>,
+    q: usize,
+}
+
+impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
+    type Output = Result<PointGeometry<L, D>, AssemblyError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.batch.point_here(self.q)
     }
 }

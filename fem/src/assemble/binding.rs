@@ -25,6 +25,14 @@ pub(super) enum Values<'a, const D: usize> {
         values: &'a [f64],
     },
     History(Snapshot<'a, D>),
+    /// Coefficients on cells that the caller lists: those of node n of cell c start at
+    /// `values[c * stride + offsets[n]]`, one component after the other.
+    Given {
+        element: usize,
+        values: &'a [f64],
+        stride: usize,
+        offsets: &'a [usize],
+    },
 }
 
 /// A form's name, fields and data, checked against a mesh.

@@ -1,5 +1,5 @@
 //! Which matrix entries a form can touch: nodes that an integral couples, for each pair of test and trial
-//! space.
+//! space; and where element matrices go.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -8,79 +8,38 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role
 
 use super::AssemblyError;
 use super::binding::Entities;
-use crate::linear_algebra::{LinearAlgebraError, SparsityPattern};
+use super::place_map::{Cliques, PlaceMap, couple};
+use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::space::Space;
 
-/// The sparsity pattern of a matrix over the unknowns of several spaces in a row, with what is needed to
-/// find the entries of a node pair.
-#[derive(Clone, Debug)]
-pub struct BlockPattern {
-    pattern: Arc<SparsityPattern>,
-    /// First row of each test space.
-    row_offsets: Vec<usize>,
-    /// First column of each trial space.
-    column_offsets: Vec<usize>,
-    /// `adjacency[test][trial]`: the nodes of the trial space that are coupled with a node.
-    adjacency: Vec<Vec<Adjacency>>,
-    test_components: Vec<usize>,
-    trial_components: Vec<usize>,
+/// The positions of a matrix over the unknowns of several spaces in a row, with what is needed to find the blocks
+/// of an element matrix.
+///
+/// For each pair of test and trial space the places of the blocks are looked up once: one byte (two or four in long
+/// rows) per cell that takes part, test node and trial node, about one thirtieth of the matrix for vectors in three
+/// dimensions. Couplings across interior facets and those of spaces on facets are searched for as they come.
+#[derive(Debug)]
+pub struct BlockPattern<const D: usize> {
+    sparsity: Arc<BlockSparsity>,
+    tests: Vec<Arc<Space<D>>>,
+    trials: Vec<Arc<Space<D>>>,
+    /// `maps[test][trial]`
+    maps: Vec<Vec<Option<PlaceMap>>>,
 }
 
-/// Test and trial nodes of a cell or facet, all coupled with each other.
-type Clique<'a> = (&'a [u32], &'a [u32]);
-
-/// Neighbours of each node, in compressed rows, sorted; without pointers where there are none at all.
-#[derive(Clone, Debug, Default)]
-struct Adjacency {
-    pointers: Vec<usize>,
-    neighbours: Vec<u32>,
+/// What an integral couples for a pair of spaces.
+#[derive(Clone, Default)]
+struct Coupled<'a> {
+    /// Cells whose nodes are coupled with each other.
+    cells: Vec<bool>,
+    /// Other sets of test and trial nodes.
+    others: Vec<(&'a [u32], &'a [u32])>,
 }
 
-impl Adjacency {
-    fn new(test_nodes: usize, trial_nodes: usize, cliques: &[Clique]) -> Self {
-        if cliques.is_empty() {
-            return Adjacency::default();
-        }
-        // Cliques around each test node, then the union of their trial nodes.
-        let mut counts = vec![0_usize; test_nodes + 1];
-        for &node in cliques.iter().flat_map(|(nodes, _)| *nodes) {
-            counts[node as usize + 1] += 1;
-        }
-        for node in 0..test_nodes {
-            counts[node + 1] += counts[node];
-        }
-        let mut around = vec![0_u32; counts[test_nodes]];
-        let mut next = counts.clone();
-        for (index, (nodes, _)) in cliques.iter().enumerate() {
-            for &node in *nodes {
-                around[next[node as usize]] = index as u32;
-                next[node as usize] += 1;
-            }
-        }
-        let mut pointers = vec![0];
-        let mut neighbours: Vec<u32> = Vec::new();
-        let mut seen_by = vec![u32::MAX; trial_nodes];
-        for node in 0..test_nodes {
-            let start = neighbours.len();
-            for &index in &around[counts[node]..counts[node + 1]] {
-                for &other in cliques[index as usize].1 {
-                    if seen_by[other as usize] != node as u32 {
-                        seen_by[other as usize] = node as u32;
-                        neighbours.push(other);
-                    }
-                }
-            }
-            neighbours[start..].sort_unstable();
-            pointers.push(neighbours.len());
-        }
-        Adjacency { pointers, neighbours }
-    }
-
-    fn row(&self, node: usize) -> &[u32] {
-        match self.pointers.get(node..node + 2) {
-            Some(range) => &self.neighbours[range[0]..range[1]],
-            None => &[],
-        }
+impl Coupled<'_> {
+    fn add_cell(&mut self, cell: u32, count: usize) {
+        self.cells.resize(count, false);
+        self.cells[cell as usize] = true;
     }
 }
 
@@ -104,7 +63,7 @@ impl<const D: usize> BilinearVisitor<D> for CouplingVisitor {
     }
 }
 
-impl BlockPattern {
+impl<const D: usize> BlockPattern<D> {
     /// The pattern of a form's tangent: the nodes that its integrals couple, and nothing else. A pair of test
     /// and trial space that no integral couples has no entries; an integral over a facet region couples the
     /// nodes of the cells that own its facets, one over interior facets those of both cells.
@@ -112,7 +71,7 @@ impl BlockPattern {
     /// # Errors
     /// When the form has other test functions or unknowns than the spaces, a region does not exist, the
     /// spaces are not on one mesh, or the matrix is too large to be numbered.
-    pub fn for_form<F: Form<D>, const D: usize>(
+    pub fn for_form<F: Form<D>>(
         form: &F,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
@@ -142,28 +101,30 @@ impl BlockPattern {
             Ok(()) => {}
             Err(never) => match never {},
         }
-        let mut cliques: Vec<Vec<Vec<Clique>>> = vec![vec![vec![]; trials.len()]; tests.len()];
+        let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
         for (test, trial, region, test_side, trial_side) in visitor.found {
             let (rows, columns) = (tests[test], trials[trial]);
-            let target = &mut cliques[test][trial];
-            match Entities::of(&rows.mesh, name, &form.inputs().regions[region])? {
-                Entities::Cells(cells) => {
-                    let clique = |cell: &u32| (rows.nodes_at(*cell, None), columns.nodes_at(*cell, None));
-                    target.extend(cells.iter().map(clique));
-                }
-                Entities::Facets(facets) => target.extend(facets.iter().map(|facet| {
-                    let (cell, local) = (facet.cell, Some(facet.local));
-                    (rows.nodes_at(cell, local), columns.nodes_at(cell, local))
-                })),
-                Entities::InteriorFacets(facets) => target.extend(facets.iter().map(|sides| {
-                    let at = |side: Side| if side == Side::This { sides[0] } else { sides[1] };
-                    let (test, trial) = (at(test_side), at(trial_side));
+            let target = &mut coupled[test][trial];
+            let entities = Entities::of(&rows.mesh, name, &form.inputs().regions[region])?;
+            let cells = rows.mesh.cell_count();
+            let on_cells = rows.facet_region().is_none() && columns.facet_region().is_none();
+            if let Entities::Cells(region) = entities {
+                region.iter().filter(|_| on_cells).for_each(|cell| target.add_cell(*cell, cells));
+                continue;
+            }
+            for index in 0..entities.count() {
+                let sides = entities.sides(index);
+                let at = |side: Side| if side == Side::This { sides[0] } else { sides[sides.len() - 1] };
+                let (test, trial) = (at(test_side), at(trial_side));
+                if on_cells && test_side == trial_side {
+                    target.add_cell(test.cell, cells);
+                } else {
                     let row_nodes = rows.nodes_at(test.cell, Some(test.local));
-                    (row_nodes, columns.nodes_at(trial.cell, Some(trial.local)))
-                })),
+                    target.others.push((row_nodes, columns.nodes_at(trial.cell, Some(trial.local))));
+                }
             }
         }
-        Self::from_cliques(tests, trials, &cliques)
+        Self::from_coupled(tests, trials, coupled)
             .map_err(|source| AssemblyError::LinearAlgebra { form: name, source })
     }
 
@@ -172,118 +133,119 @@ impl BlockPattern {
     ///
     /// # Errors
     /// When the matrix is too large to be numbered.
-    pub fn new<const D: usize>(
-        tests: &[&Arc<Space<D>>],
-        trials: &[&Arc<Space<D>>],
-    ) -> Result<Self, LinearAlgebraError> {
-        let all = |test: &Arc<Space<D>>, trial: &Arc<Space<D>>| -> Vec<(u32, Option<u8>)> {
-            match (test.facet_region(), trial.facet_region()) {
-                (None, None) => (0..test.mesh.cell_count() as u32).map(|cell| (cell, None)).collect(),
-                (Some(_), _) => test.facets.iter().map(|(f, _)| (f.cell, Some(f.local))).collect(),
-                (None, Some(_)) => trial.facets.iter().map(|(f, _)| (f.cell, Some(f.local))).collect(),
-            }
+    pub fn new(tests: &[&Arc<Space<D>>], trials: &[&Arc<Space<D>>]) -> Result<Self, LinearAlgebraError> {
+        let of_pair = |test: &'_ Arc<Space<D>>, trial: &'_ Arc<Space<D>>| -> Vec<(u32, u8)> {
+            let facets = if test.facet_region().is_some() { &test.facets } else { &trial.facets };
+            facets.iter().map(|(facet, _)| (facet.cell, facet.local)).collect()
         };
-        let mut cliques: Vec<Vec<Vec<Clique>>> = Vec::new();
+        let mut coupled: Vec<Vec<Coupled>> = Vec::new();
         for test in tests {
             let mut row = Vec::new();
             for trial in trials {
-                let nodes = |(cell, facet)| (test.nodes_at(cell, facet), trial.nodes_at(cell, facet));
-                row.push(all(test, trial).into_iter().map(nodes).collect());
+                let mut pair = Coupled::default();
+                if test.facet_region().is_none() && trial.facet_region().is_none() {
+                    pair.cells = vec![true; test.mesh.cell_count()];
+                } else {
+                    let nodes =
+                        |(cell, local)| (test.nodes_at(cell, Some(local)), trial.nodes_at(cell, Some(local)));
+                    pair.others = of_pair(test, trial).into_iter().map(nodes).collect();
+                }
+                row.push(pair);
             }
-            cliques.push(row);
+            coupled.push(row);
         }
-        Self::from_cliques(tests, trials, &cliques)
+        Self::from_coupled(tests, trials, coupled)
     }
 
-    fn from_cliques<const D: usize>(
+    fn from_coupled(
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
-        cliques: &[Vec<Vec<Clique>>],
+        coupled: Vec<Vec<Coupled>>,
     ) -> Result<Self, LinearAlgebraError> {
-        let mut adjacency: Vec<Vec<Adjacency>> = Vec::new();
-        for (test, cliques) in tests.iter().zip(cliques) {
-            let block = |(trial, cliques): (&&Arc<Space<D>>, &Vec<Clique>)| {
-                Adjacency::new(test.node_count(), trial.node_count(), cliques)
-            };
-            adjacency.push(trials.iter().zip(cliques).map(block).collect());
-        }
-        let offsets = |spaces: &[&Arc<Space<D>>]| {
-            let mut offsets = vec![0];
-            for space in spaces {
-                offsets.push(offsets[offsets.len() - 1] + space.unknowns());
-            }
-            offsets
-        };
-        let components = |spaces: &[&Arc<Space<D>>]| spaces.iter().map(|space| space.components()).collect();
-        let (row_offsets, column_offsets) = (offsets(tests), offsets(trials));
-        let (test_components, trial_components): (Vec<usize>, Vec<usize>) =
-            (components(tests), components(trials));
-        let (rows, columns) = (row_offsets[tests.len()], column_offsets[trials.len()]);
-        let mut row_pointers = vec![0];
-        let mut column_indices: Vec<u32> = Vec::new();
-        for (test, space) in tests.iter().enumerate() {
-            for node in 0..space.node_count() {
-                let start = column_indices.len();
-                for (trial, count) in trial_components.iter().enumerate() {
-                    for &neighbour in adjacency[test][trial].row(node) {
-                        let first = column_offsets[trial] + neighbour as usize * count;
-                        column_indices.extend((first..first + count).map(|column| column as u32));
+        let (mut pairs, mut maps) = (Vec::new(), Vec::new());
+        for (test, coupled) in tests.iter().zip(coupled) {
+            let (mut row_of_pairs, mut row_of_maps) = (Vec::new(), Vec::new());
+            for (trial, Coupled { cells, others }) in trials.iter().zip(coupled) {
+                let order = test.mesh.cell_order();
+                let takes_part = |cell: &&u32| cells.get(**cell as usize).is_some_and(|found| *found);
+                let walked: Vec<u32> = order.cells().iter().filter(takes_part).copied().collect();
+                let mut walk = Vec::new();
+                if !walked.is_empty() {
+                    walk = vec![PlaceMap::ABSENT; cells.len()];
+                    for (place, cell) in walked.iter().enumerate() {
+                        walk[*cell as usize] = place as u32;
                     }
                 }
-                let end = column_indices.len();
-                row_pointers.push(end);
-                for _ in 1..test_components[test] {
-                    column_indices.extend_from_within(start..end);
-                    row_pointers.push(column_indices.len());
-                }
+                let nodes = |cell: &u32| (test.cell_nodes(*cell as usize), trial.cell_nodes(*cell as usize));
+                let (rows, columns) = walked.iter().map(nodes).chain(others).unzip();
+                let cliques = Cliques { rows, columns };
+                let (blocks, places) =
+                    couple(&cliques, (test.node_count(), trial.node_count()), walked.len());
+                row_of_pairs.push(blocks);
+                row_of_maps.push((!walked.is_empty()).then_some(PlaceMap { places, walk }));
             }
+            pairs.push(row_of_pairs);
+            maps.push(row_of_maps);
         }
-        let pattern = SparsityPattern::new(rows, columns, row_pointers, column_indices)?;
-        Ok(BlockPattern {
-            pattern: Arc::new(pattern),
-            row_offsets,
-            column_offsets,
-            adjacency,
-            test_components,
-            trial_components,
-        })
+        let sets = |spaces: &[&Arc<Space<D>>]| {
+            NodeSet::in_a_row(spaces.iter().map(|space| (space.node_count(), space.components())))
+        };
+        let sparsity = Arc::new(BlockSparsity::new(sets(tests), sets(trials), pairs)?);
+        let owned = |spaces: &[&Arc<Space<D>>]| spaces.iter().map(|space| Arc::clone(space)).collect();
+        Ok(BlockPattern { sparsity, tests: owned(tests), trials: owned(trials), maps })
     }
 
-    /// The pattern in compressed rows.
+    /// The positions of the blocks, which matrices share.
+    pub fn sparsity(&self) -> &Arc<BlockSparsity> {
+        &self.sparsity
+    }
+
+    /// The positions of all entries in compressed rows; made at the first call.
     pub fn pattern(&self) -> &Arc<SparsityPattern> {
-        &self.pattern
+        self.sparsity.pattern()
     }
 
     /// First unknown of a test space in a vector over all of them.
     pub fn row_offset(&self, test: usize) -> usize {
-        self.row_offsets[test]
+        self.sparsity.row_sets()[test].offset
     }
 
     /// First unknown of a trial space in a vector over all of them.
     pub fn column_offset(&self, trial: usize) -> usize {
-        self.column_offsets[trial]
+        self.sparsity.column_sets()[trial].offset
     }
 
-    /// Adds the block of a node pair; entries row-major, test components × trial components. `None` if the
-    /// pair is not in the pattern.
-    pub(super) fn add(
+    /// Bytes of the maps from element matrices to the matrix, without the positions themselves
+    /// ([`BlockSparsity::memory`]).
+    pub fn map_memory(&self) -> usize {
+        self.maps.iter().flatten().flatten().map(PlaceMap::memory).sum()
+    }
+
+    /// The places of the blocks of cells for a pair of spaces.
+    pub(super) fn map(&self, test: usize, trial: usize) -> Option<&PlaceMap> {
+        self.maps[test][trial].as_ref()
+    }
+
+    /// Whether the pattern was made for these spaces, or for some that number their unknowns alike.
+    pub(super) fn check(
         &self,
-        values: &mut [f64],
-        (test, i): (usize, usize),
-        (trial, j): (usize, usize),
-        block: impl Fn(usize) -> f64,
-    ) -> Option<()> {
-        let (rows, columns) = (self.test_components[test], self.trial_components[trial]);
-        let place = self.adjacency[test][trial].row(i).binary_search(&(j as u32)).ok()?;
-        let before: usize =
-            (0..trial).map(|t| self.adjacency[test][t].row(i).len() * self.trial_components[t]).sum();
-        for row in 0..rows {
-            let start = self.pattern.row_pointers()[self.row_offsets[test] + i * rows + row];
-            let start = start + before + place * columns;
-            for column in 0..columns {
-                values[start + column] += block(row * columns + column);
+        form: &'static str,
+        names: impl Fn(Role) -> &'static str,
+        tests: &[&Arc<Space<D>>],
+        trials: &[&Arc<Space<D>>],
+    ) -> Result<(), AssemblyError> {
+        let what = "positions of the matrix";
+        for (own, given, role) in
+            [(&self.tests, tests, Role::Test as fn(usize) -> Role), (&self.trials, trials, Role::Unknown)]
+        {
+            if own.len() != given.len() {
+                let (expected, found) = (given.len(), own.len());
+                return Err(AssemblyError::Count { form, what: "spaces", expected, found });
+            }
+            if let Some(number) = own.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
+                return Err(AssemblyError::OtherSpace { form, field: names(role(number)), what });
             }
         }
-        Some(())
+        Ok(())
     }
 }

@@ -3,9 +3,11 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Region};
+use forms_core::contract::{
+    Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Region, Requirements,
+};
 
-use super::batch::Batch;
+use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
@@ -398,8 +400,11 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
     type Error = AssemblyError;
 
     fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
+        let mut buffers = BatchBuffers::default();
         for group in self.groups {
-            let mut batch = Batch::<f64, D>::new(self.binding, group, K::REQUIREMENTS)?;
+            let cells = Cells::Mesh(self.binding.mesh);
+            let located = Requirements { position: true, ..K::REQUIREMENTS };
+            let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;
             for index in 0..group.entities() {
                 let cell = kernel.cell(&batch.load(index, 1));
                 for q in 0..group.points() {

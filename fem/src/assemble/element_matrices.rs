@@ -1,24 +1,56 @@
 //! Element matrices of a bilinear integral: the loops over batches, points and pairs of basis functions.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
 use std::ops::Range;
 
-use forms_core::contract::{BilinearKernel, Lane};
+use forms_core::contract::BilinearKernel;
 
 use super::AssemblyError;
-use super::batch::{Batch, WIDEST};
+use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::walk::Group;
+use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
 
 /// What the element matrices of a group depend on, besides the kernel.
 pub(super) struct ElementMatrices<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
+    /// Where the cells' nodes come from.
+    pub cells: Cells<'a, D>,
     /// The sides on which test and trial functions live.
     pub sides: [usize; 2],
     /// Their elements, by index into the binding's.
     pub elements: [usize; 2],
     /// Only pairs of nodes i ≤ j are computed, and mirrored.
     pub symmetric: bool,
+}
+
+/// Who receives element matrices or vectors: the first entity, and those of it and its successors.
+pub(super) type Deliver<'a> = &'a mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>;
+
+/// Memory of the loops, kept from one run to the next.
+pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usize> {
+    batch: BatchBuffers<L, D>,
+    /// Factors of test node i at point q, at `i * points + q`.
+    tests: Vec<K::Test<L>>,
+    trials: Vec<K::Trial<L>>,
+    /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j.
+    blocks: Vec<L>,
+    matrices: Vec<f64>,
+}
+
+impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Default for MatrixBuffers<K, L, D> {
+    fn default() -> Self {
+        MatrixBuffers {
+            batch: BatchBuffers::default(),
+            tests: vec![],
+            trials: vec![],
+            blocks: vec![],
+            matrices: vec![],
+        }
+    }
 }
 
 impl<const D: usize> ElementMatrices<'_, D> {
@@ -36,71 +68,148 @@ impl<const D: usize> ElementMatrices<'_, D> {
     pub fn compute<K: BilinearKernel<D>>(
         &self,
         kernel: &K,
+        set: InstructionSet,
         range: Range<usize>,
-        deliver: &mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>,
-    ) -> Result<(), AssemblyError> {
-        self.compute_in_lanes::<K, f64>(kernel, range, deliver)
-    }
-
-    fn compute_in_lanes<K: BilinearKernel<D>, L: Lane>(
-        &self,
-        kernel: &K,
-        range: Range<usize>,
-        deliver: &mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>,
+        deliver: Deliver,
     ) -> Result<(), AssemblyError> {
         let [rows, columns] = self.nodes();
-        let [test_side, trial_side] = self.sides;
-        let [test_element, trial_element] = self.elements;
-        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
-        let mut batch = Batch::<L, D>::new(self.binding, self.group, K::REQUIREMENTS)?;
-        let mut accumulators = vec![K::zero::<L>(); rows * columns];
-        let mut trial_factors = Vec::with_capacity(columns);
-        let size = rows * columns * entries;
-        let mut matrices = vec![0.0; size * L::WIDTH];
-        let mut lanes = [0.0; WIDEST];
+        let components = [K::TEST_COMPONENTS, K::TRIAL_COMPONENTS];
+        let order = block_order([rows, columns], components, self.symmetric);
+        set.run(Compute { task: self, kernel, order: &order, range, deliver })
+    }
+
+    #[inline(always)]
+    fn compute_in_lanes<K: BilinearKernel<D>, L: SimdLane>(
+        &self,
+        kernel: &K,
+        order: &[u32],
+        range: Range<usize>,
+        buffers: &mut MatrixBuffers<K, L, D>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        let [rows, columns] = self.nodes();
+        let points = self.group.points();
+        let MatrixBuffers { batch, tests, trials, blocks, matrices } = buffers;
+        let mut batch =
+            Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, &self.elements, batch)?;
+        let size = order.len();
+        matrices.resize(size * L::WIDTH, 0.0);
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
             let cell = kernel.cell(&batch.load(start, filled));
-            accumulators.fill(K::zero::<L>());
-            for q in 0..self.group.points() {
+            for q in 0..points {
                 let geometry = batch.point(q)?;
                 let point = kernel.point(&cell, &geometry, batch.fields());
-                trial_factors.clear();
-                let hessians = batch.hessians(trial_side, trial_element);
-                for (basis, hessian) in batch.basis(trial_side, trial_element).iter().zip(hessians) {
-                    trial_factors.push(kernel.trial(&point, basis, hessian));
+                let basis = batch.basis(self.sides[0], self.elements[0]);
+                let hessians = batch.hessians(self.sides[0], self.elements[0]);
+                let (basis, hessians) = (&basis[..rows], &hessians[..rows]);
+                // There is no empty factor: the memory is made with the first one.
+                if tests.len() != rows * points {
+                    tests.clear();
+                    tests.resize(rows * points, kernel.test(&point, &basis[0], &hessians[0]));
                 }
-                let hessians = batch.hessians(test_side, test_element);
-                let functions = batch.basis(test_side, test_element).iter().zip(hessians);
-                for (i, (basis, hessian)) in functions.enumerate() {
-                    let factors = kernel.test(&point, basis, hessian);
-                    let first = if self.symmetric { i } else { 0 };
-                    let row = &mut accumulators[i * columns + first..(i + 1) * columns];
-                    for (accumulator, trial) in row.iter_mut().zip(&trial_factors[first..]) {
-                        K::pair(accumulator, &factors, trial);
-                    }
+                let tests = &mut tests[q * rows..][..rows];
+                for i in 0..rows {
+                    tests[i] = kernel.test(&point, &basis[i], &hessians[i]);
+                }
+                let basis = batch.basis(self.sides[1], self.elements[1]);
+                let hessians = batch.hessians(self.sides[1], self.elements[1]);
+                let (basis, hessians) = (&basis[..columns], &hessians[..columns]);
+                if trials.len() != columns * points {
+                    trials.clear();
+                    trials.resize(columns * points, kernel.trial(&point, &basis[0], &hessians[0]));
+                }
+                let trials = &mut trials[q * columns..][..columns];
+                for j in 0..columns {
+                    trials[j] = kernel.trial(&point, &basis[j], &hessians[j]);
                 }
             }
+            let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+            blocks.resize(rows * columns * entries, L::splat(0.0));
+            let mut next = 0;
+            let (tests, trials) = (&tests[..rows * points], &trials[..columns * points]);
             for i in 0..rows {
-                for j in if self.symmetric { i } else { 0 }..columns {
-                    let block = kernel.finish(&cell, &accumulators[i * columns + j]);
-                    for (entry, value) in block.as_ref().iter().enumerate() {
-                        value.store(&mut lanes);
-                        let (a, b) = (entry / K::TRIAL_COMPONENTS, entry % K::TRIAL_COMPONENTS);
-                        let mirrored = (j * columns + i) * entries + b * K::TRIAL_COMPONENTS + a;
-                        for (lane, value) in lanes[..filled].iter().enumerate() {
-                            matrices[lane * size + (i * columns + j) * entries + entry] = *value;
-                            if self.symmetric && i != j {
-                                matrices[lane * size + mirrored] = *value;
-                            }
-                        }
+                for j in 0..columns {
+                    if self.symmetric && j < i {
+                        continue;
                     }
+                    let mut accumulator = K::zero::<L>();
+                    for q in 0..points {
+                        K::pair(&mut accumulator, &tests[q * rows + i], &trials[q * columns + j]);
+                    }
+                    let block = kernel.finish(&cell, &accumulator);
+                    blocks[next..][..entries].copy_from_slice(&block.as_ref()[..entries]);
+                    next += entries;
                 }
             }
+            let entries = Ordered { values: blocks, order };
+            L::call(Transposition { source: &entries, count: size, filled, target: matrices, stride: size });
             deliver(start, &matrices[..filled * size])?;
             start += filled;
         }
         Ok(())
     }
+}
+
+struct Compute<'a, 'd, K, const D: usize> {
+    task: &'a ElementMatrices<'a, D>,
+    kernel: &'a K,
+    order: &'a [u32],
+    range: Range<usize>,
+    deliver: Deliver<'d>,
+}
+
+impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
+    type Output = Result<(), AssemblyError>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let mut buffers = MatrixBuffers::<K, L, D>::default();
+        self.task.compute_in_lanes(self.kernel, self.order, self.range, &mut buffers, self.deliver)
+    }
+}
+
+/// Entries of a list in another order.
+struct Ordered<'a, L> {
+    values: &'a [L],
+    order: &'a [u32],
+}
+
+impl<L: Copy> Entries<L> for Ordered<'_, L> {
+    #[inline(always)]
+    fn entry(&self, k: usize) -> L {
+        self.values[self.order[k] as usize]
+    }
+}
+
+/// Where the computed blocks have the entries of an element matrix, for the entries block after block. Of a
+/// symmetric matrix only the blocks of pairs i ≤ j are computed.
+fn block_order([rows, columns]: [usize; 2], [height, width]: [usize; 2], symmetric: bool) -> Vec<u32> {
+    let entries = height * width;
+    let mut computed = vec![0_u32; rows * columns];
+    let mut next = 0;
+    for i in 0..rows {
+        for j in 0..columns {
+            if !symmetric || j >= i {
+                computed[i * columns + j] = next;
+                next += entries as u32;
+            }
+        }
+    }
+    let mut order = Vec::with_capacity(rows * columns * entries);
+    for i in 0..rows {
+        for j in 0..columns {
+            for a in 0..height {
+                for b in 0..width {
+                    order.push(if symmetric && j < i {
+                        computed[j * columns + i] + (b * width + a) as u32
+                    } else {
+                        computed[i * columns + j] + (a * width + b) as u32
+                    });
+                }
+            }
+        }
+    }
+    order
 }

@@ -1,22 +1,42 @@
 //! Element vectors of a linear integral: the loops over batches, points and basis functions.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
 use std::ops::Range;
 
-use forms_core::contract::{Lane, LinearKernel};
+use forms_core::contract::LinearKernel;
 
 use super::AssemblyError;
-use super::batch::{Batch, WIDEST};
+use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::element_matrices::Deliver;
 use super::walk::Group;
+use crate::lanes::{InstructionSet, LaneWork, SimdLane, Transposition};
 
 /// What the element vectors of a group depend on, besides the kernel.
 pub(super) struct ElementVectors<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
+    /// Where the cells' nodes come from.
+    pub cells: Cells<'a, D>,
     /// The side on which the test function lives.
     pub side: usize,
     /// Its element, by index into the binding's.
     pub element: usize,
+}
+
+/// Memory of the loops, kept from one run to the next.
+pub(super) struct VectorBuffers<L, const D: usize> {
+    batch: BatchBuffers<L, D>,
+    sums: Vec<L>,
+    vectors: Vec<f64>,
+}
+
+impl<L: SimdLane, const D: usize> Default for VectorBuffers<L, D> {
+    fn default() -> Self {
+        VectorBuffers { batch: BatchBuffers::default(), sums: vec![], vectors: vec![] }
+    }
 }
 
 impl<const D: usize> ElementVectors<'_, D> {
@@ -34,25 +54,36 @@ impl<const D: usize> ElementVectors<'_, D> {
     pub fn compute<K: LinearKernel<D>>(
         &self,
         kernel: &K,
+        set: InstructionSet,
         range: Range<usize>,
-        deliver: &mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>,
+        deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        self.compute_in_lanes::<K, f64>(kernel, range, deliver)
+        set.run(Compute { task: self, kernel, range, deliver })
     }
 
-    fn compute_in_lanes<K: LinearKernel<D>, L: Lane>(
+    #[inline(always)]
+    fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane>(
         &self,
         kernel: &K,
         range: Range<usize>,
-        deliver: &mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>,
+        buffers: &mut VectorBuffers<L, D>,
+        deliver: Deliver,
     ) -> Result<(), AssemblyError> {
         let components = K::TEST_COMPONENTS;
-        let size = self.nodes() * components;
+        let nodes = self.nodes();
+        let size = nodes * components;
         let zero = L::splat(0.0);
-        let mut batch = Batch::<L, D>::new(self.binding, self.group, K::REQUIREMENTS)?;
-        let mut sums = vec![zero; size];
-        let mut vectors = vec![0.0; size * L::WIDTH];
-        let mut lanes = [0.0; WIDEST];
+        let VectorBuffers { batch, sums, vectors } = buffers;
+        let mut batch = Batch::<L, D>::new(
+            self.binding,
+            self.group,
+            self.cells,
+            K::REQUIREMENTS,
+            &[self.element],
+            batch,
+        )?;
+        sums.resize(size, zero);
+        vectors.resize(size * L::WIDTH, 0.0);
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
@@ -61,24 +92,37 @@ impl<const D: usize> ElementVectors<'_, D> {
             for q in 0..self.group.points() {
                 let geometry = batch.point(q)?;
                 let flux = kernel.point(&cell, &geometry, batch.fields());
-                let hessians = batch.hessians(self.side, self.element);
-                let functions = batch.basis(self.side, self.element).iter().zip(hessians);
-                for ((basis, hessian), sums) in functions.zip(sums.chunks_mut(components)) {
-                    let block = kernel.test(&flux, basis, hessian);
-                    for (sum, value) in sums.iter_mut().zip(block.as_ref()) {
-                        *sum += *value;
+                let basis = &batch.basis(self.side, self.element)[..nodes];
+                let hessians = &batch.hessians(self.side, self.element)[..nodes];
+                for i in 0..nodes {
+                    let block = kernel.test(&flux, &basis[i], &hessians[i]);
+                    let (block, sums) = (block.as_ref(), &mut sums[i * components..][..components]);
+                    for component in 0..components {
+                        sums[component] += block[component];
                     }
                 }
             }
-            for (entry, sum) in sums.iter().enumerate() {
-                sum.store(&mut lanes);
-                for (lane, value) in lanes[..filled].iter().enumerate() {
-                    vectors[lane * size + entry] = *value;
-                }
-            }
+            L::call(Transposition { source: &sums[..], count: size, filled, target: vectors, stride: size });
             deliver(start, &vectors[..filled * size])?;
             start += filled;
         }
         Ok(())
+    }
+}
+
+struct Compute<'a, 'd, K, const D: usize> {
+    task: &'a ElementVectors<'a, D>,
+    kernel: &'a K,
+    range: Range<usize>,
+    deliver: Deliver<'d>,
+}
+
+impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
+    type Output = Result<(), AssemblyError>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let mut buffers = VectorBuffers::<L, D>::default();
+        self.task.compute_in_lanes(self.kernel, self.range, &mut buffers, self.deliver)
     }
 }

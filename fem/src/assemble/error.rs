@@ -188,14 +188,14 @@ pub enum AssemblyError {
         /// Distance between the two sides \[length\].
         distance: f64,
     },
-    /// A start or constraints of another space than the unknown's.
+    /// A start, constraints or a matrix pattern of other spaces than the form's.
     #[error("form `{form}`: the {what} given for `{field}` belong to another space")]
     OtherSpace {
         /// The form.
         form: &'static str,
-        /// The unknown's name in the form.
+        /// The unknown's or test function's name in the form.
         field: &'static str,
-        /// "start" or "constraints".
+        /// "start", "constraints" or "positions of the matrix".
         what: &'static str,
     },
     /// A matrix pattern made for another form.

@@ -4,6 +4,9 @@
 //! binding   a form's data against a mesh: regions, fields, parameters checked
 //! walk      a region as groups of entities with common tables
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
+//! element_matrices, element_vectors   what a kernel gives for each entity of a range
+//! block_pattern, place_map   the positions of a matrix, and where element matrices go
+//! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel
 //! ```
 
@@ -15,7 +18,10 @@ mod element_matrices;
 mod element_vectors;
 mod error;
 mod functional;
+mod partition;
+mod place_map;
 mod residual;
+mod scatter;
 mod tangent;
 mod walk;
 
@@ -27,8 +33,10 @@ pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
 pub use tangent::ElementMatrix;
 
+use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
+use crate::threads::Threads;
 
 /// Runs kernels on a mesh with a choice of quadrature.
 ///
@@ -38,6 +46,8 @@ use crate::quadrature::Quadrature;
 pub struct Assembler<const D: usize> {
     mesh: Arc<Mesh<D>>,
     quadrature: Quadrature<D>,
+    instructions: InstructionSet,
+    threads: Threads,
 }
 
 /// Which integrals to assemble, by their dependence on the unknowns.
@@ -69,14 +79,36 @@ impl Parts {
 }
 
 impl<const D: usize> Assembler<D> {
-    /// An assembler that takes the quadrature degree from the compiler's estimate.
+    /// An assembler that takes the quadrature degree from the compiler's estimate, and all cores.
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
-        Assembler { mesh: mesh.clone(), quadrature: Quadrature::Estimated }
+        Assembler {
+            mesh: mesh.clone(),
+            quadrature: Quadrature::Estimated,
+            instructions: InstructionSet::best(),
+            threads: Threads::all(),
+        }
     }
 
     /// The same with another choice of quadrature.
     pub fn with_quadrature(self, quadrature: Quadrature<D>) -> Self {
         Assembler { quadrature, ..self }
+    }
+
+    /// The same with kernels compiled for a certain set of instructions; plain ones where the machine does not
+    /// have it. Without this the best set of the machine is taken.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        Assembler { instructions, ..self }
+    }
+
+    /// The same on another number of threads. Matrices, vectors and numbers are the same to the last bit, whatever
+    /// the number (but not for different instruction sets).
+    pub fn with_threads(self, threads: Threads) -> Self {
+        Assembler { threads, ..self }
+    }
+
+    /// How many threads it uses.
+    pub fn threads(&self) -> Threads {
+        self.threads
     }
 
     /// The mesh.

@@ -4,13 +4,17 @@ use std::sync::Arc;
 
 use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Role};
 
+use super::batch::Cells;
 use super::binding::Binding;
 use super::element_vectors::ElementVectors;
+use super::scatter::{GroupNodes, VectorScatter};
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::Field;
+use crate::lanes::InstructionSet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
+use crate::threads::Threads;
 
 impl<const D: usize> Assembler<D> {
     /// The residual of a form at given unknowns: one entry per unknown of the test spaces, in a row.
@@ -48,12 +52,14 @@ impl<const D: usize> Assembler<D> {
         let mut visitor = ResidualVisitor {
             binding: &binding,
             quadrature: &self.quadrature,
+            threads: self.threads,
             degrees,
             tests,
             elements,
             vector: vec![0.0; offsets[tests.len()]],
             offsets,
             parts,
+            set: self.instructions,
         };
         form.residual(&mut visitor)?;
         Ok(visitor.vector)
@@ -63,12 +69,14 @@ impl<const D: usize> Assembler<D> {
 struct ResidualVisitor<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,
+    threads: Threads,
     degrees: Vec<usize>,
     tests: &'a [&'a Arc<Space<D>>],
     elements: Vec<usize>,
     offsets: Vec<usize>,
     vector: Vec<f64>,
     parts: Parts,
+    set: InstructionSet,
 }
 
 impl<const D: usize> LinearVisitor<D> for ResidualVisitor<'_, D> {
@@ -90,28 +98,28 @@ impl<const D: usize> ResidualVisitor<'_, D> {
     ) -> Result<(), AssemblyError> {
         let space = self.tests[integral.test];
         let offset = self.offsets[integral.test];
-        let components = K::TEST_COMPONENTS;
         let name = self.binding.name_of(Role::Test(integral.test));
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
             group.check_support(self.binding.name, name, space)?;
             let side = group.side(self.binding.name, integral.test_side)?;
-            let facet = group.sides[side].facet.map(|(local, _)| local);
             let element = self.elements[integral.test];
-            let task = ElementVectors { binding: self.binding, group: &group, side, element };
-            let size = task.nodes() * components;
-            let cells = &group.sides[side].cells;
-            task.compute(kernel, 0..group.entities(), &mut |first, vectors| {
-                for (cell, vector) in cells[first..].iter().zip(vectors.chunks_exact(size)) {
-                    let nodes = space.nodes_at(*cell, facet);
-                    for (node, values) in nodes.iter().zip(vector.chunks_exact(components)) {
-                        let first = offset + *node as usize * components;
-                        for (sum, value) in self.vector[first..first + components].iter_mut().zip(values) {
-                            *sum += *value;
-                        }
-                    }
-                }
-                Ok(())
-            })?;
+            let cells = Cells::Mesh(self.binding.mesh);
+            let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };
+            let tests = GroupNodes::new(space, &group.sides[side]);
+            let scatter = VectorScatter { tests, components: K::TEST_COMPONENTS, nodes: task.nodes() };
+            let values = &mut self.vector[offset..offset + space.unknowns()];
+            let partition = scatter.tests.partition(self.threads);
+            let parts = scatter.parts(&partition, values);
+            let done = self.threads.run(parts, |(entities, mut part)| {
+                task.compute(kernel, self.set, entities, &mut |first, vectors| {
+                    scatter.add(first, vectors, &mut part);
+                    Ok(())
+                })?;
+                Ok(part.into_deferred())
+            });
+            for deferred in done {
+                scatter.add_deferred(&deferred?, values);
+            }
         }
         Ok(())
     }

@@ -4,15 +4,19 @@ use std::sync::Arc;
 
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
+use super::batch::Cells;
 use super::binding::Binding;
 use super::element_matrices::ElementMatrices;
+use super::scatter::{GroupNodes, MatrixScatter};
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::field::Field;
-use crate::linear_algebra::CsrMatrix;
+use crate::lanes::InstructionSet;
+use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
 use crate::mesh::Facet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
+use crate::threads::Threads;
 
 impl<const D: usize> Assembler<D> {
     /// The tangent of a form at given unknowns: rows are the test spaces' unknowns, columns those of the
@@ -28,13 +32,32 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<CsrMatrix, AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
         let pattern = BlockPattern::for_form(form, tests, &trials)?;
-        let mut matrix = CsrMatrix::zero(pattern.pattern());
-        self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
-        Ok(matrix)
+        let mut matrix = BlockMatrix::zero(pattern.sparsity());
+        self.assemble_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
+        Ok(matrix.into_csr())
     }
 
-    /// Adds some of the integrals to a matrix on the pattern, which must be of the same spaces and hold every
-    /// entry that the form touches.
+    /// Replaces the values of a matrix on the pattern by the tangent of some of the integrals. The pattern must be
+    /// of the same spaces and hold every entry that the form touches. This is the fastest way to assemble a matrix
+    /// again: rows are set to zero when they are first needed.
+    ///
+    /// # Errors
+    /// As [`Assembler::tangent`]; then the values mean nothing.
+    pub fn assemble_tangent<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+        pattern: &BlockPattern<D>,
+        matrix: &mut BlockMatrix,
+    ) -> Result<(), AssemblyError> {
+        let written = vec![false; tests.len() * unknowns.len()];
+        self.to_matrix(form, unknowns, tests, parts, pattern, matrix, written)
+    }
+
+    /// Adds the tangent of some of the integrals to a matrix on the pattern, which must be of the same spaces and
+    /// hold every entry that the form touches.
     ///
     /// # Errors
     /// As [`Assembler::tangent`].
@@ -44,16 +67,43 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
-        pattern: &BlockPattern,
-        matrix: &mut CsrMatrix,
+        pattern: &BlockPattern<D>,
+        matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        self.walk_tangent(
-            form,
-            unknowns,
-            tests,
-            parts,
-            Target::Matrix { pattern, values: matrix.values_mut() },
-        )
+        let written = vec![true; tests.len() * unknowns.len()];
+        self.to_matrix(form, unknowns, tests, parts, pattern, matrix, written)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn to_matrix<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+        pattern: &BlockPattern<D>,
+        matrix: &mut BlockMatrix,
+        mut written: Vec<bool>,
+    ) -> Result<(), AssemblyError> {
+        let form_name = form.name();
+        let name_of =
+            |role: Role| form.fields().iter().find(|field| field.role == role).map_or("", |f| f.name);
+        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
+        pattern.check(form_name, name_of, tests, &trials)?;
+        if **matrix.sparsity() != **pattern.sparsity() {
+            let source = LinearAlgebraError::PatternMismatch { what: "assembling a matrix" };
+            return Err(AssemblyError::LinearAlgebra { form: form_name, source });
+        }
+        let values = matrix.values_mut();
+        let target = Target::Matrix { pattern, values: &mut *values, written: &mut written };
+        self.walk_tangent(form, unknowns, tests, parts, target)?;
+        for (pair, written) in written.into_iter().enumerate() {
+            let pair = pattern.sparsity().pair(pair / trials.len(), pair % trials.len());
+            if !written {
+                values[pair.values()].fill(0.0);
+            }
+        }
+        Ok(())
     }
 
     /// The element matrices of a form, cell by cell (or facet by facet), integral by integral; on interior
@@ -78,7 +128,7 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
-        target: Target,
+        target: Target<D>,
     ) -> Result<(), AssemblyError> {
         let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
         binding.check_tests(tests, &self.mesh)?;
@@ -90,6 +140,7 @@ impl<const D: usize> Assembler<D> {
         form.tangent(&mut TangentVisitor {
             binding,
             quadrature,
+            threads: self.threads,
             degrees,
             tests,
             trials,
@@ -97,6 +148,7 @@ impl<const D: usize> Assembler<D> {
             trial_elements,
             target,
             parts,
+            set: self.instructions,
         })
     }
 }
@@ -121,21 +173,28 @@ pub struct ElementMatrix {
 }
 
 /// Where element matrices go.
-enum Target<'a> {
-    Matrix { pattern: &'a BlockPattern, values: &'a mut [f64] },
+enum Target<'a, const D: usize> {
+    Matrix {
+        pattern: &'a BlockPattern<D>,
+        values: &'a mut [f64],
+        /// Of each pair of spaces, whether its values count.
+        written: &'a mut [bool],
+    },
     Elements(&'a mut Vec<ElementMatrix>),
 }
 
 struct TangentVisitor<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,
+    threads: Threads,
     degrees: Vec<usize>,
     tests: &'a [&'a Arc<Space<D>>],
     trials: Vec<&'a Arc<Space<D>>>,
     test_elements: Vec<usize>,
     trial_elements: Vec<usize>,
-    target: Target<'a>,
+    target: Target<'a, D>,
     parts: Parts,
+    set: InstructionSet,
 }
 
 impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
@@ -166,78 +225,95 @@ impl<const D: usize> TangentVisitor<'_, D> {
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
             group.check_support(form, names[0], test)?;
             group.check_support(form, names[1], trial)?;
+            let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
             let task = ElementMatrices {
                 binding: self.binding,
                 group: &group,
-                sides: [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?],
+                cells: Cells::Mesh(self.binding.mesh),
+                sides,
                 elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
                 symmetric: K::SYMMETRIC && same_nodes,
             };
             let nodes = task.nodes();
             let size = nodes[0] * nodes[1] * K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
-            task.compute(kernel, 0..group.entities(), &mut |first, matrices| {
-                for (number, matrix) in matrices.chunks_exact(size).enumerate() {
-                    self.deliver(integral, &group, first + number, nodes, matrix)
-                        .ok_or(AssemblyError::Pattern { form, test: names[0], trial: names[1] })?;
+            match &mut self.target {
+                Target::Elements(found) => {
+                    task.compute(kernel, self.set, 0..group.entities(), &mut |first, matrices| {
+                        for (number, matrix) in matrices.chunks_exact(size).enumerate() {
+                            found.push(element_matrix(
+                                integral,
+                                &group,
+                                first + number,
+                                (test, trial),
+                                matrix,
+                            ));
+                        }
+                        Ok(())
+                    })?
                 }
-                Ok(())
-            })?;
-        }
-        Ok(())
-    }
-
-    /// Hands over the element matrix of the group's `number`-th entity. `None`: the pattern does not have its
-    /// entries.
-    fn deliver(
-        &mut self,
-        integral: &Integral,
-        group: &Group<D>,
-        number: usize,
-        nodes: [usize; 2],
-        matrix: &[f64],
-    ) -> Option<()> {
-        let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
-        let components = [test.components(), trial.components()];
-        let block = components[0] * components[1];
-        let seen_from = |side: usize| {
-            let side = &group.sides[side];
-            (side.cells[number], side.facet.map(|(local, _)| local))
-        };
-        let of_side = |side: Side| if side == Side::This { seen_from(0) } else { seen_from(1) };
-        match &mut self.target {
-            Target::Matrix { pattern, values } => {
-                let (cell, facet) = of_side(integral.test_side);
-                let rows = test.nodes_at(cell, facet);
-                let (cell, facet) = of_side(integral.trial_side);
-                let columns = trial.nodes_at(cell, facet);
-                let mut blocks = matrix.chunks_exact(block);
-                for row in rows {
-                    for column in columns {
-                        let (row, column) =
-                            ((integral.test, *row as usize), (integral.trial, *column as usize));
-                        let block = blocks.next()?;
-                        pattern.add(values, row, column, |entry| block[entry])?;
+                Target::Matrix { pattern, values, written } => {
+                    let at = |space, side: usize| GroupNodes::new(space, &group.sides[side]);
+                    let blocks = pattern.sparsity().pair(integral.test, integral.trial);
+                    let on_cells = test.facet_region().is_none() && trial.facet_region().is_none();
+                    let one_sided = on_cells && integral.test_side == integral.trial_side;
+                    let scatter = MatrixScatter {
+                        tests: at(test, sides[0]),
+                        trials: at(trial, sides[1]),
+                        blocks,
+                        block: K::TEST_COMPONENTS * K::TRIAL_COMPONENTS,
+                        map: pattern.map(integral.test, integral.trial).filter(|_| one_sided),
+                        nodes,
+                    };
+                    let values = &mut values[blocks.values()];
+                    let written = &mut written[integral.test * self.trials.len() + integral.trial];
+                    let partition = scatter.tests.partition(self.threads);
+                    let parts = scatter.parts(&partition, values, *written);
+                    let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
+                    let done = self.threads.run(parts, |(entities, mut part)| {
+                        task.compute(kernel, self.set, entities, &mut |first, matrices| {
+                            scatter.add(first, matrices, &mut part).ok_or_else(missing)
+                        })?;
+                        Ok(scatter.finish(part))
+                    });
+                    *written = true;
+                    for deferred in done {
+                        scatter.add_deferred(&deferred?, values);
                     }
                 }
             }
-            Target::Elements(found) => {
-                let (rows, columns) = (nodes[0] * components[0], nodes[1] * components[1]);
-                let entry = |index: usize| {
-                    let (row, column) = (index / columns, index % columns);
-                    let [a, b] = components;
-                    let pair = row / a * nodes[1] + column / b;
-                    matrix[pair * block + row % a * b + column % b]
-                };
-                let values = (0..rows * columns).map(entry).collect();
-                let (cell, facet) = seen_from(0);
-                let opposite = (group.sides.len() == 2).then(|| {
-                    let (cell, local) = seen_from(1);
-                    Facet { cell, local: local.unwrap_or_default() }
-                });
-                let sides = [integral.test_side, integral.trial_side];
-                found.push(ElementMatrix { cell, facet, opposite, sides, rows, columns, values });
-            }
         }
-        Some(())
+        Ok(())
     }
+}
+
+/// The element matrix of a group's `number`-th entity, with its rows and columns in one piece.
+fn element_matrix<const D: usize>(
+    integral: &Integral,
+    group: &Group<D>,
+    number: usize,
+    (test, trial): (&Space<D>, &Space<D>),
+    matrix: &[f64],
+) -> ElementMatrix {
+    let [a, b] = [test.components(), trial.components()];
+    let seen_from = |side: usize| {
+        let side = &group.sides[side];
+        (side.cells[number], side.facet.map(|(local, _)| local))
+    };
+    let of_side = |side: Side| if side == Side::This { seen_from(0) } else { seen_from(1) };
+    let count = |space: &Space<D>, (cell, facet)| space.nodes_at(cell, facet).len();
+    let nodes = [count(test, of_side(integral.test_side)), count(trial, of_side(integral.trial_side))];
+    let (rows, columns) = (nodes[0] * a, nodes[1] * b);
+    let entry = |index: usize| {
+        let (row, column) = (index / columns, index % columns);
+        let pair = row / a * nodes[1] + column / b;
+        matrix[pair * a * b + row % a * b + column % b]
+    };
+    let values = (0..rows * columns).map(entry).collect();
+    let (cell, facet) = seen_from(0);
+    let opposite = (group.sides.len() == 2).then(|| {
+        let (cell, local) = seen_from(1);
+        Facet { cell, local: local.unwrap_or_default() }
+    });
+    let sides = [integral.test_side, integral.trial_side];
+    ElementMatrix { cell, facet, opposite, sides, rows, columns, values }
 }

@@ -1,4 +1,4 @@
-//! The order in which a region is walked: groups of entities that share tables, in batches of lanes.
+//! The order in which a region is walked: groups of entities that share tables, each along the mesh's cell order.
 //! Facets group by their local number, because their points lie elsewhere in the reference cell; interior
 //! facets also by their local number on the other side, and by how the two sides are turned.
 
@@ -28,6 +28,8 @@ pub(super) struct Group<const D: usize> {
 pub(super) struct GroupSide<const D: usize> {
     /// Cells, or the cells that own the facets.
     pub cells: Vec<u32>,
+    /// Vertices of a cell, which are its first geometry nodes.
+    pub vertices: usize,
     /// Local facet number and reference tangents; `None` inside cells.
     pub facet: Option<(u8, [[f64; D]; 2])>,
     /// The geometry map's basis.
@@ -142,6 +144,7 @@ impl<const D: usize> GroupSide<D> {
         let local = facet.map(|(local, _)| local);
         Ok(GroupSide {
             cells,
+            vertices: mesh.shape().vertices(),
             facet: *facet,
             geometry: map,
             elements: elements.iter().map(|element| element.tabulate(points, local, hessians)).collect(),
@@ -199,7 +202,8 @@ pub(super) fn groups<const D: usize>(
         Entities::Cells(cells) => {
             let rule = quadrature.cell_rule(shape, degree).map_err(failed)?;
             let places = Places { points: rule.points, facet: None };
-            let group = Group::new(binding, place, cells.to_vec(), &places, rule.weights, hessians);
+            let group =
+                Group::new(binding, place, mesh.walk_of_cells(cells), &places, rule.weights, hessians);
             Ok(vec![group.map_err(failed)?])
         }
         facets => {
@@ -229,7 +233,10 @@ pub(super) fn facet_groups<const D: usize>(
     let (mesh, form) = (binding.mesh, binding.name);
     let shape = mesh.shape();
     let mut numberings: BTreeMap<Numbering, Vec<usize>> = BTreeMap::new();
-    for index in 0..facets.count() {
+    let mut walk: Vec<(u32, usize)> =
+        (0..facets.count()).map(|index| (mesh.walk_of_facet(facets.sides(index)), index)).collect();
+    walk.sort_unstable();
+    for (_, index) in walk {
         let numbering = match facets.sides(index) {
             [first, second] => {
                 let twisted = |source| AssemblyError::Facets { form, place: place.to_owned(), source };

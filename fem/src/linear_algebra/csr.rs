@@ -31,6 +31,11 @@ impl CsrMatrix {
         Ok(Self { pattern: pattern.clone(), values })
     }
 
+    /// A matrix from a pattern and as many values as it has entries.
+    pub(super) fn of_checked(pattern: &Arc<SparsityPattern>, values: Vec<f64>) -> Self {
+        Self { pattern: pattern.clone(), values }
+    }
+
     /// A matrix from (row, column, value) triplets in any order; duplicates are summed in their order.
     ///
     /// # Errors

@@ -1,11 +1,14 @@
 //! Sparse matrices and linear solvers.
 //!
-//! [`CsrMatrix`] holds values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows
-//! and columns out of it. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
+//! [`BlockMatrix`] is what assembly writes: blocks of node pairs on a shared [`BlockSparsity`]. [`CsrMatrix`] is
+//! what solvers read: values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows and columns out
+//! of either. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
 //! Cholesky or a Bunch–Kaufman factor on it, [`LuFactor`] is a factor with partial pivoting of any square
 //! matrix, and [`gmres()`] solves what is nearly symmetric.
 
 pub mod analysis;
+pub mod block_matrix;
+pub mod block_sparsity;
 pub mod cholesky;
 pub mod csr;
 pub mod error;
@@ -18,6 +21,8 @@ pub mod restriction;
 pub mod vector;
 
 pub use analysis::Analysis;
+pub use block_matrix::BlockMatrix;
+pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 pub use cholesky::{Refined, SymmetricFactor};
 pub use csr::CsrMatrix;
 pub use error::LinearAlgebraError;

@@ -57,6 +57,16 @@ impl SparsityPattern {
         Ok(Self { rows, columns, row_pointers, column_indices })
     }
 
+    /// A pattern from parts that are known to fit.
+    pub(super) fn of_checked(
+        rows: usize,
+        columns: usize,
+        row_pointers: Vec<usize>,
+        column_indices: Vec<u32>,
+    ) -> Self {
+        SparsityPattern { rows, columns, row_pointers, column_indices }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows

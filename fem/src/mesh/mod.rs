@@ -5,6 +5,7 @@ mod error;
 mod generators;
 pub(crate) mod geometry;
 mod interior;
+mod order;
 mod regions;
 mod structured;
 
@@ -14,6 +15,7 @@ use crate::element::{CellShape, Lagrange};
 
 pub use error::MeshError;
 pub use generators::{annulus, cuboid, rectangle};
+pub use order::CellOrder;
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
 pub use structured::{Grid, structured};
 
@@ -47,6 +49,7 @@ pub struct Mesh<const D: usize> {
     pub(crate) facet_regions: BTreeMap<String, Vec<Facet>>,
     /// Named sets of interior facets, each with its two sides.
     interior_regions: BTreeMap<String, Vec<[Facet; 2]>>,
+    order: order::LazyOrder,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -80,6 +83,7 @@ impl<const D: usize> Mesh<D> {
             cell_regions: BTreeMap::from([(EVERYWHERE.to_owned(), all)]),
             facet_regions: BTreeMap::from([(BOUNDARY.to_owned(), boundary)]),
             interior_regions: BTreeMap::from([(INTERIOR.to_owned(), interior_facets)]),
+            order: order::LazyOrder::new(),
         };
         mesh.check_jacobians()?;
         Ok(mesh)

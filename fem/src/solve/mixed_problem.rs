@@ -15,12 +15,12 @@ use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
-use crate::linear_algebra::{CsrMatrix, LinearAlgebraError};
+use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
 use crate::solve::SolverError;
 use crate::space::Space;
 
 /// Residual at 0 and tangent of the integrals that are constant or linear in the unknowns.
-type Fixed = (Vec<f64>, CsrMatrix);
+type Fixed = (Vec<f64>, BlockMatrix);
 
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
 /// vectors and matrices the unknowns of the spaces stand one after the other.
@@ -53,7 +53,7 @@ pub struct MixedProblem<'a, F, const D: usize, const N: usize> {
     form: &'a F,
     assembler: &'a Assembler<D>,
     spaces: [Arc<Space<D>>; N],
-    pattern: Arc<BlockPattern>,
+    pattern: Arc<BlockPattern<D>>,
     /// What no iterate changes, and how often the form's histories had been committed when it was assembled.
     fixed: Option<(u64, Arc<Fixed>)>,
     seconds: f64,
@@ -107,14 +107,14 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         form: &'a F,
         assembler: &'a Assembler<D>,
         spaces: [&Arc<Space<D>>; N],
-        pattern: &Arc<BlockPattern>,
+        pattern: &Arc<BlockPattern<D>>,
     ) -> Self {
         let (spaces, pattern) = (spaces.map(Arc::clone), pattern.clone());
         MixedProblem { form, assembler, spaces, pattern, fixed: None, seconds: 0.0 }
     }
 
     /// The matrix pattern, for other forms on the same spaces.
-    pub fn pattern(&self) -> &Arc<BlockPattern> {
+    pub fn pattern(&self) -> &Arc<BlockPattern<D>> {
         &self.pattern
     }
 
@@ -247,8 +247,15 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (zero.each_ref(), self.spaces.each_ref());
         let residual = self.assembler.residual_parts(self.form, &zero, &spaces, Parts::FIXED)?;
-        let mut matrix = CsrMatrix::zero(self.pattern.pattern());
-        self.assembler.add_tangent(self.form, &zero, &spaces, Parts::FIXED, &self.pattern, &mut matrix)?;
+        let mut matrix = BlockMatrix::zero(self.pattern.sparsity());
+        self.assembler.assemble_tangent(
+            self.form,
+            &zero,
+            &spaces,
+            Parts::FIXED,
+            &self.pattern,
+            &mut matrix,
+        )?;
         let fixed = Arc::new((residual, matrix));
         self.fixed = Some((commits, fixed.clone()));
         self.seconds += start.elapsed().as_secs_f64();
@@ -292,11 +299,11 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for MixedProbl
             &mut matrix,
         )?;
         self.seconds += start.elapsed().as_secs_f64();
-        Ok(matrix)
+        Ok(matrix.into_csr())
     }
 
     fn linear_part(&mut self) -> Result<Option<CsrMatrix>, AssemblyError> {
-        Ok(Some(self.fixed()?.1.clone()))
+        Ok(Some(self.fixed()?.1.to_csr()))
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {

@@ -49,13 +49,13 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
         form: &'a F,
         assembler: &'a Assembler<D>,
         space: &Arc<Space<D>>,
-        pattern: &Arc<BlockPattern>,
+        pattern: &Arc<BlockPattern<D>>,
     ) -> Self {
         FormProblem { whole: MixedProblem::with_pattern(form, assembler, [space], pattern) }
     }
 
     /// The matrix pattern, for other forms on the same space.
-    pub fn pattern(&self) -> &Arc<BlockPattern> {
+    pub fn pattern(&self) -> &Arc<BlockPattern<D>> {
         self.whole.pattern()
     }
 

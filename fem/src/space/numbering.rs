@@ -8,7 +8,7 @@ use crate::mesh::{Facet, Mesh};
 const UNNUMBERED: u32 = u32::MAX;
 
 // Cells share the nodes of the vertices, edges and faces that they share; an edge or face is known by its
-// sorted vertices.
+// sorted vertices. Numbers are given in the order of first use along the mesh's cell order.
 pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) -> Vec<u32> {
     let shape = element.shape;
     let mut next = 0;
@@ -18,15 +18,17 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) ->
     };
     let mut of_vertex = vec![UNNUMBERED; mesh.node_count()];
     let mut of_entity: HashMap<[u32; 4], u32> = HashMap::new();
-    let mut cell_nodes = Vec::with_capacity(mesh.cell_count() * element.nodes());
-    for cell in 0..mesh.cell_count() {
-        let vertices = &mesh.cell(cell)[..shape.vertices()];
-        for &vertex in vertices {
+    let mut cell_nodes = vec![UNNUMBERED; mesh.cell_count() * element.nodes()];
+    for &cell in mesh.cell_order().cells() {
+        let vertices = &mesh.cell(cell as usize)[..shape.vertices()];
+        let first = cell as usize * element.nodes();
+        let mut numbers = cell_nodes[first..first + element.nodes()].iter_mut();
+        for (&vertex, number) in vertices.iter().zip(&mut numbers) {
             let node = &mut of_vertex[vertex as usize];
             if *node == UNNUMBERED {
                 *node = fresh();
             }
-            cell_nodes.push(*node);
+            *number = *node;
         }
         if element.degree == 1 {
             continue;
@@ -37,7 +39,9 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) ->
                 *entry = vertices[vertex];
             }
             key.sort_unstable();
-            cell_nodes.push(*of_entity.entry(key).or_insert_with(&mut fresh));
+            if let Some(number) = numbers.next() {
+                *number = *of_entity.entry(key).or_insert_with(&mut fresh);
+            }
         };
         for edge in shape.edges() {
             shared(edge);
@@ -47,11 +51,17 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) ->
                 shared(shape.facet_vertices(local));
             }
         }
-        if !shape.is_simplex() {
-            cell_nodes.push(fresh());
+        for centre in numbers {
+            *centre = fresh();
         }
     }
     cell_nodes
+}
+
+/// Nodes of its own for each cell, numbered along the mesh's cell order.
+pub(super) fn separate_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) -> Vec<u32> {
+    let count = element.nodes() as u32;
+    mesh.cell_order().ranks().iter().flat_map(|rank| rank * count..(rank + 1) * count).collect()
 }
 
 pub(super) fn node_positions<const D: usize>(
@@ -94,8 +104,10 @@ pub(super) fn facet_nodes<const D: usize>(
 ) -> (FacetNodes, Vec<[f64; D]>) {
     let mut positions = Vec::new();
     let mut found = Vec::new();
+    let mut walk: Vec<&Vec<Facet>> = entities.iter().collect();
+    walk.sort_by_key(|sides| mesh.walk_of_facet(sides));
     if element.degree == 0 {
-        for sides in entities {
+        for sides in walk {
             let node = positions.len() as u32;
             positions.push(mesh.facet_centre(sides[0]));
             found.extend(sides.iter().map(|facet| (*facet, vec![node])));
@@ -105,7 +117,7 @@ pub(super) fn facet_nodes<const D: usize>(
         let whole = share_nodes(mesh, element);
         let places = node_positions(mesh, element, &whole);
         let mut renumbered: HashMap<u32, u32> = HashMap::new();
-        for facet in entities.iter().flatten() {
+        for facet in walk.into_iter().flatten() {
             let cell = &whole[facet.cell as usize * element.nodes()..];
             let nodes = element.facet_nodes(usize::from(facet.local)).into_iter().map(|local| {
                 *renumbered.entry(cell[local]).or_insert_with(|| {

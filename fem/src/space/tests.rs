@@ -36,7 +36,7 @@ fn nodes_are_shared_where_they_coincide() -> Result<(), Box<dyn std::error::Erro
         let space = Space::scalar(&mesh, 2)?;
         let points = space.element().node_points::<3>();
         let mut next = 0;
-        for cell in 0..mesh.cell_count() {
+        for cell in mesh.cell_order().cells().iter().map(|cell| *cell as usize) {
             for (&node, point) in space.cell_nodes(cell).iter().zip(&points) {
                 assert!(node <= next);
                 next = next.max(node + 1);

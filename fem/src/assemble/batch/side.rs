@@ -7,167 +7,267 @@ use forms_core::contract::{Basis, Hessian, Lane};
 
 use super::super::binding::Tabulated;
 use super::super::walk::GroupSide;
-use super::WIDEST;
+use super::{Cells, Reads};
 use crate::element::Tables;
-use crate::mesh::Mesh;
+use crate::lanes::{SimdLane, WIDEST};
 
-/// The cells of one batch on one side.
-pub(super) struct BatchSide<'a, L, const D: usize> {
-    pub tables: &'a GroupSide<D>,
+/// The tables of one side of a group.
+pub(super) struct SideTables<'a, const D: usize> {
+    pub group: &'a GroupSide<D>,
+    elements: &'a [Tabulated],
+    /// One Jacobian serves all points of a cell.
+    pub affine: bool,
+}
+
+/// What is known of the cells of one batch on one side.
+pub(super) struct SideBuffers<L, const D: usize> {
     /// Cells of this batch; the last one repeats to fill the lanes.
     pub cells: [u32; WIDEST],
     /// Positions of the geometry nodes.
-    pub nodes: Vec<[L; D]>,
+    nodes: Vec<[L; D]>,
     /// Basis functions at the current point, one list per element.
     pub basis: Vec<Vec<Basis<L, D>>>,
     /// Their second derivatives, zero unless a kernel reads them.
     pub hessians: Vec<Vec<Hessian<L, D>>>,
+    /// ∂x_i/∂ξ_j, its determinant and J⁻ᵀ, of affine cells.
+    pub jacobian: [[L; D]; D],
+    pub determinant: L,
+    pub inverse: [[L; D]; D],
 }
 
-impl<'a, L: Lane, const D: usize> BatchSide<'a, L, D> {
-    pub fn new(tables: &'a GroupSide<D>) -> Self {
+impl<'a, const D: usize> SideTables<'a, D> {
+    pub fn new(group: &'a GroupSide<D>, elements: &'a [Tabulated], affine: bool) -> Self {
+        SideTables { group, elements, affine }
+    }
+}
+
+impl<L: SimdLane, const D: usize> Default for SideBuffers<L, D> {
+    fn default() -> Self {
+        let zero = L::splat(0.0);
+        SideBuffers {
+            cells: [0; WIDEST],
+            nodes: vec![],
+            basis: vec![],
+            hessians: vec![],
+            jacobian: [[zero; D]; D],
+            determinant: zero,
+            inverse: [[zero; D]; D],
+        }
+    }
+}
+
+impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
+    /// Makes room for a group.
+    pub fn prepare(&mut self, tables: &GroupSide<D>) {
         let zero = L::splat(0.0);
         let empty = Basis { value: zero, gradient: [zero; D] };
-        BatchSide {
-            tables,
-            cells: [0; WIDEST],
-            nodes: vec![[zero; D]; tables.geometry.nodes],
-            basis: tables.elements.iter().map(|tables| vec![empty; tables.nodes]).collect(),
-            hessians: tables.elements.iter().map(|tables| vec![[[zero; D]; D]; tables.nodes]).collect(),
+        self.nodes.resize(tables.geometry.nodes, [zero; D]);
+        self.basis.resize_with(tables.elements.len(), Vec::new);
+        self.hessians.resize_with(tables.elements.len(), Vec::new);
+        for (element, tables) in tables.elements.iter().enumerate() {
+            self.basis[element].clear();
+            self.basis[element].resize(tables.nodes, empty);
+            self.hessians[element].clear();
+            self.hessians[element].resize(tables.nodes, [[zero; D]; D]);
         }
     }
 
-    pub fn load(&mut self, mesh: &Mesh<D>, start: usize, filled: usize) {
-        let own = &self.tables.cells[start..start + filled];
-        for lane in 0..L::WIDTH {
-            self.cells[lane] = own[lane.min(filled - 1)];
-        }
-        let mut lanes = [0.0; WIDEST];
-        for node in 0..self.nodes.len() {
-            for axis in 0..D {
+    #[inline(always)]
+    pub fn load(&mut self, tables: &SideTables<D>, cells: Cells<D>, start: usize, filled: usize) {
+        let mut places = [0; WIDEST];
+        match cells {
+            Cells::Mesh(mesh) => {
+                let own = &tables.group.cells[start..start + filled];
+                let mut lists: [&[u32]; WIDEST] = [&[]; WIDEST];
                 for lane in 0..L::WIDTH {
-                    let number = mesh.cell(self.cells[lane] as usize)[node];
-                    lanes[lane] = mesh.nodes()[number as usize][axis];
+                    self.cells[lane] = own[lane.min(filled - 1)];
+                    lists[lane] = mesh.cell(self.cells[lane] as usize);
                 }
-                self.nodes[node][axis] = L::load(&lanes);
+                let coordinates = mesh.nodes().as_flattened();
+                for node in 0..self.nodes.len() {
+                    for lane in 0..L::WIDTH {
+                        places[lane] = lists[lane][node] as usize * D;
+                    }
+                    for axis in 0..D {
+                        self.nodes[node][axis] = L::gather(coordinates, &places);
+                        for place in &mut places {
+                            *place += 1;
+                        }
+                    }
+                }
+            }
+            Cells::Given { coordinates, stride, offsets } => {
+                for node in 0..self.nodes.len() {
+                    for lane in 0..L::WIDTH {
+                        places[lane] = (start + lane.min(filled - 1)) * stride + offsets[node];
+                    }
+                    for axis in 0..D {
+                        self.nodes[node][axis] = L::gather(coordinates, &places);
+                        for place in &mut places {
+                            *place += 1;
+                        }
+                    }
+                }
             }
         }
     }
 
-    pub fn diameter(&self, mesh: &Mesh<D>) -> L {
-        let mut lanes = [0.0; WIDEST];
-        for lane in 0..L::WIDTH {
-            lanes[lane] = mesh.diameter(self.cells[lane] as usize);
-        }
-        L::load(&lanes)
+    /// Jacobian, determinant and inverse of affine cells.
+    #[inline(always)]
+    pub fn map_affinely(&mut self, tables: &SideTables<D>) {
+        self.jacobian = self.jacobian_at(&tables.group.geometry, 0);
+        (self.determinant, self.inverse) = inverse_transposed(&self.jacobian);
     }
 
-    pub fn volume(&self) -> L {
+    /// h: the largest distance between two vertices.
+    #[inline(always)]
+    pub fn diameter(&self, tables: &SideTables<D>) -> L {
+        let mut largest = L::splat(0.0);
+        let vertices = tables.group.vertices;
+        for first in 0..vertices {
+            for second in first + 1..vertices {
+                let mut square = L::splat(0.0);
+                for axis in 0..D {
+                    let edge = self.nodes[second][axis] - self.nodes[first][axis];
+                    square = edge.multiply_add(edge, square);
+                }
+                largest = largest.maximum(square);
+            }
+        }
+        largest.sqrt()
+    }
+
+    #[inline(always)]
+    pub fn volume(&self, tables: &SideTables<D>) -> L {
+        let measure = &tables.group.measure;
+        if tables.affine {
+            let mut sum = 0.0;
+            for weight in &measure.cell_weights {
+                sum += *weight;
+            }
+            return self.determinant * L::splat(sum);
+        }
         let mut volume = L::splat(0.0);
-        let measure = &self.tables.measure;
-        for (q, weight) in measure.cell_weights.iter().enumerate() {
-            let (determinant, _) = inverse_transposed(&self.jacobian(&measure.cell, q));
-            volume = determinant.multiply_add(L::splat(*weight), volume);
+        for q in 0..measure.cell_weights.len() {
+            let (determinant, _) = inverse_transposed(&self.jacobian_at(&measure.cell, q));
+            volume = determinant.multiply_add(L::splat(measure.cell_weights[q]), volume);
         }
         volume
     }
 
     /// ∂x_i/∂ξ_j at a point of a table of the geometry map.
-    pub fn jacobian(&self, tables: &Tables<D>, q: usize) -> [[L; D]; D] {
+    #[inline(always)]
+    pub fn jacobian_at(&self, tables: &Tables<D>, q: usize) -> [[L; D]; D] {
         let mut jacobian = [[L::splat(0.0); D]; D];
-        for (node, slope) in self.nodes.iter().zip(&tables.gradient[q * tables.nodes..]) {
+        let slopes = &tables.gradient[q * tables.nodes..][..self.nodes.len()];
+        for node in 0..self.nodes.len() {
             for i in 0..D {
                 for j in 0..D {
-                    jacobian[i][j] = node[i].multiply_add(L::splat(slope[j]), jacobian[i][j]);
+                    jacobian[i][j] =
+                        self.nodes[node][i].multiply_add(L::splat(slopes[node][j]), jacobian[i][j]);
                 }
             }
         }
         jacobian
     }
 
-    pub fn position(&self, q: usize) -> [L; D] {
+    #[inline(always)]
+    pub fn position(&self, tables: &SideTables<D>, q: usize) -> [L; D] {
         let mut position = [L::splat(0.0); D];
-        for (node, value) in self.nodes.iter().zip(&self.tables.geometry.value[q * self.nodes.len()..]) {
+        let values = &tables.group.geometry.value[q * self.nodes.len()..][..self.nodes.len()];
+        for node in 0..self.nodes.len() {
             for axis in 0..D {
-                position[axis] = node[axis].multiply_add(L::splat(*value), position[axis]);
+                position[axis] = self.nodes[node][axis].multiply_add(L::splat(values[node]), position[axis]);
             }
         }
         position
     }
 
-    /// Values, gradients and, if they are read, second derivatives of all basis functions; `inverse` is J⁻ᵀ.
+    /// Values, and what is read of gradients and second derivatives, of all basis functions; `inverse` is J⁻ᵀ.
+    #[inline(always)]
     pub fn evaluate_basis(
         &mut self,
-        elements: &[Tabulated],
+        tables: &SideTables<D>,
+        reads: &[Reads],
         q: usize,
         inverse: &[[L; D]; D],
         normal: &[L; D],
-        hessians: bool,
     ) {
-        let zero = L::splat(0.0);
-        for ((tables, basis), element) in self.tables.elements.iter().zip(&mut self.basis).zip(elements) {
-            let start = q * tables.nodes;
-            for (node, basis) in basis.iter_mut().enumerate() {
-                basis.value = L::splat(tables.value[start + node]);
-                let slope = &tables.gradient[start + node];
+        for index in 0..tables.group.elements.len() {
+            let table = &tables.group.elements[index];
+            let values = &table.value[q * table.nodes..][..table.nodes];
+            let slopes = &table.gradient[q * table.nodes..][..table.nodes];
+            let basis = &mut self.basis[index][..table.nodes];
+            for node in 0..table.nodes {
+                basis[node].value = L::splat(values[node]);
+            }
+            if !reads[index].gradient && !reads[index].hessian {
+                continue;
+            }
+            for node in 0..table.nodes {
+                let mut gradient = [L::splat(0.0); D];
                 for i in 0..D {
-                    let mut sum = zero;
-                    for j in 0..D {
-                        sum = inverse[i][j].multiply_add(L::splat(slope[j]), sum);
+                    gradient[i] = inverse[i][0] * L::splat(slopes[node][0]);
+                    for j in 1..D {
+                        gradient[i] = inverse[i][j].multiply_add(L::splat(slopes[node][j]), gradient[i]);
                     }
-                    basis.gradient[i] = sum;
                 }
-                if element.on_facets {
-                    basis.gradient = tangential(&basis.gradient, normal);
+                basis[node].gradient = gradient;
+            }
+            if tables.elements[index].on_facets {
+                for node in 0..table.nodes {
+                    basis[node].gradient = tangential(&basis[node].gradient, normal);
                 }
             }
-        }
-        if hessians {
-            self.evaluate_hessians(elements, q, inverse);
+            if reads[index].hessian {
+                self.evaluate_hessians(tables, index, q, inverse);
+            }
         }
     }
 
     /// ∂²φ/∂x² = J⁻ᵀ (∂²φ/∂ξ² − Σ_k ∂φ/∂x_k ∂²x_k/∂ξ²) J⁻¹, after the gradients.
-    fn evaluate_hessians(&mut self, elements: &[Tabulated], q: usize, inverse: &[[L; D]; D]) {
+    #[inline(always)]
+    fn evaluate_hessians(&mut self, tables: &SideTables<D>, index: usize, q: usize, inverse: &[[L; D]; D]) {
         let zero = L::splat(0.0);
+        if tables.elements[index].on_facets {
+            // A trace has none: what would read it must not pass for a number.
+            self.hessians[index].fill([[L::splat(f64::NAN); D]; D]);
+            return;
+        }
         let mut map = [[[zero; D]; D]; D];
-        for (node, second) in self.nodes.iter().zip(&self.tables.geometry.hessian[q * self.nodes.len()..]) {
+        let second = &tables.group.geometry.hessian[q * self.nodes.len()..];
+        for node in 0..self.nodes.len() {
             for k in 0..D {
                 for a in 0..D {
                     for b in 0..D {
-                        map[k][a][b] = node[k].multiply_add(L::splat(second[a][b]), map[k][a][b]);
+                        map[k][a][b] =
+                            self.nodes[node][k].multiply_add(L::splat(second[node][a][b]), map[k][a][b]);
                     }
                 }
             }
         }
-        for (index, tables) in self.tables.elements.iter().enumerate() {
-            if elements[index].on_facets {
-                // A trace has none: what would read it must not pass for a number.
-                self.hessians[index].fill([[L::splat(f64::NAN); D]; D]);
-                continue;
-            }
-            for node in 0..tables.nodes {
-                let second = &tables.hessian[q * tables.nodes + node];
-                let gradient = &self.basis[index][node].gradient;
-                let mut half = [[zero; D]; D];
-                for a in 0..D {
-                    for b in 0..D {
-                        let mut entry = L::splat(second[a][b]);
-                        for k in 0..D {
-                            entry = entry - gradient[k] * map[k][a][b];
-                        }
-                        for i in 0..D {
-                            half[i][b] = inverse[i][a].multiply_add(entry, half[i][b]);
-                        }
+        let table = &tables.group.elements[index];
+        for node in 0..table.nodes {
+            let second = &table.hessian[q * table.nodes + node];
+            let gradient = &self.basis[index][node].gradient;
+            let mut half = [[zero; D]; D];
+            for a in 0..D {
+                for b in 0..D {
+                    let mut entry = L::splat(second[a][b]);
+                    for k in 0..D {
+                        entry = entry - gradient[k] * map[k][a][b];
+                    }
+                    for i in 0..D {
+                        half[i][b] = inverse[i][a].multiply_add(entry, half[i][b]);
                     }
                 }
-                let hessian = &mut self.hessians[index][node];
-                for i in 0..D {
-                    for j in 0..D {
-                        hessian[i][j] = zero;
-                        for b in 0..D {
-                            hessian[i][j] = half[i][b].multiply_add(inverse[j][b], hessian[i][j]);
-                        }
+            }
+            let hessian = &mut self.hessians[index][node];
+            for i in 0..D {
+                for j in 0..D {
+                    hessian[i][j] = zero;
+                    for b in 0..D {
+                        hessian[i][j] = half[i][b].multiply_add(inverse[j][b], hessian[i][j]);
                     }
                 }
             }
@@ -175,34 +275,31 @@ impl<'a, L: Lane, const D: usize> BatchSide<'a, L, D> {
     }
 
     /// κ = div n = −g^{ij} x_{,ij} · n, with the surface metric g of the facet's tangents.
+    #[inline(always)]
     pub fn curvature(
         &self,
+        tables: &SideTables<D>,
         q: usize,
         jacobian: &[[L; D]; D],
         tangents: &[[f64; D]; 2],
         normal: &[L; D],
     ) -> L {
         let zero = L::splat(0.0);
-        if self.tables.bending.is_empty() {
+        if tables.group.bending.is_empty() {
             return zero;
         }
         let mut second = [zero; 3];
         let count = self.nodes.len();
-        for (node, bending) in self.nodes.iter().zip(&self.tables.bending[q * count..]) {
+        for node in 0..count {
+            let bending = &tables.group.bending[q * count + node];
             for axis in 0..D {
-                for (second, bending) in second.iter_mut().zip(bending) {
-                    *second = (node[axis] * normal[axis]).multiply_add(L::splat(*bending), *second);
+                for k in 0..3 {
+                    let along = self.nodes[node][axis] * normal[axis];
+                    second[k] = along.multiply_add(L::splat(bending[k]), second[k]);
                 }
             }
         }
-        let images = tangents.map(|tangent| image(jacobian, &tangent));
-        let inner = |a: &[L; D], b: &[L; D]| {
-            let mut sum = zero;
-            for axis in 0..D {
-                sum = a[axis].multiply_add(b[axis], sum);
-            }
-            sum
-        };
+        let images = [image(jacobian, &tangents[0]), image(jacobian, &tangents[1])];
         let first = inner(&images[0], &images[0]);
         if D == 2 {
             return -second[0] / first;
@@ -211,6 +308,15 @@ impl<'a, L: Lane, const D: usize> BatchSide<'a, L, D> {
         let determinant = first * last - mixed * mixed;
         -(last * second[0] - (mixed + mixed) * second[1] + first * second[2]) / determinant
     }
+}
+
+#[inline(always)]
+fn inner<L: Lane, const D: usize>(a: &[L; D], b: &[L; D]) -> L {
+    let mut sum = L::splat(0.0);
+    for axis in 0..D {
+        sum = a[axis].multiply_add(b[axis], sum);
+    }
+    sum
 }
 
 /// (I − n nᵀ) g: the gradient along a facet, which the trace determines.

@@ -1,0 +1,276 @@
+//! The conventions of basix, FFCx's element library: node order, facet numbers, quadrature rules.
+
+use std::sync::OnceLock;
+
+use forms_fem::element::CellShape;
+use forms_fem::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_reference_rule};
+use serde::Deserialize;
+use thiserror::Error;
+
+/// Which of basix's two node orders an element has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeOrder {
+    /// Vertices, edges, faces, interior: `basix.create_element`.
+    Entities,
+    /// The nodes (0, 1, ½) of each direction, the last direction fastest: `basix.create_tp_element`, which
+    /// FFCx's sum factorisation takes.
+    TensorProduct,
+}
+
+// Coordinates in units of one half. Degree 1 has the first nodes of each list.
+const TRIANGLE: [[u8; 3]; 6] = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [1, 1, 0], [0, 1, 0], [1, 0, 0]];
+const QUADRILATERAL: [[u8; 3]; 9] =
+    [[0, 0, 0], [2, 0, 0], [0, 2, 0], [2, 2, 0], [1, 0, 0], [0, 1, 0], [2, 1, 0], [1, 2, 0], [1, 1, 0]];
+const TETRAHEDRON: [[u8; 3]; 10] = [
+    [0, 0, 0],
+    [2, 0, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+    [0, 1, 1],
+    [1, 0, 1],
+    [1, 1, 0],
+    [0, 0, 1],
+    [0, 1, 0],
+    [1, 0, 0],
+];
+const HEXAHEDRON: [[u8; 3]; 27] = [
+    [0, 0, 0],
+    [2, 0, 0],
+    [0, 2, 0],
+    [2, 2, 0],
+    [0, 0, 2],
+    [2, 0, 2],
+    [0, 2, 2],
+    [2, 2, 2],
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [2, 1, 0],
+    [2, 0, 1],
+    [1, 2, 0],
+    [0, 2, 1],
+    [2, 2, 1],
+    [1, 0, 2],
+    [0, 1, 2],
+    [2, 1, 2],
+    [1, 2, 2],
+    [1, 1, 0],
+    [1, 0, 1],
+    [0, 1, 1],
+    [2, 1, 1],
+    [1, 2, 1],
+    [1, 1, 2],
+    [1, 1, 1],
+];
+
+// The same nodes as `forms_fem::element::Lagrange` orders them.
+const OUR_TRIANGLE: [[u8; 3]; 6] = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]];
+const OUR_QUADRILATERAL: [[u8; 3]; 9] =
+    [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 0, 0], [2, 1, 0], [1, 2, 0], [0, 1, 0], [1, 1, 0]];
+const OUR_TETRAHEDRON: [[u8; 3]; 10] = [
+    [0, 0, 0],
+    [2, 0, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+    [1, 0, 0],
+    [1, 1, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [1, 0, 1],
+    [0, 1, 1],
+];
+const OUR_HEXAHEDRON: [[u8; 3]; 27] = [
+    [0, 0, 0],
+    [2, 0, 0],
+    [2, 2, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+    [2, 0, 2],
+    [2, 2, 2],
+    [0, 2, 2],
+    [1, 0, 0],
+    [2, 1, 0],
+    [1, 2, 0],
+    [0, 1, 0],
+    [1, 0, 2],
+    [2, 1, 2],
+    [1, 2, 2],
+    [0, 1, 2],
+    [0, 0, 1],
+    [2, 0, 1],
+    [2, 2, 1],
+    [0, 2, 1],
+    [1, 1, 0],
+    [1, 1, 2],
+    [1, 0, 1],
+    [2, 1, 1],
+    [1, 2, 1],
+    [0, 1, 1],
+    [1, 1, 1],
+];
+
+/// Number of nodes of the Lagrange element of degree 1 or 2 on a shape.
+pub const fn node_count(shape: CellShape, degree: usize) -> usize {
+    match (shape, degree) {
+        (CellShape::Triangle, 1) => 3,
+        (CellShape::Triangle, _) => 6,
+        (CellShape::Quadrilateral, 1) => 4,
+        (CellShape::Quadrilateral, _) => 9,
+        (CellShape::Tetrahedron, 1) => 4,
+        (CellShape::Tetrahedron, _) => 10,
+        (CellShape::Hexahedron, 1) => 8,
+        (CellShape::Hexahedron, _) => 27,
+    }
+}
+
+/// Number of reference coordinates of a shape.
+pub const fn dimension(shape: CellShape) -> usize {
+    match shape {
+        CellShape::Triangle | CellShape::Quadrilateral => 2,
+        CellShape::Tetrahedron | CellShape::Hexahedron => 3,
+    }
+}
+
+const fn ours(shape: CellShape) -> &'static [[u8; 3]] {
+    match shape {
+        CellShape::Triangle => &OUR_TRIANGLE,
+        CellShape::Quadrilateral => &OUR_QUADRILATERAL,
+        CellShape::Tetrahedron => &OUR_TETRAHEDRON,
+        CellShape::Hexahedron => &OUR_HEXAHEDRON,
+    }
+}
+
+// Node `index` of basix's element, in half steps.
+const fn basix_node(shape: CellShape, degree: usize, order: NodeOrder, index: usize) -> [u8; 3] {
+    match (shape, order) {
+        (CellShape::Quadrilateral | CellShape::Hexahedron, NodeOrder::TensorProduct) => {
+            let line = [0, 2, 1];
+            let (count, dimension) = (degree + 1, dimension(shape));
+            let (mut node, mut rest, mut axis) = ([0; 3], index, dimension);
+            while axis > 0 {
+                axis -= 1;
+                node[axis] = line[rest % count];
+                rest /= count;
+            }
+            node
+        }
+        (CellShape::Triangle, _) => TRIANGLE[index],
+        (CellShape::Quadrilateral, _) => QUADRILATERAL[index],
+        (CellShape::Tetrahedron, _) => TETRAHEDRON[index],
+        (CellShape::Hexahedron, _) => HEXAHEDRON[index],
+    }
+}
+
+/// Reference coordinates of basix's nodes; the third is zero in two dimensions.
+pub fn node_points(shape: CellShape, degree: usize, order: NodeOrder) -> Vec<[f64; 3]> {
+    let node = |index| basix_node(shape, degree, order, index).map(|half| 0.5 * f64::from(half));
+    (0..node_count(shape, degree)).map(node).collect()
+}
+
+/// For each node of basix's element, in its order, our number of that node. N is [`node_count`].
+///
+/// # Panics
+/// When N is not the number of nodes; as a constant that is a compile error.
+pub const fn our_numbers<const N: usize>(shape: CellShape, degree: usize, order: NodeOrder) -> [usize; N] {
+    assert!(N == node_count(shape, degree));
+    let ours = ours(shape);
+    let mut numbers = [0; N];
+    let mut index = 0;
+    while index < N {
+        let node = basix_node(shape, degree, order, index);
+        let mut number = 0;
+        while ours[number][0] != node[0] || ours[number][1] != node[1] || ours[number][2] != node[2] {
+            number += 1;
+        }
+        numbers[index] = number;
+        index += 1;
+    }
+    numbers
+}
+
+/// Our number of basix's local facet.
+///
+/// # Panics
+/// When there is no such facet.
+pub fn our_facet(shape: CellShape, facet: usize) -> usize {
+    match shape {
+        CellShape::Triangle => [1, 2, 0][facet],
+        CellShape::Quadrilateral => [0, 3, 1, 2][facet],
+        CellShape::Tetrahedron => [0, 1, 2, 3][facet],
+        CellShape::Hexahedron => [0, 2, 5, 3, 4, 1][facet],
+    }
+}
+
+/// Why there is no such rule.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RuleError {
+    /// The list of basix's rules does not read.
+    #[error("basix's rules do not read: {0}")]
+    Data(String),
+    /// Above the highest degree that was written down.
+    #[error("basix's rule of degree {degree} on the {shape} was not written down; see write_basix.py")]
+    Degree {
+        /// The shape.
+        shape: &'static str,
+        /// The degree asked for.
+        degree: usize,
+    },
+    /// Of our rules.
+    #[error(transparent)]
+    Ours(#[from] QuadratureError),
+}
+
+#[derive(Deserialize)]
+struct Written {
+    rules: WrittenRules,
+}
+
+#[derive(Deserialize)]
+struct WrittenRules {
+    triangle: Vec<WrittenRule>,
+    tetrahedron: Vec<WrittenRule>,
+}
+
+#[derive(Deserialize)]
+struct WrittenRule {
+    points: Vec<Vec<f64>>,
+    weights: Vec<f64>,
+}
+
+fn written() -> Result<&'static WrittenRules, RuleError> {
+    static RULES: OnceLock<Result<WrittenRules, String>> = OnceLock::new();
+    let read = || {
+        let data: Result<Written, _> = serde_json::from_str(include_str!("../data/basix.json"));
+        data.map(|data| data.rules).map_err(|error| error.to_string())
+    };
+    RULES.get_or_init(read).as_ref().map_err(|error| RuleError::Data(error.clone()))
+}
+
+fn simplex_rule<const D: usize>(shape: CellShape, degree: usize) -> Result<QuadratureRule<D>, RuleError> {
+    let rules = written()?;
+    let rules = if shape == CellShape::Triangle { &rules.triangle } else { &rules.tetrahedron };
+    let rule = rules.get(degree).ok_or(RuleError::Degree { shape: shape.name(), degree })?;
+    let points = rule.points.iter().map(|point| std::array::from_fn(|k| point[k])).collect();
+    Ok(QuadratureRule { points, weights: rule.weights.clone() })
+}
+
+/// Basix's default rules of a degree on a shape and on its facets. On segments, quadrilaterals and hexahedra they
+/// are ours, products of Gauss points; on simplices ours have other points in some degrees. Rules on facets
+/// have the facet's symmetry, so that it does not matter in which order its vertices are counted.
+///
+/// # Errors
+/// A [`RuleError`], for degrees beyond those written down.
+pub fn quadrature<const D: usize>(shape: CellShape, degree: usize) -> Result<Quadrature<D>, RuleError> {
+    let cell = match shape {
+        CellShape::Triangle | CellShape::Tetrahedron => simplex_rule(shape, degree)?,
+        CellShape::Quadrilateral | CellShape::Hexahedron => cell_rule(shape, degree)?,
+    };
+    let facet = match shape {
+        CellShape::Tetrahedron => simplex_rule(CellShape::Triangle, degree)?,
+        _ => facet_reference_rule(shape, degree)?,
+    };
+    Ok(Quadrature::Explicit { cell, facet })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,215 @@
+//! Fields at the points of a batch, as a kernel's slots ask.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::{FieldSlot, Order, Side};
+use forms_core::source::PositionFunction;
+
+use super::Batch;
+use crate::assemble::AssemblyError;
+use crate::assemble::binding::Values;
+use crate::history::{HistoryMismatch, Snapshot};
+use crate::lanes::{SimdLane, WIDEST};
+
+impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
+    /// Whether a field is a function of position.
+    #[inline(always)]
+    pub(super) fn reads_functions(&self) -> bool {
+        for slot in self.requirements.fields {
+            if matches!(self.binding.values[slot.field], Values::Function(_)) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Coefficients of the discrete fields on the cells of the batch, which starts at entity `start`.
+    #[inline(always)]
+    pub(super) fn load_coefficients(&mut self, start: usize) {
+        for index in 0..self.requirements.fields.len() {
+            let slot = &self.requirements.fields[index];
+            let coefficients = &mut self.buffers.coefficients[index];
+            let mut places = [0; WIDEST];
+            match &self.binding.values[slot.field] {
+                Values::Discrete { space, values, .. } => {
+                    let side = &self.buffers.sides[side_index(slot.side)];
+                    let local = self.tables[side_index(slot.side)].group.facet.map(|(local, _)| local);
+                    let mut nodes: [&[u32]; WIDEST] = [&[]; WIDEST];
+                    for lane in 0..L::WIDTH {
+                        nodes[lane] = space.nodes_at(side.cells[lane], local);
+                    }
+                    for (node, target) in coefficients.chunks_exact_mut(slot.components).enumerate() {
+                        for lane in 0..L::WIDTH {
+                            places[lane] = nodes[lane][node] as usize * slot.components;
+                        }
+                        for target in target {
+                            *target = L::gather(values, &places);
+                            for place in &mut places {
+                                *place += 1;
+                            }
+                        }
+                    }
+                }
+                Values::Given { values, stride, offsets, .. } => {
+                    for (node, target) in coefficients.chunks_exact_mut(slot.components).enumerate() {
+                        for lane in 0..L::WIDTH {
+                            places[lane] = (start + lane.min(self.filled - 1)) * stride + offsets[node];
+                        }
+                        for target in target {
+                            *target = L::gather(values, &places);
+                            for place in &mut places {
+                                *place += 1;
+                            }
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// All fields at the q-th point.
+    #[inline(always)]
+    pub(super) fn evaluate_fields(&mut self, q: usize, position: &[L; D]) -> Result<(), AssemblyError> {
+        for index in 0..self.requirements.fields.len() {
+            let slot = self.requirements.fields[index];
+            let count = match slot.order {
+                Order::Value => slot.components,
+                Order::Gradient => slot.components * D,
+                Order::Hessian => slot.components * D * D,
+            };
+            let range = slot.offset..slot.offset + count;
+            match &self.binding.values[slot.field] {
+                Values::Absent => self.buffers.fields[range].fill(L::splat(0.0)),
+                Values::Constant(values) => {
+                    for (component, target) in self.buffers.fields[range].iter_mut().enumerate() {
+                        let value = if slot.order == Order::Value { values[component] } else { 0.0 };
+                        *target = L::splat(value);
+                    }
+                }
+                Values::Discrete { element, .. } | Values::Given { element, .. } => {
+                    self.interpolate(&slot, index, *element);
+                }
+                Values::History(history) => {
+                    let lanes = self.history(&slot, history, q)?;
+                    for (component, lanes) in lanes.iter().enumerate() {
+                        self.buffers.fields[slot.offset + component] = L::load(lanes);
+                    }
+                }
+                Values::Function(function) => {
+                    let mut components = [[0.0; WIDEST]; D];
+                    for axis in 0..D {
+                        position[axis].store(&mut components[axis]);
+                    }
+                    let lanes = self.function(&slot, function, &components)?;
+                    for (component, lanes) in lanes.iter().enumerate() {
+                        self.buffers.fields[slot.offset + component] = L::load(lanes);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Σ over the nodes of coefficient × basis function, or its derivatives.
+    #[inline(always)]
+    fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize) {
+        let side = &self.buffers.sides[side_index(slot.side)];
+        let (basis, hessians) = (&side.basis[element][..], &side.hessians[element][..]);
+        let coefficients = &self.buffers.coefficients[index][..];
+        let components = slot.components;
+        // One component after the other, so that its sums stay in registers.
+        for component in 0..components {
+            match slot.order {
+                Order::Value => {
+                    let mut sum = L::splat(0.0);
+                    for node in 0..basis.len() {
+                        sum =
+                            basis[node].value.multiply_add(coefficients[node * components + component], sum);
+                    }
+                    self.buffers.fields[slot.offset + component] = sum;
+                }
+                Order::Gradient => {
+                    let mut sums = [L::splat(0.0); D];
+                    for node in 0..basis.len() {
+                        let coefficient = coefficients[node * components + component];
+                        for axis in 0..D {
+                            sums[axis] = basis[node].gradient[axis].multiply_add(coefficient, sums[axis]);
+                        }
+                    }
+                    let start = slot.offset + component * D;
+                    self.buffers.fields[start..start + D].copy_from_slice(&sums);
+                }
+                Order::Hessian => {
+                    let mut sums = [[L::splat(0.0); D]; D];
+                    for node in 0..basis.len() {
+                        let coefficient = coefficients[node * components + component];
+                        for i in 0..D {
+                            for j in 0..D {
+                                sums[i][j] = hessians[node][i][j].multiply_add(coefficient, sums[i][j]);
+                            }
+                        }
+                    }
+                    let start = slot.offset + component * D * D;
+                    self.buffers.fields[start..start + D * D].copy_from_slice(sums.as_flattened());
+                }
+            }
+        }
+    }
+
+    fn history(
+        &self,
+        slot: &FieldSlot,
+        history: &Snapshot<D>,
+        q: usize,
+    ) -> Result<Vec<[f64; WIDEST]>, AssemblyError> {
+        let (form, field) = (self.binding.name, self.binding.fields[slot.field].name);
+        let mismatch = |source| AssemblyError::History { form, field, source };
+        if slot.order != Order::Value {
+            return Err(mismatch(HistoryMismatch::Gradient));
+        }
+        let side = side_index(slot.side);
+        let local = self.tables[side].group.facet.map(|(local, _)| local);
+        let mut lanes = vec![[0.0; WIDEST]; slot.components];
+        for lane in 0..L::WIDTH {
+            let values = history.at(self.buffers.sides[side].cells[lane], local, q).map_err(mismatch)?;
+            for (component, value) in values.iter().enumerate() {
+                lanes[component][lane] = *value;
+            }
+        }
+        Ok(lanes)
+    }
+
+    fn function(
+        &self,
+        slot: &FieldSlot,
+        function: &PositionFunction<D>,
+        position: &[[f64; WIDEST]; D],
+    ) -> Result<Vec<[f64; WIDEST]>, AssemblyError> {
+        let mut values = vec![0.0; slot.components];
+        let mut lanes = vec![[0.0; WIDEST]; slot.components];
+        for lane in 0..L::WIDTH {
+            let x: [f64; D] = std::array::from_fn(|axis| position[axis][lane]);
+            function(&x, &mut values);
+            if !values.iter().all(|value| value.is_finite()) {
+                return Err(AssemblyError::NotFinite {
+                    form: self.binding.name,
+                    field: self.binding.fields[slot.field].name,
+                    position: Some(x.to_vec()),
+                });
+            }
+            for (component, value) in values.iter().enumerate() {
+                lanes[component][lane] = *value;
+            }
+        }
+        Ok(lanes)
+    }
+}
+
+fn side_index(side: Side) -> usize {
+    match side {
+        Side::This => 0,
+        Side::Other => 1,
+    }
+}

@@ -1,0 +1,82 @@
+//! How the entities of a group and the rows that they touch are divided among threads.
+//!
+//! Each thread takes a run of entities. A row belongs to the first thread that touches it, which adds to it at once;
+//! the others keep their contributions, and these are added afterwards, thread by thread. So each entry receives its
+//! contributions in the order of the entities, as on one thread. Because nodes are numbered in the order of their first
+//! use along the walk, the rows of a thread follow each other, and few rows are touched by two threads.
+
+use std::ops::Range;
+
+/// Runs of entities begin at multiples of this, so that lanes fill alike for every number of threads.
+const ALIGNMENT: usize = 64;
+
+/// Fewer entities are not worth a thread.
+const SMALLEST: usize = 256;
+
+/// The entities and the rows of each thread.
+pub(super) struct Partition {
+    pub entities: Vec<Range<usize>>,
+    /// Ascending, without gaps: no thread before the k-th touches a row of `rows[k]`.
+    pub rows: Vec<Range<usize>>,
+}
+
+impl Partition {
+    /// A division of `count` entities whose rows `rows_of` tells, of `row_count` rows in all.
+    pub fn new<'n>(
+        count: usize,
+        threads: usize,
+        row_count: usize,
+        rows_of: impl Fn(usize) -> &'n [u32],
+    ) -> Self {
+        let entities = runs(count, threads);
+        let mut rows = Vec::with_capacity(entities.len());
+        let mut start = 0;
+        for run in &entities[..entities.len() - 1] {
+            let last = run.clone().filter_map(|entity| rows_of(entity).iter().max()).max();
+            let end = last.map_or(start, |last| start.max(*last as usize + 1));
+            rows.push(start..end);
+            start = end;
+        }
+        rows.push(start..row_count);
+        Partition { entities, rows }
+    }
+}
+
+/// Runs of entities for at most so many threads; at least one.
+pub(super) fn runs(count: usize, threads: usize) -> Vec<Range<usize>> {
+    let parts = threads.min(count / SMALLEST).max(1);
+    let start = |part: usize| match part == parts {
+        true => count,
+        false => part * count / parts / ALIGNMENT * ALIGNMENT,
+    };
+    (0..parts).map(|part| start(part)..start(part + 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_aligned_and_cover_everything() {
+        for (count, threads) in [(0, 3), (1, 2), (255, 4), (1000, 3), (4096, 5)] {
+            let runs = runs(count, threads);
+            assert!(!runs.is_empty() && runs.len() <= threads);
+            assert_eq!((runs[0].start, runs[runs.len() - 1].end), (0, count));
+            for pair in runs.windows(2) {
+                assert_eq!(pair[0].end, pair[1].start);
+                assert_eq!(pair[0].end % ALIGNMENT, 0);
+            }
+        }
+        assert_eq!(runs(4096, 5).len(), 5);
+    }
+
+    #[test]
+    fn no_earlier_thread_touches_the_rows_of_a_later_one() {
+        // A chain: entity k touches the rows k and k + 1; entity 700 also the last row.
+        let rows: Vec<Vec<u32>> =
+            (0..1024).map(|k| if k == 700 { vec![k, k + 1, 1030] } else { vec![k, k + 1] }).collect();
+        let partition = Partition::new(1024, 4, 1031, |entity| &rows[entity][..]);
+        assert_eq!(partition.entities, [0..256, 256..512, 512..768, 768..1024]);
+        assert_eq!(partition.rows, [0..257, 257..513, 513..1031, 1031..1031]);
+    }
+}

@@ -1,0 +1,312 @@
+//! Adding element matrices and vectors to the matrix and vector of all unknowns, from several threads.
+
+use std::ops::Range;
+
+use super::partition::Partition;
+use super::place_map::{Place, PlaceMap, Places};
+use super::walk::GroupSide;
+use crate::linear_algebra::BlockRows;
+use crate::space::Space;
+use crate::threads::Threads;
+
+/// The nodes of a space on a group's entities.
+pub(super) struct GroupNodes<'a, const D: usize> {
+    space: &'a Space<D>,
+    cells: &'a [u32],
+    facet: Option<u8>,
+}
+
+impl<'a, const D: usize> GroupNodes<'a, D> {
+    pub fn new(space: &'a Space<D>, side: &'a GroupSide<D>) -> Self {
+        GroupNodes { space, cells: &side.cells, facet: side.facet.map(|(local, _)| local) }
+    }
+
+    fn of(&self, entity: usize) -> &'a [u32] {
+        self.space.nodes_at(self.cells[entity], self.facet)
+    }
+
+    /// The division of the group among threads.
+    pub fn partition(&self, threads: Threads) -> Partition {
+        let (count, rows) = (self.cells.len(), self.space.node_count());
+        Partition::new(count, threads.count(), rows, |entity| self.of(entity))
+    }
+}
+
+/// Contributions to rows that belong to another thread: rows of element matrices or vectors.
+#[derive(Default)]
+pub(super) struct Deferred {
+    rows: Vec<u32>,
+    places: Vec<u32>,
+    values: Vec<f64>,
+}
+
+/// The rows that a thread adds to.
+pub(super) struct OwnRows<'a> {
+    rows: Range<usize>,
+    /// All entries of these rows.
+    values: &'a mut [f64],
+    /// Rows before this one have values; those from it on are still to be set to zero.
+    written: usize,
+    deferred: Deferred,
+}
+
+/// Where the element matrices of a group go.
+pub(super) struct MatrixScatter<'a, const D: usize> {
+    pub tests: GroupNodes<'a, D>,
+    pub trials: GroupNodes<'a, D>,
+    pub blocks: &'a BlockRows,
+    /// Values per block.
+    pub block: usize,
+    /// The places of the blocks, where test and trial functions live on the same cells.
+    pub map: Option<&'a PlaceMap>,
+    /// Test and trial nodes of an entity.
+    pub nodes: [usize; 2],
+}
+
+impl<const D: usize> MatrixScatter<'_, D> {
+    /// The rows of each thread, as parts of the values of all rows. If these are not yet `written`, they are set to
+    /// zero as the threads come to them.
+    pub fn parts<'v>(
+        &self,
+        partition: &Partition,
+        values: &'v mut [f64],
+        written: bool,
+    ) -> Vec<(Range<usize>, OwnRows<'v>)> {
+        let mut rest = values;
+        let mut parts = Vec::new();
+        for (entities, rows) in partition.entities.iter().zip(&partition.rows) {
+            let (own, later) = rest.split_at_mut(self.entries(rows.clone()).len());
+            rest = later;
+            let done = if written { rows.end } else { rows.start };
+            let part =
+                OwnRows { rows: rows.clone(), values: own, written: done, deferred: Deferred::default() };
+            parts.push((entities.clone(), part));
+        }
+        parts
+    }
+
+    /// The places of the values of some rows.
+    fn entries(&self, rows: Range<usize>) -> Range<usize> {
+        match &self.blocks.pointers[..] {
+            [] => 0..0,
+            pointers => pointers[rows.start] * self.block..pointers[rows.end] * self.block,
+        }
+    }
+
+    /// Adds the matrices of the entities from `first` on. `None`: a block is not in the pattern.
+    pub fn add(&self, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
+        let Some(map) = self.map else {
+            let search = Search { scatter: self, found: vec![0; self.nodes[1]] };
+            return self.add_rows(first, matrices, part, search);
+        };
+        match &map.places {
+            Places::Bytes(places) => {
+                self.add_rows(first, matrices, part, Known { scatter: self, map, places })
+            }
+            Places::Words(places) => {
+                self.add_rows(first, matrices, part, Known { scatter: self, map, places })
+            }
+            Places::Long(places) => {
+                self.add_rows(first, matrices, part, Known { scatter: self, map, places })
+            }
+        }
+    }
+
+    fn add_rows(
+        &self,
+        first: usize,
+        matrices: &[f64],
+        part: &mut OwnRows,
+        mut finder: impl Finder,
+    ) -> Option<()> {
+        let [height, width] = self.nodes;
+        let offset = self.entries(0..part.rows.start).end;
+        for (number, matrix) in matrices.chunks_exact(height * width * self.block).enumerate() {
+            let entity = first + number;
+            let rows = self.tests.of(entity).iter().zip(matrix.chunks_exact(width * self.block));
+            for (i, (&row, blocks)) in rows.enumerate() {
+                let places = finder.find(entity, i, row as usize)?;
+                if !part.rows.contains(&(row as usize)) {
+                    part.deferred.rows.push(row);
+                    part.deferred.places.extend(places.iter().map(|place| place.index() as u32));
+                    part.deferred.values.extend_from_slice(blocks);
+                    continue;
+                }
+                let start = self.entries(row as usize..row as usize + 1);
+                if part.written <= row as usize {
+                    let written = self.entries(part.written..part.written).start;
+                    part.values[written - offset..start.end - offset].fill(0.0);
+                    part.written = row as usize + 1;
+                }
+                add_row(
+                    &mut part.values[start.start - offset..start.end - offset],
+                    places,
+                    blocks,
+                    self.block,
+                );
+            }
+        }
+        Some(())
+    }
+
+    /// Sets the rows to zero that the thread never came to, and gives what belongs to other threads.
+    pub fn finish(&self, part: OwnRows) -> Deferred {
+        let OwnRows { rows, values, written, deferred } = part;
+        let entries = self.entries(written..rows.end);
+        let first = values.len() - entries.len();
+        values[first..].fill(0.0);
+        deferred
+    }
+
+    /// Adds what a thread kept for rows of others, in the values of all rows.
+    pub fn add_deferred(&self, deferred: &Deferred, values: &mut [f64]) {
+        let width = self.nodes[1];
+        let places = deferred.places.chunks_exact(width);
+        let blocks = deferred.values.chunks_exact(width * self.block);
+        for ((&row, places), blocks) in deferred.rows.iter().zip(places).zip(blocks) {
+            add_row(&mut values[self.entries(row as usize..row as usize + 1)], places, blocks, self.block);
+        }
+    }
+}
+
+/// Finds the places of the blocks of a row of an element matrix.
+trait Finder {
+    type Place: Place;
+    /// Of an entity's i-th test node, which has this row; `None`: not in the pattern.
+    fn find(&mut self, entity: usize, i: usize, row: usize) -> Option<&[Self::Place]>;
+}
+
+/// Places looked up before.
+struct Known<'a, P, const D: usize> {
+    scatter: &'a MatrixScatter<'a, D>,
+    map: &'a PlaceMap,
+    places: &'a [P],
+}
+
+impl<P: Place, const D: usize> Finder for Known<'_, P, D> {
+    type Place = P;
+
+    #[inline]
+    fn find(&mut self, entity: usize, i: usize, _: usize) -> Option<&[P]> {
+        let [height, width] = self.scatter.nodes;
+        let place = *self.map.walk.get(self.scatter.tests.cells[entity] as usize)?;
+        if place == PlaceMap::ABSENT {
+            return None;
+        }
+        let start = (place as usize * height + i) * width;
+        Some(&self.places[start..start + width])
+    }
+}
+
+/// Places searched for in the matrix.
+struct Search<'a, const D: usize> {
+    scatter: &'a MatrixScatter<'a, D>,
+    found: Vec<u32>,
+}
+
+impl<const D: usize> Finder for Search<'_, D> {
+    type Place = u32;
+
+    fn find(&mut self, entity: usize, _: usize, row: usize) -> Option<&[u32]> {
+        let known = self.scatter.blocks.row(row);
+        for (found, node) in self.found.iter_mut().zip(self.scatter.trials.of(entity)) {
+            *found = known.binary_search(node).ok()? as u32;
+        }
+        Some(&self.found)
+    }
+}
+
+/// Adds blocks to a row of the matrix at their places.
+#[inline]
+fn add_row<P: Place>(row: &mut [f64], places: &[P], blocks: &[f64], block: usize) {
+    match block {
+        1 => add_blocks::<P, 1>(row, places, blocks),
+        4 => add_blocks::<P, 4>(row, places, blocks),
+        9 => add_blocks::<P, 9>(row, places, blocks),
+        _ => {
+            for (place, values) in places.iter().zip(blocks.chunks_exact(block)) {
+                let start = place.index() * block;
+                for (sum, value) in row[start..start + block].iter_mut().zip(values) {
+                    *sum += value;
+                }
+            }
+        }
+    }
+}
+
+#[inline]
+fn add_blocks<P: Place, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: &[f64]) {
+    let (row, _) = row.as_chunks_mut::<BLOCK>();
+    let (blocks, _) = blocks.as_chunks::<BLOCK>();
+    for (place, values) in places.iter().zip(blocks) {
+        let sums = &mut row[place.index()];
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum += value;
+        }
+    }
+}
+
+/// Where the element vectors of a group go.
+pub(super) struct VectorScatter<'a, const D: usize> {
+    pub tests: GroupNodes<'a, D>,
+    pub components: usize,
+    /// Nodes of an entity.
+    pub nodes: usize,
+}
+
+impl<const D: usize> VectorScatter<'_, D> {
+    /// The rows of each thread, as parts of the unknowns of the space.
+    pub fn parts<'v>(
+        &self,
+        partition: &Partition,
+        values: &'v mut [f64],
+    ) -> Vec<(Range<usize>, OwnRows<'v>)> {
+        let mut rest = values;
+        let mut parts = Vec::new();
+        for (entities, rows) in partition.entities.iter().zip(&partition.rows) {
+            let (own, later) = rest.split_at_mut(rows.len() * self.components);
+            rest = later;
+            let deferred = Deferred::default();
+            let part = OwnRows { rows: rows.clone(), values: own, written: rows.end, deferred };
+            parts.push((entities.clone(), part));
+        }
+        parts
+    }
+
+    /// Adds the vectors of the entities from `first` on.
+    pub fn add(&self, first: usize, vectors: &[f64], part: &mut OwnRows) {
+        let components = self.components;
+        for (number, vector) in vectors.chunks_exact(self.nodes * components).enumerate() {
+            let rows = self.tests.of(first + number).iter().zip(vector.chunks_exact(components));
+            for (&row, values) in rows {
+                if !part.rows.contains(&(row as usize)) {
+                    part.deferred.rows.push(row);
+                    part.deferred.values.extend_from_slice(values);
+                    continue;
+                }
+                let start = (row as usize - part.rows.start) * components;
+                for (sum, value) in part.values[start..start + components].iter_mut().zip(values) {
+                    *sum += value;
+                }
+            }
+        }
+    }
+
+    /// Adds what a thread kept for rows of others, in the unknowns of the space.
+    pub fn add_deferred(&self, part: &Deferred, values: &mut [f64]) {
+        let components = self.components;
+        for (&row, contribution) in part.rows.iter().zip(part.values.chunks_exact(components)) {
+            let sums = &mut values[row as usize * components..][..components];
+            for (sum, value) in sums.iter_mut().zip(contribution) {
+                *sum += value;
+            }
+        }
+    }
+}
+
+impl OwnRows<'_> {
+    /// What belongs to other threads.
+    pub fn into_deferred(self) -> Deferred {
+        self.deferred
+    }
+}

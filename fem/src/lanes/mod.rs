@@ -1,0 +1,210 @@
+//! Instruction sets: how many cells a kernel computes at once, chosen when the program starts.
+//!
+//! Kernels are generic over [`Lane`]. [`InstructionSet::run`] enters a function that was compiled for the set
+//! and hands it the lane type; everything below that function is inlined into it, so that the compiler may use
+//! the set's instructions. What is not inlined would still be right, only slow.
+
+#[cfg(target_arch = "x86_64")]
+mod logarithm;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use std::fmt;
+use std::sync::OnceLock;
+
+use forms_core::contract::Lane;
+
+/// No lane type of any instruction set has more lanes.
+pub(crate) const WIDEST: usize = 8;
+
+/// A set of instructions that kernels are compiled for.
+///
+/// Results differ between sets in the last bits, because sums of products are rounded once where the hardware
+/// has fused multiply-add. Within one set they are the same on every machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum InstructionSet {
+    /// One cell at a time, on any machine.
+    Plain,
+    /// Four cells at a time: AVX2 with fused multiply-add (x86-64).
+    Avx2,
+    /// Eight cells at a time: AVX-512 F, DQ and VL (x86-64).
+    Avx512,
+}
+
+/// What can be run with any lane type.
+pub(crate) trait LaneWork {
+    /// What it gives.
+    type Output;
+    /// Does the work. Implementations are `#[inline(always)]`, and so is all that they do per lane.
+    fn run<L: SimdLane>(self) -> Self::Output;
+}
+
+/// What is run with one lane type in a function of its own, which calls from many places share.
+pub(crate) trait SharedWork<L> {
+    /// What it gives.
+    type Output;
+    /// Does the work; `#[inline(always)]`, as in [`LaneWork`].
+    fn run(self) -> Self::Output;
+}
+
+/// A lane type with the passages between memory and lanes.
+pub(crate) trait SimdLane: Lane {
+    /// Runs some work in a function compiled for the lane type's instructions that is not inlined: what does
+    /// not depend on the kernel is compiled once for all kernels.
+    fn call<W: SharedWork<Self>>(work: W) -> W::Output;
+
+    /// Entry `index[lane]` of `values`, lane by lane; the first [`Lane::WIDTH`] indices are read.
+    ///
+    /// # Panics
+    /// When an index is out of range.
+    #[inline(always)]
+    fn gather(values: &[f64], index: &[usize; WIDEST]) -> Self {
+        let mut lanes = [0.0; WIDEST];
+        for lane in 0..Self::WIDTH {
+            lanes[lane] = values[index[lane]];
+        }
+        Self::load(&lanes)
+    }
+
+    /// Writes `count` entries of each of the first `filled` lanes to `target[lane * stride..]`, entry k from
+    /// `source(k)`.
+    ///
+    /// # Panics
+    /// When `target` is too short.
+    #[inline(always)]
+    fn store_transposed(
+        source: &(impl Entries<Self> + ?Sized),
+        count: usize,
+        filled: usize,
+        target: &mut [f64],
+        stride: usize,
+    ) {
+        store_entries(source, 0..count, filled, target, stride);
+    }
+}
+
+/// Entries of lane values by number. A trait and not a closure: closures do not inherit target features.
+pub(crate) trait Entries<L> {
+    /// The k-th entry.
+    fn entry(&self, k: usize) -> L;
+}
+
+/// [`SimdLane::store_transposed`] as work of its own.
+pub(crate) struct Transposition<'a, E: ?Sized> {
+    /// The entries.
+    pub source: &'a E,
+    /// How many.
+    pub count: usize,
+    /// How many lanes are written.
+    pub filled: usize,
+    /// Where to.
+    pub target: &'a mut [f64],
+    /// From one lane to the next.
+    pub stride: usize,
+}
+
+impl<L: SimdLane, E: Entries<L> + ?Sized> SharedWork<L> for Transposition<'_, E> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        L::store_transposed(self.source, self.count, self.filled, self.target, self.stride);
+    }
+}
+
+/// Entries in the order of memory.
+impl<L: Copy> Entries<L> for [L] {
+    #[inline(always)]
+    fn entry(&self, k: usize) -> L {
+        self[k]
+    }
+}
+
+/// [`SimdLane::store_transposed`], one number at a time.
+#[inline(always)]
+fn store_entries<L: Lane>(
+    source: &(impl Entries<L> + ?Sized),
+    range: std::ops::Range<usize>,
+    filled: usize,
+    target: &mut [f64],
+    stride: usize,
+) {
+    let mut lanes = [0.0; WIDEST];
+    for k in range {
+        source.entry(k).store(&mut lanes);
+        for (lane, value) in lanes[..filled].iter().enumerate() {
+            target[lane * stride + k] = *value;
+        }
+    }
+}
+
+impl SimdLane for f64 {
+    #[inline(never)]
+    fn call<W: SharedWork<Self>>(work: W) -> W::Output {
+        work.run()
+    }
+}
+
+impl InstructionSet {
+    /// The best set of this machine; found once.
+    pub fn best() -> Self {
+        static BEST: OnceLock<InstructionSet> = OnceLock::new();
+        *BEST.get_or_init(|| {
+            let sets = [InstructionSet::Avx512, InstructionSet::Avx2];
+            sets.into_iter().find(|set| set.is_available()).unwrap_or(InstructionSet::Plain)
+        })
+    }
+
+    /// Those of this machine, the plain one first.
+    pub fn available() -> Vec<Self> {
+        let sets = [InstructionSet::Plain, InstructionSet::Avx2, InstructionSet::Avx512];
+        sets.into_iter().filter(|set| set.is_available()).collect()
+    }
+
+    /// Whether this machine has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            InstructionSet::Plain => true,
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => x86::has_avx2(),
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => x86::has_avx512(),
+            #[cfg(not(target_arch = "x86_64"))]
+            InstructionSet::Avx2 | InstructionSet::Avx512 => false,
+        }
+    }
+
+    /// Number of cells at a time.
+    pub fn width(self) -> usize {
+        match self {
+            InstructionSet::Plain => 1,
+            InstructionSet::Avx2 => 4,
+            InstructionSet::Avx512 => 8,
+        }
+    }
+
+    /// Runs some work compiled for this set; plainly, if the machine does not have it.
+    #[inline]
+    pub(crate) fn run<W: LaneWork>(self, work: W) -> W::Output {
+        #[cfg(target_arch = "x86_64")]
+        match self {
+            InstructionSet::Avx512 if x86::has_avx512() => return x86::run_avx512(work),
+            InstructionSet::Avx2 if x86::has_avx2() => return x86::run_avx2(work),
+            _ => {}
+        }
+        work.run::<f64>()
+    }
+}
+
+impl fmt::Display for InstructionSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            InstructionSet::Plain => "plain",
+            InstructionSet::Avx2 => "AVX2",
+            InstructionSet::Avx512 => "AVX-512",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,153 @@
+//! Lane types against plain numbers.
+
+use super::*;
+
+/// Each operation on 64 numbers, in a set's lanes.
+struct Operations<'a> {
+    a: &'a [f64],
+    b: &'a [f64],
+}
+
+impl LaneWork for Operations<'_> {
+    type Output = Vec<Vec<f64>>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let mut results = vec![vec![0.0; self.a.len()]; 16];
+        for start in (0..self.a.len()).step_by(L::WIDTH) {
+            let (a, b) = (L::load(&self.a[start..]), L::load(&self.b[start..]));
+            let less = a.less(b);
+            let values = [
+                a + b,
+                a - b,
+                a * b,
+                a / b,
+                -a,
+                a.abs(),
+                a.abs().sqrt(),
+                a.powi(3),
+                b.powi(-2),
+                a.minimum(b),
+                a.maximum(b),
+                L::select(less, a, b),
+                L::select(L::not(L::or(less, a.equal(b))), a, b),
+                L::select(L::and(a.less_equal(b), b.less_equal(a)), a, b),
+                a.exp(),
+                a.abs().powf(b),
+            ];
+            for (value, result) in values.iter().zip(&mut results) {
+                value.store(&mut result[start..]);
+            }
+        }
+        results
+    }
+}
+
+fn numbers(seed: u64) -> Vec<f64> {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let mut numbers: Vec<f64> = (0..60).map(|_| 3.0 * next()).collect();
+    numbers.extend([0.0, -0.0, f64::NAN, f64::INFINITY]);
+    numbers
+}
+
+#[test]
+fn all_sets_compute_what_plain_numbers_do() {
+    let (a, mut b) = (numbers(1), numbers(2));
+    b[7] = a[7];
+    let expected = InstructionSet::Plain.run(Operations { a: &a, b: &b });
+    for set in InstructionSet::available() {
+        let found = set.run(Operations { a: &a, b: &b });
+        for (operation, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            for (k, (x, y)) in found.iter().zip(expected).enumerate() {
+                let close = (x - y).abs() <= 4.0 * f64::EPSILON * y.abs();
+                assert!(
+                    x == y || close || (x.is_nan() && y.is_nan()),
+                    "{set}, operation {operation}, entry {k}: {x}, not {y}"
+                );
+            }
+        }
+    }
+}
+
+struct Logarithms<'a>(&'a [f64]);
+
+impl LaneWork for Logarithms<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Vec<f64> {
+        let mut result = vec![0.0; self.0.len()];
+        for start in (0..self.0.len()).step_by(L::WIDTH) {
+            L::load(&self.0[start..]).ln().store(&mut result[start..]);
+        }
+        result
+    }
+}
+
+#[test]
+fn logarithms_are_right_to_two_units_in_the_last_place() {
+    let mut numbers =
+        vec![1.0, 2.0, 0.5, std::f64::consts::SQRT_2, 1.0 + f64::EPSILON, 1.0 - f64::EPSILON, 1e300, 1e-300];
+    for k in 0..80_000 {
+        let t = f64::from(k) / 8e4;
+        numbers.push(0.3 + 2.0 * t);
+        numbers.push((1200.0 * (t - 0.5)).exp2().min(1e308));
+    }
+    // Lanes with what has no logarithm stand beside ordinary ones.
+    numbers.extend([0.0, -1.0, f64::INFINITY, f64::NAN, 5e-324, 3.0, -0.0, 7.0]);
+    for set in InstructionSet::available() {
+        for (x, found) in numbers.iter().zip(set.run(Logarithms(&numbers))) {
+            let expected = x.ln();
+            let close = (found - expected).abs() <= 2.0 * f64::EPSILON * expected.abs();
+            assert!(
+                found == expected || close || (found.is_nan() && expected.is_nan()),
+                "{set}: ln {x} = {found}, not {expected}"
+            );
+        }
+    }
+}
+
+struct Transposition {
+    count: usize,
+    filled: usize,
+}
+
+impl LaneWork for Transposition {
+    type Output = (usize, Vec<f64>);
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let mut entries = Vec::new();
+        for k in 0..self.count {
+            let mut lanes = [0.0; WIDEST];
+            for lane in 0..L::WIDTH {
+                lanes[lane] = (100 * lane + k) as f64;
+            }
+            entries.push(L::load(&lanes));
+        }
+        let filled = self.filled.min(L::WIDTH);
+        let mut target = vec![-1.0; filled * (self.count + 3)];
+        L::store_transposed(&entries[..], self.count, filled, &mut target, self.count + 3);
+        (filled, target)
+    }
+}
+
+#[test]
+fn transposed_lanes_stand_one_after_the_other() {
+    for set in InstructionSet::available() {
+        for count in [1, 3, 4, 9, 13, 36] {
+            for filled in [1, 3, 8] {
+                let (filled, found) = set.run(Transposition { count, filled });
+                for (index, value) in found.iter().enumerate() {
+                    let (lane, k) = (index / (count + 3), index % (count + 3));
+                    let expected = if k < count { (100 * lane + k) as f64 } else { -1.0 };
+                    assert!(lane < filled && *value == expected, "{set}: lane {lane}, entry {k}: {value}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,486 @@
+//! Lanes of x86-64: four doubles in AVX2, eight in AVX-512.
+//!
+//! The unsafe code of this package stands here. All of it has one reason: an intrinsic may run only where
+//! the processor has its instructions. The two lane types are private to the package and reach other code only
+//! through [`run_avx2`] and [`run_avx512`], which check that first.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+use forms_core::contract::Lane;
+
+use super::logarithm::{self, Split};
+use super::{Entries, LaneWork, SharedWork, SimdLane, WIDEST, store_entries};
+
+pub(super) fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
+pub(super) fn has_avx512() -> bool {
+    is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl")
+        && has_avx2()
+}
+
+/// Runs some work in AVX2; to be called where [`has_avx2`].
+#[inline]
+pub(super) fn run_avx2<W: LaneWork>(work: W) -> W::Output {
+    #[target_feature(enable = "avx2,fma")]
+    fn enter<W: LaneWork>(work: W) -> W::Output {
+        work.run::<Avx2>()
+    }
+    assert!(has_avx2());
+    // SAFETY: the processor has the features that `enter` is compiled for.
+    unsafe { enter(work) }
+}
+
+/// Runs some work in AVX-512; to be called where [`has_avx512`].
+#[inline]
+pub(super) fn run_avx512<W: LaneWork>(work: W) -> W::Output {
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    fn enter<W: LaneWork>(work: W) -> W::Output {
+        work.run::<Avx512>()
+    }
+    assert!(has_avx512());
+    // SAFETY: the processor has the features that `enter` is compiled for.
+    unsafe { enter(work) }
+}
+
+/// Four doubles.
+#[derive(Clone, Copy)]
+pub(super) struct Avx2(__m256d);
+
+/// Eight doubles.
+#[derive(Clone, Copy)]
+pub(super) struct Avx512(__m512d);
+
+/// A value of a lane type exists only below [`run_avx2`] or [`run_avx512`], where the features are there.
+macro_rules! simd {
+    ($e:expr) => {
+        // SAFETY: lane types are only used where the processor has their instructions; see the head of the
+        // file. Loads and stores are of references to arrays of the vector's size.
+        unsafe { $e }
+    };
+}
+
+macro_rules! lane {
+    ($lane:ident, $width:literal, $mask:ty, $add:ident, $sub:ident, $mul:ident, $div:ident, $fma:ident,
+     $sqrt:ident, $min:ident, $max:ident, $splat:ident, $load:ident, $store:ident, $xor:ident, $andnot:ident) => {
+        impl Add for $lane {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                simd!($lane($add(self.0, other.0)))
+            }
+        }
+        impl Sub for $lane {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                simd!($lane($sub(self.0, other.0)))
+            }
+        }
+        impl Mul for $lane {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                simd!($lane($mul(self.0, other.0)))
+            }
+        }
+        impl Div for $lane {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, other: Self) -> Self {
+                simd!($lane($div(self.0, other.0)))
+            }
+        }
+        impl Neg for $lane {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                simd!($lane($xor(self.0, $splat(-0.0))))
+            }
+        }
+        impl AddAssign for $lane {
+            #[inline(always)]
+            fn add_assign(&mut self, other: Self) {
+                *self = *self + other;
+            }
+        }
+
+        impl $lane {
+            #[inline(always)]
+            fn array(self) -> [f64; $width] {
+                let mut values = [0.0; $width];
+                simd!($store(values.as_mut_ptr(), self.0));
+                values
+            }
+            #[inline(always)]
+            fn from_array(values: &[f64; $width]) -> Self {
+                simd!($lane($load(values.as_ptr())))
+            }
+            /// A function of one number, lane by lane.
+            #[inline(always)]
+            fn map(self, function: fn(f64) -> f64) -> Self {
+                let mut values = self.array();
+                for lane in 0..$width {
+                    values[lane] = function(values[lane]);
+                }
+                Self::from_array(&values)
+            }
+        }
+
+        impl Lane for $lane {
+            const WIDTH: usize = $width;
+            type Mask = $mask;
+
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                simd!($lane($splat(value)))
+            }
+            #[inline(always)]
+            fn load(values: &[f64]) -> Self {
+                let values = &values[..$width];
+                simd!($lane($load(values.as_ptr())))
+            }
+            #[inline(always)]
+            fn store(self, values: &mut [f64]) {
+                let values = &mut values[..$width];
+                simd!($store(values.as_mut_ptr(), self.0))
+            }
+            #[inline(always)]
+            fn multiply_add(self, factor: Self, addend: Self) -> Self {
+                simd!($lane($fma(self.0, factor.0, addend.0)))
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                simd!($lane($sqrt(self.0)))
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                self.map(f64::exp)
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                logarithm::ln(self)
+            }
+            #[inline(always)]
+            fn sin(self) -> Self {
+                self.map(f64::sin)
+            }
+            #[inline(always)]
+            fn cos(self) -> Self {
+                self.map(f64::cos)
+            }
+            #[inline(always)]
+            fn tan(self) -> Self {
+                self.map(f64::tan)
+            }
+            #[inline(always)]
+            fn tanh(self) -> Self {
+                self.map(f64::tanh)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                simd!($lane($andnot($splat(-0.0), self.0)))
+            }
+            #[inline(always)]
+            fn powi(self, exponent: i32) -> Self {
+                let (mut rest, mut square, mut power) = (exponent.unsigned_abs(), self, Self::splat(1.0));
+                while rest > 0 {
+                    if rest % 2 == 1 {
+                        power = power * square;
+                    }
+                    square = square * square;
+                    rest /= 2;
+                }
+                if exponent < 0 { Self::splat(1.0) / power } else { power }
+            }
+            #[inline(always)]
+            fn powf(self, exponent: Self) -> Self {
+                let (mut values, exponents) = (self.array(), exponent.array());
+                for lane in 0..$width {
+                    values[lane] = values[lane].powf(exponents[lane]);
+                }
+                Self::from_array(&values)
+            }
+            #[inline(always)]
+            fn minimum(self, other: Self) -> Self {
+                simd!($lane($min(other.0, self.0)))
+            }
+            #[inline(always)]
+            fn maximum(self, other: Self) -> Self {
+                simd!($lane($max(other.0, self.0)))
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> $mask {
+                self.compare::<_CMP_LT_OQ>(other)
+            }
+            #[inline(always)]
+            fn less_equal(self, other: Self) -> $mask {
+                self.compare::<_CMP_LE_OQ>(other)
+            }
+            #[inline(always)]
+            fn equal(self, other: Self) -> $mask {
+                self.compare::<_CMP_EQ_OQ>(other)
+            }
+            #[inline(always)]
+            fn and(first: $mask, second: $mask) -> $mask {
+                $lane::both(first, second)
+            }
+            #[inline(always)]
+            fn or(first: $mask, second: $mask) -> $mask {
+                $lane::either(first, second)
+            }
+            #[inline(always)]
+            fn not(mask: $mask) -> $mask {
+                $lane::opposite(mask)
+            }
+            #[inline(always)]
+            fn select(mask: $mask, taken: Self, otherwise: Self) -> Self {
+                taken.where_or(mask, otherwise)
+            }
+        }
+    };
+}
+
+lane!(
+    Avx2,
+    4,
+    __m256d,
+    _mm256_add_pd,
+    _mm256_sub_pd,
+    _mm256_mul_pd,
+    _mm256_div_pd,
+    _mm256_fmadd_pd,
+    _mm256_sqrt_pd,
+    _mm256_min_pd,
+    _mm256_max_pd,
+    _mm256_set1_pd,
+    _mm256_loadu_pd,
+    _mm256_storeu_pd,
+    _mm256_xor_pd,
+    _mm256_andnot_pd
+);
+lane!(
+    Avx512,
+    8,
+    __mmask8,
+    _mm512_add_pd,
+    _mm512_sub_pd,
+    _mm512_mul_pd,
+    _mm512_div_pd,
+    _mm512_fmadd_pd,
+    _mm512_sqrt_pd,
+    _mm512_min_pd,
+    _mm512_max_pd,
+    _mm512_set1_pd,
+    _mm512_loadu_pd,
+    _mm512_storeu_pd,
+    _mm512_xor_pd,
+    _mm512_andnot_pd
+);
+
+impl Avx2 {
+    #[inline(always)]
+    fn compare<const OPERATOR: i32>(self, other: Self) -> __m256d {
+        simd!(_mm256_cmp_pd::<OPERATOR>(self.0, other.0))
+    }
+    #[inline(always)]
+    fn both(first: __m256d, second: __m256d) -> __m256d {
+        simd!(_mm256_and_pd(first, second))
+    }
+    #[inline(always)]
+    fn either(first: __m256d, second: __m256d) -> __m256d {
+        simd!(_mm256_or_pd(first, second))
+    }
+    #[inline(always)]
+    fn opposite(mask: __m256d) -> __m256d {
+        simd!(_mm256_xor_pd(mask, _mm256_castsi256_pd(_mm256_set1_epi64x(-1))))
+    }
+    #[inline(always)]
+    fn where_or(self, mask: __m256d, otherwise: Self) -> Self {
+        simd!(Avx2(_mm256_blendv_pd(otherwise.0, self.0, mask)))
+    }
+}
+
+impl Avx512 {
+    #[inline(always)]
+    fn compare<const OPERATOR: i32>(self, other: Self) -> __mmask8 {
+        simd!(_mm512_cmp_pd_mask::<OPERATOR>(self.0, other.0))
+    }
+    #[inline(always)]
+    fn both(first: __mmask8, second: __mmask8) -> __mmask8 {
+        first & second
+    }
+    #[inline(always)]
+    fn either(first: __mmask8, second: __mmask8) -> __mmask8 {
+        first | second
+    }
+    #[inline(always)]
+    fn opposite(mask: __mmask8) -> __mmask8 {
+        !mask
+    }
+    #[inline(always)]
+    fn where_or(self, mask: __mmask8, otherwise: Self) -> Self {
+        simd!(Avx512(_mm512_mask_blend_pd(mask, otherwise.0, self.0)))
+    }
+}
+
+impl Split for Avx2 {
+    #[inline(always)]
+    fn is_normal(self) -> bool {
+        let normal = Avx2::both(
+            Avx2::splat(f64::MIN_POSITIVE).less_equal(self),
+            self.less(Avx2::splat(f64::INFINITY)),
+        );
+        simd!(_mm256_movemask_pd(normal)) == 0b1111
+    }
+    #[inline(always)]
+    fn split(self) -> (Self, Self) {
+        simd!({
+            let bits = _mm256_castpd_si256(self.0);
+            let one = _mm256_castpd_si256(_mm256_set1_pd(1.0));
+            let fraction = _mm256_and_si256(bits, _mm256_set1_epi64x(0x000f_ffff_ffff_ffff));
+            let mantissa = _mm256_castsi256_pd(_mm256_or_si256(fraction, one));
+            // A double of exponent 52 has its integer part in the lowest bits.
+            let shifted = _mm256_srli_epi64::<52>(bits);
+            let large = _mm256_or_si256(shifted, _mm256_castpd_si256(_mm256_set1_pd(TWO_TO_52)));
+            let exponent = _mm256_sub_pd(_mm256_castsi256_pd(large), _mm256_set1_pd(TWO_TO_52 + 1023.0));
+            (Avx2(mantissa), Avx2(exponent))
+        })
+    }
+    #[inline(always)]
+    fn plain_ln(self) -> Self {
+        self.map(f64::ln)
+    }
+}
+
+impl Split for Avx512 {
+    #[inline(always)]
+    fn is_normal(self) -> bool {
+        Avx512::splat(f64::MIN_POSITIVE).less_equal(self) & self.less(Avx512::splat(f64::INFINITY)) == 0xff
+    }
+    #[inline(always)]
+    fn split(self) -> (Self, Self) {
+        simd!((
+            Avx512(_mm512_getmant_pd::<_MM_MANT_NORM_1_2, _MM_MANT_SIGN_SRC>(self.0)),
+            Avx512(_mm512_getexp_pd(self.0))
+        ))
+    }
+    #[inline(always)]
+    fn plain_ln(self) -> Self {
+        self.map(f64::ln)
+    }
+}
+
+const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
+
+impl SimdLane for Avx2 {
+    #[inline(always)]
+    fn call<W: SharedWork<Avx2>>(work: W) -> W::Output {
+        #[target_feature(enable = "avx2,fma")]
+        #[inline(never)]
+        fn enter<W: SharedWork<Avx2>>(work: W) -> W::Output {
+            work.run()
+        }
+        simd!(enter(work))
+    }
+    #[inline(always)]
+    fn store_transposed(
+        source: &(impl Entries<Self> + ?Sized),
+        count: usize,
+        filled: usize,
+        target: &mut [f64],
+        stride: usize,
+    ) {
+        let mut done = 0;
+        if filled == Self::WIDTH {
+            while done + 4 <= count {
+                let tile = transposed(
+                    source.entry(done),
+                    source.entry(done + 1),
+                    source.entry(done + 2),
+                    source.entry(done + 3),
+                );
+                for lane in 0..4 {
+                    tile[lane].store(&mut target[lane * stride + done..][..4]);
+                }
+                done += 4;
+            }
+        }
+        store_entries(source, done..count, filled, target, stride);
+    }
+}
+
+/// Four lanes of four entries → four entries of four lanes.
+#[inline(always)]
+fn transposed(a: Avx2, b: Avx2, c: Avx2, d: Avx2) -> [Avx2; 4] {
+    simd!({
+        let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+        let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+        [
+            Avx2(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+            Avx2(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+            Avx2(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+            Avx2(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+        ]
+    })
+}
+
+impl SimdLane for Avx512 {
+    #[inline(always)]
+    fn call<W: SharedWork<Avx512>>(work: W) -> W::Output {
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+        #[inline(never)]
+        fn enter<W: SharedWork<Avx512>>(work: W) -> W::Output {
+            work.run()
+        }
+        simd!(enter(work))
+    }
+    #[inline(always)]
+    fn store_transposed(
+        source: &(impl Entries<Self> + ?Sized),
+        count: usize,
+        filled: usize,
+        target: &mut [f64],
+        stride: usize,
+    ) {
+        let mut done = 0;
+        if filled == Self::WIDTH {
+            while done + 4 <= count {
+                let entries = [
+                    source.entry(done),
+                    source.entry(done + 1),
+                    source.entry(done + 2),
+                    source.entry(done + 3),
+                ];
+                let (low, high) = (halves(&entries, false), halves(&entries, true));
+                for lane in 0..4 {
+                    low[lane].store(&mut target[lane * stride + done..][..4]);
+                    high[lane].store(&mut target[(lane + 4) * stride + done..][..4]);
+                }
+                done += 4;
+            }
+        }
+        store_entries(source, done..count, filled, target, stride);
+    }
+}
+
+/// Lanes 0 to 3, or 4 to 7, of four entries, transposed.
+#[inline(always)]
+fn halves(entries: &[Avx512; 4], high: bool) -> [Avx2; 4] {
+    simd!({
+        let mut half = [_mm256_setzero_pd(); 4];
+        for k in 0..4 {
+            half[k] = match high {
+                false => _mm512_castpd512_pd256(entries[k].0),
+                true => _mm512_extractf64x4_pd::<1>(entries[k].0),
+            };
+        }
+        transposed(Avx2(half[0]), Avx2(half[1]), Avx2(half[2]), Avx2(half[3]))
+    })
+}
+
+const _: () = assert!(WIDEST >= Avx512::WIDTH);
