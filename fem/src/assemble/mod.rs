@@ -28,6 +28,7 @@ mod walk;
 use std::sync::Arc;
 
 pub use block_pattern::BlockPattern;
+pub(crate) use block_pattern::TouchedEntries;
 pub use derived::{FacetSample, PointValues};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
