@@ -1,7 +1,9 @@
 //! Element kernels and assembly beside other programs: a basket of forms, and what compares them.
 
+pub mod assembly;
 pub mod basix;
 pub mod basket;
+pub mod comparison;
 pub mod element_batch;
 pub mod forms;
 pub mod plugin;

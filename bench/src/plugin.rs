@@ -6,7 +6,13 @@ use crate::basix::node_count;
 use crate::element_batch::{Coefficients, Output, Setting, run};
 
 /// Number of constants that the harness passes.
-const CONSTANTS: usize = 3;
+pub const CONSTANTS: usize = 3;
+
+/// Components of a form's unknown.
+pub fn components<const D: usize>(form: &impl Form<D>) -> usize {
+    let unknown = form.fields().iter().find(|field| matches!(field.role, Role::Unknown(_)));
+    unknown.map_or(1, |field| field.components())
+}
 
 /// Turns the arguments of a plugin symbol to slices and runs the kernel; says on standard error what failed.
 ///
@@ -28,8 +34,7 @@ pub unsafe fn call<const D: usize, const GEOMETRY_NODES: usize, const NODES: usi
     // SAFETY: the caller's contract.
     let c = unsafe { std::slice::from_raw_parts(c, CONSTANTS) };
     let probe = form(c, &Coefficients::none());
-    let unknown = probe.fields().iter().find(|field| matches!(field.role, Role::Unknown(_)));
-    let components = unknown.map_or(1, |field| field.components());
+    let components = components(&probe);
     let rows = NODES * components;
     let size = if setting.output == Output::Tangent { rows * rows } else { rows };
     let width: usize = setting

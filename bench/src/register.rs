@@ -1,6 +1,7 @@
 //! The macro that makes an entry of the basket, with its symbol for the harness, from one line.
 
-use crate::element_batch::Setting;
+use crate::basix::node_count;
+use crate::element_batch::{Output, Setting};
 
 /// A kernel of the basket.
 #[derive(Clone, Copy)]
@@ -9,8 +10,26 @@ pub struct Entry {
     pub name: &'static str,
     /// Its element and rule.
     pub setting: Setting,
+    /// Components of the unknown.
+    pub components: fn() -> usize,
     /// The symbol `batch_<name>`.
     pub batch: Batch,
+}
+
+impl Entry {
+    /// Number of coefficients w per cell.
+    pub fn width(&self) -> usize {
+        let Setting { shape, coefficients, .. } = self.setting;
+        let components = (self.components)();
+        let each = coefficients.iter().enumerate();
+        each.map(|(index, degree)| node_count(shape, *degree) * if index == 0 { components } else { 1 }).sum()
+    }
+
+    /// Number of entries of an element vector or matrix.
+    pub fn size(&self) -> usize {
+        let rows = node_count(self.setting.shape, self.setting.degree) * (self.components)();
+        if self.setting.output == Output::Tangent { rows * rows } else { rows }
+    }
 }
 
 /// `batch_<form>(n, A, w, c, x, entity)` of the plugin interface in `peers/README.md`.
@@ -44,6 +63,10 @@ macro_rules! register {
             const D: usize = $crate::basix::dimension(SETTING.shape);
             const GEOMETRY_NODES: usize = $crate::basix::node_count(SETTING.shape, $geometry);
             const NODES: usize = $crate::basix::node_count(SETTING.shape, $degree);
+            #[allow(unused_variables)]
+            fn form($c: &[f64], $w: &Coefficients<D>) -> impl forms_fem::contract::Form<D> + use<> {
+                $form
+            }
             // SAFETY: the symbol is this kernel's alone, for the names in a basket differ.
             #[unsafe(export_name = concat!("batch_", stringify!($name)))]
             unsafe extern "C" fn batch(
@@ -51,12 +74,13 @@ macro_rules! register {
             ) {
                 // SAFETY: the plugin interface, which is this function's contract.
                 unsafe {
-                    $crate::plugin::call::<D, GEOMETRY_NODES, NODES, _>(
-                        &SETTING, #[allow(unused_variables)] |$c: &[f64], $w: &Coefficients<D>| $form, n, a, w, c, x, entity,
-                    );
+                    $crate::plugin::call::<D, GEOMETRY_NODES, NODES, _>(&SETTING, form, n, a, w, c, x, entity);
                 }
             }
-            $crate::register::Entry { name: stringify!($name), setting: SETTING, batch }
+            fn components() -> usize {
+                $crate::plugin::components(&form(&[0.0; $crate::plugin::CONSTANTS], &Coefficients::none()))
+            }
+            $crate::register::Entry { name: stringify!($name), setting: SETTING, components, batch }
         },)*];
     };
 }

@@ -14,14 +14,17 @@ mod batch;
 mod binding;
 mod block_pattern;
 mod derived;
+mod element_kernel;
 mod element_matrices;
 mod element_vectors;
 mod error;
 mod functional;
 mod partition;
 mod place_map;
+mod receiver;
 mod residual;
 mod scatter;
+mod sizes;
 mod tangent;
 mod walk;
 
@@ -30,8 +33,10 @@ use std::sync::Arc;
 pub use block_pattern::BlockPattern;
 pub(crate) use block_pattern::TouchedEntries;
 pub use derived::{FacetSample, PointValues};
+pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
+pub use sizes::{Counted, Fixed, Sizes};
 pub use tangent::ElementMatrix;
 
 use crate::lanes::InstructionSet;

@@ -1,9 +1,10 @@
-//! Pictures for papers, as PNG and as SVG: fields on bodies, meshes with their regions, curves, panels.
+//! Pictures for papers, as PNG and as SVG: fields on bodies, meshes with their regions, curves, bars, panels.
 //!
 //! Lengths on the page are points, 1/72 inch. Text takes `_{…}` and `^{…}` for subscripts and
 //! superscripts. Everything needed is compiled in: no system font, no system library.
 
 mod axes;
+mod bar_chart;
 mod body;
 mod body_lines;
 mod colour_map;
@@ -28,6 +29,7 @@ use thiserror::Error;
 use super::atomic::write_whole;
 
 pub use axes::Scale;
+pub use bar_chart::BarChart;
 pub use colour_map::{Colour, ColourMap};
 pub use curve::{Curve, Marker};
 pub use drawing::Drawing;

@@ -1,0 +1,165 @@
+//! Element kernels: builds the plugin, lets the harness time it among FFCx's variants, reads the numbers.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+
+use super::process::{environment_python, output, peers, succeeds, system_python, workspace};
+use super::{ComparisonError, Options, Report};
+
+/// How the harness names our plugin.
+const OURS: &str = "ours";
+
+/// One kernel in one library.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Timing {
+    /// Least time per element matrix \[ns\].
+    pub ns: f64,
+    /// Median.
+    pub ns_med: f64,
+    /// Largest difference from the first library over the largest entry.
+    pub relerr: f64,
+}
+
+/// One form in all libraries.
+#[derive(Clone, Debug, Serialize)]
+pub struct KernelRow {
+    /// The form's name.
+    pub form: String,
+    /// Ours.
+    pub ours: Option<Timing>,
+    /// FFCx's fastest variant, with its name.
+    pub best: (String, Timing),
+    /// All variants of FFCx.
+    pub variants: BTreeMap<String, Timing>,
+}
+
+impl KernelRow {
+    /// How many times faster ours is than FFCx at its best.
+    pub fn ratio(&self) -> Option<f64> {
+        self.ours.as_ref().map(|ours| self.best.1.ns / ours.ns)
+    }
+}
+
+/// Builds the plugin and gives its place.
+fn build() -> Result<PathBuf, ComparisonError> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.current_dir(workspace()).args([
+        "build",
+        "--release",
+        "-p",
+        "forms-bench",
+        "--message-format=json",
+    ]);
+    command.stderr(std::process::Stdio::inherit());
+    let messages = output("cargo build", &mut command)?;
+    let files = messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+    let names = files.flat_map(|message| message["filenames"].as_array().cloned().unwrap_or_default());
+    let library = std::env::consts::DLL_EXTENSION;
+    let plugin = names
+        .filter_map(|name| name.as_str().map(PathBuf::from))
+        .filter(|path| path.extension().is_some_and(|extension| extension == library))
+        .find(|path| path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("forms_bench")));
+    plugin.ok_or_else(|| ComparisonError::Output {
+        program: "cargo build".to_owned(),
+        reason: "it names no shared library forms_bench".to_owned(),
+    })
+}
+
+/// The variants that this machine can make; the others are named in the report.
+fn variants(report: &mut Report) -> Vec<&'static str> {
+    let mut variants = vec!["gcc_O2", "gcc_O3n_fm"];
+    let clang = succeeds("clang", &["--version"]);
+    let old = succeeds(system_python(), &["-c", "import ffcx.parameters"]);
+    if clang {
+        variants.push("clang_O3n_fm");
+    } else {
+        report.missing.push(("clang".to_owned(), "package clang".to_owned()));
+    }
+    if old {
+        variants.extend(["old_gcc_O2", "old_gcc_O3n_fm"]);
+        variants.extend(clang.then_some("old_clang_O3n_fm"));
+    } else {
+        report.missing.push(("FFCx 0.5.0".to_owned(), "Debian 12's package python3-ffcx".to_owned()));
+    }
+    variants
+}
+
+/// Times the basket.
+pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), ComparisonError> {
+    let plugin = build()?;
+    if !succeeds("gcc", &["--version"]) {
+        report.missing.push(("FFCx's kernels".to_owned(), "gcc, which compiles them".to_owned()));
+        return Ok(());
+    }
+    if !environment_python().exists() {
+        eprintln!("making the virtual environment with FFCx 0.11: this needs a network");
+    }
+    let mut command = Command::new("bash");
+    command.arg(peers().join("run_ffcx_kernels.sh"));
+    command.args(["--variants", &variants(report).join(" ")]);
+    command.args(options.quick.then_some("--quick"));
+    if let Some(part) = &options.only_forms {
+        command.args(["--only", part]);
+    }
+    command.arg(format!("{OURS}={}", plugin.display()));
+    command.stderr(std::process::Stdio::inherit());
+    match output("run_ffcx_kernels.sh", &mut command) {
+        Ok(text) => report.kernels = read(&text)?,
+        Err(error) => {
+            eprintln!("{error}");
+            let how = "python3 with venv, gcc, bc, and a network for `pip install fenics-ffcx==0.11.0`";
+            report.missing.push(("FFCx 0.11".to_owned(), how.to_owned()));
+        }
+    }
+    Ok(())
+}
+
+/// Reads what `time_kernels` prints.
+fn read(text: &str) -> Result<Vec<KernelRow>, ComparisonError> {
+    let bad = |reason: String| ComparisonError::Output { program: "run_ffcx_kernels.sh".to_owned(), reason };
+    let forms: BTreeMap<String, BTreeMap<String, serde_json::Value>> =
+        serde_json::from_str(text).map_err(|error| bad(error.to_string()))?;
+    let mut rows = Vec::new();
+    for (form, mut entries) in forms {
+        entries.remove("flops");
+        let mut variants = BTreeMap::new();
+        for (name, value) in entries {
+            let timing: Timing = serde_json::from_value(value).map_err(|error| bad(error.to_string()))?;
+            variants.insert(name, timing);
+        }
+        let ours = variants.remove(OURS);
+        let fastest = variants.iter().min_by(|(_, a), (_, b)| a.ns.total_cmp(&b.ns));
+        let Some((name, best)) = fastest.map(|(name, best)| (name.clone(), best.clone())) else {
+            return Err(bad(format!("{form} has no variant")));
+        };
+        rows.push(KernelRow { form, ours, best: (name, best), variants });
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fastest_variant_is_the_opponent() -> Result<(), ComparisonError> {
+        let timing =
+            |ns: f64| format!("{{\"ns\": {ns}, \"ns_med\": {ns}, \"gflops\": 1.0, \"relerr\": 0.0}}");
+        let text = format!(
+            "{{\"mass\": {{\"flops\": 10, \"a\": {}, \"b\": {}, \"ours\": {}}}, \"new\": {{\"flops\": 1, \"a\": {}}}}}",
+            timing(8.0),
+            timing(6.0),
+            timing(1.5),
+            timing(1.0)
+        );
+        let rows = read(&text)?;
+        assert_eq!((rows[0].best.0.as_str(), rows[0].ratio()), ("b", Some(4.0)));
+        assert_eq!(rows[1].ratio(), None);
+        assert!(read("{\"mass\": {\"flops\": 10}}").is_err());
+        Ok(())
+    }
+}

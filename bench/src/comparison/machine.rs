@@ -1,0 +1,62 @@
+//! What the comparison ran on.
+
+use serde::Serialize;
+
+use super::process::{environment_python, first_line};
+
+/// Machine, compilers, versions.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Machine {
+    /// Name of the processor.
+    pub processor: String,
+    /// Cores.
+    pub cores: usize,
+    /// The instruction set that our kernels run with.
+    pub instruction_set: String,
+    /// Compilers and peers with their versions.
+    pub versions: Vec<(String, String)>,
+}
+
+impl Machine {
+    /// This machine.
+    pub fn this() -> Self {
+        let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model = information.lines().find(|line| line.starts_with("model name"));
+        let processor = model.and_then(|line| line.split(':').nth(1)).unwrap_or("unknown").trim().to_owned();
+        let environment = environment_python().to_string_lossy().into_owned();
+        let ffcx = "import ffcx; print(ffcx.__version__)";
+        let dolfinx = "import dolfinx; print(dolfinx.__version__)";
+        let system = super::process::system_python().to_string_lossy().into_owned();
+        let commands: [(&str, &str, &[&str]); 8] = [
+            ("rustc", "rustc", &["--version"]),
+            ("gcc", "gcc", &["--version"]),
+            ("clang", "clang", &["--version"]),
+            ("FFCx (pip)", &environment, &["-c", ffcx]),
+            (
+                "FFCx (Debian)",
+                &system,
+                &["-c", "from importlib.metadata import version; print(version('fenics-ffcx'))"],
+            ),
+            ("DOLFINx", &system, &["-c", dolfinx]),
+            (
+                "GetFEM",
+                &system,
+                &[
+                    "-c",
+                    "import getfem; print(getfem.__version__ if hasattr(getfem, '__version__') else '5.4')",
+                ],
+            ),
+            ("scikit-fem", &environment, &["-c", "import skfem; print(skfem.__version__)"]),
+        ];
+        let versions = commands
+            .into_iter()
+            .filter_map(|(name, program, arguments)| Some((name.to_owned(), first_line(program, arguments)?)))
+            .collect();
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Machine { processor, cores, instruction_set: instruction_set(), versions }
+    }
+}
+
+fn instruction_set() -> String {
+    forms_fem::lanes::InstructionSet::best().to_string()
+}

@@ -1,0 +1,80 @@
+//! One run that compares everything: element kernels beside FFCx, whole assembly beside other programs.
+
+mod assembly;
+mod kernels;
+mod machine;
+mod process;
+mod report;
+
+use std::path::PathBuf;
+
+use forms_fem::output::picture::PictureError;
+use thiserror::Error;
+
+pub use assembly::{AssemblyRow, ContactRow, WORKER, work};
+pub use kernels::{KernelRow, Timing};
+pub use machine::Machine;
+pub use report::Report;
+
+/// What to compare, and where to write.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Few samples, and small meshes.
+    pub quick: bool,
+    /// Compare element kernels.
+    pub kernels: bool,
+    /// Compare whole assembly.
+    pub assembly: bool,
+    /// Directory for the table, the pictures and the numbers.
+    pub directory: PathBuf,
+    /// Only kernels whose name has this in it.
+    pub only_forms: Option<String>,
+}
+
+/// Why the comparison stopped. A peer that is missing or fails stops nothing: it is named in the report.
+#[derive(Debug, Error)]
+pub enum ComparisonError {
+    /// A program that is needed did not run.
+    #[error("{program} failed: {reason}")]
+    Program {
+        /// Its name.
+        program: String,
+        /// What it said.
+        reason: String,
+    },
+    /// A file or directory.
+    #[error("{path}: {source}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A program printed something else than numbers.
+    #[error("{program} printed what is no report: {reason}")]
+    Output {
+        /// Its name.
+        program: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The chart.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+/// Runs the comparison and writes `comparison.md`, `kernels.png`, `assembly.png` and `comparison.json`.
+///
+/// # Errors
+/// A [`ComparisonError`] when our own side fails or a file cannot be written.
+pub fn compare(options: &Options) -> Result<Report, ComparisonError> {
+    let mut report = Report { machine: Machine::this(), quick: options.quick, ..Report::default() };
+    if options.kernels {
+        kernels::compare(options, &mut report)?;
+    }
+    if options.assembly {
+        assembly::compare(options, &mut report)?;
+    }
+    report.write(&options.directory)?;
+    Ok(report)
+}

@@ -1,0 +1,56 @@
+//! Element kernels and whole assembly beside FFCx, DOLFINx, GetFEM, FreeFEM and scikit-fem, in one run.
+//!
+//! `cargo run --release --bin compare_with_peers -- [--quick] [--only kernels|assembly] [--out DIRECTORY]` writes
+//! `comparison.md`, `kernels.png`, `assembly.png` and `comparison.json`. Peers that are not installed are named
+//! there; `bench/README.md` says how to install them.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+use forms_bench::comparison::{Options, WORKER, compare, work};
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    Kernels,
+    Assembly,
+}
+
+/// Compares element kernels and whole assembly with other programs, side by side.
+#[derive(Parser)]
+struct Arguments {
+    /// Few samples, and small meshes.
+    #[arg(long)]
+    quick: bool,
+    /// Only one of the two parts.
+    #[arg(long)]
+    only: Option<Part>,
+    /// Only kernels with this in their name.
+    #[arg(long)]
+    forms: Option<String>,
+    /// Where to write.
+    #[arg(long, default_value = "out/comparison")]
+    out: PathBuf,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some((first, rest)) = arguments.split_first()
+        && first == WORKER
+    {
+        return work(rest);
+    }
+    let arguments = Arguments::parse();
+    let wants = |part: Part| arguments.only.is_none_or(|only| only == part);
+    let options = Options {
+        quick: arguments.quick,
+        kernels: wants(Part::Kernels),
+        assembly: wants(Part::Assembly),
+        directory: arguments.out,
+        only_forms: arguments.forms,
+    };
+    let report = compare(&options)?;
+    print!("{}", report.markdown());
+    println!("Written to {}.", options.directory.display());
+    Ok(())
+}
