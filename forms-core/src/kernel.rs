@@ -144,7 +144,7 @@ pub struct Operations {
 }
 
 /// One integral, linear in one test function: ∫ (flux, test) as `Σ_points Σ_nodes`.
-pub trait LinearKernel<const D: usize>: Send + Sync {
+pub trait LinearKernel<const D: usize>: Send + Sync + 'static {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;
     /// Number of scalar components of the test function.
@@ -181,7 +181,7 @@ pub trait LinearKernel<const D: usize>: Send + Sync {
 /// `test` and `trial` are linear in their basis function (value, gradient and second derivatives together), `pair` adds
 /// what is bilinear in their results, and `finish` is linear in the accumulator: a backend may put other linear
 /// functions in place of basis functions, as a reference tensor and sum factorisation do.
-pub trait BilinearKernel<const D: usize>: Send + Sync {
+pub trait BilinearKernel<const D: usize>: Send + Sync + 'static {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;
     /// Number of scalar components of the test function.
@@ -202,9 +202,9 @@ pub trait BilinearKernel<const D: usize>: Send + Sync {
     /// Coefficients at a point, weight included.
     type Point<L: Lane>: Copy;
     /// Factors of one test node at a point.
-    type Test<L: Lane>: Copy;
+    type Test<L: Lane>: Copy + Send + 'static;
     /// Factors of one trial node at a point.
-    type Trial<L: Lane>: Copy;
+    type Trial<L: Lane>: Copy + Send + 'static;
     /// What a node pair accumulates over the points.
     type Accumulator<L: Lane>: Copy;
     /// Row-major block: test components × trial components.

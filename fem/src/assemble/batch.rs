@@ -12,6 +12,7 @@ use self::side::{SideBuffers, SideTables, inverse_transposed, surface};
 
 use super::AssemblyError;
 use super::binding::{Binding, Values};
+use super::sizes::{Counted, Sizes};
 use super::walk::Group;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
@@ -25,8 +26,15 @@ pub(super) enum Cells<'a, const D: usize> {
     /// The cells of the group, on their mesh.
     Mesh(&'a Mesh<D>),
     /// Cells that the caller lists: the coordinates of geometry node n of cell c start at
-    /// `coordinates[c * stride + offsets[n]]`.
-    Given { coordinates: &'a [f64], stride: usize, offsets: &'a [usize] },
+    /// `coordinates[c * stride + offsets[n]]`; the coefficients of its fields are in
+    /// `coefficients[c * coefficient_stride..]`.
+    Given {
+        coordinates: &'a [f64],
+        stride: usize,
+        offsets: &'a [usize],
+        coefficients: &'a [f64],
+        coefficient_stride: usize,
+    },
 }
 
 /// Memory of a batch, kept from one run of a kernel to the next.
@@ -35,6 +43,10 @@ pub(super) struct BatchBuffers<L, const D: usize> {
     /// Coefficients of the field of each slot: node × component.
     coefficients: Vec<Vec<L>>,
     fields: Vec<L>,
+    /// Which derivatives of each element's basis are read.
+    reads: Vec<Reads>,
+    /// All of this has been made for the kernel and sizes like those of the group.
+    prepared: bool,
 }
 
 impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
@@ -43,64 +55,35 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
             sides: [SideBuffers::default(), SideBuffers::default()],
             coefficients: vec![],
             fields: vec![],
+            reads: vec![],
+            prepared: false,
         }
     }
 }
 
-/// A loop over the batches of a group.
-pub(super) struct Batch<'a, L, const D: usize> {
-    binding: &'a Binding<'a, D>,
-    group: &'a Group<D>,
-    requirements: Requirements,
-    cells: Cells<'a, D>,
-    /// Which derivatives of each element's basis are read.
-    reads: Vec<Reads>,
-    tables: [SideTables<'a, D>; 2],
-    buffers: &'a mut BatchBuffers<L, D>,
-    /// How many lanes hold cells of their own.
-    filled: usize,
-    /// How far the two sides of an interior facet may be apart.
-    tolerance: [f64; WIDEST],
-    /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
-    affine: Option<AffineGeometry<L, D>>,
-}
-
-/// Whether a kernel or one of its fields reads gradients and second derivatives of an element's basis.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Reads {
-    pub gradient: bool,
-    pub hessian: bool,
-}
-
-/// What is the same at all points of affine cells.
-#[derive(Clone, Copy)]
-struct AffineGeometry<L, const D: usize> {
-    measure: L,
-    normal: [L; D],
-}
-
-impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
-    /// A loop over a group. `arguments` are the elements of the test and trial functions, whose basis the
-    /// kernel reads.
-    pub fn new(
-        binding: &'a Binding<'a, D>,
-        group: &'a Group<D>,
-        cells: Cells<'a, D>,
+impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
+    /// Checks that the kernel finds what it reads, and makes room for it.
+    fn prepare(
+        &mut self,
+        binding: &Binding<D>,
+        group: &Group<D>,
         requirements: Requirements,
         arguments: &[usize],
-        buffers: &'a mut BatchBuffers<L, D>,
-    ) -> Result<Self, AssemblyError> {
+    ) -> Result<(), AssemblyError> {
         let zero = L::splat(0.0);
         let form = binding.name;
-        let mut reads = vec![Reads::default(); binding.elements.len()];
+        let reads = &mut self.reads;
+        reads.clear();
+        reads.resize(binding.elements.len(), Reads::default());
         for element in arguments {
             reads[*element] = Reads {
+                value: requirements.basis_value,
                 gradient: requirements.basis_gradient || requirements.hessian,
                 hessian: requirements.hessian,
             };
         }
-        buffers.coefficients.resize_with(requirements.fields.len(), Vec::new);
-        for (slot, coefficients) in requirements.fields.iter().zip(&mut buffers.coefficients) {
+        self.coefficients.resize_with(requirements.fields.len(), Vec::new);
+        for (slot, coefficients) in requirements.fields.iter().zip(&mut self.coefficients) {
             let side = group.side(form, slot.side)?;
             let field = binding.fields[slot.field].name;
             let (element, length) = match &binding.values[slot.field] {
@@ -121,6 +104,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 _ => (None, 0),
             };
             if let Some(element) = element {
+                reads[element].value |= slot.order == Order::Value;
                 reads[element].gradient |= slot.order != Order::Value; // second derivatives need the first
                 reads[element].hessian |= slot.order == Order::Hessian;
             }
@@ -133,20 +117,72 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         if requirements.opposite_diameter || requirements.opposite_volume {
             group.side(form, Side::Other)?;
         }
-        buffers.fields.resize(requirements.field_length, zero);
-        for (tables, buffers) in group.sides.iter().zip(&mut buffers.sides) {
-            buffers.prepare(tables);
+        self.fields.resize(requirements.field_length, zero);
+        for (tables, side) in group.sides.iter().zip(&mut self.sides) {
+            side.prepare(tables);
         }
-        let tables = [0, 1].map(|side| {
-            let group = &group.sides[side.min(group.sides.len() - 1)];
-            SideTables::new(group, &binding.elements, binding.mesh.is_affine())
-        });
+        self.prepared = true;
+        Ok(())
+    }
+}
+
+/// A loop over the batches of a group.
+pub(super) struct Batch<'a, L, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    group: &'a Group<D>,
+    requirements: Requirements,
+    cells: Cells<'a, D>,
+    tables: [SideTables<'a, D>; 2],
+    buffers: &'a mut BatchBuffers<L, D>,
+    /// How many lanes hold cells of their own.
+    filled: usize,
+    /// How far the two sides of an interior facet may be apart.
+    tolerance: [f64; WIDEST],
+    /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
+    affine: Option<AffineGeometry<L, D>>,
+}
+
+/// Whether a kernel or one of its fields reads values, gradients and second derivatives of an element's basis.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reads {
+    pub value: bool,
+    pub gradient: bool,
+    pub hessian: bool,
+}
+
+/// What is the same at all points of affine cells.
+#[derive(Clone, Copy)]
+struct AffineGeometry<L, const D: usize> {
+    measure: L,
+    normal: [L; D],
+}
+
+impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
+    /// A loop over a group. `arguments` are the elements of the test and trial functions, whose basis the
+    /// kernel reads.
+    #[inline]
+    pub fn new(
+        binding: &'a Binding<'a, D>,
+        group: &'a Group<D>,
+        cells: Cells<'a, D>,
+        requirements: Requirements,
+        arguments: &[usize],
+        buffers: &'a mut BatchBuffers<L, D>,
+    ) -> Result<Self, AssemblyError> {
+        if !buffers.prepared {
+            buffers.prepare(binding, group, requirements, arguments)?;
+        }
+        let affine = binding.mesh.is_affine();
+        let (first, second) = (&group.sides[0], &group.sides[group.sides.len() - 1]);
+        let tables = [
+            SideTables::new(first, &binding.elements, affine),
+            SideTables::new(second, &binding.elements, affine),
+        ];
         Ok(Batch {
             binding,
             group,
             requirements,
             cells,
-            reads,
             tables,
             buffers,
             filled: 0,
@@ -192,22 +228,26 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     /// Loads `filled` of the group's entities (at most one per lane, at least one) from `start` on, and gives
     /// what is constant on their cells. Other lanes repeat the last entity.
     #[inline(always)]
-    pub fn load(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
-        L::call(Load { batch: self, start, filled })
+    pub fn load<S: Sizes>(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
+        if S::SHARED {
+            L::call(Load { batch: self, start, filled })
+        } else {
+            self.load_here::<S>(start, filled)
+        }
     }
 
     #[inline(always)]
-    fn load_here(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
+    fn load_here<S: Sizes>(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
         self.filled = filled;
         let sides = if self.two_sided() { 2 } else { 1 };
         for side in 0..sides {
-            self.buffers.sides[side].load(&self.tables[side], self.cells, start, filled);
+            self.buffers.sides[side].load::<S>(&self.tables[side], self.cells, start, filled);
         }
         self.load_coefficients(start);
         self.affine = None;
         if self.tables[0].affine {
             for side in 0..sides {
-                self.buffers.sides[side].map_affinely(&self.tables[side]);
+                self.buffers.sides[side].map_affinely::<S>(&self.tables[side]);
             }
             let this = &self.buffers.sides[0];
             self.affine = Some(match &self.tables[0].group.facet {
@@ -218,11 +258,11 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 }
             });
         }
-        self.cell_geometry()
+        self.cell_geometry::<S>()
     }
 
     #[inline(always)]
-    fn cell_geometry(&mut self) -> CellGeometry<L> {
+    fn cell_geometry<S: Sizes>(&mut self) -> CellGeometry<L> {
         let zero = L::splat(0.0);
         let requirements = &self.requirements;
         let mut geometry = CellGeometry {
@@ -237,7 +277,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             geometry.diameter = this.diameter(tables);
         }
         if requirements.cell_volume {
-            geometry.cell_volume = this.volume(tables);
+            geometry.cell_volume = this.volume::<S>(tables);
         }
         if requirements.facet_area
             && let (Some((map, weights)), Some((_, tangents))) =
@@ -253,7 +293,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 }
                 None => {
                     for q in 0..weights.len() {
-                        let (element, _) = surface(&this.jacobian_at(map, q), tangents);
+                        let (element, _) = surface(&this.jacobian_at::<S>(map, q), tangents);
                         geometry.facet_area = element.multiply_add(L::splat(weights[q]), geometry.facet_area);
                     }
                 }
@@ -267,7 +307,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 geometry.opposite_diameter = diameter;
             }
             if requirements.opposite_volume {
-                geometry.opposite_volume = other.volume(tables);
+                geometry.opposite_volume = other.volume::<S>(tables);
             }
         }
         geometry
@@ -275,15 +315,16 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
 
     /// Moves to the q-th point: geometry, basis functions, fields.
     #[inline(always)]
-    pub fn point(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
-        L::call(Point { batch: self, q })
+    pub fn point<S: Sizes>(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
+        if S::SHARED { L::call(Point { batch: self, q }) } else { self.point_here::<S>(q) }
     }
 
     #[inline(always)]
-    fn point_here(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
+    fn point_here<S: Sizes>(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
         let zero = L::splat(0.0);
         let reads_position = self.requirements.position || self.two_sided() || self.reads_functions();
-        let (this, tables) = (&mut self.buffers.sides[0], &self.tables[0]);
+        let BatchBuffers { sides: [this, other], reads, .. } = &mut *self.buffers;
+        let (reads, tables) = (&reads[..], &self.tables[0]);
         let mut geometry = PointGeometry {
             weight: L::splat(self.group.weights[q]),
             position: if reads_position { this.position(tables, q) } else { [zero; D] },
@@ -297,7 +338,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 this.inverse
             }
             None => {
-                let jacobian = this.jacobian_at(&tables.group.geometry, q);
+                let jacobian = this.jacobian_at::<S>(&tables.group.geometry, q);
                 let (determinant, inverse) = inverse_transposed(&jacobian);
                 match &tables.group.facet {
                     None => geometry.weight = geometry.weight * determinant,
@@ -313,17 +354,17 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 inverse
             }
         };
-        this.evaluate_basis(tables, &self.reads, q, &inverse, &geometry.normal);
-        if self.two_sided() {
-            let (other, tables) = (&mut self.buffers.sides[1], &self.tables[1]);
+        this.evaluate_basis::<S>(tables, reads, q, &inverse, &geometry.normal);
+        if self.group.sides.len() == 2 {
+            let tables = &self.tables[1];
             let inverse = match self.affine {
                 Some(_) => other.inverse,
-                None => inverse_transposed(&other.jacobian_at(&tables.group.geometry, q)).1,
+                None => inverse_transposed(&other.jacobian_at::<S>(&tables.group.geometry, q)).1,
             };
-            other.evaluate_basis(tables, &self.reads, q, &inverse, &geometry.normal);
+            other.evaluate_basis::<S>(tables, reads, q, &inverse, &geometry.normal);
             self.check_facing(q, &geometry.position)?;
         }
-        self.evaluate_fields(q, &geometry.position)?;
+        self.evaluate_fields::<S>(q, &geometry.position)?;
         Ok(geometry)
     }
 
@@ -377,7 +418,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Load<'_, '_, L, D> {
 
     #[inline(always)]
     fn run(self) -> CellGeometry<L> {
-        self.batch.load_here(self.start, self.filled)
+        self.batch.load_here::<Counted>(self.start, self.filled)
     }
 }
 
@@ -391,6 +432,6 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        self.batch.point_here(self.q)
+        self.batch.point_here::<Counted>(self.q)
     }
 }

@@ -1,5 +1,6 @@
 //! A form bound to a mesh: every field checked and resolved, every parameter finite.
 
+use std::ops::Deref;
 use std::sync::Arc;
 
 use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirements, Role, Source};
@@ -7,7 +8,7 @@ use forms_core::source::PositionFunction;
 
 use super::AssemblyError;
 use crate::element::Lagrange;
-use crate::field::Field;
+use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::Quadrature;
@@ -25,14 +26,30 @@ pub(super) enum Values<'a, const D: usize> {
         values: &'a [f64],
     },
     History(Snapshot<'a, D>),
-    /// Coefficients on cells that the caller lists: those of node n of cell c start at
-    /// `values[c * stride + offsets[n]]`, one component after the other.
+    /// Coefficients on cells that the caller lists: those of node n start at `offsets[n]` in the list of its
+    /// cell, one component after the other.
     Given {
         element: usize,
-        values: &'a [f64],
-        stride: usize,
-        offsets: &'a [usize],
+        offsets: Arc<[usize]>,
     },
+}
+
+/// A list of one's own, or another's.
+pub(super) enum List<'a, T> {
+    Own(Vec<T>),
+    Other(&'a [T]),
+}
+
+impl<T> Deref for List<'_, T> {
+    type Target = [T];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T] {
+        match self {
+            List::Own(list) => list,
+            List::Other(list) => list,
+        }
+    }
 }
 
 /// A form's name, fields and data, checked against a mesh.
@@ -40,9 +57,9 @@ pub(super) struct Binding<'a, const D: usize> {
     pub name: &'static str,
     pub mesh: &'a Mesh<D>,
     pub fields: &'static [FieldDescription],
-    pub values: Vec<Values<'a, D>>,
+    pub values: List<'a, Values<'a, D>>,
     /// The distinct elements of all discrete fields and test spaces.
-    pub elements: Vec<Tabulated>,
+    pub elements: List<'a, Tabulated>,
     pub regions: &'a [Region],
 }
 
@@ -101,7 +118,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         fields: &'static [FieldDescription],
         inputs: &'a Inputs<D>,
         mesh: &'a Arc<Mesh<D>>,
-        unknowns: &[&'a Field<D>],
+        unknowns: &[FieldView<'a, D>],
     ) -> Result<Self, AssemblyError> {
         for (value, parameter) in inputs.parameters.iter().zip(&inputs.parameter_names) {
             if !value.is_finite() {
@@ -114,20 +131,32 @@ impl<'a, const D: usize> Binding<'a, D> {
             let found = unknowns.len();
             return Err(AssemblyError::Count { form: name, what: "unknowns", expected, found });
         }
-        let mut binding =
-            Binding { name, mesh, fields, values: vec![], elements: vec![], regions: &inputs.regions };
+        let mut binding = Binding::empty(name, fields, &inputs.regions, mesh);
+        let mut values = Vec::with_capacity(fields.len());
         for (index, field) in fields.iter().enumerate() {
-            let values = match (field.role, &inputs.sources[index]) {
+            let value = match (field.role, &inputs.sources[index]) {
                 (Role::Unknown(number), _) => binding.discrete(field, unknowns[number], mesh)?,
                 (Role::Test(_), _) | (_, None) => Values::Absent,
                 (_, Some(source)) => binding.resolve(field, source, mesh)?,
             };
-            binding.values.push(values);
+            values.push(value);
         }
+        binding.values = List::Own(values);
         Ok(binding)
     }
 
-    fn resolve(
+    /// A binding that holds no values yet, and no element.
+    pub fn empty(
+        name: &'static str,
+        fields: &'static [FieldDescription],
+        regions: &'a [Region],
+        mesh: &'a Mesh<D>,
+    ) -> Self {
+        Binding { name, mesh, fields, values: List::Own(vec![]), elements: List::Own(vec![]), regions }
+    }
+
+    /// Where a field's values come from, of a field that is no unknown and no test function.
+    pub fn resolve(
         &mut self,
         field: &FieldDescription,
         source: &'a Source<D>,
@@ -149,7 +178,7 @@ impl<'a, const D: usize> Binding<'a, D> {
                 found.map(Values::History).map_err(mismatch)
             }
             Source::Discrete(handle) => match handle.as_any().downcast_ref::<Field<D>>() {
-                Some(known) => self.discrete(field, known, mesh),
+                Some(known) => self.discrete(field, known.view(), mesh),
                 None => Err(AssemblyError::ForeignField { form: self.name, field: field.name, dimension: D }),
             },
         }
@@ -158,10 +187,10 @@ impl<'a, const D: usize> Binding<'a, D> {
     fn discrete(
         &mut self,
         field: &FieldDescription,
-        known: &'a Field<D>,
+        known: FieldView<'a, D>,
         mesh: &Arc<Mesh<D>>,
     ) -> Result<Values<'a, D>, AssemblyError> {
-        let space = &known.space;
+        let FieldView { space, values, finite } = known;
         let (expected, found) = (field.components(), space.components());
         if expected != found {
             return Err(AssemblyError::Components { form: self.name, field: field.name, expected, found });
@@ -169,9 +198,11 @@ impl<'a, const D: usize> Binding<'a, D> {
         if !Arc::ptr_eq(&space.mesh, mesh) {
             return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
         }
-        self.check_finite(field, known.values())?;
+        if !finite {
+            self.check_finite(field, values)?;
+        }
         let element = self.element(space);
-        Ok(Values::Discrete { element, space, values: known.values() })
+        Ok(Values::Discrete { element, space, values })
     }
 
     fn check_finite(&self, field: &FieldDescription, values: &[f64]) -> Result<(), AssemblyError> {
@@ -183,11 +214,18 @@ impl<'a, const D: usize> Binding<'a, D> {
 
     /// The index of a space's element among those that are tabulated.
     pub fn element(&mut self, space: &Space<D>) -> usize {
-        let element = Tabulated { element: space.element, on_facets: space.facet_region().is_some() };
-        self.elements.iter().position(|known| *known == element).unwrap_or_else(|| {
-            self.elements.push(element);
-            self.elements.len() - 1
-        })
+        self.tabulated(Tabulated { element: space.element, on_facets: space.facet_region().is_some() })
+    }
+
+    /// The index of an element among those that are tabulated.
+    pub fn tabulated(&mut self, element: Tabulated) -> usize {
+        if let Some(known) = self.elements.iter().position(|known| *known == element) {
+            return known;
+        }
+        let mut elements = self.elements.to_vec();
+        elements.push(element);
+        self.elements = List::Own(elements);
+        self.elements.len() - 1
     }
 
     /// Checks the spaces of the test functions against the form.
@@ -220,7 +258,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             (_, Values::Function(_)) => 2,
             _ => 0,
         };
-        self.fields.iter().zip(&self.values).map(degree).collect()
+        self.fields.iter().zip(self.values.iter()).map(degree).collect()
     }
 
     /// A history that a kernel reads and the degree of its rule, which all of them share.

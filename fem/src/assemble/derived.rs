@@ -9,6 +9,7 @@ use forms_core::contract::{
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
+use super::sizes::Counted;
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
 use crate::element::{CellShape, Lagrange};
@@ -219,7 +220,7 @@ impl<const D: usize> Assembler<D> {
                 coefficients[node * components + component] = value;
             }
         }
-        Ok(Field { space: space.clone(), values: Arc::new(coefficients) })
+        Ok(Field::of_known(space, coefficients))
     }
 
     /// A derived field at the nodes of a facet region, averaged over the facets that share a node; zero at
@@ -265,7 +266,7 @@ impl<const D: usize> Assembler<D> {
         for (index, sum) in sums.iter_mut().enumerate() {
             *sum /= counts[index / components].max(1.0);
         }
-        Ok(Field { space: space.clone(), values: Arc::new(sums) })
+        Ok(Field::of_known(space, sums))
     }
 
     fn facets(
@@ -406,9 +407,9 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
             let located = Requirements { position: true, ..K::REQUIREMENTS };
             let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;
             for index in 0..group.entities() {
-                let cell = kernel.cell(&batch.load(index, 1));
+                let cell = kernel.cell(&batch.load::<Counted>(index, 1));
                 for q in 0..group.points() {
-                    let geometry = batch.point(q)?;
+                    let geometry = batch.point::<Counted>(q)?;
                     let value = kernel.evaluate(&cell, &geometry, batch.fields()).as_ref().to_vec();
                     if !value.iter().all(|entry| entry.is_finite()) {
                         let (form, position) = (self.binding.name, geometry.position.to_vec());

@@ -10,6 +10,8 @@ use forms_core::contract::BilinearKernel;
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::receiver::{Buffered, Deliver, Receiver};
+use super::sizes::{Counted, Sizes};
 use super::walk::Group;
 use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
 
@@ -27,9 +29,6 @@ pub(super) struct ElementMatrices<'a, const D: usize> {
     pub symmetric: bool,
 }
 
-/// Who receives element matrices or vectors: the first entity, and those of it and its successors.
-pub(super) type Deliver<'a> = &'a mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>;
-
 /// Memory of the loops, kept from one run to the next.
 pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     batch: BatchBuffers<L, D>,
@@ -38,25 +37,20 @@ pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usiz
     trials: Vec<K::Trial<L>>,
     /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j.
     blocks: Vec<L>,
-    matrices: Vec<f64>,
 }
 
 impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Default for MatrixBuffers<K, L, D> {
     fn default() -> Self {
-        MatrixBuffers {
-            batch: BatchBuffers::default(),
-            tests: vec![],
-            trials: vec![],
-            blocks: vec![],
-            matrices: vec![],
-        }
+        MatrixBuffers { batch: BatchBuffers::default(), tests: vec![], trials: vec![], blocks: vec![] }
     }
 }
 
 impl<const D: usize> ElementMatrices<'_, D> {
     /// Number of test and of trial nodes.
+    #[inline]
     pub fn nodes(&self) -> [usize; 2] {
-        [0, 1].map(|k| self.group.sides[self.sides[k]].elements[self.elements[k]].nodes)
+        let nodes = |k: usize| self.group.sides[self.sides[k]].elements[self.elements[k]].nodes;
+        [nodes(0), nodes(1)]
     }
 
     /// Computes the element matrices of the group's entities in a range, and hands them over in their order:
@@ -75,31 +69,41 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let [rows, columns] = self.nodes();
         let components = [K::TEST_COMPONENTS, K::TRIAL_COMPONENTS];
         let order = block_order([rows, columns], components, self.symmetric);
-        set.run(Compute { task: self, kernel, order: &order, range, deliver })
+        set.checked().run(Compute {
+            task: self,
+            kernel,
+            order: &order,
+            range,
+            receiver: Buffered::new(deliver),
+        })
     }
 
+    /// The loops. The entries of an element matrix come out in the order that [`block_order`] gives to
+    /// the computed blocks, or any other.
     #[inline(always)]
-    fn compute_in_lanes<K: BilinearKernel<D>, L: SimdLane>(
+    pub fn compute_in_lanes<K: BilinearKernel<D>, L: SimdLane, S: Sizes>(
         &self,
         kernel: &K,
         order: &[u32],
         range: Range<usize>,
         buffers: &mut MatrixBuffers<K, L, D>,
-        deliver: Deliver,
+        receiver: &mut impl Receiver,
     ) -> Result<(), AssemblyError> {
         let [rows, columns] = self.nodes();
-        let points = self.group.points();
-        let MatrixBuffers { batch, tests, trials, blocks, matrices } = buffers;
+        let (rows, columns) = (S::nodes(rows), S::nodes(columns));
+        let points = S::points(self.group.points());
+        let MatrixBuffers { batch, tests, trials, blocks } = buffers;
         let mut batch =
             Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, &self.elements, batch)?;
-        let size = order.len();
-        matrices.resize(size * L::WIDTH, 0.0);
+        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+        let size = rows * columns * entries;
+        let order = &order[..size];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            let cell = kernel.cell(&batch.load(start, filled));
+            let cell = kernel.cell(&batch.load::<S>(start, filled));
             for q in 0..points {
-                let geometry = batch.point(q)?;
+                let geometry = batch.point::<S>(q)?;
                 let point = kernel.point(&cell, &geometry, batch.fields());
                 let basis = batch.basis(self.sides[0], self.elements[0]);
                 let hessians = batch.hessians(self.sides[0], self.elements[0]);
@@ -125,8 +129,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
                     trials[j] = kernel.trial(&point, &basis[j], &hessians[j]);
                 }
             }
-            let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
-            blocks.resize(rows * columns * entries, L::splat(0.0));
+            blocks.resize(size, L::splat(0.0));
             let mut next = 0;
             let (tests, trials) = (&tests[..rows * points], &trials[..columns * points]);
             for i in 0..rows {
@@ -139,13 +142,22 @@ impl<const D: usize> ElementMatrices<'_, D> {
                         K::pair(&mut accumulator, &tests[q * rows + i], &trials[q * columns + j]);
                     }
                     let block = kernel.finish(&cell, &accumulator);
-                    blocks[next..][..entries].copy_from_slice(&block.as_ref()[..entries]);
+                    // No copy of slices: that would be a call.
+                    let (block, target) = (&block.as_ref()[..entries], &mut blocks[next..][..entries]);
+                    for entry in 0..entries {
+                        target[entry] = block[entry];
+                    }
                     next += entries;
                 }
             }
-            let entries = Ordered { values: blocks, order };
-            L::call(Transposition { source: &entries, count: size, filled, target: matrices, stride: size });
-            deliver(start, &matrices[..filled * size])?;
+            let source = &Ordered { values: blocks, order };
+            let target = receiver.room(start, filled, size);
+            if S::SHARED {
+                L::call(Transposition { source, count: size, filled, target, stride: size });
+            } else {
+                L::store_transposed(source, size, filled, target, size);
+            }
+            receiver.filled(start, filled, size)?;
             start += filled;
         }
         Ok(())
@@ -157,35 +169,40 @@ struct Compute<'a, 'd, K, const D: usize> {
     kernel: &'a K,
     order: &'a [u32],
     range: Range<usize>,
-    deliver: Deliver<'d>,
+    receiver: Buffered<'d>,
 }
 
 impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     type Output = Result<(), AssemblyError>;
 
     #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
+    fn run<L: SimdLane>(mut self) -> Self::Output {
         let mut buffers = MatrixBuffers::<K, L, D>::default();
-        self.task.compute_in_lanes(self.kernel, self.order, self.range, &mut buffers, self.deliver)
+        let (task, receiver) = (self.task, &mut self.receiver);
+        task.compute_in_lanes::<K, L, Counted>(self.kernel, self.order, self.range, &mut buffers, receiver)
     }
 }
 
 /// Entries of a list in another order.
-struct Ordered<'a, L> {
-    values: &'a [L],
-    order: &'a [u32],
+pub(super) struct Ordered<'a, L> {
+    pub values: &'a [L],
+    pub order: &'a [u32],
 }
 
-impl<L: Copy> Entries<L> for Ordered<'_, L> {
+impl<L> Entries<L> for Ordered<'_, L> {
     #[inline(always)]
-    fn entry(&self, k: usize) -> L {
-        self.values[self.order[k] as usize]
+    fn entry(&self, k: usize) -> &L {
+        &self.values[self.order[k] as usize]
     }
 }
 
 /// Where the computed blocks have the entries of an element matrix, for the entries block after block. Of a
 /// symmetric matrix only the blocks of pairs i ≤ j are computed.
-fn block_order([rows, columns]: [usize; 2], [height, width]: [usize; 2], symmetric: bool) -> Vec<u32> {
+pub(super) fn block_order(
+    [rows, columns]: [usize; 2],
+    [height, width]: [usize; 2],
+    symmetric: bool,
+) -> Vec<u32> {
     let entries = height * width;
     let mut computed = vec![0_u32; rows * columns];
     let mut next = 0;

@@ -10,7 +10,9 @@ use forms_core::contract::LinearKernel;
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
-use super::element_matrices::Deliver;
+use super::element_matrices::Ordered;
+use super::receiver::{Buffered, Deliver, Receiver};
+use super::sizes::{Counted, Sizes};
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, SimdLane, Transposition};
 
@@ -30,12 +32,11 @@ pub(super) struct ElementVectors<'a, const D: usize> {
 pub(super) struct VectorBuffers<L, const D: usize> {
     batch: BatchBuffers<L, D>,
     sums: Vec<L>,
-    vectors: Vec<f64>,
 }
 
 impl<L: SimdLane, const D: usize> Default for VectorBuffers<L, D> {
     fn default() -> Self {
-        VectorBuffers { batch: BatchBuffers::default(), sums: vec![], vectors: vec![] }
+        VectorBuffers { batch: BatchBuffers::default(), sums: vec![] }
     }
 }
 
@@ -58,22 +59,30 @@ impl<const D: usize> ElementVectors<'_, D> {
         range: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        set.run(Compute { task: self, kernel, range, deliver })
+        set.checked().run(Compute {
+            task: self,
+            kernel,
+            order: None,
+            range,
+            receiver: Buffered::new(deliver),
+        })
     }
 
+    /// The loops. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.
     #[inline(always)]
-    fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane>(
+    pub fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane, S: Sizes>(
         &self,
         kernel: &K,
+        order: Option<&[u32]>,
         range: Range<usize>,
         buffers: &mut VectorBuffers<L, D>,
-        deliver: Deliver,
+        receiver: &mut impl Receiver,
     ) -> Result<(), AssemblyError> {
         let components = K::TEST_COMPONENTS;
-        let nodes = self.nodes();
+        let nodes = S::nodes(self.nodes());
         let size = nodes * components;
         let zero = L::splat(0.0);
-        let VectorBuffers { batch, sums, vectors } = buffers;
+        let VectorBuffers { batch, sums } = buffers;
         let mut batch = Batch::<L, D>::new(
             self.binding,
             self.group,
@@ -83,14 +92,13 @@ impl<const D: usize> ElementVectors<'_, D> {
             batch,
         )?;
         sums.resize(size, zero);
-        vectors.resize(size * L::WIDTH, 0.0);
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            let cell = kernel.cell(&batch.load(start, filled));
+            let cell = kernel.cell(&batch.load::<S>(start, filled));
             sums.fill(zero);
-            for q in 0..self.group.points() {
-                let geometry = batch.point(q)?;
+            for q in 0..S::points(self.group.points()) {
+                let geometry = batch.point::<S>(q)?;
                 let flux = kernel.point(&cell, &geometry, batch.fields());
                 let basis = &batch.basis(self.side, self.element)[..nodes];
                 let hessians = &batch.hessians(self.side, self.element)[..nodes];
@@ -102,8 +110,17 @@ impl<const D: usize> ElementVectors<'_, D> {
                     }
                 }
             }
-            L::call(Transposition { source: &sums[..], count: size, filled, target: vectors, stride: size });
-            deliver(start, &vectors[..filled * size])?;
+            let target = receiver.room(start, filled, size);
+            match order {
+                None => {
+                    L::call(Transposition { source: &sums[..], count: size, filled, target, stride: size })
+                }
+                Some(order) => {
+                    let source = &Ordered { values: sums, order: &order[..size] };
+                    L::store_transposed(source, size, filled, target, size);
+                }
+            }
+            receiver.filled(start, filled, size)?;
             start += filled;
         }
         Ok(())
@@ -113,16 +130,18 @@ impl<const D: usize> ElementVectors<'_, D> {
 struct Compute<'a, 'd, K, const D: usize> {
     task: &'a ElementVectors<'a, D>,
     kernel: &'a K,
+    order: Option<&'a [u32]>,
     range: Range<usize>,
-    deliver: Deliver<'d>,
+    receiver: Buffered<'d>,
 }
 
 impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     type Output = Result<(), AssemblyError>;
 
     #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
+    fn run<L: SimdLane>(mut self) -> Self::Output {
         let mut buffers = VectorBuffers::<L, D>::default();
-        self.task.compute_in_lanes(self.kernel, self.range, &mut buffers, self.deliver)
+        let (task, receiver) = (self.task, &mut self.receiver);
+        task.compute_in_lanes::<K, L, Counted>(self.kernel, self.order, self.range, &mut buffers, receiver)
     }
 }

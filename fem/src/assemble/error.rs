@@ -10,6 +10,14 @@ use crate::quadrature::QuadratureError;
 /// Why a form cannot be assembled. Every message names the form and the thing in it.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AssemblyError {
+    /// The layout of an element kernel does not fit the form or its cells.
+    #[error("form `{form}`, element kernel: {what}")]
+    Layout {
+        /// The form.
+        form: &'static str,
+        /// What does not fit.
+        what: String,
+    },
     /// A region that the mesh does not have.
     #[error("form `{form}`, region `{symbol}`: {source}")]
     Region {

@@ -6,9 +6,10 @@ use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::sizes::Counted;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
-use crate::field::Field;
+use crate::field::{Field, FieldView, views};
 use crate::lanes::{SimdLane, WIDEST};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -23,7 +24,8 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[&Field<D>],
     ) -> Result<f64, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        let unknowns = views(unknowns);
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?;
         let degrees = binding.degrees(&[]);
         let walk =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
@@ -43,9 +45,18 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[&Field<D>],
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
+        self.active_set_of(form, &views(unknowns))
+    }
+
+    /// [`Assembler::active_set`] at coefficients that need not be those of a field.
+    pub(crate) fn active_set_of<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+    ) -> Result<Option<Vec<u32>>, AssemblyError> {
         let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
         // Test functions count in the estimate of the degree as the unknowns do.
-        let spaces: Vec<_> = unknowns.iter().map(|field| field.space()).collect();
+        let spaces: Vec<_> = unknowns.iter().map(|view| view.space).collect();
         let degrees = binding.degrees(&spaces);
         let walk =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
@@ -167,9 +178,9 @@ fn each_point<K: ExpressionKernel<D>, L: SimdLane, const D: usize>(
     let mut value = vec![0.0; count];
     for start in range.clone().step_by(L::WIDTH) {
         let filled = L::WIDTH.min(range.end - start);
-        let cell = kernel.cell(&batch.load(start, filled));
+        let cell = kernel.cell(&batch.load::<Counted>(start, filled));
         for q in 0..points {
-            let geometry = batch.point(q)?;
+            let geometry = batch.point::<Counted>(q)?;
             let values = kernel.evaluate(&cell, &geometry, batch.fields());
             let all = values.as_ref().iter().chain([&geometry.weight]).chain(&geometry.position);
             for (lanes, entry) in lanes.iter_mut().zip(all) {

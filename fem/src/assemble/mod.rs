@@ -14,23 +14,29 @@ mod batch;
 mod binding;
 mod block_pattern;
 mod derived;
+mod element_kernel;
 mod element_matrices;
 mod element_vectors;
 mod error;
 mod functional;
 mod partition;
 mod place_map;
+mod receiver;
 mod residual;
 mod scatter;
+mod sizes;
 mod tangent;
 mod walk;
 
 use std::sync::Arc;
 
 pub use block_pattern::BlockPattern;
+pub(crate) use block_pattern::TouchedEntries;
 pub use derived::{FacetSample, PointValues};
+pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
+pub use sizes::{Counted, Fixed, Sizes};
 pub use tangent::ElementMatrix;
 
 use crate::lanes::InstructionSet;

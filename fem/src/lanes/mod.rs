@@ -53,17 +53,22 @@ pub(crate) trait SimdLane: Lane {
     /// not depend on the kernel is compiled once for all kernels.
     fn call<W: SharedWork<Self>>(work: W) -> W::Output;
 
-    /// Entry `index[lane]` of `values`, lane by lane; the first [`Lane::WIDTH`] indices are read.
+    /// `COUNT` successive entries of `values` from `places[lane]` on, lane by lane; the first [`Lane::WIDTH`]
+    /// places are read.
     ///
     /// # Panics
-    /// When an index is out of range.
+    /// When a place is out of range.
     #[inline(always)]
-    fn gather(values: &[f64], index: &[usize; WIDEST]) -> Self {
+    fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
+        let mut entries = [Self::splat(0.0); COUNT];
         let mut lanes = [0.0; WIDEST];
-        for lane in 0..Self::WIDTH {
-            lanes[lane] = values[index[lane]];
+        for k in 0..COUNT {
+            for lane in 0..Self::WIDTH {
+                lanes[lane] = values[places[lane] + k];
+            }
+            entries[k] = Self::load(&lanes);
         }
-        Self::load(&lanes)
+        entries
     }
 
     /// Writes `count` entries of each of the first `filled` lanes to `target[lane * stride..]`, entry k from
@@ -86,7 +91,7 @@ pub(crate) trait SimdLane: Lane {
 /// Entries of lane values by number. A trait and not a closure: closures do not inherit target features.
 pub(crate) trait Entries<L> {
     /// The k-th entry.
-    fn entry(&self, k: usize) -> L;
+    fn entry(&self, k: usize) -> &L;
 }
 
 /// [`SimdLane::store_transposed`] as work of its own.
@@ -113,10 +118,10 @@ impl<L: SimdLane, E: Entries<L> + ?Sized> SharedWork<L> for Transposition<'_, E>
 }
 
 /// Entries in the order of memory.
-impl<L: Copy> Entries<L> for [L] {
+impl<L> Entries<L> for [L] {
     #[inline(always)]
-    fn entry(&self, k: usize) -> L {
-        self[k]
+    fn entry(&self, k: usize) -> &L {
+        &self[k]
     }
 }
 
@@ -183,16 +188,29 @@ impl InstructionSet {
         }
     }
 
-    /// Runs some work compiled for this set; plainly, if the machine does not have it.
+    /// This set if the machine has it, else the plain one.
+    pub(crate) fn checked(self) -> Checked {
+        Checked(if self.is_available() { self } else { InstructionSet::Plain })
+    }
+}
+
+/// A set that the machine has.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Checked(InstructionSet);
+
+impl Checked {
+    /// Runs some work compiled for the set.
     #[inline]
     pub(crate) fn run<W: LaneWork>(self, work: W) -> W::Output {
-        #[cfg(target_arch = "x86_64")]
-        match self {
-            InstructionSet::Avx512 if x86::has_avx512() => return x86::run_avx512(work),
-            InstructionSet::Avx2 if x86::has_avx2() => return x86::run_avx2(work),
-            _ => {}
+        match self.0 {
+            // SAFETY: a checked set is one that the machine has.
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => unsafe { x86::run_avx512(work) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => unsafe { x86::run_avx2(work) },
+            _ => work.run::<f64>(),
         }
-        work.run::<f64>()
     }
 }
 

@@ -58,9 +58,9 @@ fn numbers(seed: u64) -> Vec<f64> {
 fn all_sets_compute_what_plain_numbers_do() {
     let (a, mut b) = (numbers(1), numbers(2));
     b[7] = a[7];
-    let expected = InstructionSet::Plain.run(Operations { a: &a, b: &b });
+    let expected = InstructionSet::Plain.checked().run(Operations { a: &a, b: &b });
     for set in InstructionSet::available() {
-        let found = set.run(Operations { a: &a, b: &b });
+        let found = set.checked().run(Operations { a: &a, b: &b });
         for (operation, (found, expected)) in found.iter().zip(&expected).enumerate() {
             for (k, (x, y)) in found.iter().zip(expected).enumerate() {
                 let close = (x - y).abs() <= 4.0 * f64::EPSILON * y.abs();
@@ -100,7 +100,7 @@ fn logarithms_are_right_to_two_units_in_the_last_place() {
     // Lanes with what has no logarithm stand beside ordinary ones.
     numbers.extend([0.0, -1.0, f64::INFINITY, f64::NAN, 5e-324, 3.0, -0.0, 7.0]);
     for set in InstructionSet::available() {
-        for (x, found) in numbers.iter().zip(set.run(Logarithms(&numbers))) {
+        for (x, found) in numbers.iter().zip(set.checked().run(Logarithms(&numbers))) {
             let expected = x.ln();
             let close = (found - expected).abs() <= 2.0 * f64::EPSILON * expected.abs();
             assert!(
@@ -141,7 +141,7 @@ fn transposed_lanes_stand_one_after_the_other() {
     for set in InstructionSet::available() {
         for count in [1, 3, 4, 9, 13, 36] {
             for filled in [1, 3, 8] {
-                let (filled, found) = set.run(Transposition { count, filled });
+                let (filled, found) = set.checked().run(Transposition { count, filled });
                 for (index, value) in found.iter().enumerate() {
                     let (lane, k) = (index / (count + 3), index % (count + 3));
                     let expected = if k < count { (100 * lane + k) as f64 } else { -1.0 };

@@ -23,28 +23,22 @@ pub(super) fn has_avx512() -> bool {
         && has_avx2()
 }
 
-/// Runs some work in AVX2; to be called where [`has_avx2`].
-#[inline]
+/// Runs some work in AVX2.
+///
+/// # Safety
+/// The machine has it: [`has_avx2`].
+#[target_feature(enable = "avx2,fma")]
 pub(super) fn run_avx2<W: LaneWork>(work: W) -> W::Output {
-    #[target_feature(enable = "avx2,fma")]
-    fn enter<W: LaneWork>(work: W) -> W::Output {
-        work.run::<Avx2>()
-    }
-    assert!(has_avx2());
-    // SAFETY: the processor has the features that `enter` is compiled for.
-    unsafe { enter(work) }
+    work.run::<Avx2>()
 }
 
-/// Runs some work in AVX-512; to be called where [`has_avx512`].
-#[inline]
+/// Runs some work in AVX-512.
+///
+/// # Safety
+/// The machine has it: [`has_avx512`].
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 pub(super) fn run_avx512<W: LaneWork>(work: W) -> W::Output {
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-    fn enter<W: LaneWork>(work: W) -> W::Output {
-        work.run::<Avx512>()
-    }
-    assert!(has_avx512());
-    // SAFETY: the processor has the features that `enter` is compiled for.
-    unsafe { enter(work) }
+    work.run::<Avx512>()
 }
 
 /// Four doubles.
@@ -397,20 +391,44 @@ impl SimdLane for Avx2 {
     ) {
         let mut done = 0;
         if filled == Self::WIDTH {
+            assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
             while done + 4 <= count {
-                let tile = transposed(
-                    source.entry(done),
-                    source.entry(done + 1),
-                    source.entry(done + 2),
-                    source.entry(done + 3),
-                );
-                for lane in 0..4 {
-                    tile[lane].store(&mut target[lane * stride + done..][..4]);
-                }
+                let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
+                let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
+                // SAFETY: each entry is four doubles; `done + 4 <= count`, and each lane has room for `count`.
+                unsafe { store_tile(a, b, c, d, target.as_mut_ptr().add(done), stride) };
                 done += 4;
             }
         }
         store_entries(source, done..count, filled, target, stride);
+    }
+}
+
+/// Writes four lanes of four entries, lane by lane.
+///
+/// # Safety
+/// Each entry can be read for four doubles, each of four rows of the target (`stride` apart) written for four.
+#[inline(always)]
+unsafe fn store_tile(
+    a: *const f64,
+    b: *const f64,
+    c: *const f64,
+    d: *const f64,
+    target: *mut f64,
+    stride: usize,
+) {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe {
+        // Two lanes of two entries side by side in each register: half of the shuffling is done by the loads.
+        let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
+        let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
+        _mm256_storeu_pd(target, _mm256_unpacklo_pd(ac, bd));
+        _mm256_storeu_pd(target.add(stride), _mm256_unpackhi_pd(ac, bd));
+        let (a, b, c, d) = (a.add(2), b.add(2), c.add(2), d.add(2));
+        let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
+        let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
+        _mm256_storeu_pd(target.add(2 * stride), _mm256_unpacklo_pd(ac, bd));
+        _mm256_storeu_pd(target.add(3 * stride), _mm256_unpackhi_pd(ac, bd));
     }
 }
 
@@ -440,6 +458,39 @@ impl SimdLane for Avx512 {
         simd!(enter(work))
     }
     #[inline(always)]
+    fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
+        let mut largest = places[0];
+        for lane in 1..8 {
+            largest = if places[lane] > largest { places[lane] } else { largest };
+        }
+        assert!(largest < values.len() && COUNT <= values.len() - largest);
+        let mut entries = [Avx512::splat(0.0); COUNT];
+        if COUNT > 4 {
+            for k in 0..COUNT {
+                let mut lanes = [0.0; 8];
+                for lane in 0..8 {
+                    lanes[lane] = values[places[lane] + k];
+                }
+                entries[k] = Avx512::from_array(&lanes);
+            }
+            return entries;
+        }
+        // Four lanes' entries each, transposed; what lies beyond the last entry is not read.
+        let mask: __mmask8 = (1 << COUNT) - 1;
+        let mut rows = [Avx2::splat(0.0); 8];
+        for lane in 0..8 {
+            // SAFETY: places are in range, up to their COUNT entries; a masked load reads no others.
+            rows[lane] = unsafe { Avx2(_mm256_maskz_loadu_pd(mask, values.as_ptr().add(places[lane]))) };
+        }
+        let low = transposed(rows[0], rows[1], rows[2], rows[3]);
+        let high = transposed(rows[4], rows[5], rows[6], rows[7]);
+        for k in 0..COUNT {
+            entries[k] = simd!(Avx512(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[k].0), high[k].0)));
+        }
+        entries
+    }
+
+    #[inline(always)]
     fn store_transposed(
         source: &(impl Entries<Self> + ?Sized),
         count: usize,
@@ -449,38 +500,21 @@ impl SimdLane for Avx512 {
     ) {
         let mut done = 0;
         if filled == Self::WIDTH {
+            assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
             while done + 4 <= count {
-                let entries = [
-                    source.entry(done),
-                    source.entry(done + 1),
-                    source.entry(done + 2),
-                    source.entry(done + 3),
-                ];
-                let (low, high) = (halves(&entries, false), halves(&entries, true));
-                for lane in 0..4 {
-                    low[lane].store(&mut target[lane * stride + done..][..4]);
-                    high[lane].store(&mut target[(lane + 4) * stride + done..][..4]);
+                let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
+                let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
+                // SAFETY: each entry is eight doubles; `done + 4 <= count`, and each lane has room for `count`.
+                unsafe {
+                    let row = target.as_mut_ptr().add(done);
+                    store_tile(a, b, c, d, row, stride);
+                    store_tile(a.add(4), b.add(4), c.add(4), d.add(4), row.add(4 * stride), stride);
                 }
                 done += 4;
             }
         }
         store_entries(source, done..count, filled, target, stride);
     }
-}
-
-/// Lanes 0 to 3, or 4 to 7, of four entries, transposed.
-#[inline(always)]
-fn halves(entries: &[Avx512; 4], high: bool) -> [Avx2; 4] {
-    simd!({
-        let mut half = [_mm256_setzero_pd(); 4];
-        for k in 0..4 {
-            half[k] = match high {
-                false => _mm512_castpd512_pd256(entries[k].0),
-                true => _mm512_extractf64x4_pd::<1>(entries[k].0),
-            };
-        }
-        transposed(Avx2(half[0]), Avx2(half[1]), Avx2(half[2]), Avx2(half[3]))
-    })
 }
 
 const _: () = assert!(WIDEST >= Avx512::WIDTH);

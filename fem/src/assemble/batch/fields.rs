@@ -6,9 +6,10 @@
 use forms_core::contract::{FieldSlot, Order, Side};
 use forms_core::source::PositionFunction;
 
-use super::Batch;
+use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Values;
+use crate::assemble::sizes::Sizes;
 use crate::history::{HistoryMismatch, Snapshot};
 use crate::lanes::{SimdLane, WIDEST};
 
@@ -39,29 +40,25 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     for lane in 0..L::WIDTH {
                         nodes[lane] = space.nodes_at(side.cells[lane], local);
                     }
-                    for (node, target) in coefficients.chunks_exact_mut(slot.components).enumerate() {
+                    let coefficients = coefficients.chunks_exact_mut(slot.components);
+                    for (node, target) in coefficients.enumerate() {
                         for lane in 0..L::WIDTH {
                             places[lane] = nodes[lane][node] as usize * slot.components;
                         }
-                        for target in target {
-                            *target = L::gather(values, &places);
-                            for place in &mut places {
-                                *place += 1;
-                            }
-                        }
+                        gather_all(values, &places, target);
                     }
                 }
-                Values::Given { values, stride, offsets, .. } => {
-                    for (node, target) in coefficients.chunks_exact_mut(slot.components).enumerate() {
+                Values::Given { offsets, .. } => {
+                    let Cells::Given { coefficients: values, coefficient_stride: stride, .. } = self.cells
+                    else {
+                        continue;
+                    };
+                    let coefficients = coefficients.chunks_exact_mut(slot.components);
+                    for (node, target) in coefficients.enumerate() {
                         for lane in 0..L::WIDTH {
                             places[lane] = (start + lane.min(self.filled - 1)) * stride + offsets[node];
                         }
-                        for target in target {
-                            *target = L::gather(values, &places);
-                            for place in &mut places {
-                                *place += 1;
-                            }
-                        }
+                        gather_all(values, &places, target);
                     }
                 }
                 _ => {}
@@ -71,7 +68,11 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
 
     /// All fields at the q-th point.
     #[inline(always)]
-    pub(super) fn evaluate_fields(&mut self, q: usize, position: &[L; D]) -> Result<(), AssemblyError> {
+    pub(super) fn evaluate_fields<S: Sizes>(
+        &mut self,
+        q: usize,
+        position: &[L; D],
+    ) -> Result<(), AssemblyError> {
         for index in 0..self.requirements.fields.len() {
             let slot = self.requirements.fields[index];
             let count = match slot.order {
@@ -89,7 +90,14 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     }
                 }
                 Values::Discrete { element, .. } | Values::Given { element, .. } => {
-                    self.interpolate(&slot, index, *element);
+                    // The first element is that of the arguments, which has the fixed size.
+                    if *element == 0 {
+                        let nodes = S::nodes(self.buffers.sides[side_index(slot.side)].basis[0].len());
+                        self.interpolate(&slot, index, 0, nodes);
+                    } else {
+                        let nodes = self.buffers.sides[side_index(slot.side)].basis[*element].len();
+                        self.interpolate(&slot, index, *element, nodes);
+                    }
                 }
                 Values::History(history) => {
                     let lanes = self.history(&slot, history, q)?;
@@ -114,17 +122,17 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
 
     /// Σ over the nodes of coefficient × basis function, or its derivatives.
     #[inline(always)]
-    fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize) {
+    fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize, nodes: usize) {
         let side = &self.buffers.sides[side_index(slot.side)];
-        let (basis, hessians) = (&side.basis[element][..], &side.hessians[element][..]);
-        let coefficients = &self.buffers.coefficients[index][..];
+        let (basis, hessians) = (&side.basis[element][..nodes], &side.hessians[element][..nodes]);
         let components = slot.components;
+        let coefficients = &self.buffers.coefficients[index][..nodes * components];
         // One component after the other, so that its sums stay in registers.
         for component in 0..components {
             match slot.order {
                 Order::Value => {
                     let mut sum = L::splat(0.0);
-                    for node in 0..basis.len() {
+                    for node in 0..nodes {
                         sum =
                             basis[node].value.multiply_add(coefficients[node * components + component], sum);
                     }
@@ -132,18 +140,21 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 }
                 Order::Gradient => {
                     let mut sums = [L::splat(0.0); D];
-                    for node in 0..basis.len() {
+                    for node in 0..nodes {
                         let coefficient = coefficients[node * components + component];
                         for axis in 0..D {
                             sums[axis] = basis[node].gradient[axis].multiply_add(coefficient, sums[axis]);
                         }
                     }
                     let start = slot.offset + component * D;
-                    self.buffers.fields[start..start + D].copy_from_slice(&sums);
+                    let target = &mut self.buffers.fields[start..start + D];
+                    for axis in 0..D {
+                        target[axis] = sums[axis];
+                    }
                 }
                 Order::Hessian => {
                     let mut sums = [[L::splat(0.0); D]; D];
-                    for node in 0..basis.len() {
+                    for node in 0..nodes {
                         let coefficient = coefficients[node * components + component];
                         for i in 0..D {
                             for j in 0..D {
@@ -204,6 +215,25 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             }
         }
         Ok(lanes)
+    }
+}
+
+/// Successive entries from each lane's place on, of values in memory.
+#[inline(always)]
+fn gather_all<L: SimdLane>(values: &[f64], places: &[usize; WIDEST], target: &mut [L]) {
+    match target.len() {
+        1 => [target[0]] = L::gather::<1>(values, places),
+        2 => [target[0], target[1]] = L::gather::<2>(values, places),
+        3 => [target[0], target[1], target[2]] = L::gather::<3>(values, places),
+        count => {
+            let mut places = *places;
+            for component in 0..count {
+                target[component] = L::gather::<1>(values, &places)[0];
+                for lane in 0..WIDEST {
+                    places[lane] += 1;
+                }
+            }
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 use forms_core::contract::{Basis, Hessian, Lane};
 
 use super::super::binding::Tabulated;
+use super::super::sizes::Sizes;
 use super::super::walk::GroupSide;
 use super::{Cells, Reads};
 use crate::element::Tables;
@@ -61,19 +62,21 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
     pub fn prepare(&mut self, tables: &GroupSide<D>) {
         let zero = L::splat(0.0);
         let empty = Basis { value: zero, gradient: [zero; D] };
-        self.nodes.resize(tables.geometry.nodes, [zero; D]);
+        if self.nodes.len() != tables.geometry.nodes {
+            self.nodes.resize(tables.geometry.nodes, [zero; D]);
+        }
         self.basis.resize_with(tables.elements.len(), Vec::new);
         self.hessians.resize_with(tables.elements.len(), Vec::new);
         for (element, tables) in tables.elements.iter().enumerate() {
-            self.basis[element].clear();
-            self.basis[element].resize(tables.nodes, empty);
-            self.hessians[element].clear();
-            self.hessians[element].resize(tables.nodes, [[zero; D]; D]);
+            if self.basis[element].len() != tables.nodes {
+                self.basis[element].resize(tables.nodes, empty);
+                self.hessians[element].resize(tables.nodes, [[zero; D]; D]);
+            }
         }
     }
 
     #[inline(always)]
-    pub fn load(&mut self, tables: &SideTables<D>, cells: Cells<D>, start: usize, filled: usize) {
+    pub fn load<S: Sizes>(&mut self, tables: &SideTables<D>, cells: Cells<D>, start: usize, filled: usize) {
         let mut places = [0; WIDEST];
         match cells {
             Cells::Mesh(mesh) => {
@@ -84,29 +87,22 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                     lists[lane] = mesh.cell(self.cells[lane] as usize);
                 }
                 let coordinates = mesh.nodes().as_flattened();
-                for node in 0..self.nodes.len() {
+                let count = S::geometry_nodes(self.nodes.len());
+                for (node, target) in self.nodes[..count].iter_mut().enumerate() {
                     for lane in 0..L::WIDTH {
                         places[lane] = lists[lane][node] as usize * D;
                     }
-                    for axis in 0..D {
-                        self.nodes[node][axis] = L::gather(coordinates, &places);
-                        for place in &mut places {
-                            *place += 1;
-                        }
-                    }
+                    *target = L::gather(coordinates, &places);
                 }
             }
-            Cells::Given { coordinates, stride, offsets } => {
-                for node in 0..self.nodes.len() {
+            Cells::Given { coordinates, stride, offsets, .. } => {
+                let count = S::geometry_nodes(self.nodes.len());
+                let (nodes, offsets) = (&mut self.nodes[..count], &offsets[..count]);
+                for node in 0..count {
                     for lane in 0..L::WIDTH {
                         places[lane] = (start + lane.min(filled - 1)) * stride + offsets[node];
                     }
-                    for axis in 0..D {
-                        self.nodes[node][axis] = L::gather(coordinates, &places);
-                        for place in &mut places {
-                            *place += 1;
-                        }
-                    }
+                    nodes[node] = L::gather(coordinates, &places);
                 }
             }
         }
@@ -114,8 +110,8 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
 
     /// Jacobian, determinant and inverse of affine cells.
     #[inline(always)]
-    pub fn map_affinely(&mut self, tables: &SideTables<D>) {
-        self.jacobian = self.jacobian_at(&tables.group.geometry, 0);
+    pub fn map_affinely<S: Sizes>(&mut self, tables: &SideTables<D>) {
+        self.jacobian = self.jacobian_at::<S>(&tables.group.geometry, 0);
         (self.determinant, self.inverse) = inverse_transposed(&self.jacobian);
     }
 
@@ -138,7 +134,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
     }
 
     #[inline(always)]
-    pub fn volume(&self, tables: &SideTables<D>) -> L {
+    pub fn volume<S: Sizes>(&self, tables: &SideTables<D>) -> L {
         let measure = &tables.group.measure;
         if tables.affine {
             let mut sum = 0.0;
@@ -149,7 +145,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
         }
         let mut volume = L::splat(0.0);
         for q in 0..measure.cell_weights.len() {
-            let (determinant, _) = inverse_transposed(&self.jacobian_at(&measure.cell, q));
+            let (determinant, _) = inverse_transposed(&self.jacobian_at::<S>(&measure.cell, q));
             volume = determinant.multiply_add(L::splat(measure.cell_weights[q]), volume);
         }
         volume
@@ -157,14 +153,14 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
 
     /// ∂x_i/∂ξ_j at a point of a table of the geometry map.
     #[inline(always)]
-    pub fn jacobian_at(&self, tables: &Tables<D>, q: usize) -> [[L; D]; D] {
+    pub fn jacobian_at<S: Sizes>(&self, tables: &Tables<D>, q: usize) -> [[L; D]; D] {
         let mut jacobian = [[L::splat(0.0); D]; D];
-        let slopes = &tables.gradient[q * tables.nodes..][..self.nodes.len()];
-        for node in 0..self.nodes.len() {
+        let count = S::geometry_nodes(self.nodes.len());
+        let (nodes, slopes) = (&self.nodes[..count], &tables.gradient[q * count..][..count]);
+        for node in 0..count {
             for i in 0..D {
                 for j in 0..D {
-                    jacobian[i][j] =
-                        self.nodes[node][i].multiply_add(L::splat(slopes[node][j]), jacobian[i][j]);
+                    jacobian[i][j] = nodes[node][i].multiply_add(L::splat(slopes[node][j]), jacobian[i][j]);
                 }
             }
         }
@@ -185,7 +181,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
 
     /// Values, and what is read of gradients and second derivatives, of all basis functions; `inverse` is J⁻ᵀ.
     #[inline(always)]
-    pub fn evaluate_basis(
+    pub fn evaluate_basis<S: Sizes>(
         &mut self,
         tables: &SideTables<D>,
         reads: &[Reads],
@@ -193,18 +189,42 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
         inverse: &[[L; D]; D],
         normal: &[L; D],
     ) {
-        for index in 0..tables.group.elements.len() {
+        // The arguments' element is the first one; it has the fixed size.
+        if !tables.group.elements.is_empty() {
+            let nodes = S::nodes(tables.group.elements[0].nodes);
+            self.evaluate_element(tables, reads, 0, nodes, q, inverse, normal);
+        }
+        for index in 1..tables.group.elements.len() {
+            let nodes = tables.group.elements[index].nodes;
+            self.evaluate_element(tables, reads, index, nodes, q, inverse, normal);
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_element(
+        &mut self,
+        tables: &SideTables<D>,
+        reads: &[Reads],
+        index: usize,
+        nodes: usize,
+        q: usize,
+        inverse: &[[L; D]; D],
+        normal: &[L; D],
+    ) {
+        {
             let table = &tables.group.elements[index];
-            let values = &table.value[q * table.nodes..][..table.nodes];
-            let slopes = &table.gradient[q * table.nodes..][..table.nodes];
-            let basis = &mut self.basis[index][..table.nodes];
-            for node in 0..table.nodes {
-                basis[node].value = L::splat(values[node]);
+            let values = &table.value[q * nodes..][..nodes];
+            let slopes = &table.gradient[q * nodes..][..nodes];
+            let basis = &mut self.basis[index][..nodes];
+            if reads[index].value {
+                for node in 0..nodes {
+                    basis[node].value = L::splat(values[node]);
+                }
             }
             if !reads[index].gradient && !reads[index].hessian {
-                continue;
+                return;
             }
-            for node in 0..table.nodes {
+            for node in 0..nodes {
                 let mut gradient = [L::splat(0.0); D];
                 for i in 0..D {
                     gradient[i] = inverse[i][0] * L::splat(slopes[node][0]);
@@ -215,7 +235,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                 basis[node].gradient = gradient;
             }
             if tables.elements[index].on_facets {
-                for node in 0..table.nodes {
+                for node in 0..nodes {
                     basis[node].gradient = tangential(&basis[node].gradient, normal);
                 }
             }
