@@ -51,6 +51,8 @@ pub struct Settings {
     pub degree: usize,
     /// C in ξ = C √h_T of (41) \[MPa/√cm\].
     pub extension: f64,
+    /// How many threads assemble; results do not depend on it.
+    pub threads: Threads,
 }
 
 impl Default for Settings {
@@ -63,6 +65,7 @@ impl Default for Settings {
             poisson: 0.3,
             degree: 8,
             extension: 1.0,
+            threads: Threads::all(),
         }
     }
 }
@@ -173,7 +176,9 @@ pub fn hollow_cylinder(settings: &Settings) -> Result<ContactProblem<2>, Cylinde
         criterion_force: Given::constant(CRITERION_FORCE),
         criterion_weight: Given::constant(0.0),
     };
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(settings.degree));
+    let assembler = Assembler::new(&mesh)
+        .with_quadrature(Quadrature::Degree(settings.degree))
+        .with_threads(settings.threads);
     Ok(ContactProblem::new(assembler, &space, data, Regions::new("outer", CONTACT), constraints)?)
 }
 
@@ -236,7 +241,8 @@ pub fn solve(
     let problem = hollow_cylinder(settings)?;
     let required_gamma0 = required_gamma0(&problem, CONTACT_CELLS)?;
     let mut seconds = Seconds { setup: start.elapsed().as_secs_f64(), ..Seconds::default() };
-    let mut solver = CondensedSolver::default();
+    let options = TangentSolverOptions { threads: settings.threads, ..TangentSolverOptions::default() };
+    let mut solver = CondensedSolver::new(options);
     let direct = problem
         .solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| progress(Progress::Newton(step)))
         .map_err(Box::new)?;

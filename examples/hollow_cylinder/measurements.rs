@@ -75,6 +75,8 @@ pub struct SettingsUsed {
     pub degree: usize,
     /// C of (41).
     pub xi: f64,
+    /// Threads of the assembly.
+    pub threads: usize,
 }
 
 /// A Newton iterate.
@@ -205,6 +207,7 @@ impl SettingsUsed {
             poisson: settings.poisson,
             degree: settings.degree,
             xi: settings.extension,
+            threads: settings.threads.count(),
         }
     }
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use clap::error::ErrorKind;
 use forms_contact::hollow_cylinder::Settings;
+use forms_fem::prelude::Threads;
 
 use crate::Outcome;
 
@@ -38,6 +39,9 @@ pub struct Options {
     /// C in xi = C sqrt(h) of the extended-Neumann adjoint (41) [MPa/sqrt(cm)]
     #[arg(long, value_name = "C", default_value = "1", value_parser = number)]
     xi: f64,
+    /// Threads for assembly; one per core where it is not given. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    threads: Option<usize>,
     /// Writes all results to this file too; its directory must exist
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -57,6 +61,7 @@ impl Options {
             poisson: self.poisson,
             degree: self.degree,
             extension: self.xi,
+            threads: self.threads.map_or_else(Threads::all, Threads::new),
         };
         settings.check()?;
         // Each factor may be a number and their product none.
@@ -98,4 +103,11 @@ fn number(text: &str) -> Result<f64, String> {
 
 fn whole_number(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "a whole number, not negative, is needed".to_owned())
+}
+
+fn thread_count(text: &str) -> Result<usize, String> {
+    match whole_number(text)? {
+        0 => Err("at least one thread is needed".into()),
+        count => Ok(count),
+    }
 }

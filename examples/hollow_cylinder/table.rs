@@ -25,6 +25,7 @@ pub fn of(measured: &Measurements) -> String {
     table.row("Young's modulus, Poisson's ratio", &format!("{} MPa, {}", settings.young, settings.poisson));
     table.row("quadrature degree", &settings.degree.to_string());
     table.row("C of (41)", &settings.xi.to_string());
+    table.row("threads", &settings.threads.to_string());
     table.heading("Newton's method");
     table.text.push_str(&newton_history(&measured.newton_history));
     table.heading("Results");

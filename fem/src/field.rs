@@ -1,7 +1,7 @@
 //! Discrete fields: coefficients on a space.
 
 use std::any::Any;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use forms_core::contract::{DiscreteField, FieldHandle, FieldValue, Source};
 use thiserror::Error;
@@ -14,7 +14,28 @@ use crate::space::Space;
 #[derive(Clone, Debug)]
 pub struct Field<const D: usize> {
     pub(crate) space: Arc<Space<D>>,
-    pub(crate) values: Arc<Vec<f64>>,
+    coefficients: Arc<Coefficients>,
+}
+
+/// Numbers that do not change, so that it is found out once whether they are finite.
+#[derive(Debug)]
+struct Coefficients {
+    values: Vec<f64>,
+    finite: OnceLock<bool>,
+}
+
+/// Coefficients on a space, borrowed.
+#[derive(Clone, Copy)]
+pub(crate) struct FieldView<'a, const D: usize> {
+    pub space: &'a Arc<Space<D>>,
+    pub values: &'a [f64],
+    /// Those that will be read are known to be finite.
+    pub finite: bool,
+}
+
+/// Fields as coefficients on their spaces.
+pub(crate) fn views<'a, const D: usize>(fields: &[&'a Field<D>]) -> Vec<FieldView<'a, D>> {
+    fields.iter().map(|field| field.view()).collect()
 }
 
 /// Why a field does not exist or has no value somewhere.
@@ -79,7 +100,7 @@ impl<const D: usize> From<Field<D>> for Source<D> {
 impl<const D: usize> Field<D> {
     /// The field that is zero.
     pub fn zero(space: &Arc<Space<D>>) -> Self {
-        Field { space: Arc::clone(space), values: Arc::new(vec![0.0; space.unknowns()]) }
+        Field::of_known(space, vec![0.0; space.unknowns()])
     }
 
     /// The field with the function's values at the nodes: `f64` for a scalar space, `[f64; D]` for vectors,
@@ -117,7 +138,19 @@ impl<const D: usize> Field<D> {
             let position = space.positions()[node].to_vec();
             return Err(FieldError::NotFinite { node, component, position, value: values[unknown] });
         }
-        Ok(Field { space: Arc::clone(space), values: Arc::new(values) })
+        Ok(Field::of_known(space, values))
+    }
+
+    /// The field with coefficients of the right number.
+    pub(crate) fn of_known(space: &Arc<Space<D>>, values: Vec<f64>) -> Self {
+        let coefficients = Arc::new(Coefficients { values, finite: OnceLock::new() });
+        Field { space: Arc::clone(space), coefficients }
+    }
+
+    pub(crate) fn view(&self) -> FieldView<'_, D> {
+        let Coefficients { values, finite } = &*self.coefficients;
+        let finite = *finite.get_or_init(|| values.iter().all(|value| value.is_finite()));
+        FieldView { space: &self.space, values, finite }
     }
 
     /// The space.
@@ -127,7 +160,7 @@ impl<const D: usize> Field<D> {
 
     /// The coefficients.
     pub fn values(&self) -> &[f64] {
-        &self.values
+        &self.coefficients.values
     }
 
     /// The components at a node.
@@ -136,7 +169,7 @@ impl<const D: usize> Field<D> {
     /// When `node` is not below [`Space::node_count`].
     pub fn at_node(&self, node: usize) -> &[f64] {
         let components = self.space.components();
-        &self.values[node * components..(node + 1) * components]
+        &self.coefficients.values[node * components..(node + 1) * components]
     }
 
     /// The components at a point of the mesh; of a discontinuous field, in the cell with the lowest index.

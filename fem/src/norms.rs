@@ -116,10 +116,7 @@ pub fn mean<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Resul
 where
     Measured: Measure<D>,
 {
-    let one = Field {
-        space: field.space().scalar_nodes(),
-        values: Arc::new(vec![1.0; field.space().node_count()]),
-    };
+    let one = Field::of_known(&field.space().scalar_nodes(), vec![1.0; field.space().node_count()]);
     let volume = Measured::integral(assembler, &one)?;
     component_fields(field).iter().map(|part| Ok(Measured::integral(assembler, part)? / volume)).collect()
 }
@@ -128,7 +125,7 @@ where
 fn component_fields<const D: usize>(field: &Field<D>) -> Vec<Field<D>> {
     let (space, count) = (field.space().scalar_nodes(), field.space().components());
     let part = |component| field.values().iter().skip(component).step_by(count).copied().collect();
-    (0..count).map(|component| Field { space: space.clone(), values: Arc::new(part(component)) }).collect()
+    (0..count).map(|component| Field::of_known(&space, part(component))).collect()
 }
 
 /// The norms of field − exact, for a scalar or vector field; `gradient` writes component × direction.

@@ -8,7 +8,7 @@ use forms_core::source::PositionFunction;
 
 use super::AssemblyError;
 use crate::element::Lagrange;
-use crate::field::Field;
+use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::Quadrature;
@@ -118,7 +118,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         fields: &'static [FieldDescription],
         inputs: &'a Inputs<D>,
         mesh: &'a Arc<Mesh<D>>,
-        unknowns: &[&'a Field<D>],
+        unknowns: &[FieldView<'a, D>],
     ) -> Result<Self, AssemblyError> {
         for (value, parameter) in inputs.parameters.iter().zip(&inputs.parameter_names) {
             if !value.is_finite() {
@@ -178,7 +178,7 @@ impl<'a, const D: usize> Binding<'a, D> {
                 found.map(Values::History).map_err(mismatch)
             }
             Source::Discrete(handle) => match handle.as_any().downcast_ref::<Field<D>>() {
-                Some(known) => self.discrete(field, known, mesh),
+                Some(known) => self.discrete(field, known.view(), mesh),
                 None => Err(AssemblyError::ForeignField { form: self.name, field: field.name, dimension: D }),
             },
         }
@@ -187,10 +187,10 @@ impl<'a, const D: usize> Binding<'a, D> {
     fn discrete(
         &mut self,
         field: &FieldDescription,
-        known: &'a Field<D>,
+        known: FieldView<'a, D>,
         mesh: &Arc<Mesh<D>>,
     ) -> Result<Values<'a, D>, AssemblyError> {
-        let space = &known.space;
+        let FieldView { space, values, finite } = known;
         let (expected, found) = (field.components(), space.components());
         if expected != found {
             return Err(AssemblyError::Components { form: self.name, field: field.name, expected, found });
@@ -198,9 +198,11 @@ impl<'a, const D: usize> Binding<'a, D> {
         if !Arc::ptr_eq(&space.mesh, mesh) {
             return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
         }
-        self.check_finite(field, known.values())?;
+        if !finite {
+            self.check_finite(field, values)?;
+        }
         let element = self.element(space);
-        Ok(Values::Discrete { element, space, values: known.values() })
+        Ok(Values::Discrete { element, space, values })
     }
 
     fn check_finite(&self, field: &FieldDescription, values: &[f64]) -> Result<(), AssemblyError> {

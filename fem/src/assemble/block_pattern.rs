@@ -2,14 +2,16 @@
 //! space; and where element matrices go.
 
 use std::convert::Infallible;
+use std::ops::Range;
 use std::sync::Arc;
 
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
-use super::AssemblyError;
 use super::binding::Entities;
 use super::place_map::{Cliques, PlaceMap, couple};
+use super::{AssemblyError, Parts};
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
+use crate::mesh::Facet;
 use crate::space::Space;
 
 /// The positions of a matrix over the unknowns of several spaces in a row, with what is needed to find the blocks
@@ -47,7 +49,36 @@ impl Coupled<'_> {
 type Coupling = (usize, usize, usize, Side, Side);
 
 struct CouplingVisitor {
+    parts: Parts,
     found: Vec<Coupling>,
+}
+
+/// What the tangents of some of a form's integrals couple.
+fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
+    let mut visitor = CouplingVisitor { parts, found: vec![] };
+    match form.tangent(&mut visitor) {
+        Ok(()) => visitor.found,
+        Err(never) => match never {},
+    }
+}
+
+/// What some integrals touch in a matrix.
+pub(crate) struct TouchedEntries {
+    /// Places among the values, as ascending ranges of whole blocks.
+    pub places: Vec<Range<usize>>,
+    /// Of each trial space, the unknowns that belong to the columns.
+    pub unknowns: Vec<Vec<Range<usize>>>,
+}
+
+/// The runs of true entries, each entry standing for `width` numbers from `first` on.
+fn runs(marks: &[bool], first: usize, width: usize, runs: &mut Vec<Range<usize>>) {
+    for (number, _) in marks.iter().enumerate().filter(|(_, marked)| **marked) {
+        let (start, end) = (first + number * width, first + (number + 1) * width);
+        match runs.last_mut() {
+            Some(last) if last.end == start => last.end = end,
+            _ => runs.push(start..end),
+        }
+    }
 }
 
 impl<const D: usize> BilinearVisitor<D> for CouplingVisitor {
@@ -56,7 +87,7 @@ impl<const D: usize> BilinearVisitor<D> for CouplingVisitor {
     fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
         let Integral { test, trial, region, test_side, trial_side, .. } = *integral;
         let coupling = (test, trial, region, test_side, trial_side);
-        if !self.found.contains(&coupling) {
+        if self.parts.contain(integral.dependence) && !self.found.contains(&coupling) {
             self.found.push(coupling);
         }
         Ok(())
@@ -96,13 +127,8 @@ impl<const D: usize> BlockPattern<D> {
                 return Err(AssemblyError::OtherMesh { form: name, field: field.name });
             }
         }
-        let mut visitor = CouplingVisitor { found: vec![] };
-        match form.tangent(&mut visitor) {
-            Ok(()) => {}
-            Err(never) => match never {},
-        }
         let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
-        for (test, trial, region, test_side, trial_side) in visitor.found {
+        for (test, trial, region, test_side, trial_side) in couplings(form, Parts::ALL) {
             let (rows, columns) = (tests[test], trials[trial]);
             let target = &mut coupled[test][trial];
             let entities = Entities::of(&rows.mesh, name, &form.inputs().regions[region])?;
@@ -215,6 +241,70 @@ impl<const D: usize> BlockPattern<D> {
         self.sparsity.column_sets()[trial].offset
     }
 
+    /// Whether some of a form's integrals have tangents.
+    pub(crate) fn has_tangent<F: Form<D>>(&self, form: &F, parts: Parts) -> bool {
+        !couplings(form, parts).is_empty()
+    }
+
+    /// What some of a form's integrals touch in a matrix with this pattern: at least all that their tangents change,
+    /// and whole pairs of spaces for integrals over all cells.
+    pub(crate) fn touched<F: Form<D>>(
+        &self,
+        form: &F,
+        parts: Parts,
+    ) -> Result<TouchedEntries, AssemblyError> {
+        let mut marks: Vec<Vec<bool>> = vec![vec![]; self.tests.len() * self.trials.len()];
+        let mut columns: Vec<Vec<bool>> = vec![vec![]; self.trials.len()];
+        for (test, trial, region, test_side, trial_side) in couplings(form, parts) {
+            let pair = self.sparsity.pair(test, trial);
+            let (rows, columns_of) = (&self.tests[test], &self.trials[trial]);
+            let marks = &mut marks[test * self.trials.len() + trial];
+            marks.resize(pair.blocks(), false);
+            let columns = &mut columns[trial];
+            columns.resize(columns_of.node_count(), false);
+            let entities = Entities::of(&rows.mesh, form.name(), &form.inputs().regions[region])?;
+            if let Entities::Cells(cells) = entities
+                && cells.len() == rows.mesh.cell_count()
+            {
+                marks.fill(true);
+                columns.fill(true);
+                continue;
+            }
+            for index in 0..entities.count() {
+                let at = |side: Side| match (&entities, side) {
+                    (Entities::Cells(cells), _) => (cells[index], None),
+                    (_, Side::This) => seen_from(entities.sides(index).first()),
+                    (_, Side::Other) => seen_from(entities.sides(index).last()),
+                };
+                let ((row_cell, row_facet), (column_cell, column_facet)) = (at(test_side), at(trial_side));
+                for &row in rows.nodes_at(row_cell, row_facet) {
+                    for &column in columns_of.nodes_at(column_cell, column_facet) {
+                        let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
+                            let name = |role| name_of(form, role);
+                            let (test, trial) = (name(Role::Test(test)), name(Role::Unknown(trial)));
+                            AssemblyError::Pattern { form: form.name(), test, trial }
+                        })?;
+                        marks[pair.range(row as usize).start + place] = true;
+                        columns[column as usize] = true;
+                    }
+                }
+            }
+        }
+        let mut touched = TouchedEntries { places: vec![], unknowns: vec![] };
+        for (number, marks) in marks.iter().enumerate() {
+            let (test, trial) = (number / self.trials.len(), number % self.trials.len());
+            let block = self.tests[test].components() * self.trials[trial].components();
+            let first = self.sparsity.pair(test, trial).values().start;
+            runs(marks, first, block, &mut touched.places);
+        }
+        for (space, marks) in self.trials.iter().zip(&columns) {
+            let mut unknowns = Vec::new();
+            runs(marks, 0, space.components(), &mut unknowns);
+            touched.unknowns.push(unknowns);
+        }
+        Ok(touched)
+    }
+
     /// Bytes of the maps from element matrices to the matrix, without the positions themselves
     /// ([`BlockSparsity::memory`]).
     pub fn map_memory(&self) -> usize {
@@ -226,11 +316,10 @@ impl<const D: usize> BlockPattern<D> {
         self.maps[test][trial].as_ref()
     }
 
-    /// Whether the pattern was made for these spaces, or for some that number their unknowns alike.
-    pub(super) fn check(
+    /// Checks that the pattern was made for these spaces, or for some that number their unknowns alike.
+    pub(super) fn check<F: Form<D>>(
         &self,
-        form: &'static str,
-        names: impl Fn(Role) -> &'static str,
+        form: &F,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<(), AssemblyError> {
@@ -240,12 +329,23 @@ impl<const D: usize> BlockPattern<D> {
         {
             if own.len() != given.len() {
                 let (expected, found) = (given.len(), own.len());
-                return Err(AssemblyError::Count { form, what: "spaces", expected, found });
+                return Err(AssemblyError::Count { form: form.name(), what: "spaces", expected, found });
             }
             if let Some(number) = own.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
-                return Err(AssemblyError::OtherSpace { form, field: names(role(number)), what });
+                let field = name_of(form, role(number));
+                return Err(AssemblyError::OtherSpace { form: form.name(), field, what });
             }
         }
         Ok(())
     }
+}
+
+/// The cell and the local number of a facet.
+fn seen_from(facet: Option<&Facet>) -> (u32, Option<u8>) {
+    facet.map_or((0, None), |facet| (facet.cell, Some(facet.local)))
+}
+
+/// The name of the field with a role in a form.
+fn name_of<F: Form<D>, const D: usize>(form: &F, role: Role) -> &'static str {
+    form.fields().iter().find(|field| field.role == role).map_or("", |field| field.name)
 }

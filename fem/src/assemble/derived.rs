@@ -220,7 +220,7 @@ impl<const D: usize> Assembler<D> {
                 coefficients[node * components + component] = value;
             }
         }
-        Ok(Field { space: space.clone(), values: Arc::new(coefficients) })
+        Ok(Field::of_known(space, coefficients))
     }
 
     /// A derived field at the nodes of a facet region, averaged over the facets that share a node; zero at
@@ -266,7 +266,7 @@ impl<const D: usize> Assembler<D> {
         for (index, sum) in sums.iter_mut().enumerate() {
             *sum /= counts[index / components].max(1.0);
         }
-        Ok(Field { space: space.clone(), values: Arc::new(sums) })
+        Ok(Field::of_known(space, sums))
     }
 
     fn facets(

@@ -9,7 +9,7 @@ use super::binding::Binding;
 use super::sizes::Counted;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
-use crate::field::Field;
+use crate::field::{Field, FieldView, views};
 use crate::lanes::{SimdLane, WIDEST};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -24,7 +24,8 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[&Field<D>],
     ) -> Result<f64, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        let unknowns = views(unknowns);
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?;
         let degrees = binding.degrees(&[]);
         let walk =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
@@ -44,9 +45,18 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[&Field<D>],
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
+        self.active_set_of(form, &views(unknowns))
+    }
+
+    /// [`Assembler::active_set`] at coefficients that need not be those of a field.
+    pub(crate) fn active_set_of<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+    ) -> Result<Option<Vec<u32>>, AssemblyError> {
         let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
         // Test functions count in the estimate of the degree as the unknowns do.
-        let spaces: Vec<_> = unknowns.iter().map(|field| field.space()).collect();
+        let spaces: Vec<_> = unknowns.iter().map(|view| view.space).collect();
         let degrees = binding.degrees(&spaces);
         let walk =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };

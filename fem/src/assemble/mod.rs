@@ -32,6 +32,7 @@ mod walk;
 use std::sync::Arc;
 
 pub use block_pattern::BlockPattern;
+pub(crate) use block_pattern::TouchedEntries;
 pub use derived::{FacetSample, PointValues};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;

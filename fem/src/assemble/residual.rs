@@ -10,7 +10,7 @@ use super::element_vectors::ElementVectors;
 use super::scatter::{GroupNodes, VectorScatter};
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
-use crate::field::Field;
+use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -38,6 +38,17 @@ impl<const D: usize> Assembler<D> {
         &self,
         form: &F,
         unknowns: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.residual_of(form, &views(unknowns), tests, parts)
+    }
+
+    /// [`Assembler::residual_parts`] at coefficients that need not be those of a field.
+    pub(crate) fn residual_of<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {

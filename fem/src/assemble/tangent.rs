@@ -10,7 +10,7 @@ use super::element_matrices::ElementMatrices;
 use super::scatter::{GroupNodes, MatrixScatter};
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
-use crate::field::Field;
+use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
 use crate::mesh::Facet;
@@ -33,7 +33,7 @@ impl<const D: usize> Assembler<D> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
         let pattern = BlockPattern::for_form(form, tests, &trials)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
-        self.assemble_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
+        self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix.into_csr())
     }
 
@@ -52,8 +52,7 @@ impl<const D: usize> Assembler<D> {
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        let written = vec![false; tests.len() * unknowns.len()];
-        self.to_matrix(form, unknowns, tests, parts, pattern, matrix, written)
+        self.tangent_of(form, &views(unknowns), tests, parts, pattern, matrix, false)
     }
 
     /// Adds the tangent of some of the integrals to a matrix on the pattern, which must be of the same spaces and
@@ -70,36 +69,35 @@ impl<const D: usize> Assembler<D> {
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        let written = vec![true; tests.len() * unknowns.len()];
-        self.to_matrix(form, unknowns, tests, parts, pattern, matrix, written)
+        self.tangent_of(form, &views(unknowns), tests, parts, pattern, matrix, true)
     }
 
+    /// [`Assembler::add_tangent`] if the values of the matrix count, else [`Assembler::assemble_tangent`].
     #[allow(clippy::too_many_arguments)]
-    fn to_matrix<F: Form<D>>(
+    pub(crate) fn tangent_of<F: Form<D>>(
         &self,
         form: &F,
-        unknowns: &[&Field<D>],
+        unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
-        mut written: Vec<bool>,
+        count: bool,
     ) -> Result<(), AssemblyError> {
-        let form_name = form.name();
-        let name_of =
-            |role: Role| form.fields().iter().find(|field| field.role == role).map_or("", |f| f.name);
-        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
-        pattern.check(form_name, name_of, tests, &trials)?;
-        if **matrix.sparsity() != **pattern.sparsity() {
+        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
+        pattern.check(form, tests, &trials)?;
+        let (own, given) = (matrix.sparsity(), pattern.sparsity());
+        if !Arc::ptr_eq(own, given) && **own != **given {
             let source = LinearAlgebraError::PatternMismatch { what: "assembling a matrix" };
-            return Err(AssemblyError::LinearAlgebra { form: form_name, source });
+            return Err(AssemblyError::LinearAlgebra { form: form.name(), source });
         }
+        let mut written = vec![count; tests.len() * trials.len()];
         let values = matrix.values_mut();
         let target = Target::Matrix { pattern, values: &mut *values, written: &mut written };
         self.walk_tangent(form, unknowns, tests, parts, target)?;
         for (pair, written) in written.into_iter().enumerate() {
-            let pair = pattern.sparsity().pair(pair / trials.len(), pair % trials.len());
             if !written {
+                let pair = pattern.sparsity().pair(pair / trials.len(), pair % trials.len());
                 values[pair.values()].fill(0.0);
             }
         }
@@ -118,14 +116,14 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<ElementMatrix>, AssemblyError> {
         let mut found = Vec::new();
-        self.walk_tangent(form, unknowns, tests, Parts::ALL, Target::Elements(&mut found))?;
+        self.walk_tangent(form, &views(unknowns), tests, Parts::ALL, Target::Elements(&mut found))?;
         Ok(found)
     }
 
     fn walk_tangent<F: Form<D>>(
         &self,
         form: &F,
-        unknowns: &[&Field<D>],
+        unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
         target: Target<D>,
@@ -133,7 +131,7 @@ impl<const D: usize> Assembler<D> {
         let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
         binding.check_tests(tests, &self.mesh)?;
         let test_elements = tests.iter().map(|space| binding.element(space)).collect();
-        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
+        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
         let trial_elements = trials.iter().map(|space| binding.element(space)).collect();
         let degrees = binding.degrees(tests);
         let (binding, quadrature) = (&binding, &self.quadrature);

@@ -76,7 +76,7 @@ impl BlockMatrix {
     /// If `x` does not have one entry per column.
     pub fn multiply(&self, x: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
         let mut y = vec![0.0; self.rows()];
-        self.multiply_into(x, &mut y, Threads::ONE)?;
+        self.multiply_on(Threads::ONE, x, &mut y)?;
         Ok(y)
     }
 
@@ -84,12 +84,7 @@ impl BlockMatrix {
     ///
     /// # Errors
     /// If the sizes of `x` and `y` are not the numbers of columns and rows.
-    pub fn multiply_into(
-        &self,
-        x: &[f64],
-        y: &mut [f64],
-        threads: Threads,
-    ) -> Result<(), LinearAlgebraError> {
+    pub fn multiply_on(&self, threads: Threads, x: &[f64], y: &mut [f64]) -> Result<(), LinearAlgebraError> {
         check_size("the vector to multiply", self.columns(), x.len())?;
         check_size("the product", self.rows(), y.len())?;
         let mut rest = y;
@@ -162,7 +157,9 @@ impl BlockMatrix {
     pub fn to_csr(&self) -> CsrMatrix {
         let mut values = Vec::with_capacity(self.values.len());
         for row in 0..self.rows() {
-            values.extend(self.sparsity.row(row).map(|(_, place)| self.values[place]));
+            self.sparsity.visit_row(row, |_, place, width| {
+                values.extend_from_slice(&self.values[place..place + width]);
+            });
         }
         CsrMatrix::of_checked(self.sparsity.pattern(), values)
     }

@@ -204,16 +204,54 @@ impl BlockSparsity {
     /// # Panics
     /// If `row` is not below [`BlockSparsity::row_count`].
     pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
+        let mut entries = Vec::new();
+        self.visit_row(row, |column, place, width| {
+            entries.extend((0..width).map(|k| (column + k, place + k)));
+        });
+        entries.into_iter()
+    }
+
+    /// Calls `visit(first column, place of the first value, number of entries)` for each run of entries of a scalar
+    /// row that stand side by side, in ascending columns.
+    pub(crate) fn visit_row(&self, row: usize, mut visit: impl FnMut(usize, usize, usize)) {
         let (set, node, component) = Self::locate(&self.rows, row);
-        self.columns.iter().enumerate().flat_map(move |(number, columns)| {
+        for (number, columns) in self.columns.iter().enumerate() {
             let pair = self.pair(set, number);
-            let width = columns.components;
-            pair.range(node).flat_map(move |place| {
-                let first = columns.offset + pair.columns[place] as usize * width;
-                let value = pair.first_value + place * pair.block + component * width;
-                (0..width).map(move |k| (first + k, value + k))
-            })
-        })
+            let (width, range) = (columns.components, pair.range(node));
+            let mut place = pair.first_value + range.start * pair.block + component * width;
+            for column in &pair.columns[range] {
+                visit(columns.offset + *column as usize * width, place, width);
+                place += pair.block;
+            }
+        }
+    }
+
+    /// Calls `visit(row, column, place)` for the entries at some places, given as ranges of whole blocks.
+    pub(crate) fn visit_places(&self, places: &[Range<usize>], mut visit: impl FnMut(usize, usize, usize)) {
+        for range in places {
+            let mut place = range.start;
+            while place < range.end {
+                let number = self.pairs.partition_point(|pair| pair.values().end <= place);
+                let Some(pair) = self.pairs.get(number) else { return };
+                let rows = &self.rows[number / self.columns.len()];
+                let columns = &self.columns[number % self.columns.len()];
+                let first = (place - pair.first_value) / pair.block;
+                let end = (range.end.min(pair.values().end) - pair.first_value).div_ceil(pair.block);
+                let mut node = pair.pointers.partition_point(|start| *start <= first) - 1;
+                for block in first..end {
+                    while pair.pointers[node + 1] <= block {
+                        node += 1;
+                    }
+                    let row = rows.offset + node * rows.components;
+                    let column = columns.offset + pair.columns[block] as usize * columns.components;
+                    for entry in 0..pair.block {
+                        let (a, b) = (entry / columns.components, entry % columns.components);
+                        visit(row + a, column + b, pair.first_value + block * pair.block + entry);
+                    }
+                }
+                place = pair.first_value + end * pair.block;
+            }
+        }
     }
 
     /// The place of an entry in the list of values, if it is stored.

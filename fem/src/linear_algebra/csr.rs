@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;
+use super::restriction::Entry;
+use crate::threads::Threads;
 
 /// A real sparse matrix: values on a [`SparsityPattern`] that other matrices may share, so that the
 /// matrices of successive Newton steps cost their values alone.
@@ -145,6 +147,24 @@ impl CsrMatrix {
         self.pattern.find(row, column).map_or(0.0, |position| self.values[position])
     }
 
+    /// The place of an entry in the list of values.
+    pub(crate) fn find_stored(&self, row: u32, column: u32) -> Result<usize, LinearAlgebraError> {
+        let place = self.pattern.find(row as usize, column as usize);
+        place.ok_or(LinearAlgebraError::PatternMismatch { what: "finding an entry that is not stored" })
+    }
+
+    /// A copy with other values of some entries.
+    ///
+    /// # Errors
+    /// If an entry is not stored.
+    pub fn with_entries(&self, entries: &[Entry]) -> Result<Self, LinearAlgebraError> {
+        let mut values = self.values.clone();
+        for Entry { row, column, value } in entries {
+            values[self.find_stored(*row, *column)?] = *value;
+        }
+        Ok(Self { pattern: self.pattern.clone(), values })
+    }
+
     /// The diagonal, `min(rows, columns)` values.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.rows().min(self.columns())).map(|i| self.get(i, i)).collect()
@@ -165,16 +185,28 @@ impl CsrMatrix {
     /// # Errors
     /// If the sizes of `x` and `y` are not the numbers of columns and rows.
     pub fn multiply_into(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearAlgebraError> {
+        self.multiply_on(Threads::ONE, x, y)
+    }
+
+    /// [`CsrMatrix::multiply_into`] on some threads: the same numbers for each number of threads.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn multiply_on(&self, threads: Threads, x: &[f64], y: &mut [f64]) -> Result<(), LinearAlgebraError> {
         check_size("the vector to multiply", self.columns(), x.len())?;
         check_size("the product", self.rows(), y.len())?;
-        for (row, target) in y.iter_mut().enumerate() {
-            let (columns, values) = self.row(row);
-            let mut sum = 0.0;
-            for (&column, value) in columns.iter().zip(values) {
-                sum += value * x[column as usize];
+        let length = self.rows().div_ceil(threads.for_work(self.values.len())).max(1);
+        let parts = y.chunks_mut(length).enumerate().collect();
+        threads.run(parts, |(part, y): (usize, &mut [f64])| {
+            for (row, target) in y.iter_mut().enumerate() {
+                let (columns, values) = self.row(part * length + row);
+                let mut sum = 0.0;
+                for (&column, value) in columns.iter().zip(values) {
+                    sum += value * x[column as usize];
+                }
+                *target = sum;
             }
-            *target = sum;
-        }
+        });
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! Restarted GMRES with right preconditioning, for unsymmetric systems.
 
-use super::vector::{add_scaled, dot, largest, norm};
+use super::vector::{add_scaled, dot_on, largest, norm, norm_on};
+use crate::threads::Threads;
 
 /// When to stop, and when to restart.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,9 @@ pub struct GmresOptions {
     /// ‖A‖∞ if it is known: a solution whose backward error ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞) is at
     /// rounding level is then accepted even if `tolerance` asks for more than rounding allows.
     pub operator_norm: Option<f64>,
+    /// Threads for dot products, which are the same for each number of them. What the operator and the
+    /// preconditioner use is theirs.
+    pub threads: Threads,
 }
 
 impl Default for GmresOptions {
@@ -26,6 +30,7 @@ impl Default for GmresOptions {
             restart: 60,
             max_iterations: 300,
             operator_norm: None,
+            threads: Threads::ONE,
         }
     }
 }
@@ -172,7 +177,7 @@ impl Cycle<'_> {
             operator(&direction, &mut image)?;
             drop(direction);
             report.iterations += 1;
-            let (mut column, next_norm, broke_down) = orthogonalise(&mut image, &basis);
+            let (mut column, next_norm, broke_down) = orthogonalise(&mut image, &basis, self.options.threads);
             for (row, &(cosine, sine)) in rotations.iter().enumerate() {
                 let (upper, lower) = (column[row], column[row + 1]);
                 column[row] = cosine * upper + sine * lower;
@@ -215,18 +220,18 @@ impl Cycle<'_> {
 
 /// Makes `image` orthogonal to the basis. Returns the coefficients (with room for one rotation's result), the
 /// norm of what is left, and whether nothing but rounding is left.
-fn orthogonalise(image: &mut [f64], basis: &[Vec<f64>]) -> (Vec<f64>, f64, bool) {
-    let initial = norm(image);
+fn orthogonalise(image: &mut [f64], basis: &[Vec<f64>], threads: Threads) -> (Vec<f64>, f64, bool) {
+    let initial = norm_on(threads, image);
     let mut column = vec![0.0; basis.len() + 1];
     let mut before = initial;
     let mut after = initial;
     for _ in 0..2 {
         for (coefficient, vector) in column.iter_mut().zip(basis) {
-            let part = dot(image, vector);
+            let part = dot_on(threads, image, vector);
             *coefficient += part;
             add_scaled(image, -part, vector);
         }
-        after = norm(image);
+        after = norm_on(threads, image);
         // Without much cancellation one pass is enough.
         if after > 0.7 * before {
             break;

@@ -30,4 +30,4 @@ pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};
 pub use lu::LuFactor;
 pub use ordering::Ordering;
 pub use pattern::SparsityPattern;
-pub use restriction::Restriction;
+pub use restriction::{Entry, Restriction};

@@ -1,7 +1,28 @@
 //! Dot products and norms of dense vectors.
 
-/// Σ x_i y_i, summed in eight interleaved parts (which vectorises and loses less to rounding).
+use crate::threads::Threads;
+
+/// Entries whose products are summed before those of other chunks, on any number of threads.
+const CHUNK: usize = 1024;
+
+/// Σ x_i y_i, summed in chunks of 1024, in each of them in eight interleaved parts (which vectorises and loses less
+/// to rounding).
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
+    dot_on(Threads::ONE, x, y)
+}
+
+/// [`dot`] on some threads: the same number, to the last bit, for each number of threads.
+pub fn dot_on(threads: Threads, x: &[f64], y: &[f64]) -> f64 {
+    let chunks = x.len().div_ceil(CHUNK);
+    let length = chunks.div_ceil(threads.for_work(x.len())).max(1) * CHUNK;
+    let parts = x.chunks(length).zip(y.chunks(length)).collect();
+    let sums = threads.run(parts, |(x, y): (&[f64], &[f64])| -> Vec<f64> {
+        x.chunks(CHUNK).zip(y.chunks(CHUNK)).map(|(x, y)| dot_of_chunk(x, y)).collect()
+    });
+    sums.iter().flatten().sum()
+}
+
+fn dot_of_chunk(x: &[f64], y: &[f64]) -> f64 {
     let mut parts = [0.0; 8];
     let (x_chunks, y_chunks) = (x.chunks_exact(8), y.chunks_exact(8));
     let tail: f64 = x_chunks.remainder().iter().zip(y_chunks.remainder()).map(|(a, b)| a * b).sum();
@@ -15,7 +36,12 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
 
 /// Euclidean norm.
 pub fn norm(x: &[f64]) -> f64 {
-    let plain = dot(x, x);
+    norm_on(Threads::ONE, x)
+}
+
+/// [`norm`] on some threads: the same number, to the last bit, for each number of threads.
+pub fn norm_on(threads: Threads, x: &[f64]) -> f64 {
+    let plain = dot_on(threads, x, x);
     if plain.is_normal() && plain > 1e-280 {
         return plain.sqrt();
     }
@@ -57,6 +83,20 @@ mod tests {
         assert_eq!(norm(&[3.0, -4.0]), 5.0);
         assert_eq!(largest(&[1.0, -7.0, 2.0]), 7.0);
         assert_eq!(norm(&[]), 0.0);
+    }
+
+    #[test]
+    fn dot_products_do_not_depend_on_threads() {
+        for count in [0, 7, 1024, 40_000, 100_003] {
+            let x: Vec<f64> = (0..count).map(|k| (k as f64 * 0.7).sin()).collect();
+            let y: Vec<f64> = (0..count).map(|k| (k as f64 * 0.3).cos()).collect();
+            let alone = dot(&x, &y);
+            for threads in [2, 3, 5] {
+                assert_eq!(dot_on(Threads::new(threads), &x, &y).to_bits(), alone.to_bits());
+            }
+            let plain: f64 = x.iter().zip(&y).map(|(a, b)| a * b).sum();
+            assert!((plain - alone).abs() < 1e-10);
+        }
     }
 
     #[test]

@@ -19,9 +19,9 @@ use faer::prelude::Solve;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::partial_solves::lower_times_transposed;
-use crate::linear_algebra::vector::norm;
+use crate::linear_algebra::vector::{largest, norm};
 use crate::linear_algebra::{
-    Analysis, CsrMatrix, LinearAlgebraError, Ordering, Restriction, SymmetricFactor,
+    Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, Restriction, SymmetricFactor,
 };
 
 /// Entries of T − K below this part of the largest entry of K are rounding.
@@ -36,9 +36,6 @@ const ACCURATE: f64 = 1e-15;
 /// Largest relative residual of an accepted solution.
 const ACCEPTED: f64 = 1e-11;
 
-/// Row, column and value of a matrix entry.
-type Entry = (u32, u32, f64);
-
 /// Most steps of iterative refinement.
 const REFINEMENTS: usize = 4;
 
@@ -46,12 +43,19 @@ const REFINEMENTS: usize = 4;
 #[derive(Debug, Default)]
 pub struct CondensedSolver {
     fallback: TangentSolver,
-    linear_part: Option<CsrMatrix>,
+    linear_part: Option<LinearPart>,
     condensation: Option<Condensation>,
     /// K could not be factored: do not try again.
     refused: bool,
     current: Option<Current>,
     report: SolverReport,
+}
+
+/// K and its largest entry.
+#[derive(Debug)]
+struct LinearPart {
+    matrix: Arc<CsrMatrix>,
+    largest: f64,
 }
 
 /// The factor of K and its Schur complement.
@@ -70,7 +74,34 @@ struct Condensation {
 #[derive(Debug)]
 enum Current {
     Fallback,
-    Condensed { matrix: CsrMatrix, dense: Option<PartialPivLu<f64>> },
+    Condensed { matrix: Sum, dense: Option<PartialPivLu<f64>> },
+}
+
+/// A matrix as a stored one and additions to some of its entries.
+#[derive(Debug)]
+struct Sum {
+    base: Arc<CsrMatrix>,
+    additions: Vec<Entry>,
+}
+
+impl Sum {
+    fn multiply(&self, x: &[f64], transposed: bool) -> Result<Vec<f64>, LinearAlgebraError> {
+        let base = &self.base;
+        let mut product = if transposed { base.multiply_transposed(x)? } else { base.multiply(x)? };
+        for Entry { row, column, value } in &self.additions {
+            let (to, from) = if transposed { (column, row) } else { (row, column) };
+            product[*to as usize] += value * x[*from as usize];
+        }
+        Ok(product)
+    }
+
+    fn to_matrix(&self) -> Result<CsrMatrix, LinearAlgebraError> {
+        let replaced = |entry: &Entry| {
+            let value = self.base.get(entry.row as usize, entry.column as usize) + entry.value;
+            Entry { value, ..*entry }
+        };
+        self.base.with_entries(&self.additions.iter().map(replaced).collect::<Vec<_>>())
+    }
 }
 
 impl CondensedSolver {
@@ -98,26 +129,48 @@ impl CondensedSolver {
         }
     }
 
-    /// Unknowns on which T differs from K, and the entries of T − K; `None` when they do not share a
-    /// pattern.
-    fn difference(&self, matrix: &CsrMatrix) -> Option<(Vec<u32>, Vec<Entry>)> {
-        let linear_part = self.linear_part.as_ref().filter(|part| part.same_pattern(matrix))?;
-        let largest = linear_part.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-        let mut touched = vec![false; matrix.rows()];
+    /// The entries of T − K; `None` when they do not share a pattern.
+    fn difference(&self, matrix: &CsrMatrix) -> Option<Vec<Entry>> {
+        let linear_part = &self.linear_part.as_ref().filter(|part| part.matrix.same_pattern(matrix))?.matrix;
         let mut entries = Vec::new();
         for row in 0..matrix.rows() {
             let (columns, values) = matrix.row(row);
             for ((column, value), base) in columns.iter().zip(values).zip(linear_part.row(row).1) {
-                let change = value - base;
-                if change.abs() > ROUNDING * largest {
-                    touched[row] = true;
-                    touched[*column as usize] = true;
-                    entries.push((row as u32, *column, change));
+                if value != base {
+                    entries.push(Entry { row: row as u32, column: *column, value: value - base });
                 }
             }
         }
-        let touched = (0..matrix.rows() as u32).filter(|unknown| touched[*unknown as usize]).collect();
-        Some((touched, entries))
+        Some(entries)
+    }
+
+    /// Takes T = K + `additions`, which is also given as a `matrix` that is convenient for products.
+    fn condense(&mut self, additions: &[Entry], matrix: Sum) -> Result<(), SolverError> {
+        let largest = self.linear_part.as_ref().map_or(0.0, |part| part.largest);
+        let changes: Vec<Entry> =
+            additions.iter().filter(|entry| entry.value.abs() > ROUNDING * largest).copied().collect();
+        let mut touched: Vec<u32> = changes.iter().flat_map(|entry| [entry.row, entry.column]).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        if !self.condense_to(&touched)? {
+            return self.fall_back(matrix.to_matrix()?);
+        }
+        let Some(condensation) = &self.condensation else { return self.fall_back(matrix.to_matrix()?) };
+        let dense = (!changes.is_empty()).then(|| {
+            let start = Instant::now();
+            let mut system = condensation.schur.clone();
+            for Entry { row, column, value } in changes {
+                let place = |unknown: u32| condensation.places[unknown as usize];
+                if let (Some(row), Some(column)) = (place(row), place(column)) {
+                    system[(row as usize, column as usize)] += value;
+                }
+            }
+            let factor = system.partial_piv_lu();
+            self.report.factorisation_seconds += start.elapsed().as_secs_f64();
+            factor
+        });
+        self.current = Some(Current::Condensed { matrix, dense });
+        Ok(())
     }
 
     /// Makes a factor of K in which the touched unknowns come last. False: it is not worth it, or K is
@@ -126,7 +179,7 @@ impl CondensedSolver {
         if self.refused {
             return Ok(false);
         }
-        let Some(linear_part) = &self.linear_part else { return Ok(false) };
+        let Some(LinearPart { matrix: linear_part, .. }) = &self.linear_part else { return Ok(false) };
         if let Some(known) = &self.condensation
             && touched.iter().all(|unknown| known.places[*unknown as usize].is_some())
         {
@@ -191,7 +244,7 @@ impl CondensedSolver {
             Some(Current::Condensed { matrix, dense }) => (matrix, dense),
         };
         let Some(condensation) = &self.condensation else { return Err(SolverError::NoMatrix) };
-        crate::linear_algebra::error::check_size("the right-hand side", matrix.rows(), b.len())?;
+        crate::linear_algebra::error::check_size("the right-hand side", matrix.base.rows(), b.len())?;
         crate::linear_algebra::error::check_finite("the right-hand side", b)?;
         let start = Instant::now();
         let scale = norm(b);
@@ -222,14 +275,14 @@ impl CondensedSolver {
             self.report.largest_residual = self.report.largest_residual.max(relative_residual);
             return Ok(LinearSolution { solution: x, relative_residual, iterations: 0 });
         }
-        let matrix = matrix.clone();
+        let matrix = matrix.to_matrix()?;
         self.fall_back(matrix)?;
         self.solve_side(b, tolerance, transposed)
     }
 }
 
-fn residual(matrix: &CsrMatrix, x: &[f64], b: &[f64], transposed: bool) -> Result<Vec<f64>, SolverError> {
-    let product = if transposed { matrix.multiply_transposed(x)? } else { matrix.multiply(x)? };
+fn residual(matrix: &Sum, x: &[f64], b: &[f64], transposed: bool) -> Result<Vec<f64>, SolverError> {
+    let product = matrix.multiply(x, transposed)?;
     Ok(b.iter().zip(product).map(|(b, product)| b - product).collect())
 }
 
@@ -243,7 +296,7 @@ fn order_last(matrix: &CsrMatrix, last: &[u32]) -> Result<Ordering, LinearAlgebr
         is_last[*unknown as usize] = true;
     }
     let others: Vec<usize> = (0..matrix.rows()).filter(|unknown| !is_last[*unknown]).collect();
-    let restricted = Restriction::new(matrix.pattern(), &others, &others)?;
+    let restricted = Restriction::new(&Arc::new(matrix.pattern().into()), &others, &others)?;
     let order = Ordering::MinimumDegree.elimination_order(restricted.pattern())?;
     let order = order.into_iter().map(|place| others[place as usize] as u32).chain(last.iter().copied());
     Ok(Ordering::Given(order.collect()))
@@ -273,41 +326,50 @@ impl Condensation {
 }
 
 impl LinearSolver for CondensedSolver {
-    fn set_linear_part(&mut self, linear_part: CsrMatrix) -> Result<(), SolverError> {
+    fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
         linear_part.check_finite()?;
-        if self.linear_part.as_ref() == Some(&linear_part) {
+        if let Some(known) = &mut self.linear_part
+            && *known.matrix == **linear_part
+        {
+            known.matrix = linear_part.clone();
             return Ok(());
         }
         (self.condensation, self.current, self.refused) = (None, None, false);
         // An unsymmetric linear part has no Cholesky factor.
         self.refused = !linear_part.is_symmetric(1e-12)?;
-        self.linear_part = Some(linear_part);
+        let largest = largest(linear_part.values());
+        self.linear_part = Some(LinearPart { matrix: linear_part.clone(), largest });
         Ok(())
     }
 
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
         self.current = None;
         matrix.check_finite()?;
-        let Some((touched, entries)) = self.difference(&matrix) else { return self.fall_back(matrix) };
-        if !self.condense_to(&touched)? {
-            return self.fall_back(matrix);
+        match self.difference(&matrix) {
+            None => self.fall_back(matrix),
+            Some(additions) => self.condense(&additions, Sum { base: Arc::new(matrix), additions: vec![] }),
         }
-        let Some(condensation) = &self.condensation else { return self.fall_back(matrix) };
-        let dense = (!entries.is_empty()).then(|| {
-            let start = Instant::now();
-            let mut system = condensation.schur.clone();
-            for (row, column, change) in entries {
-                let place = |unknown: u32| condensation.places[unknown as usize];
-                if let (Some(row), Some(column)) = (place(row), place(column)) {
-                    system[(row as usize, column as usize)] += change;
-                }
+    }
+
+    fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
+        let known = self.linear_part.as_ref().is_some_and(|known| Arc::ptr_eq(&known.matrix, linear_part));
+        if !known || self.refused {
+            return self.set_matrix(linear_part.with_entries(entries)?);
+        }
+        self.current = None;
+        let mut additions = Vec::with_capacity(entries.len());
+        for Entry { row, column, value } in entries.iter().copied() {
+            if !value.is_finite() {
+                let (row, column) = (row as usize, column as usize);
+                return Err(LinearAlgebraError::EntryNotFinite { row, column, value }.into());
             }
-            let factor = system.partial_piv_lu();
-            self.report.factorisation_seconds += start.elapsed().as_secs_f64();
-            factor
-        });
-        self.current = Some(Current::Condensed { matrix, dense });
-        Ok(())
+            let place = linear_part.find_stored(row, column)?;
+            let value = value - linear_part.values()[place];
+            if value != 0.0 {
+                additions.push(Entry { row, column, value });
+            }
+        }
+        self.condense(&additions.clone(), Sum { base: linear_part.clone(), additions })
     }
 
     fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {

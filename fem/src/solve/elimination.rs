@@ -1,11 +1,11 @@
 //! Elimination of prescribed unknowns, and linear problems with them.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::ops::Range;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use crate::linear_algebra::error::{check_finite, check_size};
-use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, Restriction, SparsityPattern};
+use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
 
 /// The free unknowns of a problem whose other unknowns are prescribed, and the passage between full and
 /// reduced vectors and matrices. The map between matrices is computed at the first one.
@@ -14,7 +14,7 @@ pub struct Elimination {
     size: usize,
     prescribed: BTreeMap<usize, f64>,
     free: Vec<usize>,
-    restriction: Option<(Arc<SparsityPattern>, Restriction)>,
+    restriction: Option<Restriction>,
 }
 
 impl Elimination {
@@ -84,22 +84,31 @@ impl Elimination {
     ///
     /// # Errors
     /// If the matrix has the wrong size.
-    pub fn reduce_matrix(&mut self, matrix: &CsrMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
+    pub fn reduce_matrix(&mut self, matrix: &BlockMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
+        self.restriction(matrix)?.apply(matrix)
+    }
+
+    /// The entries of the reduced matrix whose values stand at some places of the full one, as ranges of whole
+    /// blocks. It takes a time proportional to their number, once a matrix of these positions has been reduced.
+    ///
+    /// # Errors
+    /// If the matrix has the wrong size.
+    pub fn reduce_places(
+        &mut self,
+        matrix: &BlockMatrix,
+        places: &[Range<usize>],
+    ) -> Result<Vec<Entry>, LinearAlgebraError> {
+        self.restriction(matrix)?.apply_to_places(matrix, places)
+    }
+
+    fn restriction(&mut self, matrix: &BlockMatrix) -> Result<&Restriction, LinearAlgebraError> {
         check_size("the set of rows", self.size, matrix.rows())?;
         check_size("the set of columns", self.size, matrix.columns())?;
-        match &self.restriction {
-            Some((source, restriction))
-                if Arc::ptr_eq(source, matrix.pattern()) || **source == **matrix.pattern() =>
-            {
-                restriction.apply(matrix)
-            }
-            _ => {
-                let restriction = Restriction::new(matrix.pattern(), &self.free, &self.free)?;
-                let reduced = restriction.apply(matrix)?;
-                self.restriction = Some((matrix.pattern().clone(), restriction));
-                Ok(reduced)
-            }
-        }
+        let restriction = match self.restriction.take().filter(|restriction| restriction.fits(matrix)) {
+            Some(restriction) => restriction,
+            None => Restriction::new(matrix.sparsity(), &self.free, &self.free)?,
+        };
+        Ok(self.restriction.insert(restriction))
     }
 }
 
@@ -109,7 +118,7 @@ impl Elimination {
 /// # Errors
 /// If sizes disagree, a value is not finite, or the solver fails.
 pub fn solve_linear(
-    matrix: &CsrMatrix,
+    matrix: &BlockMatrix,
     b: &[f64],
     elimination: &mut Elimination,
     solver: &mut dyn LinearSolver,
@@ -124,7 +133,7 @@ pub fn solve_linear(
 /// # Errors
 /// As [`solve_linear`].
 pub fn solve_linear_transposed(
-    matrix: &CsrMatrix,
+    matrix: &BlockMatrix,
     b: &[f64],
     elimination: &mut Elimination,
     solver: &mut dyn LinearSolver,
@@ -148,7 +157,7 @@ fn difference(b: &[f64], product: &[f64]) -> Result<Vec<f64>, LinearAlgebraError
 }
 
 fn finish(
-    matrix: &CsrMatrix,
+    matrix: &BlockMatrix,
     rest: Vec<f64>,
     mut lifted: Vec<f64>,
     elimination: &mut Elimination,
@@ -171,13 +180,13 @@ mod tests {
     use crate::solve::TangentSolver;
 
     /// Rows of −u'' on 0..=n with unit spacing (the end rows as they come), plus an unsymmetric entry.
-    fn line(n: usize, extra: f64) -> CsrMatrix {
+    fn line(n: usize, extra: f64) -> BlockMatrix {
         let mut triplets = Vec::new();
         for i in 0..n {
             triplets.extend([(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)]);
         }
         triplets.push((1, 2, extra));
-        CsrMatrix::from_triplets(n + 1, n + 1, &triplets).unwrap()
+        CsrMatrix::from_triplets(n + 1, n + 1, &triplets).unwrap().into()
     }
 
     #[test]
@@ -207,7 +216,8 @@ mod tests {
                 assert!((residual[i] - b[i]).abs() < 1e-12);
             }
         }
-        let two = solve_linear(&matrix.transpose(), &b, &mut elimination, &mut solver).unwrap().solution;
+        let transposed = matrix.to_csr().transpose().into();
+        let two = solve_linear(&transposed, &b, &mut elimination, &mut solver).unwrap().solution;
         assert!(one.iter().zip(&two).all(|(a, b)| (a - b).abs() < 1e-11));
     }
 

@@ -1,6 +1,8 @@
 //! What Newton's method and the adjoint problems ask of a linear solver.
 
-use crate::linear_algebra::{CsrMatrix, GmresReport, LinearAlgebraError};
+use std::sync::Arc;
+
+use crate::linear_algebra::{CsrMatrix, Entry, GmresReport, LinearAlgebraError};
 
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
 /// matrix: the analysis of the pattern, a factor, a condensed block.
@@ -10,7 +12,7 @@ pub trait LinearSolver {
     ///
     /// # Errors
     /// If the matrix is unfit.
-    fn set_linear_part(&mut self, _linear_part: CsrMatrix) -> Result<(), SolverError> {
+    fn set_linear_part(&mut self, _linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
         Ok(())
     }
 
@@ -19,6 +21,15 @@ pub trait LinearSolver {
     /// # Errors
     /// If the matrix cannot be factored.
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError>;
+
+    /// Takes as the matrix of the next solves the linear part with some of its entries replaced. The default copies
+    /// the linear part.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::set_matrix`], and if the linear part does not store an entry.
+    fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
+        self.set_matrix(linear_part.with_entries(entries)?)
+    }
 
     /// Solves A x = b. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would
     /// gain nothing from a smaller one; 0 asks for the solver's own accuracy. Direct solvers may ignore it.

@@ -1,26 +1,26 @@
 //! A compiled form with several unknowns as a system of equations: what Newton's method and linear solvers
 //! ask for, with the integrals that no iterate changes assembled once.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use forms_core::contract::{Form, Role};
+use forms_core::contract::Form;
 
+use super::assembled_once::{Assembled, System};
 use super::{
     ActivePoints, Elimination, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep,
-    NonlinearProblem, newton, solve_linear,
+    NonlinearProblem, Tangent, newton, solve_linear,
 };
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
-use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
+use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
 use crate::solve::SolverError;
 use crate::space::Space;
-
-/// Residual at 0 and tangent of the integrals that are constant or linear in the unknowns.
-type Fixed = (Vec<f64>, BlockMatrix);
 
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
 /// vectors and matrices the unknowns of the spaces stand one after the other.
@@ -50,12 +50,8 @@ type Fixed = (Vec<f64>, BlockMatrix);
 /// # }
 /// ```
 pub struct MixedProblem<'a, F, const D: usize, const N: usize> {
-    form: &'a F,
-    assembler: &'a Assembler<D>,
-    spaces: [Arc<Space<D>>; N],
-    pattern: Arc<BlockPattern<D>>,
-    /// What no iterate changes, and how often the form's histories had been committed when it was assembled.
-    fixed: Option<(u64, Arc<Fixed>)>,
+    system: System<'a, F, D, N>,
+    assembled: Option<Assembled>,
     seconds: f64,
 }
 
@@ -110,12 +106,13 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         pattern: &Arc<BlockPattern<D>>,
     ) -> Self {
         let (spaces, pattern) = (spaces.map(Arc::clone), pattern.clone());
-        MixedProblem { form, assembler, spaces, pattern, fixed: None, seconds: 0.0 }
+        let system = System { form, assembler, spaces, pattern };
+        MixedProblem { system, assembled: None, seconds: 0.0 }
     }
 
     /// The matrix pattern, for other forms on the same spaces.
     pub fn pattern(&self) -> &Arc<BlockPattern<D>> {
-        &self.pattern
+        &self.system.pattern
     }
 
     /// Seconds spent in assembly so far.
@@ -165,15 +162,15 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         solver: &mut dyn LinearSolver,
     ) -> Result<[Field<D>; N], LinearProblemError> {
         let prescribed = self.prescribed(constraints)?;
-        let zero = vec![0.0; self.spaces.iter().map(|space| space.unknowns()).sum()];
+        let zero = vec![0.0; self.system.unknowns()];
         let mut load = self.residual(&zero)?;
-        let matrix = self.tangent(&zero)?;
         for value in &mut load {
             *value = -*value;
         }
         let mut elimination = Elimination::new(load.len(), &prescribed)?;
-        let solution = solve_linear(&matrix, &load, &mut elimination, solver)
-            .map_err(|error| self.named(error, &prescribed))?;
+        let tangent = self.tangent(&zero)?;
+        let found = solve_linear(&tangent.matrix, &load, &mut elimination, solver);
+        let solution = found.map_err(|error| self.named(error, &prescribed))?;
         Ok(self.fields(&solution.solution))
     }
 
@@ -182,7 +179,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         self.check_spaces("constraints", constraints.map(|constraints| constraints.space()))?;
         let mut all = BTreeMap::new();
         let mut offset = 0;
-        for (space, constraints) in self.spaces.iter().zip(constraints) {
+        for (space, constraints) in self.system.spaces.iter().zip(constraints) {
             all.extend(constraints.prescribed().iter().map(|(unknown, value)| (offset + unknown, *value)));
             offset += space.unknowns();
         }
@@ -190,18 +187,13 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     fn check_spaces(&self, what: &'static str, given: [&Arc<Space<D>>; N]) -> Result<(), AssemblyError> {
-        match self.spaces.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
+        match self.system.spaces.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
             None => Ok(()),
             Some(number) => {
-                let (form, field) = (self.form.name(), self.unknown_name(number));
+                let (form, field) = (self.system.form.name(), self.system.unknown_name(number));
                 Err(AssemblyError::OtherSpace { form, field, what })
             }
         }
-    }
-
-    fn unknown_name(&self, number: usize) -> &'static str {
-        let fields = self.form.fields();
-        fields.iter().find(|field| field.role == Role::Unknown(number)).map_or("unknown", |field| field.name)
     }
 
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine.
@@ -209,14 +201,13 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         let SolverError::LinearAlgebra(LinearAlgebraError::Singular { unknown, ratio }) = error else {
             return error;
         };
-        let size = self.spaces.iter().map(|space| space.unknowns()).sum();
-        let free = (0..size).filter(|index| !prescribed.contains_key(index)).nth(unknown);
+        let free = (0..self.system.unknowns()).filter(|index| !prescribed.contains_key(index)).nth(unknown);
         let mut index = free.unwrap_or(0);
-        for (number, space) in self.spaces.iter().enumerate() {
+        for (number, space) in self.system.spaces.iter().enumerate() {
             if index < space.unknowns() {
                 let components = space.components();
                 return SolverError::Undetermined {
-                    field: self.unknown_name(number),
+                    field: self.system.unknown_name(number),
                     component: (components > 1).then_some(index % components),
                     position: space.positions()[index / components].to_vec(),
                     ratio,
@@ -229,41 +220,36 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
 
     fn fields(&self, u: &[f64]) -> [Field<D>; N] {
         let mut offset = 0;
-        self.spaces.each_ref().map(|space| {
+        self.system.spaces.each_ref().map(|space| {
             let values = u[offset..offset + space.unknowns()].to_vec();
             offset += space.unknowns();
-            Field { space: space.clone(), values: Arc::new(values) }
+            Field::of_known(space, values)
         })
     }
 
-    fn fixed(&mut self) -> Result<Arc<Fixed>, AssemblyError> {
-        let commits = commits(self.form.inputs());
-        if let Some((then, fixed)) = &self.fixed
-            && *then == commits
-        {
-            return Ok(fixed.clone());
-        }
-        let start = Instant::now();
-        let zero = self.spaces.each_ref().map(Field::zero);
-        let (zero, spaces) = (zero.each_ref(), self.spaces.each_ref());
-        let residual = self.assembler.residual_parts(self.form, &zero, &spaces, Parts::FIXED)?;
-        let mut matrix = BlockMatrix::zero(self.pattern.sparsity());
-        self.assembler.assemble_tangent(
-            self.form,
-            &zero,
-            &spaces,
-            Parts::FIXED,
-            &self.pattern,
-            &mut matrix,
-        )?;
-        let fixed = Arc::new((residual, matrix));
-        self.fixed = Some((commits, fixed.clone()));
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(fixed)
+    /// The system, with what no iterate changes assembled.
+    fn ready(&mut self) -> Result<(&System<'a, F, D, N>, &mut Assembled), AssemblyError> {
+        let commits = commits(self.system.form.inputs());
+        let assembled = match self.assembled.take() {
+            Some(assembled) if assembled.commits == commits => assembled,
+            earlier => {
+                let start = Instant::now();
+                let assembled = self.system.assemble(commits, earlier)?;
+                self.seconds += start.elapsed().as_secs_f64();
+                assembled
+            }
+        };
+        Ok((&self.system, self.assembled.insert(assembled)))
     }
 
-    fn fit(&self, source: LinearAlgebraError) -> AssemblyError {
-        AssemblyError::LinearAlgebra { form: self.form.name(), source }
+    /// The places among the values of the tangent that an update may change, as ascending ranges of whole blocks:
+    /// those of the nodes that nonlinear integrals couple. An update takes a time proportional to their number and
+    /// to that of the cells and facets of these integrals, whatever the size of the mesh.
+    ///
+    /// # Errors
+    /// If assembly fails.
+    pub fn changed_places(&mut self) -> Result<&[Range<usize>], AssemblyError> {
+        Ok(self.ready()?.1.touched())
     }
 }
 
@@ -271,45 +257,29 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for MixedProbl
     type Error = AssemblyError;
 
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        let fields = self.fields(u);
-        let fixed = self.fixed()?;
-        let mut residual = fixed.0.clone();
-        let linear = fixed.1.multiply(u).map_err(|source| self.fit(source))?;
+        let (system, assembled) = self.ready()?;
         let start = Instant::now();
-        let spaces = self.spaces.each_ref();
-        let nonlinear =
-            self.assembler.residual_parts(self.form, &fields.each_ref(), &spaces, Parts::NONLINEAR)?;
-        for ((sum, linear), nonlinear) in residual.iter_mut().zip(linear).zip(nonlinear) {
-            *sum += linear + nonlinear;
-        }
+        let residual = system.residual(assembled, u);
         self.seconds += start.elapsed().as_secs_f64();
-        Ok(residual)
+        residual
     }
 
-    fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, AssemblyError> {
-        let fields = self.fields(u);
-        let mut matrix = self.fixed()?.1.clone();
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
+        let (system, assembled) = self.ready()?;
         let start = Instant::now();
-        self.assembler.add_tangent(
-            self.form,
-            &fields.each_ref(),
-            &self.spaces.each_ref(),
-            Parts::NONLINEAR,
-            &self.pattern,
-            &mut matrix,
-        )?;
+        system.update(assembled, u)?;
         self.seconds += start.elapsed().as_secs_f64();
-        Ok(matrix.into_csr())
+        let (_, assembled) = self.ready()?;
+        Ok(Tangent { matrix: Cow::Borrowed(assembled.matrix()), changed: assembled.changed() })
     }
 
-    fn linear_part(&mut self) -> Result<Option<CsrMatrix>, AssemblyError> {
-        Ok(Some(self.fixed()?.1.to_csr()))
+    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
+        Ok(self.ready()?.1.linear_part())
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
-        let fields = self.fields(u);
         let start = Instant::now();
-        let set = self.assembler.active_set(self.form, &fields.each_ref())?;
+        let set = self.system.assembler.active_set_of(self.system.form, &self.system.views(u)?)?;
         self.seconds += start.elapsed().as_secs_f64();
         // A point with several switches counts once; which of them are on tells sets apart.
         Ok(set.map(|bits| {

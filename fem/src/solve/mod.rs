@@ -5,6 +5,7 @@
 //! [`FormProblem`] (one unknown) and [`MixedProblem`] (several) make such a problem of a compiled form.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
+mod assembled_once;
 pub mod condensed_solver;
 pub mod elimination;
 pub mod linear_solver;
@@ -23,7 +24,7 @@ pub use lu_solver::LuSolver;
 pub use mixed_problem::{LinearProblemError, MixedProblem, MixedSolved};
 pub use newton::{
     ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
-    newton,
+    Tangent, newton,
 };
 pub use problem::{FormProblem, Solved};
 pub use tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};

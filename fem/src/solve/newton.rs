@@ -1,12 +1,15 @@
 //! Undamped semismooth Newton on the free unknowns.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
+use std::sync::Arc;
 
 use super::elimination::Elimination;
 use super::linear_solver::{LinearSolver, SolverError};
 use crate::linear_algebra::vector::{add_scaled, norm};
-use crate::linear_algebra::{CsrMatrix, LinearAlgebraError};
+use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
@@ -24,13 +27,14 @@ pub trait NonlinearProblem {
     ///
     /// # Errors
     /// If assembly fails.
-    fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, Self::Error>;
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, Self::Error>;
 
-    /// The part of every tangent that does not depend on u, if the problem knows it.
+    /// The part of every tangent that does not depend on u, if the problem knows it and tells of each tangent where
+    /// it differs.
     ///
     /// # Errors
     /// If assembly fails.
-    fn linear_part(&mut self) -> Result<Option<CsrMatrix>, Self::Error> {
+    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, Self::Error> {
         Ok(None)
     }
 
@@ -40,6 +44,23 @@ pub trait NonlinearProblem {
     /// If assembly fails.
     fn active_points(&mut self, _u: &[f64]) -> Result<Option<ActivePoints>, Self::Error> {
         Ok(None)
+    }
+}
+
+/// A tangent, lent by the problem that keeps it.
+#[derive(Clone, Debug)]
+pub struct Tangent<'a> {
+    /// All rows and columns.
+    pub matrix: Cow<'a, BlockMatrix>,
+    /// Places among the matrix's values, as ascending ranges of whole blocks, outside of which it is equal to the
+    /// problem's linear part; none where the problem does not know them.
+    pub changed: Option<&'a [Range<usize>]>,
+}
+
+impl From<CsrMatrix> for Tangent<'_> {
+    /// A tangent of which nothing else is known.
+    fn from(matrix: CsrMatrix) -> Self {
+        Tangent { matrix: Cow::Owned(matrix.into()), changed: None }
     }
 }
 
@@ -221,10 +242,11 @@ impl Iteration {
     ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
         let mut elimination = Elimination::new(self.u.len(), prescribed).map_err(NewtonFailure::Mismatch)?;
         elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
-        if let Some(linear_part) = problem.linear_part().map_err(NewtonFailure::Assembly)? {
-            let reduced = elimination.reduce_matrix(&linear_part).map_err(NewtonFailure::Mismatch)?;
-            drop(linear_part);
-            solver.set_linear_part(reduced).map_err(NewtonFailure::LinearSolver)?;
+        let mut linear_part = None;
+        if let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)? {
+            let reduced = Arc::new(elimination.reduce_matrix(matrix).map_err(NewtonFailure::Mismatch)?);
+            solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
+            linear_part = Some(reduced);
         }
         let mut step = None;
         let mut linear_iterations = None;
@@ -255,9 +277,20 @@ impl Iteration {
                 return Err(NewtonFailure::NotConverged { iterations });
             }
             let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
-            let reduced = elimination.reduce_matrix(&tangent).map_err(NewtonFailure::Mismatch)?;
-            drop(tangent);
-            solver.set_matrix(reduced).map_err(NewtonFailure::LinearSolver)?;
+            match (&linear_part, tangent.changed) {
+                (Some(linear_part), Some(changed)) => {
+                    let entries = elimination.reduce_places(&tangent.matrix, changed);
+                    let entries = entries.map_err(NewtonFailure::Mismatch)?;
+                    solver.set_changed(linear_part, &entries)
+                }
+                _ => {
+                    let reduced = elimination.reduce_matrix(&tangent.matrix);
+                    let reduced = reduced.map_err(NewtonFailure::Mismatch)?;
+                    drop(tangent);
+                    solver.set_matrix(reduced)
+                }
+            }
+            .map_err(NewtonFailure::LinearSolver)?;
             for value in &mut rest {
                 *value = -*value;
             }

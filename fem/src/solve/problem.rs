@@ -1,17 +1,18 @@
 //! A compiled form with one unknown as a system of equations: a [`MixedProblem`] of one space.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use forms_core::contract::Form;
 
 use super::{
     ActivePoints, LinearProblemError, LinearSolver, MixedProblem, MixedSolved, NewtonError, NewtonOptions,
-    NewtonStep, NonlinearProblem,
+    NewtonStep, NonlinearProblem, Tangent,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::field::Field;
-use crate::linear_algebra::CsrMatrix;
+use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
 
 /// A form with one unknown and one test function, on one space. [`MixedProblem`] takes several.
@@ -64,6 +65,15 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
         self.whole.assembly_seconds()
     }
 
+    /// The places among the values of the tangent that an iteration changes; see
+    /// [`MixedProblem::changed_places`].
+    ///
+    /// # Errors
+    /// If assembly fails.
+    pub fn changed_places(&mut self) -> Result<&[Range<usize>], AssemblyError> {
+        self.whole.changed_places()
+    }
+
     /// Solves R(u) = 0 by semismooth Newton from u = `start` with the constraints imposed on it.
     ///
     /// # Errors
@@ -103,11 +113,11 @@ impl<F: Form<D>, const D: usize> NonlinearProblem for FormProblem<'_, F, D> {
         self.whole.residual(u)
     }
 
-    fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, AssemblyError> {
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
         self.whole.tangent(u)
     }
 
-    fn linear_part(&mut self) -> Result<Option<CsrMatrix>, AssemblyError> {
+    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
         self.whole.linear_part()
     }
 

@@ -11,6 +11,7 @@ use crate::linear_algebra::{
     Analysis, CsrMatrix, GmresError, GmresOptions, GmresReport, LinearAlgebraError, Ordering,
     SymmetricFactor, gmres,
 };
+use crate::threads::Threads;
 
 /// Choices of a [`TangentSolver`].
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +35,9 @@ pub struct TangentSolverOptions {
     pub refresh_after: Option<usize>,
     /// Most steps of iterative refinement of a direct solution.
     pub refinement_steps: usize,
+    /// Threads for products and dot products of GMRES. Factorisations and triangular solves run on one, so that
+    /// solutions are the same for each number of threads.
+    pub threads: Threads,
 }
 
 impl Default for TangentSolverOptions {
@@ -47,6 +51,7 @@ impl Default for TangentSolverOptions {
             max_iterations: 300,
             refresh_after: None,
             refinement_steps: 3,
+            threads: Threads::all(),
         }
     }
 }
@@ -319,10 +324,11 @@ impl TangentSolver {
                 Side::Matrix => matrix.row_sum_norm(),
                 Side::Transposed => matrix.column_sum_norm(),
             }),
+            threads: self.options.threads,
         };
         gmres(
             |v, w| match side {
-                Side::Matrix => matrix.multiply_into(v, w).map_err(SolverError::from),
+                Side::Matrix => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
                 Side::Transposed => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
             },
             |v| factor.solve_in_place(v).map_err(SolverError::from),

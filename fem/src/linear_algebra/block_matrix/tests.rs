@@ -82,7 +82,7 @@ fn products_do_not_depend_on_threads() {
         let alone = matrix.multiply(&x).unwrap();
         for threads in [2, 3, 5] {
             let mut product = vec![f64::NAN; alone.len()];
-            matrix.multiply_into(&x, &mut product, Threads::new(threads)).unwrap();
+            matrix.multiply_on(Threads::new(threads), &x, &mut product).unwrap();
             assert!(product == alone);
         }
         // The second component of the first row, by hand.

@@ -84,3 +84,18 @@ fn a_nan_is_named_with_its_place() {
         Err(LinearAlgebraError::EntryNotFinite { row: 1, column: 1, .. })
     ));
 }
+
+#[test]
+fn products_do_not_depend_on_threads() {
+    let size = 20_011;
+    let entries = |row: usize| [(row, row, 2.0), (row, row * 7 % size, 0.3 * row as f64)];
+    let matrix =
+        CsrMatrix::from_triplets(size, size, &(0..size).flat_map(entries).collect::<Vec<_>>()).unwrap();
+    let x: Vec<f64> = (0..size).map(|k| (k as f64).sin()).collect();
+    let alone = matrix.multiply(&x).unwrap();
+    for threads in [2, 3, 5] {
+        let mut product = vec![f64::NAN; size];
+        matrix.multiply_on(Threads::new(threads), &x, &mut product).unwrap();
+        assert!(product == alone);
+    }
+}

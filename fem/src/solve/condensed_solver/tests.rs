@@ -36,7 +36,8 @@ fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
             false => solver.solve(&b, 0.0).unwrap(),
             true => solver.solve_transposed(&b, 0.0).unwrap(),
         };
-        let rest = residual(matrix, &found.solution, &b, transposed).unwrap();
+        let matrix = Sum { base: Arc::new(matrix.clone()), additions: vec![] };
+        let rest = residual(&matrix, &found.solution, &b, transposed).unwrap();
         assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
     }
 }
@@ -44,7 +45,7 @@ fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
 #[test]
 fn unsymmetric_changes_on_few_unknowns_need_one_factor_as_long_as_they_stay() {
     let mut solver = CondensedSolver::default();
-    solver.set_linear_part(laplacian(&[], 0.0)).unwrap();
+    solver.set_linear_part(&Arc::new(laplacian(&[], 0.0))).unwrap();
     check(&mut solver, &laplacian(&[(3, 4, 20.0), (4, 3, -7.0), (4, 4, 50.0), (5, 4, 1.0)], 0.0));
     assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (1, Some(3)));
     // A subset: the same factor. Another place: a new one that holds both.
@@ -64,13 +65,64 @@ fn it_falls_back_where_condensing_does_not_serve() {
     check(&mut solver, &laplacian(&[(3, 4, 2.0)], 0.0));
     assert_eq!(solver.report().condensed_unknowns, None);
     // A linear part that is not positive definite.
-    solver.set_linear_part(laplacian(&[], -3.3)).unwrap();
+    solver.set_linear_part(&Arc::new(laplacian(&[], -3.3))).unwrap();
     check(&mut solver, &laplacian(&[(4, 4, 2.0)], -3.3));
     assert_eq!(solver.report().condensed_unknowns, None);
     // Changes everywhere: the dense block would cost more than the sparse factor.
     let everywhere: Vec<_> = (0..SIDE * SIDE).map(|k| (k, k, 1.0 + k as f64)).collect();
-    solver.set_linear_part(laplacian(&[], 0.0)).unwrap();
+    solver.set_linear_part(&Arc::new(laplacian(&[], 0.0))).unwrap();
     check(&mut solver, &laplacian(&everywhere, 0.0));
     assert_eq!(solver.report().condensed_unknowns, None);
     assert!(solver.solve(&load()[1..], 0.0).is_err());
+}
+
+/// A matrix given by its changed entries is solved as the whole one is.
+#[test]
+fn changed_entries_make_the_same_matrix() {
+    let linear_part = Arc::new(laplacian(&[], 0.0));
+    let changes = [(3, 4, 20.0), (4, 3, -7.0), (4, 4, 50.0), (5, 4, 1.0)];
+    let whole = laplacian(&changes, 0.0);
+    let entries: Vec<Entry> = changes
+        .iter()
+        .map(|&(row, column, _)| Entry {
+            row: row as u32,
+            column: column as u32,
+            value: whole.get(row, column),
+        })
+        .collect();
+    let b = load();
+    // Condensed, by the default of a trait's method, and where condensing is refused.
+    let mut condensed = CondensedSolver::default();
+    condensed.set_linear_part(&linear_part).unwrap();
+    let mut refused = CondensedSolver::default();
+    let indefinite = Arc::new(laplacian(&[], -3.3));
+    refused.set_linear_part(&indefinite).unwrap();
+    let shifted = laplacian(&changes, -3.3);
+    let shifted_entries: Vec<Entry> = entries
+        .iter()
+        .map(|entry| Entry { value: shifted.get(entry.row as usize, entry.column as usize), ..*entry })
+        .collect();
+    let mut plain = TangentSolver::default();
+    let solvers: [(&mut dyn LinearSolver, _, _, _); 3] = [
+        (&mut condensed, &linear_part, &entries, &whole),
+        (&mut plain, &linear_part, &entries, &whole),
+        (&mut refused, &indefinite, &shifted_entries, &shifted),
+    ];
+    for (solver, linear_part, entries, whole) in solvers {
+        solver.set_changed(linear_part, entries).unwrap();
+        for transposed in [false, true] {
+            let found = match transposed {
+                false => solver.solve(&b, 0.0).unwrap(),
+                true => solver.solve_transposed(&b, 0.0).unwrap(),
+            };
+            let whole = Sum { base: Arc::new(whole.clone()), additions: vec![] };
+            let rest = residual(&whole, &found.solution, &b, transposed).unwrap();
+            assert!(norm(&rest) <= 1e-12 * norm(&b), "residual {:e}", norm(&rest));
+        }
+        let missing = [Entry { row: 0, column: 100, value: 1.0 }];
+        assert!(solver.set_changed(linear_part, &missing).is_err());
+        let bad = [Entry { row: 0, column: 0, value: f64::NAN }];
+        assert!(solver.set_changed(linear_part, &bad).is_err());
+    }
+    assert_eq!((condensed.report().factorisations, condensed.report().condensed_unknowns), (1, Some(3)));
 }

@@ -41,7 +41,7 @@ impl NonlinearProblem for Membrane {
             .collect())
     }
 
-    fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, Infallible> {
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, Infallible> {
         let (h, contact) = (self.h(), self.contact(u));
         let active = |i: usize| if contact[i] > 0.0 { h } else { 0.0 };
         let mut triplets = vec![(0, 0, 1.0), (self.n, self.n, 1.0)];
@@ -51,7 +51,7 @@ impl NonlinearProblem for Membrane {
             triplets.push((i, i + 1, -1.0 / h));
         }
         triplets.extend([(0, 1, 0.0), (self.n, self.n - 1, 0.0)]);
-        Ok(CsrMatrix::from_triplets(self.n + 1, self.n + 1, &triplets).unwrap())
+        Ok(CsrMatrix::from_triplets(self.n + 1, self.n + 1, &triplets).unwrap().into())
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, Infallible> {
@@ -159,8 +159,8 @@ impl<F: FnMut(f64) -> (f64, f64)> NonlinearProblem for Scalar<F> {
         Ok(vec![(self.0)(u[0]).0])
     }
 
-    fn tangent(&mut self, u: &[f64]) -> Result<CsrMatrix, LinearAlgebraError> {
-        CsrMatrix::from_triplets(1, 1, &[(0, 0, (self.0)(u[0]).1)])
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, LinearAlgebraError> {
+        Ok(CsrMatrix::from_triplets(1, 1, &[(0, 0, (self.0)(u[0]).1)])?.into())
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, LinearAlgebraError> {
