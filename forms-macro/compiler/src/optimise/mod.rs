@@ -117,7 +117,9 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
     };
     let mut degrees = Degrees::new(&arena);
 
+    let entities: Vec<Entity> = module.regions.iter().map(|region| region.entity).collect();
     let groups = group(&residual, &fields, &mut scalariser, &mut degrees);
+    let groups = join_on_cells(groups, &fields, &entities, scalariser.graph);
     let mut planned = Optimised {
         function,
         dimension,
@@ -130,7 +132,6 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         density: densities(&density, &mut scalariser, &mut degrees),
         fields,
     };
-    let entities: Vec<Entity> = module.regions.iter().map(|region| region.entity).collect();
     for group in groups {
         let switches = switches(&group, &arena, &mut scalariser, &planned.fields);
         let result = plan_group(group, from_energy, scalariser.graph, &entities, &mut planned);
@@ -218,6 +219,44 @@ fn group(
         }
     }
     groups.into_values().collect()
+}
+
+/// Integrals over the same cells that are linear and not: with one unknown, each iteration visits all of these
+/// cells anyway, and one visit that computes both costs little more than the nonlinear one alone. On facets they stay
+/// apart, because there a nonlinear term may act on a small part.
+fn join_on_cells(
+    groups: Vec<Group>,
+    fields: &[FieldInfo],
+    entities: &[Entity],
+    graph: &mut Graph,
+) -> Vec<Group> {
+    let unknowns = fields.iter().filter(|field| matches!(field.role, FieldRole::Unknown(_))).count();
+    let mut joined: Vec<Group> = Vec::new();
+    for group in groups {
+        let Description { region, dependence, .. } = group.description;
+        // Groups come in the order of regions, the linear one before the nonlinear one.
+        let before = joined.last_mut().filter(|before| {
+            let Description { region: before, dependence: first, .. } = before.description;
+            before == region && first == Dependence::Linear && dependence == Dependence::Nonlinear
+        });
+        match before {
+            Some(before) if unknowns == 1 && entities[region] == Entity::Cells => {
+                let degree = before.description.degree.clone().largest(group.description.degree.clone());
+                before.description = Description { degree, ..group.description };
+                before.parts.extend(group.parts);
+                before.density = graph.add(before.density, group.density);
+                for (trial, derivative) in group.tangent {
+                    let sum = match before.tangent.get(&trial) {
+                        Some(known) => graph.add(*known, derivative),
+                        None => derivative,
+                    };
+                    before.tangent.insert(trial, sum);
+                }
+            }
+            _ => joined.push(group),
+        }
+    }
+    joined
 }
 
 /// Splits a group by test function, trial function, and the sides on which they stand.
