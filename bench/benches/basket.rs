@@ -14,9 +14,9 @@ fn main() {
 #[divan::bench(args = BASKET.iter().map(|entry| entry.name))]
 fn element_matrices(bencher: Bencher, name: &str) {
     let Some(entry) = BASKET.iter().find(|entry| entry.name == name) else { return };
-    let (width, size) = (entry.width(), entry.size());
-    let cells = RandomCells::new(&entry.setting, width);
-    let mut matrices = vec![0.0; BATCH * size];
+    let lengths = (entry.lengths)();
+    let cells = RandomCells::new(&entry.setting, lengths.width);
+    let mut matrices = vec![0.0; BATCH * lengths.size];
     bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
         // SAFETY: the arrays are as long as the plugin interface has them for this form.
         unsafe {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use forms_fem::assemble::{Assembler, BlockPattern, Parts};
-use forms_fem::contract::{Form, Given};
+use forms_fem::contract::Form;
 use forms_fem::element::CellShape;
 use forms_fem::field::Field;
 use forms_fem::linear_algebra::BlockMatrix;
@@ -15,8 +15,7 @@ use forms_fem::space::Space;
 use forms_fem::threads::Threads;
 use serde::{Deserialize, Serialize};
 
-use crate::element_batch::FACETS;
-use crate::forms::given::{contact, elasticity};
+use crate::forms::given::{contact_with_gap, elasticity};
 
 /// λ, μ as in the peers' scripts, and γ₀.
 const CONSTANTS: [f64; 3] = [1.2, 0.8, 10.0];
@@ -204,14 +203,13 @@ where
 /// # Errors
 /// As [`measure`].
 pub fn measure_contact(across: usize, samples: usize) -> Result<ContactUpdate, Box<dyn Error>> {
-    let mut mesh = ring(across)?;
+    let mesh = ring(across)?;
     let facets = mesh.facet_region("outer")?.to_vec();
-    mesh.name_listed_facets(FACETS, &facets)?;
     let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
     let (stiffness, boundary) =
-        (elasticity::<2>(&CONSTANTS), contact::<2>(&CONSTANTS, Given::constant(-0.001)));
+        (elasticity::<2>(&CONSTANTS), contact_with_gap::<2>(&CONSTANTS, "outer", -0.001));
     let (u, spaces) = (Field::zero(&space), [&space]);
     let pattern = BlockPattern::for_form(&stiffness, &spaces, &spaces)?;
     let mut matrix = BlockMatrix::zero(pattern.sparsity());

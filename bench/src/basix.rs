@@ -7,6 +7,8 @@ use forms_fem::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_ru
 use serde::Deserialize;
 use thiserror::Error;
 
+use crate::element_batch::Entities;
+
 /// Which of basix's two node orders an element has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeOrder {
@@ -123,6 +125,29 @@ pub const fn node_count(shape: CellShape, degree: usize) -> usize {
     }
 }
 
+// Number of points of basix's rules on simplices, by degree; see `data/basix.json`.
+const TRIANGLE_POINTS: [usize; 13] = [1, 1, 3, 6, 6, 7, 12, 15, 16, 19, 25, 28, 33];
+const TETRAHEDRON_POINTS: [usize; 13] = [1, 1, 4, 5, 14, 15, 24, 31, 45, 57, 74, 95, 122];
+
+/// Number of points of basix's rule of a degree on a shape or on its facets; degrees up to 12 on simplices.
+///
+/// # Panics
+/// For higher degrees on simplices; as a constant that is a compile error.
+pub const fn point_count(shape: CellShape, degree: usize, entities: Entities) -> usize {
+    let line = degree / 2 + 1;
+    match (shape, entities) {
+        (CellShape::Triangle, Entities::Cells) | (CellShape::Tetrahedron, Entities::Facets) => {
+            TRIANGLE_POINTS[degree]
+        }
+        (CellShape::Tetrahedron, Entities::Cells) => TETRAHEDRON_POINTS[degree],
+        (CellShape::Triangle | CellShape::Quadrilateral, Entities::Facets) => line,
+        (CellShape::Quadrilateral, Entities::Cells) | (CellShape::Hexahedron, Entities::Facets) => {
+            line * line
+        }
+        (CellShape::Hexahedron, Entities::Cells) => line * line * line,
+    }
+}
+
 /// Number of reference coordinates of a shape.
 pub const fn dimension(shape: CellShape) -> usize {
     match shape {
@@ -131,7 +156,7 @@ pub const fn dimension(shape: CellShape) -> usize {
     }
 }
 
-const fn ours(shape: CellShape) -> &'static [[u8; 3]] {
+fn ours(shape: CellShape) -> &'static [[u8; 3]] {
     match shape {
         CellShape::Triangle => &OUR_TRIANGLE,
         CellShape::Quadrilateral => &OUR_QUADRILATERAL,
@@ -141,7 +166,7 @@ const fn ours(shape: CellShape) -> &'static [[u8; 3]] {
 }
 
 // Node `index` of basix's element, in half steps.
-const fn basix_node(shape: CellShape, degree: usize, order: NodeOrder, index: usize) -> [u8; 3] {
+fn basix_node(shape: CellShape, degree: usize, order: NodeOrder, index: usize) -> [u8; 3] {
     match (shape, order) {
         (CellShape::Quadrilateral | CellShape::Hexahedron, NodeOrder::TensorProduct) => {
             let line = [0, 2, 1];
@@ -167,25 +192,11 @@ pub fn node_points(shape: CellShape, degree: usize, order: NodeOrder) -> Vec<[f6
     (0..node_count(shape, degree)).map(node).collect()
 }
 
-/// For each node of basix's element, in its order, our number of that node. N is [`node_count`].
-///
-/// # Panics
-/// When N is not the number of nodes; as a constant that is a compile error.
-pub const fn our_numbers<const N: usize>(shape: CellShape, degree: usize, order: NodeOrder) -> [usize; N] {
-    assert!(N == node_count(shape, degree));
+/// For each node of basix's element, in its order, our number of that node.
+pub fn our_node_numbers(shape: CellShape, degree: usize, order: NodeOrder) -> Vec<usize> {
     let ours = ours(shape);
-    let mut numbers = [0; N];
-    let mut index = 0;
-    while index < N {
-        let node = basix_node(shape, degree, order, index);
-        let mut number = 0;
-        while ours[number][0] != node[0] || ours[number][1] != node[1] || ours[number][2] != node[2] {
-            number += 1;
-        }
-        numbers[index] = number;
-        index += 1;
-    }
-    numbers
+    let number = |node: [u8; 3]| ours.iter().position(|own| *own == node).unwrap_or(usize::MAX);
+    (0..node_count(shape, degree)).map(|index| number(basix_node(shape, degree, order, index))).collect()
 }
 
 /// Our number of basix's local facet.

@@ -1,28 +1,47 @@
-//! The C side of a kernel: pointers to slices.
+//! The C side of a kernel: pointers to slices, and the kernel that each thread has prepared.
 
-use forms_fem::contract::{Form, Role};
+use std::cell::RefCell;
 
-use crate::basix::node_count;
-use crate::element_batch::{Coefficients, Output, Setting, run};
+use forms_fem::assemble::ElementCells;
+
+use crate::element_batch::{Batch, BatchError};
 
 /// Number of constants that the harness passes.
 pub const CONSTANTS: usize = 3;
 
-/// Components of a form's unknown.
-pub fn components<const D: usize>(form: &impl Form<D>) -> usize {
-    let unknown = form.fields().iter().find(|field| matches!(field.role, Role::Unknown(_)));
-    unknown.map_or(1, |field| field.components())
+/// Numbers of a batch's arrays per cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Lengths {
+    /// Of A.
+    pub size: usize,
+    /// Of w.
+    pub width: usize,
+    /// Of x.
+    pub coordinates: usize,
 }
 
-/// Turns the arguments of a plugin symbol to slices and runs the kernel; says on standard error what failed.
+/// A kernel for certain constants, which it holds.
+pub struct Ready {
+    constants: [f64; CONSTANTS],
+    lengths: Lengths,
+    batch: Box<dyn Batch>,
+}
+
+/// What a thread keeps between the calls of one symbol.
+pub type Kept = RefCell<Option<Ready>>;
+
+/// What prepares a kernel for constants.
+pub type Prepare = fn(&[f64; CONSTANTS]) -> Result<(Lengths, Box<dyn Batch>), BatchError>;
+
+/// Runs the kernel of a symbol; says on standard error what failed, and fills A with NaN.
 ///
 /// # Safety
 /// As the plugin interface has it: A holds n element matrices, w and x the coefficients and coordinates of n cells,
 /// c three constants, entity the local facet (unless null).
 #[allow(clippy::too_many_arguments)]
-pub unsafe fn call<const D: usize, const GEOMETRY_NODES: usize, const NODES: usize, F: Form<D>>(
-    setting: &Setting,
-    form: impl Fn(&[f64], &Coefficients<D>) -> F,
+pub unsafe fn call(
+    kept: &Kept,
+    prepare: Prepare,
     n: i32,
     a: *mut f64,
     w: *const f64,
@@ -30,31 +49,34 @@ pub unsafe fn call<const D: usize, const GEOMETRY_NODES: usize, const NODES: usi
     x: *const f64,
     entity: *const i32,
 ) {
-    let count = n as usize;
     // SAFETY: the caller's contract.
-    let c = unsafe { std::slice::from_raw_parts(c, CONSTANTS) };
-    let probe = form(c, &Coefficients::none());
-    let components = components(&probe);
-    let rows = NODES * components;
-    let size = if setting.output == Output::Tangent { rows * rows } else { rows };
-    let width: usize = setting
-        .coefficients
-        .iter()
-        .enumerate()
-        .map(|(index, degree)| node_count(setting.shape, *degree) * if index == 0 { components } else { 1 })
-        .sum();
-    // SAFETY: the caller's contract.
-    let (a, w, x, facet) = unsafe {
-        (
-            std::slice::from_raw_parts_mut(a, count * size),
-            if width == 0 { &[] } else { std::slice::from_raw_parts(w, count * width) },
-            std::slice::from_raw_parts(x, count * GEOMETRY_NODES * 3),
-            if entity.is_null() { 0 } else { *entity as usize },
-        )
+    let constants = unsafe { *c.cast::<[f64; CONSTANTS]>() };
+    let mut kept = kept.borrow_mut();
+    let ready = match &mut *kept {
+        Some(ready) if ready.constants == constants => ready,
+        kept => match prepare(&constants) {
+            Ok((lengths, batch)) => kept.insert(Ready { constants, lengths, batch }),
+            Err(error) => {
+                eprintln!("{error}");
+                return;
+            }
+        },
     };
-    let bound = |w: &Coefficients<D>| form(c, w);
-    if let Err(error) = run::<D, GEOMETRY_NODES, NODES, F>(setting, bound, count, a, w, x, facet) {
+    let count = n as usize;
+    let Lengths { size, width, coordinates } = ready.lengths;
+    // SAFETY: the caller's contract; `width` is zero where w may be null.
+    let (results, cells) = unsafe {
+        let coefficients = if width == 0 { &[] } else { std::slice::from_raw_parts(w, count * width) };
+        let cells = ElementCells {
+            count,
+            coordinates: std::slice::from_raw_parts(x, count * coordinates),
+            coefficients,
+            facet: if entity.is_null() { 0 } else { *entity as usize },
+        };
+        (std::slice::from_raw_parts_mut(a, count * size), cells)
+    };
+    if let Err(error) = ready.batch.run(&cells, results) {
         eprintln!("{error}");
-        a.fill(f64::NAN);
+        results.fill(f64::NAN);
     }
 }

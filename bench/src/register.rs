@@ -1,86 +1,88 @@
-//! The macro that makes an entry of the basket, with its symbol for the harness, from one line.
+//! The macro that makes a kernel of the basket, with its symbol for the harness, from one line.
 
-use crate::basix::node_count;
-use crate::element_batch::{Output, Setting};
+use crate::element_batch::Setting;
+use crate::plugin::Lengths;
 
 /// A kernel of the basket.
 #[derive(Clone, Copy)]
 pub struct Entry {
     /// The form's name in `peers/basket.py`.
     pub name: &'static str,
-    /// Its element and rule.
+    /// Its elements and rule.
     pub setting: Setting,
-    /// Components of the unknown.
-    pub components: fn() -> usize,
+    /// Numbers per cell in the arrays of a call.
+    pub lengths: fn() -> Lengths,
     /// The symbol `batch_<name>`.
     pub batch: Batch,
-}
-
-impl Entry {
-    /// Number of coefficients w per cell.
-    pub fn width(&self) -> usize {
-        let Setting { shape, coefficients, .. } = self.setting;
-        let components = (self.components)();
-        let each = coefficients.iter().enumerate();
-        each.map(|(index, degree)| node_count(shape, *degree) * if index == 0 { components } else { 1 }).sum()
-    }
-
-    /// Number of entries of an element vector or matrix.
-    pub fn size(&self) -> usize {
-        let rows = node_count(self.setting.shape, self.setting.degree) * (self.components)();
-        if self.setting.output == Output::Tangent { rows * rows } else { rows }
-    }
 }
 
 /// `batch_<form>(n, A, w, c, x, entity)` of the plugin interface in `peers/README.md`.
 pub type Batch = unsafe extern "C" fn(i32, *mut f64, *const f64, *const f64, *const f64, *const i32);
 
-/// Registers kernels, one line each:
+/// Registers kernels, one line each; `c` in `form` is the list of constants.
 ///
 /// ```text
-/// name: tangent or residual, shape, degree, geometry degree, rule degree, [degrees of coefficients], node order, form;
+/// name: Tangent|Residual of Cells|Facets, shape, degree d, geometry d, rule d, [("field", degree), ..], Entities|TensorProduct, form;
 /// ```
-///
-/// `form` is an expression that may use the constants `c[0]`, `c[1]`, … and the coefficients `w.scalar(1)`, …
 #[macro_export]
 macro_rules! register {
-    (|$c:ident, $w:ident| $(
-        $name:ident: $output:ident, $shape:ident, $degree:literal, $geometry:literal, $rule:literal, $coefficients:expr,
-        $order:ident, $form:expr;
+    (|$c:ident| $(
+        $name:ident: $output:ident of $entities:ident, $shape:ident, degree $degree:literal, geometry $geometry:literal,
+        rule $rule:literal, $fields:expr, $order:ident, $form:expr;
     )*) => {
         /// All kernels of the basket.
         pub const BASKET: &[$crate::register::Entry] = &[$({
-            use $crate::element_batch::{Coefficients, Setting};
+            use $crate::basix::{NodeOrder, dimension, node_count};
+            use $crate::element_batch::{Batch, BatchError, Entities, Output, Setting, prepare, test_components};
+            use $crate::plugin::{CONSTANTS, Kept, Lengths, call};
             const SETTING: Setting = Setting {
-                output: $crate::element_batch::Output::$output,
+                output: Output::$output,
+                entities: Entities::$entities,
                 shape: forms_fem::element::CellShape::$shape,
                 degree: $degree,
                 geometry: $geometry,
                 rule: $rule,
-                coefficients: &$coefficients,
-                order: $crate::basix::NodeOrder::$order,
+                fields: &$fields,
+                order: NodeOrder::$order,
             };
-            const D: usize = $crate::basix::dimension(SETTING.shape);
-            const GEOMETRY_NODES: usize = $crate::basix::node_count(SETTING.shape, $geometry);
-            const NODES: usize = $crate::basix::node_count(SETTING.shape, $degree);
+            const D: usize = dimension(SETTING.shape);
+            // Loops have constant lengths where speed matters; where it does not, kernels of a form share their code.
+            #[cfg(not(debug_assertions))]
+            type Sizes = forms_fem::assemble::Fixed<
+                { node_count(SETTING.shape, $degree) },
+                { $crate::basix::point_count(SETTING.shape, $rule, SETTING.entities) },
+                { node_count(SETTING.shape, $geometry) },
+            >;
+            #[cfg(debug_assertions)]
+            type Sizes = forms_fem::assemble::Counted;
             #[allow(unused_variables)]
-            fn form($c: &[f64], $w: &Coefficients<D>) -> impl forms_fem::contract::Form<D> + use<> {
+            fn form($c: &[f64; CONSTANTS]) -> impl forms_fem::contract::Form<D> + use<> {
                 $form
+            }
+            fn lengths() -> Lengths {
+                let form = form(&[1.0; CONSTANTS]);
+                let rows = node_count(SETTING.shape, $degree) * test_components(&form);
+                Lengths {
+                    size: if SETTING.output == Output::Tangent { rows * rows } else { rows },
+                    width: SETTING.coefficients(&form).1,
+                    coordinates: 3 * node_count(SETTING.shape, $geometry),
+                }
+            }
+            fn ready(constants: &[f64; CONSTANTS]) -> Result<(Lengths, Box<dyn Batch>), BatchError> {
+                Ok((lengths(), prepare::<_, Sizes, D>(&SETTING, form(constants))?))
             }
             // SAFETY: the symbol is this kernel's alone, for the names in a basket differ.
             #[unsafe(export_name = concat!("batch_", stringify!($name)))]
             unsafe extern "C" fn batch(
                 n: i32, a: *mut f64, w: *const f64, c: *const f64, x: *const f64, entity: *const i32,
             ) {
-                // SAFETY: the plugin interface, which is this function's contract.
-                unsafe {
-                    $crate::plugin::call::<D, GEOMETRY_NODES, NODES, _>(&SETTING, form, n, a, w, c, x, entity);
+                thread_local! {
+                    static KEPT: Kept = const { Kept::new(None) };
                 }
+                // SAFETY: the plugin interface, which is this function's contract.
+                KEPT.with(|kept| unsafe { call(kept, ready, n, a, w, c, x, entity) });
             }
-            fn components() -> usize {
-                $crate::plugin::components(&form(&[0.0; $crate::plugin::CONSTANTS], &Coefficients::none()))
-            }
-            $crate::register::Entry { name: stringify!($name), setting: SETTING, components, batch }
+            $crate::register::Entry { name: stringify!($name), setting: SETTING, lengths, batch }
         },)*];
     };
 }

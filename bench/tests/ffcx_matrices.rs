@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use forms_bench::basix::node_count;
 use forms_bench::basket::BASKET;
 use forms_bench::element_batch::Output;
 use forms_bench::random_cells::{BATCH, RandomCells};
@@ -35,15 +34,11 @@ fn every_form_agrees_with_ffcx() {
         let setting = &entry.setting;
         let columns = reference.rows[0].len();
         let rows = if setting.output == Output::Tangent { columns } else { 1 };
-        let components = columns / node_count(setting.shape, setting.degree);
-        let sizes = setting.coefficients.iter().enumerate();
-        let width = sizes
-            .map(|(index, degree)| {
-                node_count(setting.shape, *degree) * if index == 0 { components } else { 1 }
-            })
-            .sum();
+        let lengths = (entry.lengths)();
+        assert_eq!(lengths.size, rows * columns, "{}", entry.name);
+        let width = lengths.width;
         let cells = RandomCells::new(setting, width);
-        let stride = node_count(setting.shape, setting.geometry) * 3;
+        let stride = lengths.coordinates;
         let mut matrices = vec![f64::NAN; BATCH * rows * columns];
         for (facet, expected) in reference.rows.chunks(BATCH).enumerate() {
             let first = facet * BATCH;

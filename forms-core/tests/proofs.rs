@@ -288,9 +288,13 @@ fn zeros_leave_no_tangent() {
 
 #[test]
 fn what_is_constant_on_a_cell_is_computed_there() {
-    // The factor is one number per cell; at points only the weight is kept, S_kl accumulates.
+    // The factor is one number per cell. It meets the weight at the points, and the block is one sum; or only the weight is
+    // kept there and S_kk accumulates, which is a little less where points are many (the factor's degree is a guess).
     assert_eq!(tangent(&form!(on_the_cell, 3, Omega)).sizes, [[1, 1, 3]]);
-    assert_eq!(tangent(&form!(on_the_cell, 2, Omega)).sizes, [[1, 1, 2]]);
+    assert_eq!(tangent(&form!(on_the_cell, 2, Omega)).sizes, [[1, 1, 1]]);
+    // Two moduli: nothing but the weight at points, and the D² sums of products of derivatives.
+    assert_eq!(tangent(&form!(elasticity, 3, Omega)).sizes, [[0, 1, 9]]);
+    assert_eq!(tangent(&form!(elasticity, 2, Omega)).sizes, [[0, 1, 4]]);
     // With a field in it, the factor times the weight is one number per point, its cell part one per cell.
     assert_eq!(tangent(&form!(at_the_point, 3, Omega)).sizes, [[1, 1, 1]]);
 }

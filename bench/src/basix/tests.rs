@@ -23,7 +23,7 @@ fn everything() -> Everything {
     serde_json::from_str(include_str!("../../data/basix.json")).expect("the file is JSON")
 }
 
-fn check_nodes<const N: usize, const D: usize>(shape: CellShape, degree: usize) {
+fn check_nodes<const D: usize>(shape: CellShape, degree: usize) {
     let everything = everything();
     let written = &everything.shapes[shape.name()];
     let ours = Lagrange::new(shape, degree).expect("it exists").node_points::<D>();
@@ -31,8 +31,8 @@ fn check_nodes<const N: usize, const D: usize>(shape: CellShape, degree: usize) 
         [(NodeOrder::Entities, &written.nodes), (NodeOrder::TensorProduct, &written.tensor_product_nodes)]
     {
         let Some(nodes) = nodes.get(&degree) else { continue };
-        let numbers: [usize; N] = our_numbers(shape, degree, order);
-        assert_eq!(nodes.len(), N);
+        let numbers = our_node_numbers(shape, degree, order);
+        assert_eq!(nodes.len(), numbers.len());
         for (node, number) in nodes.iter().zip(numbers) {
             let place = ours[number].map(|coordinate| 2.0 * coordinate).to_vec();
             assert_eq!(&place, node, "{shape:?} {degree} {order:?}");
@@ -42,19 +42,19 @@ fn check_nodes<const N: usize, const D: usize>(shape: CellShape, degree: usize) 
 
 #[test]
 fn nodes_are_at_the_same_places() {
-    check_nodes::<3, 2>(CellShape::Triangle, 1);
-    check_nodes::<6, 2>(CellShape::Triangle, 2);
-    check_nodes::<4, 2>(CellShape::Quadrilateral, 1);
-    check_nodes::<9, 2>(CellShape::Quadrilateral, 2);
-    check_nodes::<4, 3>(CellShape::Tetrahedron, 1);
-    check_nodes::<10, 3>(CellShape::Tetrahedron, 2);
-    check_nodes::<8, 3>(CellShape::Hexahedron, 1);
-    check_nodes::<27, 3>(CellShape::Hexahedron, 2);
+    check_nodes::<2>(CellShape::Triangle, 1);
+    check_nodes::<2>(CellShape::Triangle, 2);
+    check_nodes::<2>(CellShape::Quadrilateral, 1);
+    check_nodes::<2>(CellShape::Quadrilateral, 2);
+    check_nodes::<3>(CellShape::Tetrahedron, 1);
+    check_nodes::<3>(CellShape::Tetrahedron, 2);
+    check_nodes::<3>(CellShape::Hexahedron, 1);
+    check_nodes::<3>(CellShape::Hexahedron, 2);
 }
 
-fn check_facets<const N: usize>(shape: CellShape) {
+fn check_facets(shape: CellShape) {
     let everything = everything();
-    let vertices: [usize; N] = our_numbers(shape, 1, NodeOrder::Entities);
+    let vertices = our_node_numbers(shape, 1, NodeOrder::Entities);
     let facets = &everything.shapes[shape.name()].facets;
     assert_eq!(facets.len(), shape.facets());
     for (facet, theirs) in facets.iter().enumerate() {
@@ -68,10 +68,7 @@ fn check_facets<const N: usize>(shape: CellShape) {
 
 #[test]
 fn facets_have_the_same_vertices() {
-    check_facets::<3>(CellShape::Triangle);
-    check_facets::<4>(CellShape::Quadrilateral);
-    check_facets::<4>(CellShape::Tetrahedron);
-    check_facets::<8>(CellShape::Hexahedron);
+    CellShape::ALL.into_iter().for_each(check_facets);
 }
 
 type Points = Vec<(Vec<f64>, f64)>;
@@ -156,6 +153,8 @@ fn rules_sum_to_the_volume() -> Result<(), RuleError> {
             };
             assert!((cell.weights.iter().sum::<f64>() - shape.volume()).abs() < 1e-14);
             assert!((facet.weights.iter().sum::<f64>() - shape.facet_volume()).abs() < 1e-14);
+            assert_eq!(cell.len(), point_count(shape, degree, Entities::Cells));
+            assert_eq!(facet.len(), point_count(shape, degree, Entities::Facets));
         }
         for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
             let Quadrature::Explicit { cell, facet } = quadrature::<3>(shape, degree)? else {
@@ -163,6 +162,8 @@ fn rules_sum_to_the_volume() -> Result<(), RuleError> {
             };
             assert!((cell.weights.iter().sum::<f64>() - shape.volume()).abs() < 1e-14);
             assert!((facet.weights.iter().sum::<f64>() - shape.facet_volume()).abs() < 1e-14);
+            assert_eq!(cell.len(), point_count(shape, degree, Entities::Cells));
+            assert_eq!(facet.len(), point_count(shape, degree, Entities::Facets));
         }
     }
     assert_eq!(

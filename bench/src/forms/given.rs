@@ -1,9 +1,13 @@
 //! The forms with the basket's data: constants λ, μ, γ₀ in this order, and fields.
 
-use forms_fem::prelude::*;
-
 use super::*;
-use crate::element_batch::{CELLS, FACETS};
+
+/// The region to which cell integrals are bound.
+const CELLS: &str = "all";
+/// The region to which facet integrals are bound.
+const FACETS: &str = "boundary";
+/// Stands for a field that the kernel reads from a list.
+const UNREAD: f64 = 0.0;
 
 /// [`diffusion::stiffness`].
 pub fn poisson<const D: usize>() -> diffusion::stiffness::Form<D> {
@@ -26,17 +30,23 @@ pub fn neo_hookean<const D: usize>(c: &[f64]) -> rubber::energy::Form<D> {
     rubber::energy(&rubber::Data { lambda: c[0], mu: c[1] }, &rubber::Omega::on(CELLS))
 }
 
-/// [`small_strain_contact::nitsche`].
-pub fn contact<const D: usize>(c: &[f64], gap: Given<f64, D>) -> small_strain_contact::nitsche::Form<D> {
-    let data = small_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap };
-    small_strain_contact::nitsche(&data, &small_strain_contact::GammaC::on(FACETS))
+/// [`small_strain_contact::nitsche`] for a kernel that reads the gap from a list.
+pub fn contact<const D: usize>(c: &[f64]) -> small_strain_contact::nitsche::Form<D> {
+    contact_with_gap(c, FACETS, UNREAD)
 }
 
-/// [`finite_strain_contact::nitsche`].
-pub fn finite_contact<const D: usize>(
+/// [`small_strain_contact::nitsche`] on a facet region with one gap \[length\] everywhere.
+pub fn contact_with_gap<const D: usize>(
     c: &[f64],
-    gap: Given<f64, D>,
-) -> finite_strain_contact::nitsche::Form<D> {
-    let data = finite_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap };
+    region: &str,
+    gap: f64,
+) -> small_strain_contact::nitsche::Form<D> {
+    let data = small_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: gap.into() };
+    small_strain_contact::nitsche(&data, &small_strain_contact::GammaC::on(region))
+}
+
+/// [`finite_strain_contact::nitsche`] for a kernel that reads the gap from a list.
+pub fn finite_contact<const D: usize>(c: &[f64]) -> finite_strain_contact::nitsche::Form<D> {
+    let data = finite_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: UNREAD.into() };
     finite_strain_contact::nitsche(&data, &finite_strain_contact::GammaC::on(FACETS))
 }

@@ -205,6 +205,8 @@ pub enum Operator {
     Inverse(Tensor),
     /// det(A) A⁻ᵀ, which is polynomial.
     Cofactor(Tensor),
+    /// cof A of 3×3 matrices as a bilinear map, cof(A, A) = 2 cof A: the derivative of cof A along B is cof(A, B).
+    MixedCofactor(Tensor, Tensor),
     /// Fixes the leading axes.
     Component(Tensor, Vec<usize>),
     /// Picks from every axis.
@@ -305,6 +307,7 @@ impl Operator {
             | Contract(a, b)
             | DoubleContract(a, b)
             | Cross(a, b)
+            | MixedCofactor(a, b)
             | Inner(a, b)
             | Outer(a, b)
             | Power(a, b)

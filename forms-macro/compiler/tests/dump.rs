@@ -46,21 +46,26 @@ fn every_stage_is_printed_once_per_dimension() {
     assert!(text.contains("impl contract::BilinearKernel<2> for Tangent0 {"), "{text}");
 }
 
-/// By hand. Tangent in D dimensions, accumulated: w ∂_a ψ per trial node (D products), D products summed per pair, D
-/// sums times k added up at the end.
+/// By hand, in D dimensions. One sum for the block: k w once per point, k w ∂_a ψ per trial node (D products), D products
+/// summed per pair. Accumulated: w ∂_a ψ per trial node, D sums per pair, their sum (D − 1 additions) times k at the end.
 #[test]
 fn operations_of_poissons_equation() {
-    for (dimension, text) in [(2, dump("balance:2")), (3, dump("balance:3"))] {
-        let d: usize = dimension;
+    for (d, text) in [(2, dump("balance:2")), (3, dump("balance:3"))] {
         let tangent = counts(&text, "Tangent0");
-        // Only the diagonal sums; D multiply-adds of two operations each.
-        let sums = format!("pair {}", 2 * d);
-        assert!(tangent.contains(&sums), "{tangent}");
-        assert!(tangent.contains(&format!("trial {d},")), "{tangent}");
-        assert!(tangent.contains("test 0,"), "{tangent}");
-        assert!(tangent.ends_with(&format!("finish {}", 2 * d - 1)), "{tangent}");
-        // Accumulated: 5 points × 8² pairs × D sums, and 8² × D to contract. Dense: 5 × (8 (1 + 1) D + 8² D).
-        assert!(text.contains(&format!("accumulated {}", 5 * 64 * d + 64 * d)), "{text}");
-        assert!(text.contains(&format!("dense {}", 5 * (8 * 2 * d + 64 * d))), "{text}");
+        let expected = format!("point 1, test 0, trial {d}, zero 0, pair {}, finish 0", 2 * d);
+        assert!(tangent.ends_with(&expected), "{tangent}");
+        // Per element, linear simplex: D + 1 nodes, one point, the pairs of one half.
+        let (nodes, pairs) = (d + 1, (d + 1) * (d + 2) / 2);
+        let rows = [
+            ("dense", [1, 0, d, d, 0], 1 + nodes * d + pairs * d),
+            ("accumulated", [0, 0, d, d, d], nodes * d + 2 * pairs * d),
+        ];
+        for (plan, operations, linear) in rows {
+            let line = text.lines().find(|line| line.trim_start().starts_with(plan)).unwrap();
+            let numbers: Vec<usize> =
+                line.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect();
+            assert_eq!(numbers[..5], operations, "{line}");
+            assert_eq!(numbers[5], linear, "{line}");
+        }
     }
 }

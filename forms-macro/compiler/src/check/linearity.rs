@@ -95,9 +95,13 @@ impl Algebra<'_> {
             | Restrict(_, a)
             | Gradient(a)
             | Partial(a, _) => self.tests(a),
-            Scale(a, b) | Contract(a, b) | DoubleContract(a, b) | Cross(a, b) | Inner(a, b) | Outer(a, b) => {
-                self.product(tensor, a, b)
-            }
+            Scale(a, b)
+            | Contract(a, b)
+            | DoubleContract(a, b)
+            | Cross(a, b)
+            | MixedCofactor(a, b)
+            | Inner(a, b)
+            | Outer(a, b) => self.product(tensor, a, b),
             Add(a, b) => self.sum(&[a, b]),
             Stack(entries) => self.sum(&entries),
             Select(truth, a, b) => {

@@ -419,6 +419,7 @@ pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tens
         Contract(a, b) => Contract(change(*a), change(*b)),
         DoubleContract(a, b) => DoubleContract(change(*a), change(*b)),
         Cross(a, b) => Cross(change(*a), change(*b)),
+        MixedCofactor(a, b) => MixedCofactor(change(*a), change(*b)),
         Inner(a, b) => Inner(change(*a), change(*b)),
         Outer(a, b) => Outer(change(*a), change(*b)),
         Power(a, b) => Power(change(*a), change(*b)),

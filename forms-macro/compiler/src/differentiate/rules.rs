@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{Arena, Geometry, LinearMap, Named, Operator, Tensor, Truth, Variable};
+use crate::tensor::{Arena, Geometry, Named, Operator, Tensor, Truth, Variable};
 
 /// What is varied, and how.
 #[derive(Clone, Copy, Debug)]
@@ -88,6 +88,7 @@ impl<'a> Differentiation<'a> {
             Outer(a, b) => self.product(tensor, a, b, Outer),
             DoubleContract(a, b) => self.product(tensor, a, b, DoubleContract),
             Cross(a, b) => self.product(tensor, a, b, Cross),
+            MixedCofactor(a, b) => self.product(tensor, a, b, MixedCofactor),
             Divide(a, b) => self.quotient(tensor, a, b, Divide),
             DivideOrZero(a, b) => self.quotient(tensor, a, b, DivideOrZero),
             // d|a| = (a : da) / |a|, and 0 at a = 0
@@ -325,37 +326,14 @@ impl<'a> Differentiation<'a> {
         Some(self.push(make(numerator, b), shape, tensor))
     }
 
-    /// 1×1: d 1 = 0. 2×2: cof A = tr A I − Aᵀ is linear.
-    /// 3×3: with B = Aᵀ, cof A = B² − tr B B + ½ (tr²B − tr B²) I.
+    /// 1×1: d 1 = 0. 2×2: cof A = tr A I − Aᵀ is linear. 3×3: cof A is quadratic.
     fn cofactor(&mut self, tensor: Tensor, a: Tensor) -> Option<Tensor> {
         let da = self.derive(a)?;
         let shape = self.arena.shape(a).to_vec();
         match shape[0] {
             1 => None,
             2 => Some(self.push(Operator::Cofactor(da), shape, tensor)),
-            _ => {
-                let square = |this: &mut Self, first, second| {
-                    this.push(Operator::Contract(first, second), shape.clone(), tensor)
-                };
-                let transposed = self.push(Operator::Map(LinearMap::Transpose, a), shape.clone(), tensor);
-                let change = self.push(Operator::Map(LinearMap::Transpose, da), shape.clone(), tensor);
-                let trace = self.push(Operator::Map(LinearMap::Trace, a), vec![], tensor);
-                let trace_change = self.push(Operator::Map(LinearMap::Trace, da), vec![], tensor);
-                let (first, second) = (square(self, change, transposed), square(self, transposed, change));
-                let squares = self.push(Operator::Add(first, second), shape.clone(), tensor);
-                let third = self.push(Operator::Scale(trace_change, transposed), shape.clone(), tensor);
-                let fourth = self.push(Operator::Scale(trace, change), shape.clone(), tensor);
-                let traces = self.push(Operator::Add(third, fourth), shape.clone(), tensor);
-                let minus = self.push(Operator::Negate(traces), shape.clone(), tensor);
-                let product = self.push(Operator::Scale(trace, trace_change), vec![], tensor);
-                let mixed = self.push(Operator::Inner(transposed, da), vec![], tensor);
-                let minus_mixed = self.push(Operator::Negate(mixed), vec![], tensor);
-                let factor = self.push(Operator::Add(product, minus_mixed), vec![], tensor);
-                let identity = self.push(Operator::Identity, shape.clone(), tensor);
-                let last = self.push(Operator::Scale(factor, identity), shape.clone(), tensor);
-                let sum = self.push(Operator::Add(squares, minus), shape.clone(), tensor);
-                Some(self.push(Operator::Add(sum, last), shape.clone(), tensor))
-            }
+            _ => Some(self.push(Operator::MixedCofactor(a, da), shape, tensor)),
         }
     }
 

@@ -2,8 +2,9 @@
 
 use super::Dump;
 use crate::optimise::linear::{Coefficients, SidedField};
+use crate::optimise::plan::{BilinearPlan, Operations};
 use crate::optimise::scalar::{Derivative, Graph, Node, Scalar};
-use crate::optimise::{BilinearIntegral, BilinearPlan, Description, Optimised};
+use crate::optimise::{BilinearIntegral, Candidate, Description, Optimised};
 use crate::parse::syntax::Module;
 use crate::tensor::{FieldInfo, Side};
 
@@ -54,12 +55,7 @@ fn roots(optimised: &Optimised) -> Vec<Scalar> {
         roots.extend(integral.flux.values());
     }
     for integral in &optimised.tangent {
-        match &integral.plan {
-            BilinearPlan::Accumulated { block, .. } => roots.extend(block),
-            BilinearPlan::Factored { block } => {
-                roots.extend(block.iter().flatten().flat_map(|(test, trial)| [*test, *trial]));
-            }
-        }
+        roots.extend(integral.plan.roots());
     }
     for integral in optimised.switches.iter().chain(&optimised.density) {
         roots.extend(&integral.components);
@@ -76,28 +72,39 @@ fn tangent(integral: &BilinearIntegral, module: &Module, fields: &[FieldInfo]) -
         sided(integral.trial, fields),
         if integral.symmetric { "symmetric" } else { "not proved symmetric" }
     );
-    let candidates: Vec<String> =
-        integral.candidates.iter().map(|(plan, cost)| format!("{plan} {cost}")).collect();
-    text += &format!("  multiply-adds per cell, estimated: {}\n", candidates.join(", "));
-    match &integral.plan {
-        BilinearPlan::Accumulated { sums, block } => {
-            let sums: Vec<String> = sums
-                .iter()
-                .enumerate()
-                .map(|(index, (test, trial))| {
-                    format!("A{index} = Σ w {} {}", derivative(*test, "φ"), derivative(*trial, "ψ"))
-                })
-                .collect();
-            text += &format!("  accumulated: {}\n  block: {}\n", sums.join(", "), list(block));
+    text += &costs(&integral.candidates);
+    let BilinearPlan { tests, trials, sums, block } = &integral.plan;
+    text += &format!("  test factors: {}\n  trial factors: {}\n", list(tests), list(trials));
+    for (index, products) in sums.iter().enumerate() {
+        let products =
+            products.iter().map(|(test, trial)| format!("s{} s{}", tests[*test].0, trials[*trial].0));
+        text += &format!("  A{index} = Σ {}\n", products.collect::<Vec<_>>().join(" + "));
+    }
+    text += &format!("  block: {}\n", list(block));
+    text
+}
+
+/// What each plan costs, per call and per element.
+fn costs(candidates: &[Candidate]) -> String {
+    let mut text = String::from("  operations:  ");
+    for name in ["point", "test", "trial", "pair", "finish"] {
+        text += &format!("{name:>8}");
+    }
+    for (element, points, _) in candidates.iter().flat_map(|one| &one.costs).take(4) {
+        text += &format!("  {} ({points})", element.name);
+    }
+    text.push('\n');
+    for candidate in candidates {
+        let Operations { point, test, trial, pair, finish } = candidate.operations;
+        text += &format!("  {:<13}", candidate.name);
+        for count in [point, test, trial, pair, finish] {
+            text += &format!("{count:>8}");
         }
-        BilinearPlan::Factored { block } => {
-            let entries = block.iter().map(|products| {
-                let products = products.iter().map(|(test, trial)| format!("s{} s{}", test.0, trial.0));
-                products.collect::<Vec<_>>().join(" + ")
-            });
-            let entries = entries.map(|entry| if entry.is_empty() { "0".into() } else { entry });
-            text += &format!("  factored, block: [{}]\n", entries.collect::<Vec<String>>().join(", "));
+        for (element, points, cost) in &candidate.costs {
+            let width = format!("  {} ({points})", element.name).len();
+            text += &format!("{cost:>width$}");
         }
+        text.push('\n');
     }
     text
 }

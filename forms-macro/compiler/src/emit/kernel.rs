@@ -5,11 +5,12 @@ use quote::quote;
 
 use super::external::ExternalNames;
 use super::layout::Layout;
-use super::print::{Demand, Store, from_point};
-use super::straight_line::{Code, Level, Value};
+use super::print::{Demand, Printer, Store, from_point};
 use crate::optimise::linear::{Coefficients, of_component};
+use crate::optimise::plan::BilinearPlan;
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
-use crate::optimise::{BilinearIntegral, BilinearPlan, varies_over_cell};
+use crate::optimise::straight_line::{Code, Level, Value};
+use crate::optimise::{BilinearIntegral, varies_over_cell};
 use crate::tensor::{FieldInfo, Geometry};
 
 /// `contract::Operations`.
@@ -43,18 +44,19 @@ impl KernelWriter<'_> {
             roots.push(self.graph.sum(&parts));
         }
         let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
-        let mut code = Code::new(self.graph, self.externals, &roots);
+        let mut code = Code::new(self.graph, &roots);
         let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
 
+        let printer = Printer { code: &code, externals: self.externals };
         let (mut form, mut cell, mut point) = (Store::default(), Store::default(), Store::default());
-        let test_body = code.print(&values, Level::Node, &|node| self.basis(node), &mut |value, _| {
+        let test_body = printer.print(&values, Level::Node, &|node| self.basis(node), &mut |value, _| {
             from_point(&mut point, value)
         });
         let (test_statements, test_results) = (test_body.statements, test_body.results);
         let (point_function, point_operations) =
-            self.point_function(&code, &point, &layout, &mut form, &mut cell);
-        let cell_function = self.cell_function(&code, &cell, &mut form);
-        let structure = self.structure(name, &code, &form);
+            self.point_function(&printer, &point, &layout, &mut form, &mut cell);
+        let cell_function = self.cell_function(&printer, &cell, &mut form);
+        let structure = self.structure(name, &printer, &form);
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
         let operations = operations([point_operations, test_body.operations, 0, 0, 0]);
@@ -88,72 +90,35 @@ impl KernelWriter<'_> {
         let [rows, columns] =
             [integral.test, integral.trial].map(|one| self.fields[one.field].shape.iter().product::<usize>());
         let entries = rows * columns;
-        let weight = self.graph.intern(Node::Weight);
-
-        // Factors on each side, and for each accumulated entry the pairs of factors that feed it.
-        let mut tests: Vec<Scalar> = Vec::new();
-        let mut trials: Vec<Scalar> = Vec::new();
-        let position = |list: &mut Vec<Scalar>, scalar: Scalar| {
-            list.iter().position(|known| *known == scalar).unwrap_or_else(|| {
-                list.push(scalar);
-                list.len() - 1
-            })
-        };
-        let mut sums: Vec<Vec<(usize, usize)>> = Vec::new();
-        let block: Vec<Scalar> = match &integral.plan {
-            BilinearPlan::Accumulated { sums: slots, block } => {
-                for (test, trial) in slots {
-                    let test = self.graph.intern(Node::Basis(Argument::Test, *test));
-                    let trial = self.graph.intern(Node::Basis(Argument::Trial, *trial));
-                    let trial = self.graph.multiply(weight, trial);
-                    sums.push(vec![(position(&mut tests, test), position(&mut trials, trial))]);
-                }
-                block.clone()
-            }
-            BilinearPlan::Factored { block } => {
-                for products in block {
-                    let pairs = products.iter();
-                    sums.push(
-                        pairs
-                            .map(|(test, trial)| (position(&mut tests, *test), position(&mut trials, *trial)))
-                            .collect(),
-                    );
-                }
-                (0..entries).map(|entry| self.graph.intern(Node::Accumulated(entry))).collect()
-            }
-        };
-        let nonzero: Vec<bool> = match &integral.plan {
-            BilinearPlan::Accumulated { block, .. } => {
-                block.iter().map(|entry| !self.graph.is_zero(*entry)).collect()
-            }
-            BilinearPlan::Factored { block } => block.iter().map(|products| !products.is_empty()).collect(),
-        };
+        let BilinearPlan { tests, trials, sums, block } = &integral.plan;
+        let nonzero: Vec<bool> = block.iter().map(|entry| !self.graph.is_zero(*entry)).collect();
         let cell_constant =
-            !tests.iter().chain(&trials).any(|factor| self.graph.depends(*factor, varies_over_cell));
-        let roots: Vec<Scalar> = tests.iter().chain(&trials).chain(&block).copied().collect();
+            !tests.iter().chain(trials).any(|factor| self.graph.depends(*factor, varies_over_cell));
+        let roots: Vec<Scalar> = integral.plan.roots().copied().collect();
         let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
-        let mut code = Code::new(self.graph, self.externals, &roots);
+        let mut code = Code::new(self.graph, &roots);
         let mut lower =
             |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
-        let (tests, trials, block) = (lower(&tests), lower(&trials), lower(&block));
+        let (tests, trials, block) = (lower(tests), lower(trials), lower(block));
 
+        let printer = Printer { code: &code, externals: self.externals };
         let (mut form, mut cell, mut point) = (Store::default(), Store::default(), Store::default());
-        let test = code.print(&tests, Level::Node, &|node| self.basis(node), &mut |value, _| {
+        let test = printer.print(&tests, Level::Node, &|node| self.basis(node), &mut |value, _| {
             from_point(&mut point, value)
         });
-        let trial = code.print(&trials, Level::Node, &|node| self.basis(node), &mut |value, _| {
+        let trial = printer.print(&trials, Level::Node, &|node| self.basis(node), &mut |value, _| {
             from_point(&mut point, value)
         });
         let finish = {
             let mut demand = Demand { form: &mut form, cell: &mut cell };
-            code.print(&block, Level::Node, &|node| self.basis(node), &mut |value, level| {
+            printer.print(&block, Level::Node, &|node| self.basis(node), &mut |value, level| {
                 demand.text(value, level)
             })
         };
         let (point_function, point_operations) =
-            self.point_function(&code, &point, &layout, &mut form, &mut cell);
-        let cell_function = self.cell_function(&code, &cell, &mut form);
-        let structure = self.structure(name, &code, &form);
+            self.point_function(&printer, &point, &layout, &mut form, &mut cell);
+        let cell_function = self.cell_function(&printer, &cell, &mut form);
+        let structure = self.structure(name, &printer, &form);
         let pair_operations = sums.iter().map(Vec::len).sum();
         let operations = operations([
             point_operations,
@@ -230,17 +195,18 @@ impl KernelWriter<'_> {
         let d = self.dimension;
         let count = components.len();
         let layout = Layout::new(self.graph, self.fields, self.dimension, components);
-        let mut code = Code::new(self.graph, self.externals, components);
+        let mut code = Code::new(self.graph, components);
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
+        let printer = Printer { code: &code, externals: self.externals };
         let (mut form, mut cell) = (Store::default(), Store::default());
         let body = {
             let mut demand = Demand { form: &mut form, cell: &mut cell };
-            code.print(&values, Level::Point, &|node| self.at_point(node, &layout), &mut |value, level| {
+            printer.print(&values, Level::Point, &|node| self.at_point(node, &layout), &mut |value, level| {
                 demand.text(value, level)
             })
         };
-        let cell_function = self.cell_function(&code, &cell, &mut form);
-        let structure = self.structure(name, &code, &form);
+        let cell_function = self.cell_function(&printer, &cell, &mut form);
+        let structure = self.structure(name, &printer, &form);
         let cell_count = cell.values.len();
         let (statements, results) = (body.statements, body.results);
         let requirements = &layout.requirements;
@@ -263,14 +229,14 @@ impl KernelWriter<'_> {
 
     fn point_function(
         &self,
-        code: &Code,
+        printer: &Printer,
         point: &Store,
         layout: &Layout,
         form: &mut Store,
         cell: &mut Store,
     ) -> (TokenStream, usize) {
         let mut demand = Demand { form, cell };
-        let body = code.print(
+        let body = printer.print(
             &point.values,
             Level::Point,
             &|node| self.at_point(node, layout),
@@ -284,7 +250,7 @@ impl KernelWriter<'_> {
         (text, body.operations)
     }
 
-    fn cell_function(&self, code: &Code, cell: &Store, form: &mut Store) -> TokenStream {
+    fn cell_function(&self, printer: &Printer, cell: &Store, form: &mut Store) -> TokenStream {
         let count = cell.values.len();
         let mut unused = Store::default();
         let mut demand = Demand { form, cell: &mut unused };
@@ -295,8 +261,8 @@ impl KernelWriter<'_> {
             Node::Opposite(_) => quote! { geometry.opposite_volume },
             _ => quote! { geometry.facet_area },
         };
-        let body =
-            code.print(&cell.values, Level::Cell, &terminal, &mut |value, level| demand.text(value, level));
+        let body = printer
+            .print(&cell.values, Level::Cell, &terminal, &mut |value, level| demand.text(value, level));
         let (statements, results) = (body.statements, body.results);
         quote! {
             #[inline(always)]
@@ -308,15 +274,15 @@ impl KernelWriter<'_> {
     }
 
     /// The kernel's struct: what is known with the parameters.
-    fn structure(&self, name: &Ident, code: &Code, form: &Store) -> TokenStream {
+    fn structure(&self, name: &Ident, printer: &Printer, form: &Store) -> TokenStream {
         let count = form.values.len();
         let terminal = |node: &Node| match node {
             Node::Parameter(index) => quote! { parameters[#index] },
             _ => quote! { f64::NAN },
         };
-        let body = code.print(&form.values, Level::Form, &terminal, &mut |_, _| quote! { f64::NAN });
+        let body = printer.print(&form.values, Level::Form, &terminal, &mut |_, _| quote! { f64::NAN });
         let (statements, results) = (body.statements, body.results);
-        let (member, value) = match code.reads_tables() {
+        let (member, value) = match printer.code.reads_tables() {
             true => {
                 (quote! { tables: ::std::vec::Vec<contract::Table>, }, quote! { tables: tables.to_vec(), })
             }

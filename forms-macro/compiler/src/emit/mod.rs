@@ -9,7 +9,6 @@ mod kernel;
 mod layout;
 mod placeholder;
 mod print;
-mod straight_line;
 
 use std::collections::BTreeSet;
 

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::straight_line::{Code, Instruction, Level, Value};
+use super::external::ExternalNames;
 use crate::optimise::scalar::Node;
+use crate::optimise::straight_line::{Code, Instruction, Level, Value};
 use crate::tensor::{External, Function};
 
 /// The text of one function, and what it wants from the functions before it.
@@ -61,7 +62,13 @@ pub fn from_point(store: &mut Store, value: Value) -> TokenStream {
     quote! { point[#slot] }
 }
 
-impl Code<'_> {
+/// Writes the functions of one kernel.
+pub struct Printer<'a> {
+    pub code: &'a Code<'a>,
+    pub externals: &'a ExternalNames,
+}
+
+impl Printer<'_> {
     /// Prints the function of a level that computes `roots`. Terminals are printed by `terminal`;
     /// values of earlier levels are asked for by `earlier`, which gives their text.
     pub fn print(
@@ -71,22 +78,8 @@ impl Code<'_> {
         terminal: &dyn Fn(&Node) -> TokenStream,
         earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
     ) -> Body {
-        // What this function computes itself, operands first.
-        let mut own: Vec<Value> = Vec::new();
-        let mut pending: Vec<Value> = roots.to_vec();
-        let mut seen = vec![false; self.instructions.len()];
-        while let Some(value) = pending.pop() {
-            if std::mem::replace(&mut seen[value.0 as usize], true) {
-                continue;
-            }
-            let instruction = self.instruction(value);
-            if self.level(value) == level || instruction.is_truth() {
-                own.push(value);
-                pending.extend(instruction.operands());
-            }
-        }
-        own.sort_unstable();
-        let operations = own.iter().filter(|value| self.instruction(**value).is_operation()).count();
+        let own = self.code.own(roots, level);
+        let operations = self.code.operations(&own);
         let mut texts: HashMap<Value, TokenStream> = HashMap::new();
         // One `let` for all names: with one per name, each opens a scope inside the last, and some thousands
         // of them overflow rustc's stack where it writes debug information.
@@ -114,9 +107,9 @@ impl Code<'_> {
         if let Some(text) = texts.get(&value) {
             return text.clone();
         }
-        let text = match self.instruction(value) {
+        let text = match self.code.instruction(value) {
             Instruction::Number(bits) => print_number(f64::from_bits(*bits)),
-            _ => earlier(value, self.level(value)),
+            _ => earlier(value, self.code.level(value)),
         };
         texts.insert(value, text.clone());
         text
@@ -130,13 +123,13 @@ impl Code<'_> {
         texts: &mut HashMap<Value, TokenStream>,
     ) -> TokenStream {
         use Instruction::*;
-        let instruction = self.instruction(value).clone();
+        let instruction = self.code.instruction(value).clone();
         let operands: Vec<TokenStream> =
             instruction.operands().iter().map(|operand| self.text(*operand, earlier, texts)).collect();
         let [a, b, c] = std::array::from_fn(|index| operands.get(index).cloned().unwrap_or_default());
         match instruction {
             Number(bits) => print_number(f64::from_bits(bits)),
-            Terminal(scalar) => terminal(self.graph.node(scalar)),
+            Terminal(scalar) => terminal(self.code.graph.node(scalar)),
             Add(..) => quote! { #a + #b },
             Subtract(..) => quote! { #a - #b },
             Multiply(..) => quote! { #a * #b },
@@ -166,7 +159,7 @@ impl Code<'_> {
     }
 }
 
-impl Code<'_> {
+impl Printer<'_> {
     /// One array per list of inputs to differentiate by, with all outputs.
     fn print_call(
         &self,
@@ -180,7 +173,7 @@ impl Code<'_> {
         let name = match function {
             External::Table(member) => {
                 let index = self.externals.tables[member];
-                let tables = match self.level(value) {
+                let tables = match self.code.level(value) {
                     Level::Form => quote! { tables },
                     _ => quote! { self.tables },
                 };

@@ -120,6 +120,7 @@ impl<'a> Degrees<'a> {
             | Contract(a, b)
             | DoubleContract(a, b)
             | Cross(a, b)
+            | MixedCofactor(a, b)
             | Inner(a, b)
             | Outer(a, b)
             | Divide(a, b)

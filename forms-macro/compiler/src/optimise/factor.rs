@@ -1,84 +1,34 @@
-//! Three ways to compute a node pair's block, and the choice among them by counted operations.
+//! Ways to compute a node pair's block, and the choice among them by counted operations.
 //!
 //! accumulated: the coefficients are constant on the cell. Sums S_kl of weight × test slot k × trial
 //!              slot l (values or derivatives of the basis functions) are accumulated, and contracted with the coefficients once per pair.
-//! factored:    the integrand is a sum of few products (linear in the test function) × (linear in the
-//!              trial function), as contact terms are; each factor is computed once per basis function.
-//! dense:       a factored plan whose test factors are the slots themselves.
+//! dense:       a product per slot of the test function and entry of the block; entries that are multiples of each
+//!              other share one sum, and what is of rank one in an entry is one product.
+//! factored:    products (linear in the test function) × (linear in the trial function), as contact terms and
+//!              determinants bring them, are taken out first; the rest is dense.
 
 use std::collections::BTreeMap;
 
-use super::linear::{Coefficients, Linear, SidedField, Slot, factors, of_component};
+use super::blocks::{Entries, Product, factored};
+use super::elements::{StandardElement, elements};
+use super::linear::{self, Coefficients, Linear, SidedField, Slot};
+use super::plan::{BilinearPlan, Operations};
 use super::polynomial;
 use super::scalar::{Argument, Derivative, Graph, Node, Scalar};
+use super::{Description, Setting};
 use crate::tensor::Geometry;
 
-/// How the blocks of a bilinear integral are computed.
-pub enum BilinearPlan {
-    Accumulated {
-        /// Derivatives of the test and of the trial basis function in each accumulated sum.
-        sums: Vec<(Derivative, Derivative)>,
-        /// Row-major block in terms of [`Node::Accumulated`].
-        block: Vec<Scalar>,
-    },
-    Factored {
-        /// Per block entry, row-major: the products (test factor, trial factor) to add up. Test
-        /// factors are free of the weight, trial factors hold it.
-        block: Vec<Vec<(Scalar, Scalar)>>,
-    },
-}
-
-/// Points per cell and nodes per cell that the count of operations assumes.
-const POINTS: usize = 5;
-const NODES: usize = 8;
-
-/// `None`: not bilinear. `Some(None)`: zero.
-pub fn plan(
-    graph: &mut Graph,
-    density: Scalar,
-    functions: [SidedField; 2],
-    components: [usize; 2],
-    diagonal: bool,
-    from_energy: bool,
-) -> Option<Option<Planned>> {
-    let [test, trial] = functions;
-    let flux = Linear::new(graph, test).coefficients(density)?;
-    let mut matrix: BTreeMap<Slot, Coefficients> = BTreeMap::new();
-    {
-        let mut linear = Linear::new(graph, trial);
-        for (slot, coefficient) in flux.iter() {
-            let row = linear.coefficients(*coefficient)?;
-            if !row.is_empty() {
-                matrix.insert(*slot, (*row).clone());
-            }
-        }
-    }
-    if matrix.is_empty() {
-        return Some(None);
-    }
-    let symmetric = diagonal && (from_energy || is_symmetric(graph, &matrix));
-
-    let structured = structured_factors(graph, density, functions);
-    let dense = matrix
-        .iter()
-        .map(|(slot, row)| (Coefficients::from([(*slot, graph.number(1.0))]), row.clone()))
-        .collect();
-    let mut best = factored(graph, dense, components);
-    let mut candidates = vec![("dense", best.cost)];
-    if let Some(structured) = structured {
-        let candidate = factored(graph, structured, components);
-        candidates.push(("factored", candidate.cost));
-        if candidate.cost <= best.cost {
-            best = candidate;
-        }
-    }
-    if let Some(candidate) = accumulated(graph, &matrix, components) {
-        candidates.push(("accumulated", candidate.cost));
-        if candidate.cost <= best.cost {
-            best = candidate;
-        }
-    }
-    Some(Some(Planned { plan: best.plan, symmetric, candidates }))
+/// A bilinear integral's density, and what it is linear in.
+#[derive(Clone, Copy)]
+pub struct Bilinear {
+    pub density: Scalar,
+    pub test: SidedField,
+    pub trial: SidedField,
+    /// Components of the test and of the trial function.
+    pub components: [usize; 2],
+    /// Test and trial function are of one unknown, on one side.
+    pub diagonal: bool,
+    pub from_energy: bool,
 }
 
 /// The cheapest plan.
@@ -86,17 +36,92 @@ pub struct Planned {
     pub plan: BilinearPlan,
     /// Proved.
     pub symmetric: bool,
-    /// Each plan with its cost, for those who ask why.
-    pub candidates: Vec<(&'static str, usize)>,
+    /// Each plan with what its functions cost, the cheapest first; and its cost per element on the standard elements.
+    pub candidates: Vec<Candidate>,
 }
 
-struct Candidate {
+/// One way to compute the blocks.
+#[derive(Clone)]
+pub struct Candidate {
+    pub name: &'static str,
+    pub operations: Operations,
+    /// By element: its points, and operations per element matrix.
+    pub costs: Vec<(&'static StandardElement, usize, usize)>,
     plan: BilinearPlan,
-    /// Multiply-adds for a cell of [`NODES`] nodes and [`POINTS`] points.
-    cost: usize,
 }
 
-fn is_symmetric(graph: &Graph, matrix: &BTreeMap<Slot, Coefficients>) -> bool {
+/// `None`: not bilinear. `Some(None)`: zero.
+pub fn plan(
+    graph: &mut Graph,
+    form: &Bilinear,
+    description: &Description,
+    setting: &Setting,
+) -> Option<Option<Planned>> {
+    let matrix = matrix(graph, form.density, form)?;
+    if matrix.is_empty() {
+        return Some(None);
+    }
+    let symmetric = form.diagonal && (form.from_energy || is_symmetric(graph, &matrix));
+    let weigh = |graph: &Graph, name: &'static str, plan: BilinearPlan| {
+        let operations = plan.operations(graph);
+        let costs = elements(setting.dimension).map(|element| {
+            let points =
+                element.points(&description.degree, setting.fields, setting.entities[description.region]);
+            (element, points, operations.on(element, points, symmetric))
+        });
+        Candidate { name, operations, costs: costs.collect(), plan }
+    };
+    let mut candidates = Vec::new();
+    if let Some(plan) = accumulated(graph, &matrix, form.components) {
+        candidates.push(weigh(graph, "accumulated", plan));
+    }
+    let dense = cheapest(graph, "dense", &[], &matrix, form, &weigh);
+    if let Some(plan) = with_products(graph, form, &weigh) {
+        candidates.push(plan);
+    }
+    candidates.push(dense);
+    candidates.sort_by(|a, b| a.total().total_cmp(&b.total()));
+    let plan = candidates[0].plan.clone();
+    Some(Some(Planned { plan, symmetric, candidates }))
+}
+
+impl Candidate {
+    /// The elements count alike: the logarithm of the product of all costs.
+    fn total(&self) -> f64 {
+        self.costs.iter().map(|(_, _, cost)| (*cost as f64).ln()).sum()
+    }
+}
+
+/// Counts what a plan costs on the standard elements.
+type Weigh<'a> = dyn Fn(&Graph, &'static str, BilinearPlan) -> Candidate + 'a;
+
+/// Coefficients by slot of the test function and of the trial function.
+type Matrix = BTreeMap<Slot, Coefficients>;
+
+fn matrix(graph: &mut Graph, density: Scalar, form: &Bilinear) -> Option<Matrix> {
+    let flux = Linear::new(graph, form.test).coefficients(density)?;
+    let mut matrix = Matrix::new();
+    let mut linear = Linear::new(graph, form.trial);
+    for (slot, coefficient) in flux.iter() {
+        let row = linear.coefficients(*coefficient)?;
+        if !row.is_empty() {
+            matrix.insert(*slot, (*row).clone());
+        }
+    }
+    Some(matrix)
+}
+
+fn entries(matrix: &Matrix) -> Entries {
+    let mut entries = Entries::new();
+    for ((row, test), coefficients) in matrix {
+        for ((column, trial), coefficient) in coefficients {
+            entries.entry((*row, *column)).or_default().insert((*test, *trial), *coefficient);
+        }
+    }
+    entries
+}
+
+fn is_symmetric(graph: &Graph, matrix: &Matrix) -> bool {
     matrix.iter().all(|(row, entries)| {
         entries.iter().all(|(column, entry)| match matrix.get(column).and_then(|other| other.get(row)) {
             Some(mirrored) => polynomial::equal(graph, *entry, *mirrored),
@@ -105,109 +130,167 @@ fn is_symmetric(graph: &Graph, matrix: &BTreeMap<Slot, Coefficients>) -> bool {
     })
 }
 
-fn structured_factors(
+/// The cheapest plan with some products: with rank-one parts taken out of all entries of the rest, or where they save
+/// products; with common factors taken out, or not.
+fn cheapest(
+    graph: &mut Graph,
+    name: &'static str,
+    products: &[Product],
+    matrix: &Matrix,
+    form: &Bilinear,
+    weigh: &Weigh,
+) -> Candidate {
+    let entries = entries(matrix);
+    let [first, second] = [true, false].map(|peel| {
+        let plan = factored(graph, products, &entries, form.components, peel);
+        let collected = plan.collected(graph);
+        cheaper(weigh(graph, name, collected), weigh(graph, name, plan))
+    });
+    cheaper(first, second)
+}
+
+fn cheaper(first: Candidate, second: Candidate) -> Candidate {
+    if first.total() < second.total() { first } else { second }
+}
+
+/// How many products are taken out, and how many are tried for each.
+const MOST_PRODUCTS: usize = 8;
+const MOST_TRIED: usize = 12;
+
+/// Products that are taken out one by one, at each step the one that leaves the cheapest plan. A step may cost a
+/// little where a later one gains more.
+fn with_products(graph: &mut Graph, form: &Bilinear, weigh: &Weigh) -> Option<Candidate> {
+    // In the logarithm of the product of all costs.
+    const RISE: f64 = 1.2;
+    // Roughly; what is taken is weighed with care.
+    let roughly = |graph: &mut Graph, products: &[Product], density: Scalar| {
+        let matrix = matrix(graph, density, form)?;
+        let plan = factored(graph, products, &entries(&matrix), form.components, false);
+        Some(weigh(graph, "factored", plan).total())
+    };
+    let mut products: Vec<Product> = Vec::new();
+    let mut density = form.density;
+    let mut best: Option<Candidate> = None;
+    let mut lowest = roughly(graph, &products, density)?;
+    while products.len() < MOST_PRODUCTS {
+        let start = graph.len();
+        let mut next: Option<(f64, Scalar, Argument)> = None;
+        for (node, argument) in linear_expressions(graph, density, form) {
+            let total = split(graph, density, node, argument, form)
+                .and_then(|(product, rest)| roughly(graph, &[&products[..], &[product]].concat(), rest));
+            let exhausted = graph.exhausted;
+            graph.truncate(start);
+            if exhausted {
+                graph.exhausted = false;
+                return best;
+            }
+            if let Some(total) = total
+                && next.is_none_or(|(known, ..)| total < known)
+            {
+                next = Some((total, node, argument));
+            }
+        }
+        let Some((total, node, argument)) = next else { break };
+        if total > lowest + RISE {
+            break;
+        }
+        lowest = lowest.min(total);
+        let (product, rest) = split(graph, density, node, argument, form)?;
+        products.push(product);
+        density = rest;
+        let matrix = matrix(graph, density, form)?;
+        let candidate = cheapest(graph, "factored", &products, &matrix, form, weigh);
+        best = Some(match best {
+            Some(best) => cheaper(candidate, best),
+            None => candidate,
+        });
+        if matrix.is_empty() {
+            break;
+        }
+    }
+    best
+}
+
+/// Takes expression × partner out of a density; what remains.
+fn split(
     graph: &mut Graph,
     density: Scalar,
-    [test, trial]: [SidedField; 2],
-) -> Option<Vec<(Coefficients, Coefficients)>> {
-    let is = |wanted: SidedField| move |node: &Node| wanted.owns(node);
-    let one = graph.number(1.0);
-    let products = factors(graph, density, one, &is(test), &is(trial))?;
-    // Products with one test factor are one product.
-    let mut by_test: BTreeMap<Scalar, Vec<Scalar>> = BTreeMap::new();
-    for (first, second) in products {
-        by_test.entry(first).or_default().push(second);
-    }
-    let mut by_trial: BTreeMap<Scalar, Vec<Scalar>> = BTreeMap::new();
-    for (first, seconds) in by_test {
-        let second = graph.sum(&seconds);
-        by_trial.entry(second).or_default().push(first);
-    }
-    let mut result = Vec::new();
-    for (second, firsts) in by_trial {
-        let first = graph.sum(&firsts);
-        let first = Linear::new(graph, test).coefficients(first)?;
-        let second = Linear::new(graph, trial).coefficients(second)?;
-        if !first.is_empty() && !second.is_empty() {
-            result.push(((*first).clone(), (*second).clone()));
-        }
-    }
-    Some(result)
-}
-
-fn factored(
-    graph: &mut Graph,
-    products: Vec<(Coefficients, Coefficients)>,
-    [rows, columns]: [usize; 2],
-) -> Candidate {
-    let weight = graph.intern(Node::Weight);
-    let one = graph.number(1.0);
-    let mut block = vec![Vec::new(); rows * columns];
-    let (mut per_node, mut per_pair) = (0, 0);
-    for (test, trial) in products {
-        per_node += test.len() + trial.len();
-        let test = on_basis(graph, &test, rows, Argument::Test, one);
-        let trial = on_basis(graph, &trial, columns, Argument::Trial, weight);
-        for (row, first) in test.iter().enumerate() {
-            for (column, second) in trial.iter().enumerate() {
-                if let (Some(first), Some(second)) = (first, second) {
-                    block[row * columns + column].push((*first, *second));
-                    per_pair += 1;
-                }
-            }
-        }
-    }
-    let cost = POINTS * (NODES * per_node + NODES * NODES * per_pair);
-    Candidate { plan: BilinearPlan::Factored { block }, cost }
-}
-
-/// A linear expression applied to φ e_a, for each component a; `None` where it vanishes.
-fn on_basis(
-    graph: &mut Graph,
-    coefficients: &Coefficients,
-    components: usize,
+    node: Scalar,
     argument: Argument,
-    factor: Scalar,
-) -> Vec<Option<Scalar>> {
-    (0..components)
-        .map(|component| {
-            let mut parts = Vec::new();
-            for (derivative, coefficient) in of_component(coefficients, component) {
-                let basis = graph.intern(Node::Basis(argument, derivative));
-                parts.push(graph.product(&[(factor, 1), (coefficient, 1), (basis, 1)]));
-            }
-            (!parts.is_empty()).then(|| graph.sum(&parts))
-        })
-        .collect()
+    form: &Bilinear,
+) -> Option<(Product, Scalar)> {
+    let (partner, rest) = linear::split(graph, density, node);
+    let (test, trial) = match argument {
+        Argument::Test => (node, partner),
+        Argument::Trial => (partner, node),
+    };
+    let test = Linear::new(graph, form.test).coefficients(test)?;
+    let trial = Linear::new(graph, form.trial).coefficients(trial)?;
+    // A partner of one component is a row of the matrix.
+    let narrow = |coefficients: &Coefficients, components: usize| {
+        let mut found: Vec<usize> = coefficients.keys().map(|slot| slot.0).collect();
+        found.dedup();
+        found.len() < components.min(2)
+    };
+    if narrow(&test, form.components[0]) || narrow(&trial, form.components[1]) {
+        return None;
+    }
+    Some((Product { test: (*test).clone(), trial: (*trial).clone() }, rest))
 }
 
-fn accumulated(
-    graph: &mut Graph,
-    matrix: &BTreeMap<Slot, Coefficients>,
-    [rows, columns]: [usize; 2],
-) -> Option<Candidate> {
-    let mut sums: Vec<(Derivative, Derivative)> = Vec::new();
+/// Expressions in a density that are linear in one of the two functions and may be worth a factor of their own: they
+/// hold two slots per component or more. The largest first.
+fn linear_expressions(graph: &mut Graph, density: Scalar, form: &Bilinear) -> Vec<(Scalar, Argument)> {
+    let marks = [form.test, form.trial].map(|function| graph.mark(|node| function.owns(node)));
+    let mut found = Vec::new();
+    for node in graph.reachable(&[density]) {
+        if !matches!(graph.node(node), Node::Sum { .. } | Node::Select(..)) {
+            continue;
+        }
+        let index = node.0 as usize;
+        let (argument, function, components) = match (marks[0][index], marks[1][index]) {
+            (true, false) => (Argument::Test, form.test, form.components[0]),
+            (false, true) => (Argument::Trial, form.trial, form.components[1]),
+            _ => continue,
+        };
+        let slots =
+            graph.reachable(&[node]).into_iter().filter(|inner| function.owns(graph.node(*inner))).count();
+        if slots >= 2 * components {
+            found.push((slots, node, argument));
+        }
+    }
+    found.sort_by_key(|(slots, node, _)| (std::cmp::Reverse(*slots), *node));
+    found.truncate(MOST_TRIED);
+    found.into_iter().map(|(_, node, argument)| (node, argument)).collect()
+}
+
+fn accumulated(graph: &mut Graph, matrix: &Matrix, [rows, columns]: [usize; 2]) -> Option<BilinearPlan> {
+    let weight = graph.intern(Node::Weight);
+    let mut keys: Vec<(Derivative, Derivative)> = Vec::new();
     let mut block: Vec<Vec<Scalar>> = vec![Vec::new(); rows * columns];
-    let mut contraction = 0;
+    let mut plan = BilinearPlan::default();
     for (row, entries) in matrix {
         for (column, coefficient) in entries {
             if graph.depends(*coefficient, varies_over_cell) {
                 return None;
             }
             let key = (row.1, column.1);
-            let index = sums.iter().position(|known| *known == key).unwrap_or_else(|| {
-                sums.push(key);
-                sums.len() - 1
+            let index = keys.iter().position(|known| *known == key).unwrap_or_else(|| {
+                keys.push(key);
+                let test = graph.intern(Node::Basis(Argument::Test, key.0));
+                let trial = graph.intern(Node::Basis(Argument::Trial, key.1));
+                let trial = graph.multiply(weight, trial);
+                let sum = plan.add_sum();
+                plan.add(sum, test, trial);
+                sum
             });
             let sum = graph.intern(Node::Accumulated(index));
             let part = graph.multiply(*coefficient, sum);
             block[row.0 * columns + column.0].push(part);
-            contraction += 1;
         }
     }
-    let cost = POINTS * NODES * NODES * sums.len() + NODES * NODES * contraction;
-    let block = block.iter().map(|parts| graph.sum(parts)).collect();
-    Some(Candidate { plan: BilinearPlan::Accumulated { sums, block }, cost })
+    plan.block = block.iter().map(|parts| graph.sum(parts)).collect();
+    Some(plan)
 }
 
 /// May the terminal differ between the points of a cell, but for weight and basis functions?

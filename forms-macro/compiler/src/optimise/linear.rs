@@ -40,11 +40,14 @@ pub struct Linear<'a> {
     pub graph: &'a mut Graph,
     pub function: SidedField,
     known: HashMap<Scalar, Option<Rc<Coefficients>>>,
+    /// The nodes in which the function stands, be it with coefficients that cancel.
+    mentioned: Vec<bool>,
 }
 
 impl<'a> Linear<'a> {
     pub fn new(graph: &'a mut Graph, function: SidedField) -> Self {
-        Linear { graph, function, known: HashMap::new() }
+        let mentioned = graph.mark(|node| function.owns(node));
+        Linear { graph, function, known: HashMap::new(), mentioned }
     }
 
     /// The coefficients (empty: free of the function); `None` if the expression is not linear in it.
@@ -57,17 +60,15 @@ impl<'a> Linear<'a> {
         found
     }
 
-    /// Does the function stand in the expression, be it with coefficients that cancel?
     fn mentions(&self, scalar: Scalar) -> bool {
-        let function = self.function;
-        self.graph.depends(
-            scalar,
-            |node| matches!(node, Node::Field { field, side, .. } if (SidedField { field: *field, side: *side }) == function),
-        )
+        self.mentioned[scalar.0 as usize]
     }
 
     fn read(&mut self, scalar: Scalar) -> Option<Coefficients> {
         let mut result = Coefficients::new();
+        if !self.mentions(scalar) {
+            return Some(result);
+        }
         match self.graph.node(scalar).clone() {
             Node::Field { field, side, component, derivative }
                 if (SidedField { field, side }) == self.function =>
@@ -151,99 +152,79 @@ pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> S
     if functions.is_empty() {
         return scalar;
     }
-    without_shared(graph, scalar, functions, &mut HashMap::new())
+    let marks = graph.mark(|node| functions.iter().any(|function| function.owns(node)));
+    let zero = graph.number(0.0);
+    with(graph, scalar, &marks, &mut |_| None, zero)
 }
 
-/// Shared nodes are changed once.
-fn without_shared(
-    graph: &mut Graph,
-    scalar: Scalar,
-    functions: &[SidedField],
-    known: &mut HashMap<Scalar, Scalar>,
-) -> Scalar {
-    if let Some(known) = known.get(&scalar) {
-        return *known;
-    }
-    let has = |node: &Node| functions.iter().any(|function| function.owns(node));
-    let changed = if !graph.depends(scalar, has) {
-        scalar
-    } else {
-        match graph.node(scalar).clone() {
-            Node::Sum { constant, terms } => {
-                let mut parts = vec![graph.number(f64::from_bits(constant))];
-                for (coefficient, term) in terms {
-                    let term = without_shared(graph, term, functions, known);
-                    parts.push(graph.scale(f64::from_bits(coefficient), term));
-                }
-                graph.sum(&parts)
+/// An expression as node × partner + rest, for a node that stands in it linearly.
+pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar) {
+    let marks = graph.mark_above(node);
+    let zero = graph.number(0.0);
+    let mut partners: HashMap<Scalar, Scalar> = HashMap::new();
+    for inner in graph.reachable(&[scalar]) {
+        if !marks[inner.0 as usize] {
+            continue;
+        }
+        let of = |scalar: &Scalar| partners.get(scalar).copied();
+        let partner = match graph.node(inner).clone() {
+            _ if inner == node => graph.number(1.0),
+            Node::Sum { terms, .. } => {
+                let terms = terms.iter().filter_map(|(coefficient, term)| Some((*coefficient, of(term)?)));
+                let terms: Vec<Scalar> = terms
+                    .map(|(coefficient, partner)| graph.scale(f64::from_bits(coefficient), partner))
+                    .collect();
+                graph.sum(&terms)
             }
             Node::Product(factors) => {
                 let factors: Vec<_> = factors
                     .iter()
-                    .map(|(factor, exponent)| (without_shared(graph, *factor, functions, known), *exponent))
+                    .map(|(factor, exponent)| (of(factor).unwrap_or(*factor), *exponent))
                     .collect();
                 graph.product(&factors)
             }
-            Node::Select(truth, a, b) => {
-                let a = without_shared(graph, a, functions, known);
-                let b = without_shared(graph, b, functions, known);
-                graph.select(truth, a, b)
-            }
-            _ => graph.number(0.0),
-        }
-    };
-    known.insert(scalar, changed);
-    changed
+            Node::Select(truth, a, b) => graph.select(truth, of(&a).unwrap_or(zero), of(&b).unwrap_or(zero)),
+            _ => zero,
+        };
+        partners.insert(inner, partner);
+    }
+    let partner = partners.get(&scalar).copied().unwrap_or(zero);
+    let rest = with(graph, scalar, &marks, &mut |scalar| (scalar == node).then_some(zero), zero);
+    (partner, rest)
 }
 
-/// Past this many products a factored plan is out of the question.
-const MOST_PRODUCTS: usize = 4096;
-
-/// The expression as a sum of products (test factor, trial factor), each factor linear in its field;
-/// `None` where it has not that structure.
-pub fn factors(
+/// The expression with its marked nodes made anew; `other` stands for terminals and what is not linear.
+fn with(
     graph: &mut Graph,
     scalar: Scalar,
-    scale: Scalar,
-    is_test: &dyn Fn(&Node) -> bool,
-    is_trial: &dyn Fn(&Node) -> bool,
-) -> Option<Vec<(Scalar, Scalar)>> {
-    match graph.node(scalar).clone() {
-        Node::Sum { constant, terms } if f64::from_bits(constant) == 0.0 => {
-            let mut all = Vec::new();
-            for (coefficient, term) in terms {
-                let scale = graph.scale(f64::from_bits(coefficient), scale);
-                all.extend(factors(graph, term, scale, is_test, is_trial)?);
-                if all.len() > MOST_PRODUCTS {
-                    return None;
-                }
-            }
-            Some(all)
+    marks: &[bool],
+    replace: &mut dyn FnMut(Scalar) -> Option<Scalar>,
+    other: Scalar,
+) -> Scalar {
+    let mut known: HashMap<Scalar, Scalar> = HashMap::new();
+    for node in graph.reachable(&[scalar]) {
+        if !marks[node.0 as usize] {
+            continue;
         }
-        Node::Product(parts) => {
-            let (mut test, mut trial, mut both) = (None, None, None);
-            let mut others = vec![(scale, 1)];
-            for (factor, exponent) in parts {
-                let place = match (graph.depends(factor, is_test), graph.depends(factor, is_trial)) {
-                    (false, false) => {
-                        others.push((factor, exponent));
-                        continue;
-                    }
-                    (true, false) => &mut test,
-                    (false, true) => &mut trial,
-                    (true, true) => &mut both,
-                };
-                if exponent != 1 || place.replace(factor).is_some() {
-                    return None;
+        let now = |scalar: &Scalar| known.get(scalar).copied().unwrap_or(*scalar);
+        let changed = match (replace(node), graph.node(node).clone()) {
+            (Some(changed), _) => changed,
+            (None, Node::Sum { constant, terms }) => {
+                let mut parts = vec![graph.number(f64::from_bits(constant))];
+                for (coefficient, term) in terms {
+                    parts.push(graph.scale(f64::from_bits(coefficient), now(&term)));
                 }
+                graph.sum(&parts)
             }
-            let scale = graph.product(&others);
-            match (test, trial, both) {
-                (Some(test), Some(trial), None) => Some(vec![(test, graph.multiply(scale, trial))]),
-                (None, None, Some(both)) => factors(graph, both, scale, is_test, is_trial),
-                _ => None,
+            (None, Node::Product(factors)) => {
+                let factors: Vec<_> =
+                    factors.iter().map(|(factor, exponent)| (now(factor), *exponent)).collect();
+                graph.product(&factors)
             }
-        }
-        _ => None,
+            (None, Node::Select(truth, a, b)) => graph.select(truth, now(&a), now(&b)),
+            _ => other,
+        };
+        known.insert(node, changed);
     }
+    known.get(&scalar).copied().unwrap_or(scalar)
 }

@@ -1,24 +1,32 @@
 //! Stage 4: [`Derived`] → [`Optimised`]: tensors become scalars in normal form, integrals are grouped
 //! by region and dependence, and each gets the cheapest of three plans by counted operations.
 
+mod blocks;
+pub mod collect;
 pub mod degree;
+pub mod elements;
 mod factor;
 pub mod linear;
+pub mod plan;
 mod polynomial;
+mod rank_one;
 #[cfg(test)]
 pub use polynomial::equal as equal_scalars;
 pub mod scalar;
 pub mod scalarise;
+pub mod straight_line;
 
 use std::collections::{BTreeMap, HashMap};
 
 use crate::check::Term;
 use crate::differentiate::{Derived, ResidualPart};
-use crate::parse::syntax::{MemberKind, Module};
+use crate::parse::syntax::{Entity, MemberKind, Module};
 use crate::tensor::{FieldInfo, FieldRole, Function, Operator, Side, Tensor};
 use degree::{Degree, Degrees};
-pub use factor::{BilinearPlan, varies_over_cell};
+use factor::Bilinear;
+pub use factor::{Candidate, varies_over_cell};
 use linear::{Coefficients, Linear, SidedField, without};
+use plan::BilinearPlan;
 use scalar::{Graph, Node, Scalar};
 use scalarise::Scalariser;
 
@@ -67,14 +75,22 @@ pub struct BilinearIntegral {
     pub trial: SidedField,
     pub symmetric: bool,
     pub plan: BilinearPlan,
-    /// What each plan would cost, for the dump.
-    pub candidates: Vec<(&'static str, usize)>,
+    /// What each plan would cost, the cheapest first: that is the one taken.
+    pub candidates: Vec<Candidate>,
 }
 
 /// A function of position on a region.
 pub struct ExpressionIntegral {
     pub description: Description,
     pub components: Vec<Scalar>,
+}
+
+/// Where a function's integrals stand.
+pub struct Setting<'a> {
+    pub dimension: usize,
+    pub fields: &'a [FieldInfo],
+    /// By region of the module.
+    pub entities: &'a [Entity],
 }
 
 /// Why a function cannot become kernels.
@@ -114,9 +130,10 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         density: densities(&density, &mut scalariser, &mut degrees),
         fields,
     };
+    let entities: Vec<Entity> = module.regions.iter().map(|region| region.entity).collect();
     for group in groups {
         let switches = switches(&group, &arena, &mut scalariser, &planned.fields);
-        let result = plan_group(group, from_energy, scalariser.graph, &mut planned);
+        let result = plan_group(group, from_energy, scalariser.graph, &entities, &mut planned);
         if scalariser.graph.exhausted {
             return Err(Failure::TooLarge);
         }
@@ -208,9 +225,11 @@ fn plan_group(
     group: Group,
     from_energy: bool,
     graph: &mut Graph,
+    entities: &[Entity],
     planned: &mut Optimised,
 ) -> Result<(), String> {
     let fields = &planned.fields;
+    let setting = Setting { dimension: planned.dimension, fields, entities };
     let on_sides = |field: usize| [Side::This, Side::Other].map(|side| SidedField { field, side });
     let tests: Vec<SidedField> = (0..fields.len())
         .filter(|field| matches!(fields[*field].role, FieldRole::Test(_)))
@@ -223,32 +242,27 @@ fn plan_group(
         let not_linear = || fields[test.field].name.clone();
         let density = without(graph, group.density, &others);
         let flux = Linear::new(graph, test).coefficients(density).ok_or_else(not_linear)?;
-        if !flux.is_empty() {
-            let flux = (*flux).clone();
-            planned.residual.push(LinearIntegral { description: group.description.clone(), test, flux });
-        }
+        let description = &group.description;
+        planned.residual.extend(linear_integral(graph, description, test, &flux));
         let derivatives: Vec<Scalar> = group.tangent.values().copied().collect();
         let action = graph.sum(&derivatives);
         let action = without(graph, action, &others);
         let flux = Linear::new(graph, test).coefficients(action).ok_or_else(not_linear)?;
-        if !flux.is_empty() {
-            let flux = (*flux).clone();
-            planned.action.push(LinearIntegral { description: group.description.clone(), test, flux });
-        }
+        planned.action.extend(linear_integral(graph, description, test, &flux));
         for (trial, derivative) in &group.tangent {
             let derivative = without(graph, *derivative, &others);
             let [this, other] = on_sides(*trial);
             for (trial, rest) in [(this, other), (other, this)] {
-                let derivative = without(graph, derivative, &[rest]);
+                let density = without(graph, derivative, &[rest]);
                 let [first, second] = [test, trial].map(|function| &fields[function.field]);
                 let diagonal = matches!((first.role, second.role), (FieldRole::Test(a), FieldRole::Trial(b)) if a == b)
                     && first.shape == second.shape
                     && test.side == trial.side;
                 let components = [first, second].map(|field| field.shape.iter().product());
-                let found = factor::plan(graph, derivative, [test, trial], components, diagonal, from_energy)
-                    .ok_or_else(not_linear)?;
+                let form = Bilinear { density, test, trial, components, diagonal, from_energy };
+                let found = factor::plan(graph, &form, description, &setting).ok_or_else(not_linear)?;
                 if let Some(factor::Planned { plan, symmetric, candidates }) = found {
-                    let description = group.description.clone();
+                    let description = description.clone();
                     planned.tangent.push(BilinearIntegral {
                         description,
                         test,
@@ -262,6 +276,18 @@ fn plan_group(
         }
     }
     Ok(())
+}
+
+/// With common factors taken out of the coefficients; `None` if there are none.
+fn linear_integral(
+    graph: &mut Graph,
+    description: &Description,
+    test: SidedField,
+    flux: &Coefficients,
+) -> Option<LinearIntegral> {
+    let coefficients = collect::cheaper(graph, flux.values().copied().collect());
+    let flux: Coefficients = flux.keys().copied().zip(coefficients).collect();
+    (!flux.is_empty()).then(|| LinearIntegral { description: description.clone(), test, flux })
 }
 
 fn densities(terms: &[Term], scalariser: &mut Scalariser, degrees: &mut Degrees) -> Vec<ExpressionIntegral> {

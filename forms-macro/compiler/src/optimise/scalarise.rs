@@ -152,6 +152,22 @@ impl Scalariser<'_> {
                 let (a, size) = (self.components(*a), self.arena.shape(*a)[0]);
                 self.cofactors(&a, size)
             }
+            // cof A is quadratic: its polar form has each product of two entries in both orders.
+            MixedCofactor(a, b) => {
+                let (a, b) = (self.components(*a), self.components(*b));
+                let entries = multi_indices(&[3, 3]);
+                let entry = |ij: &Vec<usize>| {
+                    let place = |row: usize, column: usize| (ij[0] + row) % 3 * 3 + (ij[1] + column) % 3;
+                    let (first, second) = ([place(1, 1), place(2, 2)], [place(1, 2), place(2, 1)]);
+                    let plus =
+                        self.sum_of_products(&[(a[first[0]], b[first[1]]), (b[first[0]], a[first[1]])]);
+                    let minus =
+                        self.sum_of_products(&[(a[second[0]], b[second[1]]), (b[second[0]], a[second[1]])]);
+                    let minus = self.graph.negate(minus);
+                    self.graph.add(plus, minus)
+                };
+                entries.iter().map(entry).collect()
+            }
             Inverse(a) => {
                 let (a, size) = (self.components(*a), self.arena.shape(*a)[0]);
                 let determinant = self.determinant(&a, size);

@@ -339,7 +339,7 @@ impl Reader<'_> {
 fn function_name(operator: &Operator) -> String {
     match operator {
         Operator::Determinant(_) => "det".into(),
-        Operator::Cofactor(_) => "cof".into(),
+        Operator::Cofactor(_) | Operator::MixedCofactor(..) => "cof".into(),
         Operator::Minimum(..) => "min".into(),
         Operator::Maximum(..) => "max".into(),
         other => lower(other),

@@ -3,8 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::external::ExternalNames;
-use crate::optimise::scalar::{Argument, Graph, Node, Scalar};
+use super::scalar::{Argument, Graph, Node, Scalar};
 use crate::tensor::{External, Function, Geometry};
 
 /// When a value is known: with the parameters, per cell, per point, per basis function (or pair).
@@ -18,10 +17,10 @@ pub enum Level {
 
 /// An instruction of a [`Code`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Value(pub(super) u32);
+pub struct Value(pub u32);
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Instruction {
+pub enum Instruction {
     Number(u64),
     Terminal(Scalar),
     Add(Value, Value),
@@ -55,7 +54,7 @@ pub(super) enum Instruction {
 }
 
 impl Instruction {
-    pub(super) fn operands(&self) -> Vec<Value> {
+    pub fn operands(&self) -> Vec<Value> {
         use Instruction::*;
         match self {
             Number(_) | Terminal(_) => vec![],
@@ -79,13 +78,13 @@ impl Instruction {
     }
 
     /// Does it cost anything? As `contract::Operations` counts.
-    pub(super) fn is_operation(&self) -> bool {
+    pub fn is_operation(&self) -> bool {
         use Instruction::*;
         !matches!(self, Number(_) | Terminal(_) | Negate(_) | Entry(..))
     }
 
     /// Truth values are not stored between functions: they are computed where they are used.
-    pub(super) fn is_truth(&self) -> bool {
+    pub fn is_truth(&self) -> bool {
         use Instruction::*;
         matches!(self, Less(..) | LessEqual(..) | Equal(..) | And(..) | Or(..) | Not(..))
     }
@@ -96,25 +95,32 @@ type CallKey = (External, Vec<Scalar>, usize);
 
 /// The instructions of one kernel.
 pub struct Code<'a> {
-    pub(super) graph: &'a Graph,
-    pub(super) externals: &'a ExternalNames,
-    pub(super) instructions: Vec<(Instruction, Level)>,
+    pub graph: &'a Graph,
+    pub instructions: Vec<(Instruction, Level)>,
     interned: HashMap<Instruction, Value>,
     lowered: HashMap<Scalar, Value>,
     /// Number of parents of each scalar in this kernel.
     uses: HashMap<Scalar, usize>,
+    /// In how many products each scalar divides.
+    divides: HashMap<Scalar, usize>,
     /// All derivatives of one order that the kernel needs of a function at some inputs: one call gives them.
     calls: HashMap<CallKey, BTreeSet<Vec<usize>>>,
 }
 
 impl<'a> Code<'a> {
-    pub fn new(graph: &'a Graph, externals: &'a ExternalNames, roots: &[Scalar]) -> Self {
+    pub fn new(graph: &'a Graph, roots: &[Scalar]) -> Self {
         let mut uses = HashMap::new();
+        let mut divides = HashMap::new();
         let mut calls: HashMap<CallKey, BTreeSet<Vec<usize>>> = HashMap::new();
         for scalar in graph.reachable(roots) {
             if let Node::External { function, inputs, derivative, .. } = graph.node(scalar) {
                 let key = (*function, inputs.clone(), derivative.len());
                 calls.entry(key).or_default().insert(derivative.clone());
+            }
+            if let Node::Product(factors) = graph.node(scalar) {
+                for (factor, _) in factors.iter().filter(|(_, exponent)| *exponent < 0) {
+                    *divides.entry(*factor).or_insert(0) += 1;
+                }
             }
             for operand in graph.operands(scalar) {
                 *uses.entry(operand).or_insert(0) += 1;
@@ -125,17 +131,17 @@ impl<'a> Code<'a> {
         }
         Code {
             graph,
-            externals,
             instructions: vec![],
             interned: HashMap::new(),
             lowered: HashMap::new(),
             uses,
+            divides,
             calls,
         }
     }
 
     /// Does any instruction read a table?
-    pub(super) fn reads_tables(&self) -> bool {
+    pub fn reads_tables(&self) -> bool {
         let table = |instruction: &Instruction| {
             matches!(instruction, Instruction::Call { function: External::Table(_), .. })
         };
@@ -157,16 +163,58 @@ impl<'a> Code<'a> {
         value
     }
 
-    pub(super) fn level(&self, value: Value) -> Level {
+    pub fn level(&self, value: Value) -> Level {
         self.instructions[value.0 as usize].1
     }
 
-    pub(super) fn instruction(&self, value: Value) -> &Instruction {
+    pub fn instruction(&self, value: Value) -> &Instruction {
         &self.instructions[value.0 as usize].0
     }
 
     fn number(&mut self, value: f64) -> Value {
         self.push(Instruction::Number((value + 0.0).to_bits()))
+    }
+
+    /// What the function of a level computes itself for these results, operands first.
+    pub fn own(&self, roots: &[Value], level: Level) -> Vec<Value> {
+        let mut own: Vec<Value> = Vec::new();
+        let mut pending: Vec<Value> = roots.to_vec();
+        let mut seen = vec![false; self.instructions.len()];
+        while let Some(value) = pending.pop() {
+            if std::mem::replace(&mut seen[value.0 as usize], true) {
+                continue;
+            }
+            let instruction = self.instruction(value);
+            if self.level(value) == level || instruction.is_truth() {
+                own.push(value);
+                pending.extend(instruction.operands());
+            }
+        }
+        own.sort_unstable();
+        own
+    }
+
+    /// How many of these instructions cost anything.
+    pub fn operations(&self, values: &[Value]) -> usize {
+        values.iter().filter(|value| self.instruction(**value).is_operation()).count()
+    }
+
+    /// Operations of everything that was lowered.
+    pub fn all_operations(&self) -> usize {
+        self.instructions.iter().filter(|(instruction, _)| instruction.is_operation()).count()
+    }
+
+    /// The values of earlier levels that a function asks for, given what it computes itself.
+    pub fn asked(&self, roots: &[Value], own: &[Value]) -> Vec<Value> {
+        let operands = own.iter().flat_map(|value| self.instruction(*value).operands());
+        let mut asked: Vec<Value> = operands.chain(roots.iter().copied()).collect();
+        asked.sort_unstable();
+        asked.dedup();
+        asked.retain(|value| {
+            let number = matches!(self.instruction(*value), Instruction::Number(_));
+            !number && own.binary_search(value).is_err()
+        });
+        asked
     }
 
     /// The instruction that computes a scalar.
@@ -292,6 +340,14 @@ impl<'a> Code<'a> {
         let mut levels: BTreeMap<Level, (Vec<Value>, Vec<Value>)> = BTreeMap::new();
         for (factor, exponent) in factors {
             let value = self.lower(*factor);
+            // What divides more than once is inverted once.
+            if *exponent < 0 && self.divides.get(factor).is_some_and(|count| *count > 1) {
+                let one = self.number(1.0);
+                let inverse = self.push(Instruction::Divide(one, value));
+                let power = self.lower_power(inverse, exponent.unsigned_abs());
+                levels.entry(self.level(power)).or_default().0.push(power);
+                continue;
+            }
             let power = self.lower_power(value, exponent.unsigned_abs());
             let (above, below) = levels.entry(self.level(power)).or_default();
             if *exponent > 0 { above.push(power) } else { below.push(power) }

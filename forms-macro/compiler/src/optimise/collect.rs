@@ -1,0 +1,120 @@
+//! Common factors of the terms of a sum, taken out: a b c + a b d becomes a b (c + d). As by Horner's rule, the factor
+//! that most terms have goes first.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::scalar::{Graph, Node, Scalar};
+use super::straight_line::Code;
+
+/// The expressions with the sums in them collected; sums over basis functions stay, since what stands before a basis
+/// function is computed once per point.
+pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Vec<Scalar> {
+    let varies = graph.mark(|node| matches!(node, Node::Basis(..) | Node::Accumulated(_)));
+    let mut known: HashMap<Scalar, Scalar> = HashMap::new();
+    for scalar in graph.reachable(roots) {
+        let now = |scalar: &Scalar| known.get(scalar).copied().unwrap_or(*scalar);
+        let changed = match graph.node(scalar).clone() {
+            Node::Sum { constant, terms } => {
+                let terms: Vec<Scalar> = terms
+                    .iter()
+                    .map(|(coefficient, term)| graph.scale(f64::from_bits(*coefficient), now(term)))
+                    .collect();
+                let constant = graph.number(f64::from_bits(constant));
+                let parts = [&terms[..], &[constant]].concat();
+                let sum = graph.sum(&parts);
+                if varies[scalar.0 as usize] { sum } else { horner(graph, sum) }
+            }
+            Node::Product(factors) => {
+                let factors: Vec<_> =
+                    factors.iter().map(|(factor, exponent)| (now(factor), *exponent)).collect();
+                graph.product(&factors)
+            }
+            other => graph.intern(with_operands(other, &now)),
+        };
+        known.insert(scalar, changed);
+    }
+    roots.iter().map(|root| known.get(root).copied().unwrap_or(*root)).collect()
+}
+
+/// A node that is neither a sum nor a product, on other operands.
+fn with_operands(node: Node, now: &dyn Fn(&Scalar) -> Scalar) -> Node {
+    match node {
+        Node::Apply(function, a) => Node::Apply(function, now(&a)),
+        Node::Not(a) => Node::Not(now(&a)),
+        Node::Power(a, b) => Node::Power(now(&a), now(&b)),
+        Node::Atan2(a, b) => Node::Atan2(now(&a), now(&b)),
+        Node::Minimum(a, b) => Node::Minimum(now(&a), now(&b)),
+        Node::Maximum(a, b) => Node::Maximum(now(&a), now(&b)),
+        Node::Less(a, b) => Node::Less(now(&a), now(&b)),
+        Node::LessEqual(a, b) => Node::LessEqual(now(&a), now(&b)),
+        Node::Equal(a, b) => Node::Equal(now(&a), now(&b)),
+        Node::And(a, b) => Node::And(now(&a), now(&b)),
+        Node::Or(a, b) => Node::Or(now(&a), now(&b)),
+        Node::Select(truth, a, b) => Node::Select(now(&truth), now(&a), now(&b)),
+        Node::External { function, inputs, outputs, output, derivative } => {
+            let inputs = inputs.iter().map(now).collect();
+            Node::External { function, inputs, outputs, output, derivative }
+        }
+        terminal => terminal,
+    }
+}
+
+/// Past this many terms a sum is left as it is.
+const MOST_TERMS: usize = 500;
+
+/// A sum with the factor taken out that most of its terms have, and what is left of it likewise.
+fn horner(graph: &mut Graph, sum: Scalar) -> Scalar {
+    let Node::Sum { constant, terms } = graph.node(sum).clone() else { return sum };
+    if terms.len() > MOST_TERMS {
+        return sum;
+    }
+    // A factor and whether it divides.
+    let mut counts: BTreeMap<(Scalar, bool), usize> = BTreeMap::new();
+    for (_, term) in &terms {
+        match graph.node(*term) {
+            Node::Product(factors) => {
+                for (factor, exponent) in factors {
+                    *counts.entry((*factor, *exponent < 0)).or_default() += 1;
+                }
+            }
+            _ => *counts.entry((*term, false)).or_default() += 1,
+        }
+    }
+    let most = counts.into_iter().max_by_key(|(key, count)| (*count, std::cmp::Reverse(*key)));
+    let Some(((factor, divides), 2..)) = most else { return sum };
+    let has = |graph: &Graph, term: Scalar| match graph.node(term) {
+        Node::Product(factors) => {
+            factors.iter().any(|(one, power)| *one == factor && (*power < 0) == divides)
+        }
+        _ => term == factor && !divides,
+    };
+    let (mut inside, mut outside) = (Vec::new(), vec![graph.number(f64::from_bits(constant))]);
+    for (coefficient, term) in terms {
+        let coefficient = f64::from_bits(coefficient);
+        if has(graph, term) {
+            let quotient = graph.product(&[(term, 1), (factor, if divides { 1 } else { -1 })]);
+            inside.push(graph.scale(coefficient, quotient));
+        } else {
+            outside.push(graph.scale(coefficient, term));
+        }
+    }
+    let inside = graph.sum(&inside);
+    let inside = horner(graph, inside);
+    let product = graph.product(&[(factor, if divides { -1 } else { 1 }), (inside, 1)]);
+    let outside = graph.sum(&outside);
+    let outside = horner(graph, outside);
+    graph.add(product, outside)
+}
+
+/// The expressions, collected where that saves operations.
+pub fn cheaper(graph: &mut Graph, roots: Vec<Scalar>) -> Vec<Scalar> {
+    let changed = collected(graph, &roots);
+    let count = |roots: &[Scalar]| {
+        let mut code = Code::new(graph, roots);
+        roots.iter().for_each(|root| {
+            code.lower(*root);
+        });
+        code.all_operations()
+    };
+    if count(&changed) < count(&roots) { changed } else { roots }
+}
