@@ -74,7 +74,8 @@ pub enum Dependence {
 }
 
 /// What the compiler knows of one integral. A form has one per region and [`Dependence`], whatever
-/// the number of `integral(..)` terms in its source.
+/// the number of `integral(..)` terms in its source; with one unknown, what is linear and what is nonlinear on the same
+/// cells is one nonlinear integral.
 #[derive(Clone, Copy, Debug)]
 pub struct Integral {
     /// Index into [`Inputs::regions`].

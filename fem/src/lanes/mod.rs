@@ -202,9 +202,6 @@ impl Checked {
     /// Runs some work compiled for the set.
     #[inline]
     pub(crate) fn run<W: LaneWork>(self, work: W) -> W::Output {
-        if option_env!("ONLY512").is_some() {
-            return unsafe { x86::run_avx512(work) };
-        }
         match self.0 {
             // SAFETY: a checked set is one that the machine has.
             #[cfg(target_arch = "x86_64")]
