@@ -106,7 +106,7 @@ pub use forms_core::form;
 pub mod prelude {
     pub use std::sync::Arc;
 
-    pub use crate::assemble::{Assembler, AssemblyError, Parts};
+    pub use crate::assemble::{Assembler, AssemblyError, Parts, TangentAction};
     pub use crate::constraints::Constraints;
     pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Real, Table};
     pub use crate::element::CellShape;

@@ -145,6 +145,29 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(binding)
     }
 
+    /// Binds the directions of an action, one per unknown and on its space.
+    pub fn bind_directions(
+        &mut self,
+        directions: &[FieldView<'a, D>],
+        mesh: &Arc<Mesh<D>>,
+    ) -> Result<(), AssemblyError> {
+        let fields = self.fields;
+        let expected = fields.iter().filter(|field| matches!(field.role, Role::Direction(_))).count();
+        if directions.len() != expected {
+            let found = directions.len();
+            return Err(AssemblyError::Count { form: self.name, what: "directions", expected, found });
+        }
+        for (index, field) in fields.iter().enumerate() {
+            if let Role::Direction(number) = field.role {
+                let value = self.discrete(field, directions[number], mesh)?;
+                if let List::Own(values) = &mut self.values {
+                    values[index] = value;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// A binding that holds no values yet, and no element.
     pub fn empty(
         name: &'static str,

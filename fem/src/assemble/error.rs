@@ -118,12 +118,12 @@ pub enum AssemblyError {
         /// Why.
         source: HistoryMismatch,
     },
-    /// The wrong number of unknowns or test spaces.
+    /// The wrong number of unknowns, directions or test spaces, or a vector of another size.
     #[error("form `{form}` has {expected} {what}, {found} were given")]
     Count {
         /// The form.
         form: &'static str,
-        /// "unknowns" or "test functions".
+        /// "unknowns", "directions", "test functions" or "entries of a vector".
         what: &'static str,
         /// In the form.
         expected: usize,

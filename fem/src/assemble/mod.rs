@@ -7,9 +7,10 @@
 //! element_matrices, element_vectors   what a kernel gives for each entity of a range
 //! block_pattern, place_map   the positions of a matrix, and where element matrices go
 //! partition, scatter   which thread adds what, in the order of one thread
-//! residual, tangent, functional, derived   the four loops, one per kind of kernel
+//! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
 
+mod action;
 mod batch;
 mod binding;
 mod block_pattern;
@@ -30,6 +31,7 @@ mod walk;
 
 use std::sync::Arc;
 
+pub use action::TangentAction;
 pub use block_pattern::BlockPattern;
 pub(crate) use block_pattern::TouchedEntries;
 pub use derived::{FacetSample, PointValues};

@@ -52,7 +52,18 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        self.linear_integrals(binding, tests, parts, |visitor| form.residual(visitor))
+    }
+
+    /// The sum of the integrals that a form hands to the visitor.
+    pub(super) fn linear_integrals(
+        &self,
+        mut binding: Binding<D>,
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+        walk: impl FnOnce(&mut VectorVisitor<D>) -> Result<(), AssemblyError>,
+    ) -> Result<Vec<f64>, AssemblyError> {
         binding.check_tests(tests, &self.mesh)?;
         let elements = tests.iter().map(|space| binding.element(space)).collect();
         let mut offsets = vec![0];
@@ -60,7 +71,7 @@ impl<const D: usize> Assembler<D> {
             offsets.push(offsets[offsets.len() - 1] + space.unknowns());
         }
         let degrees = binding.degrees(tests);
-        let mut visitor = ResidualVisitor {
+        let mut visitor = VectorVisitor {
             binding: &binding,
             quadrature: &self.quadrature,
             threads: self.threads,
@@ -72,12 +83,13 @@ impl<const D: usize> Assembler<D> {
             parts,
             set: self.instructions,
         };
-        form.residual(&mut visitor)?;
+        walk(&mut visitor)?;
         Ok(visitor.vector)
     }
 }
 
-struct ResidualVisitor<'a, const D: usize> {
+/// Adds up integrals that are linear in a test function.
+pub(super) struct VectorVisitor<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,
     threads: Threads,
@@ -90,7 +102,7 @@ struct ResidualVisitor<'a, const D: usize> {
     set: InstructionSet,
 }
 
-impl<const D: usize> LinearVisitor<D> for ResidualVisitor<'_, D> {
+impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
     type Error = AssemblyError;
 
     fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
@@ -101,7 +113,7 @@ impl<const D: usize> LinearVisitor<D> for ResidualVisitor<'_, D> {
     }
 }
 
-impl<const D: usize> ResidualVisitor<'_, D> {
+impl<const D: usize> VectorVisitor<'_, D> {
     fn integrate<K: LinearKernel<D>>(
         &mut self,
         integral: &Integral,

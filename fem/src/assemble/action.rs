@@ -1,0 +1,170 @@
+//! Matrix-free products: the tangent of a form applied to a direction, ∂R/∂u (u; φ_i e_a) w, by the residual's loops.
+
+use std::sync::Arc;
+
+use forms_core::contract::Form;
+
+use super::binding::Binding;
+use super::{Assembler, AssemblyError, Parts};
+use crate::constraints::Constraints;
+use crate::field::{Field, FieldView, views};
+use crate::space::Space;
+
+impl<const D: usize> Assembler<D> {
+    /// The tangent of a form at given unknowns times a vector, given as one field per unknown: one entry per
+    /// unknown of the test spaces, in a row. No matrix is made; it costs about as much as a residual.
+    ///
+    /// # Errors
+    /// An [`AssemblyError`] that names the form and what does not fit.
+    pub fn action<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        directions: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.action_parts(form, unknowns, directions, tests, Parts::ALL)
+    }
+
+    /// Some of the integrals of [`Assembler::action`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn action_parts<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        directions: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.action_on(form, &views(unknowns), &views(directions), tests, parts)
+    }
+
+    fn action_on<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+        directions: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        binding.bind_directions(directions, &self.mesh)?;
+        self.linear_integrals(binding, tests, parts, |visitor| form.action(visitor))
+    }
+}
+
+/// The tangent of a form at given unknowns as a linear operator without a matrix, for Krylov methods. Test spaces are
+/// those of the unknowns.
+///
+/// With constraints it acts on the free unknowns, and as the identity on the prescribed ones: with zeros there in the
+/// right-hand side, the solution is the increment that keeps the prescribed values.
+///
+/// ```
+/// use forms_fem::linear_algebra::{GmresOptions, gmres};
+/// use forms_fem::prelude::*;
+///
+/// #[forms]
+/// mod reaction {
+///     #[cells]
+///     pub struct Omega;
+///     pub fn balance(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+///         integral(Omega, (1 + u * u) * dot(grad(u), grad(v)) + (u - 1) * v)
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], CellShape::Triangle, 1)?);
+/// let space = Space::scalar(&mesh, 2)?;
+/// let mut constraints = Constraints::new(&space);
+/// constraints.fix("boundary", |_: &[f64; 2]| 0.0)?;
+/// let form = reaction::balance(&reaction::Omega::on("all"));
+/// let assembler = Assembler::new(&mesh);
+/// let u = Field::zero(&space);
+///
+/// // One step of Newton's method: ∂R/∂u (u) w = −R(u).
+/// let mut right: Vec<f64> = assembler.residual(&form, &[&u], &[&space])?.iter().map(|r| -r).collect();
+/// constraints.homogeneous().apply(&mut right);
+/// let tangent = TangentAction::new(&assembler, &form, &[&u]).with_constraints(&[&constraints]);
+/// let mut w = vec![0.0; space.unknowns()];
+/// let options = GmresOptions { tolerance: 1e-10, ..GmresOptions::default() };
+/// let identity = |_: &mut [f64]| Ok(());
+/// gmres(|w, product| tangent.apply(w, product), identity, &right, &mut w, &options)?;
+/// let mut product = vec![0.0; w.len()];
+/// tangent.apply(&w, &mut product)?;
+/// assert!(product.iter().zip(&right).all(|(a, b)| (a - b).abs() < 1e-9));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct TangentAction<'a, F, const D: usize> {
+    assembler: &'a Assembler<D>,
+    form: &'a F,
+    unknowns: Vec<&'a Field<D>>,
+    parts: Parts,
+    /// Positions of the prescribed unknowns, in a row over all spaces.
+    prescribed: Vec<usize>,
+}
+
+impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
+    /// The operator at the unknowns, in the order of the form's arguments.
+    pub fn new(assembler: &'a Assembler<D>, form: &'a F, unknowns: &[&'a Field<D>]) -> Self {
+        let unknowns = unknowns.to_vec();
+        TangentAction { assembler, form, unknowns, parts: Parts::ALL, prescribed: vec![] }
+    }
+
+    /// The same with some of the integrals only.
+    pub fn with_parts(self, parts: Parts) -> Self {
+        TangentAction { parts, ..self }
+    }
+
+    /// The same on the free unknowns, and the identity on the prescribed ones; constraints in the order of the
+    /// unknowns.
+    pub fn with_constraints(self, constraints: &[&Constraints<D>]) -> Self {
+        let mut prescribed = Vec::new();
+        let mut offset = 0;
+        for (field, constraints) in self.unknowns.iter().zip(constraints) {
+            prescribed.extend(constraints.prescribed().keys().map(|unknown| offset + unknown));
+            offset += field.space().unknowns();
+        }
+        TangentAction { prescribed, ..self }
+    }
+
+    /// Number of rows, and of columns.
+    pub fn size(&self) -> usize {
+        self.unknowns.iter().map(|field| field.space().unknowns()).sum()
+    }
+
+    /// Writes the tangent times `direction` to `product`, both over all unknowns in a row.
+    ///
+    /// # Errors
+    /// As [`Assembler::action`]; also where a vector is not of the operator's [`size`](TangentAction::size).
+    pub fn apply(&self, direction: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
+        for found in [direction.len(), product.len()] {
+            if found != self.size() {
+                let (form, expected) = (self.form.name(), self.size());
+                return Err(AssemblyError::Count { form, what: "entries of a vector", expected, found });
+            }
+        }
+        let mut free = direction.to_vec();
+        for &unknown in &self.prescribed {
+            free[unknown] = 0.0;
+        }
+        let mut rest = &free[..];
+        let mut directions = Vec::with_capacity(self.unknowns.len());
+        for field in &self.unknowns {
+            let (values, others) = rest.split_at(field.space().unknowns());
+            rest = others;
+            directions.push(FieldView { space: field.space(), values, finite: false });
+        }
+        let tests: Vec<&Arc<Space<D>>> = self.unknowns.iter().map(|field| field.space()).collect();
+        let unknowns = views(&self.unknowns);
+        let found = self.assembler.action_on(self.form, &unknowns, &directions, &tests, self.parts)?;
+        product.copy_from_slice(&found);
+        for &unknown in &self.prescribed {
+            product[unknown] = direction[unknown];
+        }
+        Ok(())
+    }
+}
