@@ -5,12 +5,13 @@
 
 use std::ops::Range;
 
-use forms_core::contract::BilinearKernel;
+use forms_core::contract::{Basis, BilinearKernel, PointGeometry};
 
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::receiver::{Buffered, Deliver, Receiver};
+use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor};
 use super::sizes::{Counted, Sizes};
 use super::walk::Group;
 use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
@@ -37,11 +38,22 @@ pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usiz
     trials: Vec<K::Trial<L>>,
     /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j.
     blocks: Vec<L>,
+    /// Blocks of pairs of directions, of a reference tensor.
+    directions: Vec<L>,
+    /// The reference tensor, once it is known whether there is one.
+    tensor: Option<Option<ReferenceTensor>>,
 }
 
 impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Default for MatrixBuffers<K, L, D> {
     fn default() -> Self {
-        MatrixBuffers { batch: BatchBuffers::default(), tests: vec![], trials: vec![], blocks: vec![] }
+        MatrixBuffers {
+            batch: BatchBuffers::default(),
+            tests: vec![],
+            trials: vec![],
+            blocks: vec![],
+            directions: vec![],
+            tensor: None,
+        }
     }
 }
 
@@ -78,6 +90,71 @@ impl<const D: usize> ElementMatrices<'_, D> {
         })
     }
 
+    /// The blocks of all pairs by the loop over points.
+    #[inline(always)]
+    fn integrate<K: BilinearKernel<D>, L: SimdLane, S: Sizes>(
+        &self,
+        kernel: &K,
+        cell: &K::Cell<L>,
+        batch: &mut Batch<L, D>,
+        tests: &mut Vec<K::Test<L>>,
+        trials: &mut Vec<K::Trial<L>>,
+        blocks: &mut [L],
+    ) -> Result<(), AssemblyError> {
+        let [rows, columns] = self.nodes();
+        let (rows, columns) = (S::nodes(rows), S::nodes(columns));
+        let points = S::points(self.group.points());
+        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+        for q in 0..points {
+            let geometry = batch.point::<S>(q)?;
+            let point = kernel.point(cell, &geometry, batch.fields());
+            let basis = batch.basis(self.sides[0], self.elements[0]);
+            let hessians = batch.hessians(self.sides[0], self.elements[0]);
+            let (basis, hessians) = (&basis[..rows], &hessians[..rows]);
+            // There is no empty factor: the memory is made with the first one.
+            if tests.len() != rows * points {
+                tests.clear();
+                tests.resize(rows * points, kernel.test(&point, &basis[0], &hessians[0]));
+            }
+            let tests = &mut tests[q * rows..][..rows];
+            for i in 0..rows {
+                tests[i] = kernel.test(&point, &basis[i], &hessians[i]);
+            }
+            let basis = batch.basis(self.sides[1], self.elements[1]);
+            let hessians = batch.hessians(self.sides[1], self.elements[1]);
+            let (basis, hessians) = (&basis[..columns], &hessians[..columns]);
+            if trials.len() != columns * points {
+                trials.clear();
+                trials.resize(columns * points, kernel.trial(&point, &basis[0], &hessians[0]));
+            }
+            let trials = &mut trials[q * columns..][..columns];
+            for j in 0..columns {
+                trials[j] = kernel.trial(&point, &basis[j], &hessians[j]);
+            }
+        }
+        let mut next = 0;
+        let (tests, trials) = (&tests[..rows * points], &trials[..columns * points]);
+        for i in 0..rows {
+            for j in 0..columns {
+                if self.symmetric && j < i {
+                    continue;
+                }
+                let mut accumulator = K::zero::<L>();
+                for q in 0..points {
+                    K::pair(&mut accumulator, &tests[q * rows + i], &trials[q * columns + j]);
+                }
+                let block = kernel.finish(cell, &accumulator);
+                // No copy of slices: that would be a call.
+                let (block, target) = (&block.as_ref()[..entries], &mut blocks[next..][..entries]);
+                for entry in 0..entries {
+                    target[entry] = block[entry];
+                }
+                next += entries;
+            }
+        }
+        Ok(())
+    }
+
     /// The loops. The entries of an element matrix come out in the order that [`block_order`] gives to
     /// the computed blocks, or any other.
     #[inline(always)]
@@ -91,8 +168,13 @@ impl<const D: usize> ElementMatrices<'_, D> {
     ) -> Result<(), AssemblyError> {
         let [rows, columns] = self.nodes();
         let (rows, columns) = (S::nodes(rows), S::nodes(columns));
-        let points = S::points(self.group.points());
-        let MatrixBuffers { batch, tests, trials, blocks } = buffers;
+        let MatrixBuffers { batch, tests, trials, blocks, directions, tensor } = buffers;
+        if tensor.is_none() && range.len() > 0 {
+            let side = &self.group.sides[self.sides[0]];
+            let weights = &self.group.weights;
+            *tensor = Some(ReferenceTensor::for_kernel::<K, D>(side, self.elements, weights, self.symmetric));
+        }
+        let tensor = tensor.as_ref().and_then(Option::as_ref);
         let mut batch =
             Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, &self.elements, batch)?;
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
@@ -102,53 +184,13 @@ impl<const D: usize> ElementMatrices<'_, D> {
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
             let cell = kernel.cell(&batch.load::<S>(start, filled));
-            for q in 0..points {
-                let geometry = batch.point::<S>(q)?;
-                let point = kernel.point(&cell, &geometry, batch.fields());
-                let basis = batch.basis(self.sides[0], self.elements[0]);
-                let hessians = batch.hessians(self.sides[0], self.elements[0]);
-                let (basis, hessians) = (&basis[..rows], &hessians[..rows]);
-                // There is no empty factor: the memory is made with the first one.
-                if tests.len() != rows * points {
-                    tests.clear();
-                    tests.resize(rows * points, kernel.test(&point, &basis[0], &hessians[0]));
-                }
-                let tests = &mut tests[q * rows..][..rows];
-                for i in 0..rows {
-                    tests[i] = kernel.test(&point, &basis[i], &hessians[i]);
-                }
-                let basis = batch.basis(self.sides[1], self.elements[1]);
-                let hessians = batch.hessians(self.sides[1], self.elements[1]);
-                let (basis, hessians) = (&basis[..columns], &hessians[..columns]);
-                if trials.len() != columns * points {
-                    trials.clear();
-                    trials.resize(columns * points, kernel.trial(&point, &basis[0], &hessians[0]));
-                }
-                let trials = &mut trials[q * columns..][..columns];
-                for j in 0..columns {
-                    trials[j] = kernel.trial(&point, &basis[j], &hessians[j]);
-                }
-            }
             blocks.resize(size, L::splat(0.0));
-            let mut next = 0;
-            let (tests, trials) = (&tests[..rows * points], &trials[..columns * points]);
-            for i in 0..rows {
-                for j in 0..columns {
-                    if self.symmetric && j < i {
-                        continue;
-                    }
-                    let mut accumulator = K::zero::<L>();
-                    for q in 0..points {
-                        K::pair(&mut accumulator, &tests[q * rows + i], &trials[q * columns + j]);
-                    }
-                    let block = kernel.finish(&cell, &accumulator);
-                    // No copy of slices: that would be a call.
-                    let (block, target) = (&block.as_ref()[..entries], &mut blocks[next..][..entries]);
-                    for entry in 0..entries {
-                        target[entry] = block[entry];
-                    }
-                    next += entries;
+            match tensor {
+                Some(tensor) if K::CELL_CONSTANT => {
+                    let (determinant, inverse) = batch.affine_map(self.sides[0]);
+                    contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
                 }
+                _ => self.integrate::<K, L, S>(kernel, &cell, &mut batch, tests, trials, blocks)?,
             }
             let source = &Ordered { values: blocks, order };
             let target = receiver.room(start, filled, size);
@@ -162,6 +204,96 @@ impl<const D: usize> ElementMatrices<'_, D> {
         }
         Ok(())
     }
+}
+
+/// The blocks of all pairs by a reference tensor.
+#[inline(always)]
+fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+    kernel: &K,
+    cell: &K::Cell<L>,
+    tensor: &ReferenceTensor,
+    determinant: L,
+    inverse: &[[L; D]; D],
+    directions: &mut Vec<L>,
+    blocks: &mut [L],
+) {
+    let zero = L::splat(0.0);
+    let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+    let count = tensor.directions;
+    let geometry =
+        PointGeometry { weight: determinant, position: [zero; D], normal: [zero; D], curvature: zero };
+    let point = kernel.point(cell, &geometry, &[]);
+    let hessian = [[zero; D]; D];
+    directions.resize(count * count * entries, zero);
+    for a in 0..count {
+        let test = kernel.test(&point, &direction(tensor, inverse, a), &hessian);
+        for b in if K::SYMMETRIC { a } else { 0 }..count {
+            let trial = kernel.trial(&point, &direction(tensor, inverse, b), &hessian);
+            let mut accumulator = K::zero::<L>();
+            K::pair(&mut accumulator, &test, &trial);
+            let block = kernel.finish(cell, &accumulator);
+            let block = &block.as_ref()[..entries];
+            let target = &mut directions[(a * count + b) * entries..][..entries];
+            for entry in 0..entries {
+                target[entry] = block[entry];
+            }
+            if K::SYMMETRIC && b != a {
+                let target = &mut directions[(b * count + a) * entries..][..entries];
+                for entry in 0..entries {
+                    target[entry % K::TEST_COMPONENTS * K::TEST_COMPONENTS + entry / K::TEST_COMPONENTS] =
+                        block[entry];
+                }
+            }
+        }
+    }
+    let mut pair = 0;
+    for target in blocks.chunks_exact_mut(entries) {
+        if pair == tensor.pairs() {
+            break;
+        }
+        let (places, coefficients) = tensor.terms(pair);
+        pair += 1;
+        let mut sums = [zero; LARGEST_BLOCK];
+        for term in 0..places.len() {
+            let block = &directions[places[term] as usize * entries..][..entries];
+            let coefficient = L::splat(coefficients[term]);
+            for entry in 0..entries {
+                if K::NONZERO[entry] {
+                    sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
+                }
+            }
+        }
+        for entry in 0..entries {
+            target[entry] = sums[entry];
+        }
+    }
+}
+
+/// A function whose gradient is that of a barycentric coordinate, or whose value is one.
+#[inline(always)]
+fn direction<L: SimdLane, const D: usize>(
+    tensor: &ReferenceTensor,
+    inverse: &[[L; D]; D],
+    a: usize,
+) -> Basis<L, D> {
+    let zero = L::splat(0.0);
+    let mut basis = Basis { value: zero, gradient: [zero; D] };
+    if tensor.value == Some(a) {
+        basis.value = L::splat(1.0);
+    } else if a == 0 {
+        for i in 0..D {
+            let mut sum = inverse[i][0];
+            for j in 1..D {
+                sum += inverse[i][j];
+            }
+            basis.gradient[i] = -sum;
+        }
+    } else {
+        for i in 0..D {
+            basis.gradient[i] = inverse[i][a - 1];
+        }
+    }
+    basis
 }
 
 struct Compute<'a, 'd, K, const D: usize> {

@@ -23,6 +23,7 @@ mod functional;
 mod partition;
 mod place_map;
 mod receiver;
+mod reference_tensor;
 mod residual;
 mod scatter;
 mod sizes;

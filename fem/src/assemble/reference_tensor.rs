@@ -1,0 +1,186 @@
+//! Element matrices on affine cells whose coefficients are constant there, without a loop over points.
+//!
+//! On a simplex with straight edges, ∇φ_i = Σ_a c_a^i ∇λ_a with the barycentric coordinates λ_a, whose gradients
+//! are constant. The kernel's block is bilinear in the two basis functions, so that it is
+//! Σ_ab R_ab(i, j) B_ab with the blocks B_ab of the functions λ_a and λ_b, made per cell, and the reference
+//! tensor R_ab(i, j) = Σ_q w_q c_a^i(x_q) c_b^j(x_q), made once. A value of a basis function counts as one more
+//! direction. R is sparse: for quadratic elements a pair has one to four terms.
+
+use forms_core::contract::{BilinearKernel, Requirements};
+
+use super::walk::GroupSide;
+
+/// Entries of a block, at most, for which sums are kept in registers.
+pub(super) const LARGEST_BLOCK: usize = 16;
+
+/// R, for the pairs of nodes that are computed.
+pub(super) struct ReferenceTensor {
+    /// Number of directions: D + 1 gradients of barycentric coordinates, and the value.
+    pub directions: usize,
+    /// The direction that stands for the value.
+    pub value: Option<usize>,
+    /// Where the terms of each pair start, pair after pair in rows, and their end.
+    starts: Vec<u32>,
+    /// a · directions + b.
+    places: Vec<u32>,
+    coefficients: Vec<f64>,
+}
+
+impl ReferenceTensor {
+    /// The reference tensor of a kernel, if it may be used and takes fewer operations than the loop over points.
+    pub fn for_kernel<K: BilinearKernel<D>, const D: usize>(
+        side: &GroupSide<D>,
+        elements: [usize; 2],
+        weights: &[f64],
+        symmetric: bool,
+    ) -> Option<Self> {
+        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+        let requirements = K::REQUIREMENTS;
+        let suited = K::CELL_CONSTANT
+            && side.facet.is_none()
+            && side.geometry.nodes == D + 1
+            && !requirements.hessian
+            && entries <= LARGEST_BLOCK;
+        if !suited {
+            return None;
+        }
+        let tensor = Self::new(side, elements, weights, symmetric, &requirements);
+        let [rows, columns] = [0, 1].map(|k| side.elements[elements[k]].nodes);
+        let count = K::OPERATIONS;
+        let pairs = tensor.starts.len() - 1;
+        let nonzero = K::NONZERO.iter().filter(|nonzero| **nonzero).count();
+        let per_point =
+            count.point + rows * (count.test + D * D) + columns * count.trial + pairs * count.pair;
+        let loops = weights.len() * per_point + pairs * count.finish;
+        let directions = tensor.directions;
+        let blocks = directions * directions * (count.pair + count.finish);
+        let made = blocks + directions * (count.test + count.trial) + tensor.places.len() * nonzero;
+        (made < loops).then_some(tensor)
+    }
+
+    fn new<const D: usize>(
+        side: &GroupSide<D>,
+        elements: [usize; 2],
+        weights: &[f64],
+        symmetric: bool,
+        requirements: &Requirements,
+    ) -> Self {
+        let gradients = if requirements.basis_gradient { D + 1 } else { 0 };
+        let directions = gradients + usize::from(requirements.basis_value);
+        // Components of each node in the directions, at `(node * points + q) * directions`.
+        let components = |element: usize| -> Vec<f64> {
+            let table = &side.elements[element];
+            let mut all = Vec::with_capacity(table.nodes * weights.len() * directions);
+            for node in 0..table.nodes {
+                let slopes: Vec<[f64; D]> =
+                    (0..weights.len()).map(|q| table.gradient[q * table.nodes + node]).collect();
+                let barycentric = sparse_components(&slopes);
+                for q in 0..weights.len() {
+                    if gradients > 0 {
+                        all.extend(&barycentric[q * (D + 1)..(q + 1) * (D + 1)]);
+                    }
+                    if requirements.basis_value {
+                        all.push(table.value[q * table.nodes + node]);
+                    }
+                }
+            }
+            all
+        };
+        let (tests, trials) = (components(elements[0]), components(elements[1]));
+        let per_node = weights.len() * directions;
+        let mut tensor = ReferenceTensor {
+            directions,
+            value: requirements.basis_value.then_some(gradients),
+            starts: vec![0],
+            places: vec![],
+            coefficients: vec![],
+        };
+        for (i, test) in tests.chunks_exact(per_node).enumerate() {
+            for (j, trial) in trials.chunks_exact(per_node).enumerate() {
+                if symmetric && j < i {
+                    continue;
+                }
+                for a in 0..directions {
+                    for b in 0..directions {
+                        let (mut sum, mut scale) = (0.0_f64, 0.0_f64);
+                        for (q, weight) in weights.iter().enumerate() {
+                            let part = weight * test[q * directions + a] * trial[q * directions + b];
+                            sum += part;
+                            scale += part.abs();
+                        }
+                        // What is rounding only is zero.
+                        if sum.abs() > 1e-14 * scale {
+                            tensor.places.push((a * directions + b) as u32);
+                            tensor.coefficients.push(sum);
+                        }
+                    }
+                }
+                tensor.starts.push(tensor.places.len() as u32);
+            }
+        }
+        tensor
+    }
+
+    /// Number of pairs.
+    #[inline(always)]
+    pub fn pairs(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Places and coefficients of the terms of the `pair`-th pair.
+    #[inline(always)]
+    pub fn terms(&self, pair: usize) -> (&[u32], &[f64]) {
+        let range = self.starts[pair] as usize..self.starts[pair + 1] as usize;
+        (&self.places[range.clone()], &self.coefficients[range])
+    }
+}
+
+/// Components c_a of a gradient along ∇λ_0 … ∇λ_D at each point. Σ_a ∇λ_a = 0 leaves one of them free at each point:
+/// the choice that makes one of them zero everywhere and leaves the most zeros is taken.
+fn sparse_components<const D: usize>(slopes: &[[f64; D]]) -> Vec<f64> {
+    let largest = slopes.as_flattened().iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));
+    let negligible = 1e-14 * largest;
+    let mut best: Option<(usize, Vec<f64>)> = None;
+    for free in 0..=D {
+        let mut components = Vec::with_capacity(slopes.len() * (D + 1));
+        for slope in slopes {
+            let component = |a: usize| if a == 0 { 0.0 } else { slope[a - 1] };
+            let shift = component(free);
+            components.extend((0..=D).map(|a| {
+                let difference = component(a) - shift;
+                if difference.abs() <= negligible { 0.0 } else { difference }
+            }));
+        }
+        let directions =
+            (0..=D).filter(|a| components.iter().skip(*a).step_by(D + 1).any(|c| *c != 0.0)).count();
+        if best.as_ref().is_none_or(|(known, _)| directions < *known) {
+            best = Some((directions, components));
+        }
+    }
+    best.map(|(_, components)| components).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sparse_components;
+
+    #[test]
+    fn a_vertex_function_has_one_direction_and_an_edge_function_two() {
+        // P2 on the triangle at three points: φ_0 = λ_0 (2 λ_0 − 1), φ_01 = 4 λ_0 λ_1.
+        let points = [[0.2, 0.3], [0.1, 0.6], [0.5, 0.25]];
+        let count = |slopes: &[[f64; 2]]| -> usize {
+            let components = sparse_components(slopes);
+            for (slope, components) in slopes.iter().zip(components.chunks(3)) {
+                for k in 0..2 {
+                    // ∇λ_0 = (−1, −1), ∇λ_1 = (1, 0), ∇λ_2 = (0, 1).
+                    assert!((components[k + 1] - components[0] - slope[k]).abs() < 1e-14);
+                }
+            }
+            (0..3).filter(|a| components.chunks(3).any(|components| components[*a] != 0.0)).count()
+        };
+        let first = points.map(|[x, y]| [1.0 - 4.0 * (1.0 - x - y); 2]);
+        assert_eq!(count(&first), 1);
+        let edge = points.map(|[x, y]| [4.0 * (1.0 - x - y) - 4.0 * x, -4.0 * x]);
+        assert_eq!(count(&edge), 2);
+    }
+}
