@@ -39,7 +39,7 @@ impl Places {
     fn new(count: usize, longest_row: usize) -> Self {
         match longest_row {
             0..=0x100 => Places::Bytes(vec![0; count]),
-            ..=0x1_0000 => Places::Words(vec![0; count]),
+            0x101..=0x1_0000 => Places::Words(vec![0; count]),
             _ => Places::Long(vec![0; count]),
         }
     }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::partition::Partition;
 use super::place_map::{Place, PlaceMap, Places};
 use super::walk::GroupSide;
+use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -94,25 +95,32 @@ impl<const D: usize> MatrixScatter<'_, D> {
     }
 
     /// Adds the matrices of the entities from `first` on. `None`: a block is not in the pattern.
-    pub fn add(&self, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
+    pub fn add(&self, set: InstructionSet, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
+        set.checked().run(Addition { scatter: self, first, matrices, part })
+    }
+
+    #[inline(always)]
+    fn add_by<const BLOCK: usize>(&self, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
         let Some(map) = self.map else {
-            let search = Search { scatter: self, found: vec![0; self.nodes[1]] };
-            return self.add_rows(first, matrices, part, search);
+            let search = Search { scatter: self, found: vec![0; self.nodes[0] * self.nodes[1]] };
+            return self.add_rows::<BLOCK>(first, matrices, part, search);
         };
         match &map.places {
             Places::Bytes(places) => {
-                self.add_rows(first, matrices, part, Known { scatter: self, map, places })
+                self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
             Places::Words(places) => {
-                self.add_rows(first, matrices, part, Known { scatter: self, map, places })
+                self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
             Places::Long(places) => {
-                self.add_rows(first, matrices, part, Known { scatter: self, map, places })
+                self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
         }
     }
 
-    fn add_rows(
+    /// `BLOCK` values per block; 0 where the compiler does not know how many.
+    #[inline(always)]
+    fn add_rows<const BLOCK: usize>(
         &self,
         first: usize,
         matrices: &[f64],
@@ -120,30 +128,28 @@ impl<const D: usize> MatrixScatter<'_, D> {
         mut finder: impl Finder,
     ) -> Option<()> {
         let [height, width] = self.nodes;
+        let block = if BLOCK == 0 { self.block } else { BLOCK };
         let offset = self.entries(0..part.rows.start).end;
-        for (number, matrix) in matrices.chunks_exact(height * width * self.block).enumerate() {
+        for (number, matrix) in matrices.chunks_exact(height * width * block).enumerate() {
             let entity = first + number;
-            let rows = self.tests.of(entity).iter().zip(matrix.chunks_exact(width * self.block));
-            for (i, (&row, blocks)) in rows.enumerate() {
-                let places = finder.find(entity, i, row as usize)?;
-                if !part.rows.contains(&(row as usize)) {
-                    part.deferred.rows.push(row);
+            let places = finder.find(entity)?.chunks_exact(width);
+            let rows = self.tests.of(entity).iter().zip(matrix.chunks_exact(width * block)).zip(places);
+            for ((&row, blocks), places) in rows {
+                let row = row as usize;
+                if !part.rows.contains(&row) {
+                    part.deferred.rows.push(row as u32);
                     part.deferred.places.extend(places.iter().map(|place| place.index() as u32));
                     part.deferred.values.extend_from_slice(blocks);
                     continue;
                 }
-                let start = self.entries(row as usize..row as usize + 1);
-                if part.written <= row as usize {
-                    let written = self.entries(part.written..part.written).start;
-                    part.values[written - offset..start.end - offset].fill(0.0);
-                    part.written = row as usize + 1;
+                let ends = &self.blocks.pointers[row..row + 2];
+                let (start, end) = (ends[0] * block - offset, ends[1] * block - offset);
+                if part.written <= row {
+                    let written = self.blocks.pointers[part.written] * block - offset;
+                    part.values[written..end].fill(0.0);
+                    part.written = row + 1;
                 }
-                add_row(
-                    &mut part.values[start.start - offset..start.end - offset],
-                    places,
-                    blocks,
-                    self.block,
-                );
+                add_row::<_, BLOCK>(&mut part.values[start..end], places, blocks, block);
             }
         }
         Some(())
@@ -164,16 +170,40 @@ impl<const D: usize> MatrixScatter<'_, D> {
         let places = deferred.places.chunks_exact(width);
         let blocks = deferred.values.chunks_exact(width * self.block);
         for ((&row, places), blocks) in deferred.rows.iter().zip(places).zip(blocks) {
-            add_row(&mut values[self.entries(row as usize..row as usize + 1)], places, blocks, self.block);
+            let row = &mut values[self.entries(row as usize..row as usize + 1)];
+            add_row::<_, 0>(row, places, blocks, self.block);
         }
     }
 }
 
-/// Finds the places of the blocks of a row of an element matrix.
+/// The matrices of some entities, to be added. Sums of several numbers at once are the same as one by one.
+struct Addition<'a, 'v, const D: usize> {
+    scatter: &'a MatrixScatter<'a, D>,
+    first: usize,
+    matrices: &'a [f64],
+    part: &'a mut OwnRows<'v>,
+}
+
+impl<const D: usize> LaneWork for Addition<'_, '_, D> {
+    type Output = Option<()>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Option<()> {
+        let Addition { scatter, first, matrices, part } = self;
+        match scatter.block {
+            1 => scatter.add_by::<1>(first, matrices, part),
+            4 => scatter.add_by::<4>(first, matrices, part),
+            9 => scatter.add_by::<9>(first, matrices, part),
+            _ => scatter.add_by::<0>(first, matrices, part),
+        }
+    }
+}
+
+/// Finds the places of the blocks of an element matrix.
 trait Finder {
     type Place: Place;
-    /// Of an entity's i-th test node, which has this row; `None`: not in the pattern.
-    fn find(&mut self, entity: usize, i: usize, row: usize) -> Option<&[Self::Place]>;
+    /// Those of an entity, test node after test node; `None`: one is not in the pattern.
+    fn find(&mut self, entity: usize) -> Option<&[Self::Place]>;
 }
 
 /// Places looked up before.
@@ -186,15 +216,14 @@ struct Known<'a, P, const D: usize> {
 impl<P: Place, const D: usize> Finder for Known<'_, P, D> {
     type Place = P;
 
-    #[inline]
-    fn find(&mut self, entity: usize, i: usize, _: usize) -> Option<&[P]> {
-        let [height, width] = self.scatter.nodes;
+    #[inline(always)]
+    fn find(&mut self, entity: usize) -> Option<&[P]> {
+        let size = self.scatter.nodes[0] * self.scatter.nodes[1];
         let place = *self.map.walk.get(self.scatter.tests.cells[entity] as usize)?;
         if place == PlaceMap::ABSENT {
             return None;
         }
-        let start = (place as usize * height + i) * width;
-        Some(&self.places[start..start + width])
+        Some(&self.places[place as usize * size..][..size])
     }
 }
 
@@ -207,40 +236,35 @@ struct Search<'a, const D: usize> {
 impl<const D: usize> Finder for Search<'_, D> {
     type Place = u32;
 
-    fn find(&mut self, entity: usize, _: usize, row: usize) -> Option<&[u32]> {
-        let known = self.scatter.blocks.row(row);
-        for (found, node) in self.found.iter_mut().zip(self.scatter.trials.of(entity)) {
-            *found = known.binary_search(node).ok()? as u32;
+    fn find(&mut self, entity: usize) -> Option<&[u32]> {
+        let MatrixScatter { tests, trials, blocks, nodes, .. } = self.scatter;
+        for (row, found) in tests.of(entity).iter().zip(self.found.chunks_exact_mut(nodes[1])) {
+            let known = blocks.row(*row as usize);
+            for (found, node) in found.iter_mut().zip(trials.of(entity)) {
+                *found = known.binary_search(node).ok()? as u32;
+            }
         }
         Some(&self.found)
     }
 }
 
 /// Adds blocks to a row of the matrix at their places.
-#[inline]
-fn add_row<P: Place>(row: &mut [f64], places: &[P], blocks: &[f64], block: usize) {
-    match block {
-        1 => add_blocks::<P, 1>(row, places, blocks),
-        4 => add_blocks::<P, 4>(row, places, blocks),
-        9 => add_blocks::<P, 9>(row, places, blocks),
-        _ => {
-            for (place, values) in places.iter().zip(blocks.chunks_exact(block)) {
-                let start = place.index() * block;
-                for (sum, value) in row[start..start + block].iter_mut().zip(values) {
-                    *sum += value;
-                }
+#[inline(always)]
+fn add_row<P: Place, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: &[f64], block: usize) {
+    if BLOCK > 0 {
+        let (row, _) = row.as_chunks_mut::<BLOCK>();
+        let (blocks, _) = blocks.as_chunks::<BLOCK>();
+        for (place, values) in places.iter().zip(blocks) {
+            let sums = &mut row[place.index()];
+            for k in 0..BLOCK {
+                sums[k] += values[k];
             }
         }
+        return;
     }
-}
-
-#[inline]
-fn add_blocks<P: Place, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: &[f64]) {
-    let (row, _) = row.as_chunks_mut::<BLOCK>();
-    let (blocks, _) = blocks.as_chunks::<BLOCK>();
-    for (place, values) in places.iter().zip(blocks) {
-        let sums = &mut row[place.index()];
-        for (sum, value) in sums.iter_mut().zip(values) {
+    for (place, values) in places.iter().zip(blocks.chunks_exact(block)) {
+        let start = place.index() * block;
+        for (sum, value) in row[start..start + block].iter_mut().zip(values) {
             *sum += value;
         }
     }

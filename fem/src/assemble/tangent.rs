@@ -269,7 +269,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
                     let done = self.threads.run(parts, |(entities, mut part)| {
                         task.compute(kernel, self.set, entities, &mut |first, matrices| {
-                            scatter.add(first, matrices, &mut part).ok_or_else(missing)
+                            scatter.add(self.set, first, matrices, &mut part).ok_or_else(missing)
                         })?;
                         Ok(scatter.finish(part))
                     });

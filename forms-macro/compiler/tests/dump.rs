@@ -69,3 +69,24 @@ fn operations_of_poissons_equation() {
         }
     }
 }
+
+/// By hand, for the plan of Poisson's equation in two dimensions: point 1, trial 2, pair 2.
+#[test]
+fn ways_to_run_a_plan() {
+    let text = dump("balance:2");
+    let tangent = text.split("tangent on").nth(1).unwrap();
+    let numbers = |name: &str| -> Vec<String> {
+        let line = tangent.lines().find(|line| line.trim_start().starts_with(name)).unwrap();
+        line.split_whitespace().skip(2).map(ToString::to_string).collect()
+    };
+    // Four pairs of derivatives, each of pair 2, with 1 for the point and 2 per trial derivative; 6 pairs of nodes × 4. With
+    // six nodes 21 × 4.
+    let cell = 1 + 2 * 2 + 4 * 2;
+    let expected = ["-", "-", "-", "-", "-", &(cell + 24).to_string(), &(cell + 84).to_string(), "-", "-"];
+    assert_eq!(numbers("reference tensor"), expected);
+    // n nodes and q points along an axis: 2 × 2 kinds, n² q², and 2 × 2 kinds, n⁴ q.
+    let quadrilateral =
+        |n: usize, q: usize| (q * q * cell + 4 * n.pow(2) * q.pow(2) + 4 * n.pow(4) * q).to_string();
+    let expected = ["-", "-", "-", "-", "-", "-", "-", &quadrilateral(2, 2), &quadrilateral(3, 3)];
+    assert_eq!(numbers("sum factorisation"), expected);
+}

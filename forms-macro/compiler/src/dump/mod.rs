@@ -3,10 +3,12 @@
 
 pub mod checked;
 pub mod code;
+mod costs;
 pub mod counts;
 pub mod differentiated;
 pub mod optimised;
 mod tensors;
+mod ways;
 
 use proc_macro2::TokenStream;
 use quote::quote;

@@ -1,10 +1,10 @@
 //! After `optimise`: the scalars, and each integral with its plan and what the others would have cost.
 
-use super::Dump;
+use super::{Dump, costs};
 use crate::optimise::linear::{Coefficients, SidedField};
-use crate::optimise::plan::{BilinearPlan, Operations};
+use crate::optimise::plan::BilinearPlan;
 use crate::optimise::scalar::{Derivative, Graph, Node, Scalar};
-use crate::optimise::{BilinearIntegral, Candidate, Description, Optimised};
+use crate::optimise::{BilinearIntegral, Description, Optimised};
 use crate::parse::syntax::Module;
 use crate::tensor::{FieldInfo, Side};
 
@@ -29,10 +29,11 @@ impl Dump {
                     sided(integral.test, fields),
                     coefficients(&integral.flux)
                 );
+                self.text += &costs::of_linear(integral, optimised, module);
             }
         }
         for integral in &optimised.tangent {
-            self.text += &tangent(integral, module, fields);
+            self.text += &tangent(integral, graph, module, fields);
         }
         for (what, integrals) in [("switches", &optimised.switches), ("density", &optimised.density)] {
             for integral in integrals {
@@ -64,7 +65,7 @@ fn roots(optimised: &Optimised) -> Vec<Scalar> {
     roots
 }
 
-fn tangent(integral: &BilinearIntegral, module: &Module, fields: &[FieldInfo]) -> String {
+fn tangent(integral: &BilinearIntegral, graph: &Graph, module: &Module, fields: &[FieldInfo]) -> String {
     let mut text = format!(
         "tangent {}, {} with {}, {}\n",
         description(&integral.description, module),
@@ -72,7 +73,7 @@ fn tangent(integral: &BilinearIntegral, module: &Module, fields: &[FieldInfo]) -
         sided(integral.trial, fields),
         if integral.symmetric { "symmetric" } else { "not proved symmetric" }
     );
-    text += &costs(&integral.candidates);
+    text += &costs::of_bilinear(integral, graph, module);
     let BilinearPlan { tests, trials, sums, block } = &integral.plan;
     text += &format!("  test factors: {}\n  trial factors: {}\n", list(tests), list(trials));
     for (index, products) in sums.iter().enumerate() {
@@ -81,31 +82,6 @@ fn tangent(integral: &BilinearIntegral, module: &Module, fields: &[FieldInfo]) -
         text += &format!("  A{index} = Σ {}\n", products.collect::<Vec<_>>().join(" + "));
     }
     text += &format!("  block: {}\n", list(block));
-    text
-}
-
-/// What each plan costs, per call and per element.
-fn costs(candidates: &[Candidate]) -> String {
-    let mut text = String::from("  operations:  ");
-    for name in ["point", "test", "trial", "pair", "finish"] {
-        text += &format!("{name:>8}");
-    }
-    for (element, points, _) in candidates.iter().flat_map(|one| &one.costs).take(4) {
-        text += &format!("  {} ({points})", element.name);
-    }
-    text.push('\n');
-    for candidate in candidates {
-        let Operations { point, test, trial, pair, finish } = candidate.operations;
-        text += &format!("  {:<13}", candidate.name);
-        for count in [point, test, trial, pair, finish] {
-            text += &format!("{count:>8}");
-        }
-        for (element, points, cost) in &candidate.costs {
-            let width = format!("  {} ({points})", element.name).len();
-            text += &format!("{cost:>width$}");
-        }
-        text.push('\n');
-    }
     text
 }
 

@@ -155,7 +155,7 @@ fn cheaper(first: Candidate, second: Candidate) -> Candidate {
 
 /// How many products are taken out, and how many are tried for each.
 const MOST_PRODUCTS: usize = 8;
-const MOST_TRIED: usize = 12;
+const MOST_TRIED: usize = 8;
 
 /// Products that are taken out one by one, at each step the one that leaves the cheapest plan. A step may cost a
 /// little where a later one gains more.
