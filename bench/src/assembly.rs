@@ -86,6 +86,9 @@ pub struct Measured {
     pub program: String,
     /// Its version.
     pub version: String,
+    /// Number of threads, if it is not one.
+    #[serde(default)]
+    pub threads: Option<usize>,
     /// Unknowns.
     pub unknowns: usize,
     /// The matrix's Frobenius norm.
@@ -184,6 +187,7 @@ where
     let mut measured = Measured {
         program: if threads == 1 { "forms-fem".to_owned() } else { format!("forms-fem, {threads} threads") },
         version: env!("CARGO_PKG_VERSION").to_owned(),
+        threads: (threads > 1).then_some(threads),
         unknowns: space.unknowns(),
         norm: matrix.values().iter().map(|value| value * value).sum::<f64>().sqrt(),
         matrix_bytes: Some(matrix.memory() + matrix.sparsity().memory()),

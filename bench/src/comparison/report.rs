@@ -161,7 +161,8 @@ impl Report {
         let mut any = false;
         for row in &self.assembly {
             let Some((ours, peers)) = row.programs.split_first() else { continue };
-            for peer in peers {
+            // Ours on more threads is in the table.
+            for peer in peers.iter().filter(|peer| peer.threads.is_none()) {
                 let ratio = median(&peer.reassembly) / median(&ours.reassembly);
                 if ratio.is_finite() {
                     (chart, any) =
