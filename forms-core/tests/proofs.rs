@@ -61,6 +61,14 @@ pub mod forms_to_judge {
         let J = det(F);
         integral(Omega, mu / 2 * (inner(F, F) - D) - mu * ln(J) + lambda / 2 * pow(ln(J), 2))
     }
+    pub fn neo_hooke_by_hand(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let F = I + grad(u);
+        let H = transpose(inv(F));
+        integral(Omega, inner(mu * (F - H) + lambda * ln(det(F)) * H, grad(v)))
+    }
+    pub fn vector_laplacian(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, exp(gap) * inner(grad(u), grad(v)))
+    }
     /// Saint Venant–Kirchhoff, its stress typed by hand: F (2μ E + λ tr E I).
     pub fn piola_by_hand(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let F = I + grad(u);
@@ -144,6 +152,10 @@ struct Told {
     integrals: Vec<Integral>,
     /// Numbers kept per cell, point, and node pair (tangents only: zeros for residuals).
     sizes: Vec<[usize; 3]>,
+    /// Products per pair, which coefficients are constant on the cell, which entries can be other than zero (tangents only).
+    products: Vec<usize>,
+    constant: Vec<bool>,
+    nonzero: Vec<&'static [bool]>,
 }
 
 impl<const D: usize> LinearVisitor<D> for Told {
@@ -161,6 +173,9 @@ impl<const D: usize> BilinearVisitor<D> for Told {
         self.integrals.push(*integral);
         let sizes = [size_of::<K::Cell<f64>>(), size_of::<K::Point<f64>>(), size_of::<K::Accumulator<f64>>()];
         self.sizes.push(sizes.map(|size| size / 8));
+        self.products.push(K::OPERATIONS.pair);
+        self.constant.push(K::CELL_CONSTANT);
+        self.nonzero.push(K::NONZERO);
         Ok(())
     }
 }
@@ -297,6 +312,34 @@ fn what_is_constant_on_a_cell_is_computed_there() {
     assert_eq!(tangent(&form!(elasticity, 2, Omega)).sizes, [[0, 1, 4]]);
     // With a field in it, the factor times the weight is one number per point, its cell part one per cell.
     assert_eq!(tangent(&form!(at_the_point, 3, Omega)).sizes, [[1, 1, 1]]);
+}
+
+#[test]
+fn blocks_cost_what_their_algebra_needs() {
+    // By hand, in D dimensions. A vector Laplacian is one sum of D products, a mass matrix one product; the entries off the
+    // diagonal are zero.
+    for told in [tangent(&form!(vector_laplacian, 2, Omega)), tangent(&form!(vector_laplacian, 3, Omega))] {
+        let d = told.products[0];
+        assert_eq!(told.sizes[0][2], 1);
+        assert_eq!(told.constant, [false]);
+        let diagonal: Vec<bool> = (0..d * d).map(|entry| entry / d == entry % d).collect();
+        assert_eq!(told.nonzero[0], diagonal);
+    }
+    assert_eq!(tangent(&form!(vector_laplacian, 3, Omega)).products, [3]);
+    assert_eq!(tangent(&form!(mass, 3, Omega)).products, [1]);
+    // S_kl: D².
+    assert_eq!(tangent(&form!(elasticity, 3, Omega)).products, [9]);
+    assert_eq!(tangent(&form!(elasticity, 3, Omega)).constant, [true]);
+    // neo-Hooke: μ ∇φ·∇φ, linear; then (cof F ∇φ) ⊗ (cof F ∇φ), D², and ∂² det: none on the diagonal, three sums of three in
+    // three dimensions, one of two in two.
+    assert_eq!(tangent(&form!(neo_hooke, 3, Omega)).products, [3, 9 + 9]);
+    assert_eq!(tangent(&form!(neo_hooke, 2, Omega)).products, [2, 4 + 2]);
+    assert_eq!(tangent(&form!(neo_hooke, 3, Omega)).constant, [true, false]);
+    // Its stress with F⁻ᵀ, all in one integral: the identity's sum and two products per entry.
+    assert_eq!(tangent(&form!(neo_hooke_by_hand, 3, Omega)).products, [3 + 2 * 9]);
+    // Contact: σ_n and the pressure once per basis function, then one product per entry.
+    assert_eq!(tangent(&form!(contact, 3, GammaC)).products, [9]);
+    assert_eq!(tangent(&form!(nitsche, 3, Omega, GammaC)).products, [9, 9]);
 }
 
 /// The degree of the integral at `index`, for fields of degree 2, a geometry of degree 2.

@@ -10,6 +10,7 @@ pub mod linear;
 pub mod plan;
 mod polynomial;
 mod rank_one;
+mod reach;
 #[cfg(test)]
 pub use polynomial::equal as equal_scalars;
 pub mod scalar;

@@ -151,6 +151,27 @@ impl Graph {
         scalar
     }
 
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Forgets all nodes but the first `length`: those of an attempt that is given up.
+    pub fn truncate(&mut self, length: usize) {
+        for node in self.nodes.drain(length..) {
+            self.size -= node.size();
+            self.known.remove(&node);
+        }
+    }
+
+    /// The coefficient of a sum's first term; what else is there is one.
+    pub fn leading(&self, scalar: Scalar) -> f64 {
+        match self.combination(scalar).terms.first() {
+            Some((leading, _)) => *leading,
+            None => self.value(scalar).unwrap_or(1.0),
+        }
+    }
+
     pub fn number(&mut self, value: f64) -> Scalar {
         // One zero, not two.
         self.intern(Node::Number((value + 0.0).to_bits()))
@@ -376,105 +397,6 @@ impl Graph {
             Some(false) => b,
             None => self.intern(Node::Select(truth, a, b)),
         }
-    }
-
-    /// The nodes that a node is made of.
-    pub fn operands(&self, scalar: Scalar) -> Vec<Scalar> {
-        let mut operands = Vec::new();
-        self.each_operand(scalar, |operand| operands.push(operand));
-        operands
-    }
-
-    /// Hands over the nodes that a node is made of.
-    fn each_operand(&self, scalar: Scalar, mut take: impl FnMut(Scalar)) {
-        match self.node(scalar) {
-            Node::Sum { terms, .. } => terms.iter().for_each(|(_, term)| take(*term)),
-            Node::Product(factors) => factors.iter().for_each(|(factor, _)| take(*factor)),
-            Node::Apply(_, a) | Node::Not(a) => take(*a),
-            Node::Power(a, b)
-            | Node::Atan2(a, b)
-            | Node::Minimum(a, b)
-            | Node::Maximum(a, b)
-            | Node::Less(a, b)
-            | Node::LessEqual(a, b)
-            | Node::Equal(a, b)
-            | Node::And(a, b)
-            | Node::Or(a, b) => [a, b].into_iter().for_each(|operand| take(*operand)),
-            Node::Select(truth, a, b) => [truth, a, b].into_iter().for_each(|operand| take(*operand)),
-            Node::External { inputs, .. } => inputs.iter().for_each(|input| take(*input)),
-            _ => {}
-        }
-    }
-
-    /// Every node that `roots` are made of, operands first.
-    pub fn reachable(&self, roots: &[Scalar]) -> Vec<Scalar> {
-        let mut seen = vec![false; self.nodes.len()];
-        let mut pending = roots.to_vec();
-        while let Some(scalar) = pending.pop() {
-            if !std::mem::replace(&mut seen[scalar.0 as usize], true) {
-                self.each_operand(scalar, |operand| pending.push(operand));
-            }
-        }
-        (0..self.nodes.len() as u32).map(Scalar).filter(|scalar| seen[scalar.0 as usize]).collect()
-    }
-
-    /// How many nodes there are.
-    pub fn len(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// Forgets all nodes but the first `length`: those of an attempt that is given up.
-    pub fn truncate(&mut self, length: usize) {
-        for node in self.nodes.drain(length..) {
-            self.size -= node.size();
-            self.known.remove(&node);
-        }
-    }
-
-    /// Which nodes hold a terminal for which `test` is true: operands stand before what is made of them.
-    pub fn mark(&self, test: impl Fn(&Node) -> bool) -> Vec<bool> {
-        let mut marks = vec![false; self.nodes.len()];
-        for index in 0..self.nodes.len() {
-            let mut mark = test(&self.nodes[index]);
-            self.each_operand(Scalar(index as u32), |operand| mark |= marks[operand.0 as usize]);
-            marks[index] = mark;
-        }
-        marks
-    }
-
-    /// Which nodes hold a node, or are it.
-    pub fn mark_above(&self, node: Scalar) -> Vec<bool> {
-        let mut marks = vec![false; self.nodes.len()];
-        marks[node.0 as usize] = true;
-        for index in node.0 as usize + 1..self.nodes.len() {
-            let mut mark = false;
-            self.each_operand(Scalar(index as u32), |operand| mark |= marks[operand.0 as usize]);
-            marks[index] = mark;
-        }
-        marks
-    }
-
-    /// The coefficient of a sum's first term; what else is there is one.
-    pub fn leading(&self, scalar: Scalar) -> f64 {
-        match self.combination(scalar).terms.first() {
-            Some((leading, _)) => *leading,
-            None => self.value(scalar).unwrap_or(1.0),
-        }
-    }
-
-    /// Does the expression hold a terminal for which `test` is true?
-    pub fn depends(&self, root: Scalar, test: impl Fn(&Node) -> bool) -> bool {
-        let mut seen = vec![false; root.0 as usize + 1];
-        let mut pending = vec![root];
-        while let Some(scalar) = pending.pop() {
-            if !std::mem::replace(&mut seen[scalar.0 as usize], true) {
-                if test(self.node(scalar)) {
-                    return true;
-                }
-                self.each_operand(scalar, |operand| pending.push(operand));
-            }
-        }
-        false
     }
 }
 
