@@ -4,18 +4,19 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Instant;
 
-use forms_fem::assemble::{Assembler, BlockPattern, Parts};
+use forms_fem::assemble::{Assembler, BlockPattern, Parts, TangentAction};
 use forms_fem::contract::Form;
 use forms_fem::element::CellShape;
 use forms_fem::field::Field;
 use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::mesh::{Mesh, annulus, cuboid, rectangle};
 use forms_fem::quadrature::Quadrature;
+use forms_fem::solve::{FormProblem, NonlinearProblem};
 use forms_fem::space::Space;
 use forms_fem::threads::Threads;
 use serde::{Deserialize, Serialize};
 
-use crate::forms::given::{contact_with_gap, elasticity};
+use crate::forms::given::{body_in_contact, elasticity};
 
 /// λ, μ as in the peers' scripts, and γ₀.
 const CONSTANTS: [f64; 3] = [1.2, 0.8, 10.0];
@@ -85,6 +86,9 @@ pub struct Measured {
     pub program: String,
     /// Its version.
     pub version: String,
+    /// Number of threads, if it is not one.
+    #[serde(default)]
+    pub threads: Option<usize>,
     /// Unknowns.
     pub unknowns: usize,
     /// The matrix's Frobenius norm.
@@ -96,6 +100,12 @@ pub struct Measured {
     /// Residual at a field.
     #[serde(default)]
     pub residual: Vec<f64>,
+    /// The tangent times a vector without a matrix.
+    #[serde(default)]
+    pub action: Vec<f64>,
+    /// The matrix times a vector.
+    #[serde(default)]
+    pub product: Vec<f64>,
     /// Largest memory of the process \[byte\].
     #[serde(default)]
     pub peak_bytes: Option<usize>,
@@ -113,9 +123,9 @@ pub struct ContactUpdate {
     pub facets: usize,
     /// Unknowns.
     pub unknowns: usize,
-    /// Adding the contact integrals' tangent to a matrix \[s\].
+    /// The tangent of the next iterate, updated in place \[s\].
     pub update: Vec<f64>,
-    /// Assembling the elasticity again, for comparison \[s\].
+    /// Assembling everything again, for comparison \[s\].
     pub reassembly: Vec<f64>,
 }
 
@@ -177,17 +187,34 @@ where
     let mut measured = Measured {
         program: if threads == 1 { "forms-fem".to_owned() } else { format!("forms-fem, {threads} threads") },
         version: env!("CARGO_PKG_VERSION").to_owned(),
+        threads: (threads > 1).then_some(threads),
         unknowns: space.unknowns(),
         norm: matrix.values().iter().map(|value| value * value).sum::<f64>().sqrt(),
         matrix_bytes: Some(matrix.memory() + matrix.sparsity().memory()),
         peak_bytes: peak_memory(),
         ..Measured::default()
     };
+    let action = TangentAction::new(&assembler, &form, &[&u]);
+    let direction: Vec<f64> = (0..space.unknowns()).map(|k| (k as f64).sin()).collect();
+    let mut by_action = vec![0.0; direction.len()];
+    let mut by_matrix = by_action.clone();
     for _ in 0..samples {
         let again =
             || Ok(assembler.assemble_tangent(&form, &[&u], &spaces, Parts::ALL, &pattern, &mut matrix)?);
         measured.reassembly.push(timed(again)?.0);
         measured.residual.push(timed(|| Ok(assembler.residual(&form, &[&u], &spaces)?))?.0);
+        measured.action.push(timed(|| Ok(action.apply(&direction, &mut by_action)?))?.0);
+        measured.product.push(
+            timed(|| {
+                by_matrix = matrix.multiply(&direction)?;
+                Ok(())
+            })?
+            .0,
+        );
+    }
+    let difference = by_action.iter().zip(&by_matrix).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    if difference > 1e-10 * measured.norm {
+        return Err(format!("action and matrix differ by {difference}").into());
     }
     drop((pattern, matrix));
     for _ in 0..samples {
@@ -204,33 +231,26 @@ where
 /// As [`measure`].
 pub fn measure_contact(across: usize, samples: usize) -> Result<ContactUpdate, Box<dyn Error>> {
     let mesh = ring(across)?;
-    let facets = mesh.facet_region("outer")?.to_vec();
+    let facets = mesh.facet_region("outer")?.len();
     let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
-    let (stiffness, boundary) =
-        (elasticity::<2>(&CONSTANTS), contact_with_gap::<2>(&CONSTANTS, "outer", -0.001));
+    // The gap is negative: every facet is in contact.
+    let form = body_in_contact::<2>(&CONSTANTS, "outer", -0.001);
+    let mut problem = FormProblem::new(&form, &assembler, &space)?;
     let (u, spaces) = (Field::zero(&space), [&space]);
-    let pattern = BlockPattern::for_form(&stiffness, &spaces, &spaces)?;
+    let pattern = problem.pattern().clone();
     let mut matrix = BlockMatrix::zero(pattern.sparsity());
-    let mut found = ContactUpdate {
-        across,
-        facets: facets.len(),
-        unknowns: space.unknowns(),
-        update: vec![],
-        reassembly: vec![],
-    };
-    let reassemble = |matrix: &mut BlockMatrix| -> Result<(), Box<dyn Error>> {
-        Ok(assembler.assemble_tangent(&stiffness, &[&u], &spaces, Parts::ALL, &pattern, matrix)?)
-    };
-    let update = |matrix: &mut BlockMatrix| -> Result<(), Box<dyn Error>> {
-        Ok(assembler.add_tangent(&boundary, &[&u], &spaces, Parts::NONLINEAR, &pattern, matrix)?)
-    };
-    reassemble(&mut matrix)?;
-    update(&mut matrix)?;
+    let mut found =
+        ContactUpdate { across, facets, unknowns: space.unknowns(), update: vec![], reassembly: vec![] };
+    problem.tangent(u.values())?;
     for _ in 0..samples {
-        found.reassembly.push(timed(|| reassemble(&mut matrix))?.0);
-        found.update.push(timed(|| update(&mut matrix))?.0);
+        let whole =
+            || Ok(assembler.assemble_tangent(&form, &[&u], &spaces, Parts::ALL, &pattern, &mut matrix)?);
+        found.reassembly.push(timed(whole)?.0);
+        let start = Instant::now();
+        problem.tangent(u.values())?;
+        found.update.push(start.elapsed().as_secs_f64());
     }
     Ok(found)
 }

@@ -1,5 +1,7 @@
 //! Element matrices and vectors of a batch of cells in the layouts of FFCx: prepared once per kernel and thread.
 
+use std::marker::PhantomData;
+
 use forms_fem::assemble::{AssemblyError, ElementCells, ElementKernel, ElementLayout, FieldLayout, Sizes};
 use forms_fem::contract::Form;
 use forms_fem::element::{CellShape, Lagrange};
@@ -119,19 +121,55 @@ pub trait Batch {
     fn run(&mut self, cells: &ElementCells, results: &mut [f64]) -> Result<(), AssemblyError>;
 }
 
-struct Prepared<F, S, const D: usize> {
-    kernel: ElementKernel<F, S, D>,
-    output: Output,
-    shape: CellShape,
+/// Which of a form's kernels are compiled: a type, so that those of the other kind are not.
+pub trait Computed: 'static {
+    /// Runs them.
+    ///
+    /// # Errors
+    /// What the form or its data have to say.
+    fn run<F: Form<D>, S: Sizes, const D: usize>(
+        kernel: &mut ElementKernel<F, S, D>,
+        cells: &ElementCells,
+        results: &mut [f64],
+    ) -> Result<(), AssemblyError>;
 }
 
-impl<F: Form<D>, S: Sizes, const D: usize> Batch for Prepared<F, S, D> {
+/// Element matrices.
+pub struct Tangent;
+
+/// Element vectors.
+pub struct Residual;
+
+impl Computed for Tangent {
+    fn run<F: Form<D>, S: Sizes, const D: usize>(
+        kernel: &mut ElementKernel<F, S, D>,
+        cells: &ElementCells,
+        results: &mut [f64],
+    ) -> Result<(), AssemblyError> {
+        kernel.matrices(cells, results)
+    }
+}
+
+impl Computed for Residual {
+    fn run<F: Form<D>, S: Sizes, const D: usize>(
+        kernel: &mut ElementKernel<F, S, D>,
+        cells: &ElementCells,
+        results: &mut [f64],
+    ) -> Result<(), AssemblyError> {
+        kernel.vectors(cells, results)
+    }
+}
+
+struct Prepared<C, F, S, const D: usize> {
+    kernel: ElementKernel<F, S, D>,
+    shape: CellShape,
+    computed: PhantomData<C>,
+}
+
+impl<C: Computed, F: Form<D>, S: Sizes, const D: usize> Batch for Prepared<C, F, S, D> {
     fn run(&mut self, cells: &ElementCells, results: &mut [f64]) -> Result<(), AssemblyError> {
         let cells = ElementCells { facet: our_facet(self.shape, cells.facet), ..*cells };
-        match self.output {
-            Output::Tangent => self.kernel.matrices(&cells, results),
-            Output::Residual => self.kernel.vectors(&cells, results),
-        }
+        C::run(&mut self.kernel, &cells, results)
     }
 }
 
@@ -139,12 +177,12 @@ impl<F: Form<D>, S: Sizes, const D: usize> Batch for Prepared<F, S, D> {
 ///
 /// # Errors
 /// No such rule, or a form that does not fit.
-pub fn prepare<F: Form<D> + 'static, S: Sizes, const D: usize>(
+pub fn prepare<C: Computed, F: Form<D> + 'static, S: Sizes, const D: usize>(
     setting: &Setting,
     form: F,
 ) -> Result<Box<dyn Batch>, BatchError> {
     let layout = setting.layout(&form);
     let rule = quadrature(setting.shape, setting.rule)?;
     let kernel = ElementKernel::<F, S, D>::with_sizes(form, layout, &rule)?;
-    Ok(Box::new(Prepared { kernel, output: setting.output, shape: setting.shape }))
+    Ok(Box::new(Prepared { kernel, shape: setting.shape, computed: PhantomData::<C> }))
 }

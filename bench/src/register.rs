@@ -69,7 +69,7 @@ macro_rules! register {
                 }
             }
             fn ready(constants: &[f64; CONSTANTS]) -> Result<(Lengths, Box<dyn Batch>), BatchError> {
-                Ok((lengths(), prepare::<_, Sizes, D>(&SETTING, form(constants))?))
+                Ok((lengths(), prepare::<$crate::element_batch::$output, _, Sizes, D>(&SETTING, form(constants))?))
             }
             // SAFETY: the symbol is this kernel's alone, for the names in a basket differ.
             #[unsafe(export_name = concat!("batch_", stringify!($name)))]

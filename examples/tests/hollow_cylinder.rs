@@ -169,7 +169,7 @@ fn a_failure_is_explained() {
 #[test]
 fn wrong_options_are_one_line_and_a_code() {
     let directory = tempfile::tempdir().expect("a directory");
-    let cases: [(&[&str], &str); 23] = [
+    let cases: [(&[&str], &str); 24] = [
         (&["--radial", "many"], "--radial"),
         (&["--radial", "0"], "radial"),
         (&["--radial", "-3"], "--radial"),
@@ -187,6 +187,7 @@ fn wrong_options_are_one_line_and_a_code() {
         (&["--degree", "1000"], "degree"),
         (&["--xi", "-0.1"], "xi"),
         (&["--xi"], "--xi"),
+        (&["--threads", "0"], "at least one thread"),
         (&["--json", ""], "--json"),
         (&["--colour", "blue"], "--colour"),
         (&["--young", "1\n2"], "--young"),

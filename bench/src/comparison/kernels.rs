@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::process::{environment_python, output, peers, succeeds, system_python, workspace};
 use super::{ComparisonError, Options, Report};
+use crate::basket::BASKET;
 
 /// How the harness names our plugin.
 const OURS: &str = "ours";
@@ -75,13 +76,13 @@ fn variants(report: &mut Report) -> Vec<&'static str> {
     let clang = succeeds("clang", &["--version"]);
     let old = succeeds(system_python(), &["-c", "import ffcx.parameters"]);
     if clang {
-        variants.push("clang_O3n_fm");
+        variants.extend(["clang_O3n", "clang_O3n_fm"]);
     } else {
         report.missing.push(("clang".to_owned(), "package clang".to_owned()));
     }
     if old {
         variants.extend(["old_gcc_O2", "old_gcc_O3n_fm"]);
-        variants.extend(clang.then_some("old_clang_O3n_fm"));
+        variants.extend(clang.then_some(["old_clang_O3n", "old_clang_O3n_fm"]).into_iter().flatten());
     } else {
         report.missing.push(("FFCx 0.5.0".to_owned(), "Debian 12's package python3-ffcx".to_owned()));
     }
@@ -138,6 +139,9 @@ fn read(text: &str) -> Result<Vec<KernelRow>, ComparisonError> {
         };
         rows.push(KernelRow { form, ours, best: (name, best), variants });
     }
+    // In the basket's order, then what it does not have.
+    let place = |form: &str| BASKET.iter().position(|entry| entry.name == form).unwrap_or(BASKET.len());
+    rows.sort_by_key(|row| place(&row.form));
     Ok(rows)
 }
 

@@ -38,14 +38,7 @@ impl Machine {
                 &["-c", "from importlib.metadata import version; print(version('fenics-ffcx'))"],
             ),
             ("DOLFINx", &system, &["-c", dolfinx]),
-            (
-                "GetFEM",
-                &system,
-                &[
-                    "-c",
-                    "import getfem; print(getfem.__version__ if hasattr(getfem, '__version__') else '5.4')",
-                ],
-            ),
+            ("GetFEM", &system, &["-c", "import getfem; print(getfem.getfem_env('version'))"]),
             ("scikit-fem", &environment, &["-c", "import skfem; print(skfem.__version__)"]),
         ];
         let versions = commands

@@ -2,7 +2,7 @@
 
 use forms_fem::prelude::*;
 
-/// The integral over the contact boundary alone.
+/// The integral over the contact boundary, alone and with the body.
 #[forms]
 pub mod small_strain_contact {
     /// Moduli, penalty, and the gap.
@@ -17,12 +17,19 @@ pub mod small_strain_contact {
         pub gap: Given<Scalar>,
     }
 
+    /// Ω.
+    #[cells]
+    pub struct Omega;
     /// Γ_C.
     #[facets]
     pub struct GammaC;
 
+    fn stress(w: Vector) -> Tensor {
+        2 * mu * eps(w) + lambda * div(w) * I
+    }
+
     fn normal_stress(w: Vector) -> Scalar {
-        dot(n, (2 * mu * eps(w) + lambda * div(w) * I) * n)
+        dot(n, stress(w) * n)
     }
 
     /// With P = σ_n(u) − γ (u_n − g): ∫ (1/γ) σ_n(u) σ_n(v) + (1/γ) min(P, 0) (−σ_n(v) − γ v_n).
@@ -31,5 +38,9 @@ pub mod small_strain_contact {
         let pressure = min(normal_stress(u) - gamma * (dot(u, n) - gap), 0);
         let tested = -normal_stress(v) - gamma * dot(v, n);
         integral(GammaC, normal_stress(u) * normal_stress(v) / gamma + pressure * tested / gamma)
+    }
+    /// An elastic body in contact: what Newton's method solves.
+    pub fn body(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(stress(u), eps(v))) + nitsche(u, v)
     }
 }

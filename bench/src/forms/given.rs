@@ -32,17 +32,19 @@ pub fn neo_hookean<const D: usize>(c: &[f64]) -> rubber::energy::Form<D> {
 
 /// [`small_strain_contact::nitsche`] for a kernel that reads the gap from a list.
 pub fn contact<const D: usize>(c: &[f64]) -> small_strain_contact::nitsche::Form<D> {
-    contact_with_gap(c, FACETS, UNREAD)
+    let data = small_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: UNREAD.into() };
+    small_strain_contact::nitsche(&data, &small_strain_contact::GammaC::on(FACETS))
 }
 
-/// [`small_strain_contact::nitsche`] on a facet region with one gap \[length\] everywhere.
-pub fn contact_with_gap<const D: usize>(
+/// [`small_strain_contact::body`] with one gap \[length\] everywhere on a facet region.
+pub fn body_in_contact<const D: usize>(
     c: &[f64],
     region: &str,
     gap: f64,
-) -> small_strain_contact::nitsche::Form<D> {
+) -> small_strain_contact::body::Form<D> {
     let data = small_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: gap.into() };
-    small_strain_contact::nitsche(&data, &small_strain_contact::GammaC::on(region))
+    let (omega, contact) = (small_strain_contact::Omega::on(CELLS), small_strain_contact::GammaC::on(region));
+    small_strain_contact::body(&data, &omega, &contact)
 }
 
 /// [`finite_strain_contact::nitsche`] for a kernel that reads the gap from a list.
