@@ -282,6 +282,3 @@ pub fn quadrature<const D: usize>(shape: CellShape, degree: usize) -> Result<Qua
     };
     Ok(Quadrature::Explicit { cell, facet })
 }
-
-#[cfg(test)]
-mod tests;

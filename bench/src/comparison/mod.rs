@@ -12,7 +12,7 @@ use forms_fem::output::picture::PictureError;
 use thiserror::Error;
 
 pub use assembly::{AssemblyRow, ContactRow, WORKER, work};
-pub use kernels::{KernelRow, Timing};
+pub use kernels::{KernelRow, Timing, read_timings};
 pub use machine::Machine;
 pub use report::Report;
 

@@ -1,15 +1,24 @@
-//! Against what basix itself says (`data/basix.json`, written by `peers/write_basix.py`).
+//! Basix's conventions as we have them against what basix itself says (`data/basix.json`, written by
+//! `peers/write_basix.py`).
 
 use std::collections::BTreeMap;
 
-use forms_fem::element::Lagrange;
-
-use super::*;
+use forms_bench::basix::{NodeOrder, RuleError, our_facet, our_node_numbers, point_count, quadrature};
+use forms_bench::element_batch::Entities;
+use forms_fem::element::{CellShape, Lagrange};
+use forms_fem::quadrature::{Quadrature, QuadratureRule, cell_rule, facet_reference_rule};
+use serde::Deserialize;
 
 #[derive(Deserialize)]
 struct Everything {
     shapes: BTreeMap<String, Shape>,
     rules: BTreeMap<String, Vec<WrittenRule>>,
+}
+
+#[derive(Deserialize)]
+struct WrittenRule {
+    points: Vec<Vec<f64>>,
+    weights: Vec<f64>,
 }
 
 #[derive(Deserialize)]
@@ -20,7 +29,7 @@ struct Shape {
 }
 
 fn everything() -> Everything {
-    serde_json::from_str(include_str!("../../data/basix.json")).expect("the file is JSON")
+    serde_json::from_str(include_str!("../data/basix.json")).expect("the file is JSON")
 }
 
 fn check_nodes<const D: usize>(shape: CellShape, degree: usize) {
