@@ -228,22 +228,32 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     /// Loads `filled` of the group's entities (at most one per lane, at least one) from `start` on, and gives
     /// what is constant on their cells. Other lanes repeat the last entity.
     #[inline(always)]
-    pub fn load<S: Sizes>(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
+    pub fn load<S: Sizes>(
+        &mut self,
+        requirements: &Requirements,
+        start: usize,
+        filled: usize,
+    ) -> CellGeometry<L> {
         if S::SHARED {
             L::call(Load { batch: self, start, filled })
         } else {
-            self.load_here::<S>(start, filled)
+            self.load_here::<S>(requirements, start, filled)
         }
     }
 
     #[inline(always)]
-    fn load_here<S: Sizes>(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
+    fn load_here<S: Sizes>(
+        &mut self,
+        requirements: &Requirements,
+        start: usize,
+        filled: usize,
+    ) -> CellGeometry<L> {
         self.filled = filled;
         let sides = if self.two_sided() { 2 } else { 1 };
         for side in 0..sides {
             self.buffers.sides[side].load::<S>(&self.tables[side], self.cells, start, filled);
         }
-        self.load_coefficients(start);
+        self.load_coefficients(requirements, start);
         self.affine = None;
         if self.tables[0].affine {
             for side in 0..sides {
@@ -258,13 +268,12 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 }
             });
         }
-        self.cell_geometry::<S>()
+        self.cell_geometry::<S>(requirements)
     }
 
     #[inline(always)]
-    fn cell_geometry<S: Sizes>(&mut self) -> CellGeometry<L> {
+    fn cell_geometry<S: Sizes>(&mut self, requirements: &Requirements) -> CellGeometry<L> {
         let zero = L::splat(0.0);
-        let requirements = &self.requirements;
         let mut geometry = CellGeometry {
             diameter: zero,
             cell_volume: zero,
@@ -315,14 +324,22 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
 
     /// Moves to the q-th point: geometry, basis functions, fields.
     #[inline(always)]
-    pub fn point<S: Sizes>(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
-        if S::SHARED { L::call(Point { batch: self, q }) } else { self.point_here::<S>(q) }
+    pub fn point<S: Sizes>(
+        &mut self,
+        requirements: &Requirements,
+        q: usize,
+    ) -> Result<PointGeometry<L, D>, AssemblyError> {
+        if S::SHARED { L::call(Point { batch: self, q }) } else { self.point_here::<S>(requirements, q) }
     }
 
     #[inline(always)]
-    fn point_here<S: Sizes>(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
+    fn point_here<S: Sizes>(
+        &mut self,
+        requirements: &Requirements,
+        q: usize,
+    ) -> Result<PointGeometry<L, D>, AssemblyError> {
         let zero = L::splat(0.0);
-        let reads_position = self.requirements.position || self.two_sided() || self.reads_functions();
+        let reads_position = requirements.position || self.two_sided() || self.reads_functions(requirements);
         let BatchBuffers { sides: [this, other], reads, .. } = &mut *self.buffers;
         let (reads, tables) = (&reads[..], &self.tables[0]);
         let mut geometry = PointGeometry {
@@ -346,7 +363,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                         let (element, normal) = surface(&jacobian, tangents);
                         geometry.weight = geometry.weight * element;
                         geometry.normal = normal;
-                        if self.requirements.curvature {
+                        if requirements.curvature {
                             geometry.curvature = this.curvature(tables, q, &jacobian, tangents, &normal);
                         }
                     }
@@ -364,7 +381,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             other.evaluate_basis::<S>(tables, reads, q, &inverse, &geometry.normal);
             self.check_facing(q, &geometry.position)?;
         }
-        self.evaluate_fields::<S>(q, &geometry.position)?;
+        self.evaluate_fields::<S>(requirements, q, &geometry.position)?;
         Ok(geometry)
     }
 
@@ -418,7 +435,8 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Load<'_, '_, L, D> {
 
     #[inline(always)]
     fn run(self) -> CellGeometry<L> {
-        self.batch.load_here::<Counted>(self.start, self.filled)
+        let requirements = self.batch.requirements;
+        self.batch.load_here::<Counted>(&requirements, self.start, self.filled)
     }
 }
 
@@ -432,6 +450,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        self.batch.point_here::<Counted>(self.q)
+        let requirements = self.batch.requirements;
+        self.batch.point_here::<Counted>(&requirements, self.q)
     }
 }

@@ -106,7 +106,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let points = S::points(self.group.points());
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         for q in 0..points {
-            let geometry = batch.point::<S>(q)?;
+            let geometry = batch.point::<S>(&K::REQUIREMENTS, q)?;
             let point = kernel.point(cell, &geometry, batch.fields());
             let basis = batch.basis(self.sides[0], self.elements[0]);
             let hessians = batch.hessians(self.sides[0], self.elements[0]);
@@ -134,22 +134,35 @@ impl<const D: usize> ElementMatrices<'_, D> {
         }
         let mut next = 0;
         let (tests, trials) = (&tests[..rows * points], &trials[..columns * points]);
+        // Several pairs at a time where accumulators are few: each test factor is loaded once for all of them.
+        let few = size_of::<K::Accumulator<L>>() <= 4 * size_of::<L>();
         for i in 0..rows {
-            for j in 0..columns {
-                if self.symmetric && j < i {
-                    continue;
+            let mut j = if self.symmetric { i } else { 0 };
+            while few && j + 4 <= columns {
+                let mut accumulators = [K::zero::<L>(); 4];
+                for q in 0..points {
+                    let test = &tests[q * rows + i];
+                    let trials = &trials[q * columns + j..][..4];
+                    for k in 0..4 {
+                        K::pair(&mut accumulators[k], test, &trials[k]);
+                    }
                 }
+                for k in 0..4 {
+                    let block = kernel.finish(cell, &accumulators[k]);
+                    copy_block(block.as_ref(), &mut blocks[next..][..entries]);
+                    next += entries;
+                }
+                j += 4;
+            }
+            while j < columns {
                 let mut accumulator = K::zero::<L>();
                 for q in 0..points {
                     K::pair(&mut accumulator, &tests[q * rows + i], &trials[q * columns + j]);
                 }
                 let block = kernel.finish(cell, &accumulator);
-                // No copy of slices: that would be a call.
-                let (block, target) = (&block.as_ref()[..entries], &mut blocks[next..][..entries]);
-                for entry in 0..entries {
-                    target[entry] = block[entry];
-                }
+                copy_block(block.as_ref(), &mut blocks[next..][..entries]);
                 next += entries;
+                j += 1;
             }
         }
         Ok(())
@@ -183,7 +196,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            let cell = kernel.cell(&batch.load::<S>(start, filled));
+            let cell = kernel.cell(&batch.load::<S>(&K::REQUIREMENTS, start, filled));
             blocks.resize(size, L::splat(0.0));
             match tensor {
                 Some(tensor) if K::CELL_CONSTANT => {
@@ -203,6 +216,15 @@ impl<const D: usize> ElementMatrices<'_, D> {
             start += filled;
         }
         Ok(())
+    }
+}
+
+/// Copies a block. Copying slices as such would be a call.
+#[inline(always)]
+fn copy_block<L: Copy>(block: &[L], target: &mut [L]) {
+    let block = &block[..target.len()];
+    for entry in 0..target.len() {
+        target[entry] = block[entry];
     }
 }
 

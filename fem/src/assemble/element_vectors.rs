@@ -95,10 +95,10 @@ impl<const D: usize> ElementVectors<'_, D> {
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            let cell = kernel.cell(&batch.load::<S>(start, filled));
+            let cell = kernel.cell(&batch.load::<S>(&K::REQUIREMENTS, start, filled));
             sums.fill(zero);
             for q in 0..S::points(self.group.points()) {
-                let geometry = batch.point::<S>(q)?;
+                let geometry = batch.point::<S>(&K::REQUIREMENTS, q)?;
                 let flux = kernel.point(&cell, &geometry, batch.fields());
                 let basis = &batch.basis(self.side, self.element)[..nodes];
                 let hessians = &batch.hessians(self.side, self.element)[..nodes];

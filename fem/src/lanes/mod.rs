@@ -71,6 +71,19 @@ pub(crate) trait SimdLane: Lane {
         entries
     }
 
+    /// [`SimdLane::gather`] at the same distance from a start in each lane.
+    ///
+    /// # Panics
+    /// When a place is out of range.
+    #[inline(always)]
+    fn gather_from<const COUNT: usize>(values: &[f64], starts: &Starts, offset: usize) -> [Self; COUNT] {
+        let mut places = starts.places;
+        for lane in 0..Self::WIDTH {
+            places[lane] += offset;
+        }
+        Self::gather(values, &places)
+    }
+
     /// Writes `count` entries of each of the first `filled` lanes to `target[lane * stride..]`, entry k from
     /// `source(k)`.
     ///
@@ -85,6 +98,26 @@ pub(crate) trait SimdLane: Lane {
         stride: usize,
     ) {
         store_entries(source, 0..count, filled, target, stride);
+    }
+}
+
+/// Where the lists of the cells of a batch start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Starts {
+    places: [usize; WIDEST],
+    largest: usize,
+}
+
+impl Starts {
+    /// Lists of one length, one after the other: those of `filled` cells from `first` on; other lanes repeat the
+    /// last.
+    #[inline(always)]
+    pub(crate) fn new(first: usize, filled: usize, length: usize) -> Self {
+        let mut places = [0; WIDEST];
+        for lane in 0..WIDEST {
+            places[lane] = (first + if lane < filled { lane } else { filled - 1 }) * length;
+        }
+        Starts { places, largest: (first + filled - 1) * length }
     }
 }
 

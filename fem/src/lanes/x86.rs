@@ -10,7 +10,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use forms_core::contract::Lane;
 
 use super::logarithm::{self, Split};
-use super::{Entries, LaneWork, SharedWork, SimdLane, WIDEST, store_entries};
+use super::{Entries, LaneWork, SharedWork, SimdLane, Starts, WIDEST, store_entries};
 
 pub(super) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
@@ -475,19 +475,16 @@ impl SimdLane for Avx512 {
             }
             return entries;
         }
-        // Four lanes' entries each, transposed; what lies beyond the last entry is not read.
-        let mask: __mmask8 = (1 << COUNT) - 1;
-        let mut rows = [Avx2::splat(0.0); 8];
-        for lane in 0..8 {
-            // SAFETY: places are in range, up to their COUNT entries; a masked load reads no others.
-            rows[lane] = unsafe { Avx2(_mm256_maskz_loadu_pd(mask, values.as_ptr().add(places[lane]))) };
-        }
-        let low = transposed(rows[0], rows[1], rows[2], rows[3]);
-        let high = transposed(rows[4], rows[5], rows[6], rows[7]);
-        for k in 0..COUNT {
-            entries[k] = simd!(Avx512(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[k].0), high[k].0)));
-        }
-        entries
+        // SAFETY: places are in range, up to their COUNT entries.
+        unsafe { gather_transposed(values, places, 0) }
+    }
+
+    #[inline(always)]
+    fn gather_from<const COUNT: usize>(values: &[f64], starts: &Starts, offset: usize) -> [Self; COUNT] {
+        const { assert!(COUNT <= 4) }
+        assert!(starts.largest < values.len() && offset + COUNT <= values.len() - starts.largest);
+        // SAFETY: no place is beyond the largest start and the offset, whose COUNT entries are in range.
+        unsafe { gather_transposed(values, &starts.places, offset) }
     }
 
     #[inline(always)]
@@ -515,6 +512,32 @@ impl SimdLane for Avx512 {
         }
         store_entries(source, done..count, filled, target, stride);
     }
+}
+
+/// COUNT (at most four) entries from each lane's place on.
+///
+/// # Safety
+/// From each place plus the offset on, COUNT entries of `values` can be read.
+#[inline(always)]
+unsafe fn gather_transposed<const COUNT: usize>(
+    values: &[f64],
+    places: &[usize; WIDEST],
+    offset: usize,
+) -> [Avx512; COUNT] {
+    // Four lanes' entries each, transposed; what lies beyond the last entry is not read.
+    let mask: __mmask8 = (1 << COUNT) - 1;
+    let mut rows = [Avx2::splat(0.0); 8];
+    for lane in 0..8 {
+        // SAFETY: the caller's contract; a masked load reads no entries but the COUNT first.
+        rows[lane] = unsafe { Avx2(_mm256_maskz_loadu_pd(mask, values.as_ptr().add(places[lane] + offset))) };
+    }
+    let low = transposed(rows[0], rows[1], rows[2], rows[3]);
+    let high = transposed(rows[4], rows[5], rows[6], rows[7]);
+    let mut entries = [Avx512::splat(0.0); COUNT];
+    for k in 0..COUNT {
+        entries[k] = simd!(Avx512(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[k].0), high[k].0)));
+    }
+    entries
 }
 
 const _: () = assert!(WIDEST >= Avx512::WIDTH);

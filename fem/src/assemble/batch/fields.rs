@@ -3,7 +3,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{FieldSlot, Order, Side};
+use forms_core::contract::{FieldSlot, Order, Requirements, Side};
 use forms_core::source::PositionFunction;
 
 use super::{Batch, Cells};
@@ -11,13 +11,13 @@ use crate::assemble::AssemblyError;
 use crate::assemble::binding::Values;
 use crate::assemble::sizes::Sizes;
 use crate::history::{HistoryMismatch, Snapshot};
-use crate::lanes::{SimdLane, WIDEST};
+use crate::lanes::{SimdLane, Starts, WIDEST};
 
 impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     /// Whether a field is a function of position.
     #[inline(always)]
-    pub(super) fn reads_functions(&self) -> bool {
-        for slot in self.requirements.fields {
+    pub(super) fn reads_functions(&self, requirements: &Requirements) -> bool {
+        for slot in requirements.fields {
             if matches!(self.binding.values[slot.field], Values::Function(_)) {
                 return true;
             }
@@ -27,9 +27,9 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
 
     /// Coefficients of the discrete fields on the cells of the batch, which starts at entity `start`.
     #[inline(always)]
-    pub(super) fn load_coefficients(&mut self, start: usize) {
-        for index in 0..self.requirements.fields.len() {
-            let slot = &self.requirements.fields[index];
+    pub(super) fn load_coefficients(&mut self, requirements: &Requirements, start: usize) {
+        for index in 0..requirements.fields.len() {
+            let slot = &requirements.fields[index];
             let coefficients = &mut self.buffers.coefficients[index];
             let mut places = [0; WIDEST];
             match &self.binding.values[slot.field] {
@@ -53,12 +53,20 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     else {
                         continue;
                     };
+                    let starts = Starts::new(start, self.filled, stride);
                     let coefficients = coefficients.chunks_exact_mut(slot.components);
                     for (node, target) in coefficients.enumerate() {
-                        for lane in 0..L::WIDTH {
-                            places[lane] = (start + lane.min(self.filled - 1)) * stride + offsets[node];
+                        match target {
+                            [a] => [*a] = L::gather_from(values, &starts, offsets[node]),
+                            [a, b] => [*a, *b] = L::gather_from(values, &starts, offsets[node]),
+                            [a, b, c] => [*a, *b, *c] = L::gather_from(values, &starts, offsets[node]),
+                            more => {
+                                for component in 0..more.len() {
+                                    let place = offsets[node] + component;
+                                    [more[component]] = L::gather_from(values, &starts, place);
+                                }
+                            }
                         }
-                        gather_all(values, &places, target);
                     }
                 }
                 _ => {}
@@ -70,11 +78,12 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     #[inline(always)]
     pub(super) fn evaluate_fields<S: Sizes>(
         &mut self,
+        requirements: &Requirements,
         q: usize,
         position: &[L; D],
     ) -> Result<(), AssemblyError> {
-        for index in 0..self.requirements.fields.len() {
-            let slot = self.requirements.fields[index];
+        for index in 0..requirements.fields.len() {
+            let slot = requirements.fields[index];
             let count = match slot.order {
                 Order::Value => slot.components,
                 Order::Gradient => slot.components * D,

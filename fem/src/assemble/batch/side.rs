@@ -10,7 +10,7 @@ use super::super::sizes::Sizes;
 use super::super::walk::GroupSide;
 use super::{Cells, Reads};
 use crate::element::Tables;
-use crate::lanes::{SimdLane, WIDEST};
+use crate::lanes::{SimdLane, Starts, WIDEST};
 
 /// The tables of one side of a group.
 pub(super) struct SideTables<'a, const D: usize> {
@@ -96,13 +96,11 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                 }
             }
             Cells::Given { coordinates, stride, offsets, .. } => {
+                let starts = Starts::new(start, filled, stride);
                 let count = S::geometry_nodes(self.nodes.len());
                 let (nodes, offsets) = (&mut self.nodes[..count], &offsets[..count]);
                 for node in 0..count {
-                    for lane in 0..L::WIDTH {
-                        places[lane] = (start + lane.min(filled - 1)) * stride + offsets[node];
-                    }
-                    nodes[node] = L::gather(coordinates, &places);
+                    nodes[node] = L::gather_from(coordinates, &starts, offsets[node]);
                 }
             }
         }
