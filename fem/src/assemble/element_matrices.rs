@@ -104,7 +104,6 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let [rows, columns] = self.nodes();
         let (rows, columns) = (S::nodes(rows), S::nodes(columns));
         let points = S::points(self.group.points());
-        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         for q in 0..points {
             let geometry = batch.point::<S>(&K::REQUIREMENTS, q)?;
             let point = kernel.point(cell, &geometry, batch.fields());
@@ -132,38 +131,21 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 trials[j] = kernel.trial(&point, &basis[j], &hessians[j]);
             }
         }
-        let mut next = 0;
-        let (tests, trials) = (&tests[..rows * points], &trials[..columns * points]);
-        // Several pairs at a time where accumulators are few: each test factor is loaded once for all of them.
-        let few = size_of::<K::Accumulator<L>>() <= 4 * size_of::<L>();
-        for i in 0..rows {
-            let mut j = if self.symmetric { i } else { 0 };
-            while few && j + 4 <= columns {
-                let mut accumulators = [K::zero::<L>(); 4];
-                for q in 0..points {
-                    let test = &tests[q * rows + i];
-                    let trials = &trials[q * columns + j..][..4];
-                    for k in 0..4 {
-                        K::pair(&mut accumulators[k], test, &trials[k]);
-                    }
-                }
-                for k in 0..4 {
-                    let block = kernel.finish(cell, &accumulators[k]);
-                    copy_block(block.as_ref(), &mut blocks[next..][..entries]);
-                    next += entries;
-                }
-                j += 4;
-            }
-            while j < columns {
-                let mut accumulator = K::zero::<L>();
-                for q in 0..points {
-                    K::pair(&mut accumulator, &tests[q * rows + i], &trials[q * columns + j]);
-                }
-                let block = kernel.finish(cell, &accumulator);
-                copy_block(block.as_ref(), &mut blocks[next..][..entries]);
-                next += entries;
-                j += 1;
-            }
+        let pairs = Pairs {
+            kernel,
+            cell,
+            tests: &tests[..rows * points],
+            trials: &trials[..columns * points],
+            nodes: [rows, columns],
+            points,
+            symmetric: self.symmetric,
+        };
+        // Each factor that is loaded serves several pairs, as many as there are registers for accumulators.
+        match size_of::<K::Accumulator<L>>() / size_of::<L>() {
+            0 | 1 => pairs.sweep::<4, 4>(blocks),
+            2..=4 => pairs.sweep::<1, 4>(blocks),
+            5..=9 => pairs.sweep::<2, 1>(blocks),
+            _ => pairs.sweep::<1, 1>(blocks),
         }
         Ok(())
     }
@@ -216,6 +198,79 @@ impl<const D: usize> ElementMatrices<'_, D> {
             start += filled;
         }
         Ok(())
+    }
+}
+
+/// The sums over the points of a cell, pair by pair.
+struct Pairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
+    kernel: &'a K,
+    cell: &'a K::Cell<L>,
+    /// Factors of node i at point q, at `q * nodes + i`.
+    tests: &'a [K::Test<L>],
+    trials: &'a [K::Trial<L>],
+    nodes: [usize; 2],
+    points: usize,
+    symmetric: bool,
+}
+
+impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
+    /// All blocks, in tiles of ROWS × COLUMNS pairs.
+    #[inline(always)]
+    fn sweep<const ROWS: usize, const COLUMNS: usize>(&self, blocks: &mut [L]) {
+        let [rows, columns] = self.nodes;
+        let mut i = 0;
+        while i + ROWS <= rows {
+            let mut j = if self.symmetric { i } else { 0 };
+            while j + COLUMNS <= columns {
+                self.tile::<ROWS, COLUMNS>(i, j, blocks);
+                j += COLUMNS;
+            }
+            while COLUMNS > 1 && j < columns {
+                self.tile::<ROWS, 1>(i, j, blocks);
+                j += 1;
+            }
+            i += ROWS;
+        }
+        while ROWS > 1 && i < rows {
+            let mut j = if self.symmetric { i } else { 0 };
+            while j + COLUMNS <= columns {
+                self.tile::<1, COLUMNS>(i, j, blocks);
+                j += COLUMNS;
+            }
+            while COLUMNS > 1 && j < columns {
+                self.tile::<1, 1>(i, j, blocks);
+                j += 1;
+            }
+            i += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn tile<const ROWS: usize, const COLUMNS: usize>(&self, i: usize, j: usize, blocks: &mut [L]) {
+        let [rows, columns] = self.nodes;
+        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+        let mut accumulators = [[K::zero::<L>(); COLUMNS]; ROWS];
+        for q in 0..self.points {
+            let tests = &self.tests[q * rows + i..][..ROWS];
+            let trials = &self.trials[q * columns + j..][..COLUMNS];
+            for a in 0..ROWS {
+                for b in 0..COLUMNS {
+                    K::pair(&mut accumulators[a][b], &tests[a], &trials[b]);
+                }
+            }
+        }
+        for a in 0..ROWS {
+            for b in 0..COLUMNS {
+                let (i, j) = (i + a, j + b);
+                // Below the diagonal a symmetric matrix is mirrored.
+                if self.symmetric && j < i {
+                    continue;
+                }
+                let before = if self.symmetric { i * columns - i * (i + 1) / 2 } else { i * columns };
+                let block = self.kernel.finish(self.cell, &accumulators[a][b]);
+                copy_block(block.as_ref(), &mut blocks[(before + j) * entries..][..entries]);
+            }
+        }
     }
 }
 
