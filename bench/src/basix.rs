@@ -199,16 +199,13 @@ pub fn our_node_numbers(shape: CellShape, degree: usize, order: NodeOrder) -> Ve
     (0..node_count(shape, degree)).map(|index| number(basix_node(shape, degree, order, index))).collect()
 }
 
-/// Our number of basix's local facet.
-///
-/// # Panics
-/// When there is no such facet.
-pub fn our_facet(shape: CellShape, facet: usize) -> usize {
+/// Our numbers of basix's local facets, zero after the last.
+pub const fn our_facets(shape: CellShape) -> [usize; 6] {
     match shape {
-        CellShape::Triangle => [1, 2, 0][facet],
-        CellShape::Quadrilateral => [0, 3, 1, 2][facet],
-        CellShape::Tetrahedron => [0, 1, 2, 3][facet],
-        CellShape::Hexahedron => [0, 2, 5, 3, 4, 1][facet],
+        CellShape::Triangle => [1, 2, 0, 0, 0, 0],
+        CellShape::Quadrilateral => [0, 3, 1, 2, 0, 0],
+        CellShape::Tetrahedron => [0, 1, 2, 3, 0, 0],
+        CellShape::Hexahedron => [0, 2, 5, 3, 4, 1],
     }
 }
 

@@ -7,7 +7,7 @@ use forms_fem::contract::Form;
 use forms_fem::element::{CellShape, Lagrange};
 use thiserror::Error;
 
-use crate::basix::{NodeOrder, RuleError, node_count, our_facet, our_node_numbers, quadrature};
+use crate::basix::{NodeOrder, RuleError, node_count, our_node_numbers, quadrature};
 
 /// Whether a kernel is that of a residual or of its tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ pub fn test_components<const D: usize>(form: &impl Form<D>) -> usize {
 
 /// A kernel of any form, element and rule, ready to run.
 pub trait Batch {
-    /// Computes element matrices or vectors, one after the other; `facet` is basix's number.
+    /// Computes element matrices or vectors, one after the other; `cells.facet` is our number.
     ///
     /// # Errors
     /// What the form or its data have to say.
@@ -162,14 +162,13 @@ impl Computed for Residual {
 
 struct Prepared<C, F, S, const D: usize> {
     kernel: ElementKernel<F, S, D>,
-    shape: CellShape,
     computed: PhantomData<C>,
 }
 
 impl<C: Computed, F: Form<D>, S: Sizes, const D: usize> Batch for Prepared<C, F, S, D> {
+    #[inline]
     fn run(&mut self, cells: &ElementCells, results: &mut [f64]) -> Result<(), AssemblyError> {
-        let cells = ElementCells { facet: our_facet(self.shape, cells.facet), ..*cells };
-        C::run(&mut self.kernel, &cells, results)
+        C::run(&mut self.kernel, cells, results)
     }
 }
 
@@ -184,5 +183,5 @@ pub fn prepare<C: Computed, F: Form<D> + 'static, S: Sizes, const D: usize>(
     let layout = setting.layout(&form);
     let rule = quadrature(setting.shape, setting.rule)?;
     let kernel = ElementKernel::<F, S, D>::with_sizes(form, layout, &rule)?;
-    Ok(Box::new(Prepared { kernel, shape: setting.shape, computed: PhantomData::<C> }))
+    Ok(Box::new(Prepared { kernel, computed: PhantomData::<C> }))
 }

@@ -9,7 +9,7 @@ use crate::element_batch::{Batch, BatchError};
 /// Number of constants that the harness passes.
 pub const CONSTANTS: usize = 3;
 
-/// Numbers of a batch's arrays per cell.
+/// Numbers per cell in a batch's arrays, and the numbers of facets.
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths {
     /// Of A.
@@ -18,6 +18,8 @@ pub struct Lengths {
     pub width: usize,
     /// Of x.
     pub coordinates: usize,
+    /// Our numbers of basix's facets; zero of those that the shape does not have.
+    pub facets: [usize; 6],
 }
 
 /// A kernel for certain constants, which it holds.
@@ -63,7 +65,8 @@ pub unsafe fn call(
         },
     };
     let count = n as usize;
-    let Lengths { size, width, coordinates } = ready.lengths;
+    let Lengths { size, width, coordinates, facets } = &ready.lengths;
+    let (size, width, coordinates) = (*size, *width, *coordinates);
     // SAFETY: the caller's contract; `width` is zero where w may be null.
     let (results, cells) = unsafe {
         let coefficients = if width == 0 { &[] } else { std::slice::from_raw_parts(w, count * width) };
@@ -71,7 +74,12 @@ pub unsafe fn call(
             count,
             coordinates: std::slice::from_raw_parts(x, count * coordinates),
             coefficients,
-            facet: if entity.is_null() { 0 } else { *entity as usize },
+            // The kernel itself refuses a facet that there is not.
+            facet: if entity.is_null() {
+                0
+            } else {
+                facets.get(*entity as usize).copied().unwrap_or(usize::MAX)
+            },
         };
         (std::slice::from_raw_parts_mut(a, count * size), cells)
     };

@@ -66,6 +66,7 @@ macro_rules! register {
                     size: if SETTING.output == Output::Tangent { rows * rows } else { rows },
                     width: SETTING.coefficients(&form).1,
                     coordinates: 3 * node_count(SETTING.shape, $geometry),
+                    facets: $crate::basix::our_facets(SETTING.shape),
                 }
             }
             fn ready(constants: &[f64; CONSTANTS]) -> Result<(Lengths, Box<dyn Batch>), BatchError> {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use forms_bench::basix::{NodeOrder, RuleError, our_facet, our_node_numbers, point_count, quadrature};
+use forms_bench::basix::{NodeOrder, RuleError, our_facets, our_node_numbers, point_count, quadrature};
 use forms_bench::element_batch::Entities;
 use forms_fem::element::{CellShape, Lagrange};
 use forms_fem::quadrature::{Quadrature, QuadratureRule, cell_rule, facet_reference_rule};
@@ -68,7 +68,7 @@ fn check_facets(shape: CellShape) {
     assert_eq!(facets.len(), shape.facets());
     for (facet, theirs) in facets.iter().enumerate() {
         let mut theirs: Vec<usize> = theirs.iter().map(|vertex| vertices[*vertex]).collect();
-        let mut ours = shape.facet_vertices(our_facet(shape, facet)).to_vec();
+        let mut ours = shape.facet_vertices(our_facets(shape)[facet]).to_vec();
         theirs.sort_unstable();
         ours.sort_unstable();
         assert_eq!(theirs, ours, "{shape:?} facet {facet}");
