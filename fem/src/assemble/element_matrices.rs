@@ -1,7 +1,8 @@
 //! Element matrices of a bilinear integral: the loops over batches, points and pairs of basis functions.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use std::ops::Range;
 
@@ -164,7 +165,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let [rows, columns] = self.nodes();
         let (rows, columns) = (S::nodes(rows), S::nodes(columns));
         let MatrixBuffers { batch, tests, trials, blocks, directions, tensor } = buffers;
-        if tensor.is_none() && range.len() > 0 {
+        if tensor.is_none() && !range.is_empty() {
             let side = &self.group.sides[self.sides[0]];
             let weights = &self.group.weights;
             *tensor = Some(ReferenceTensor::for_kernel::<K, D>(side, self.elements, weights, self.symmetric));
@@ -323,13 +324,9 @@ fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
             }
         }
     }
-    let mut pair = 0;
-    for target in blocks.chunks_exact_mut(entries) {
-        if pair == tensor.pairs() {
-            break;
-        }
+    for pair in 0..tensor.pairs() {
+        let target = &mut blocks[pair * entries..][..entries];
         let (places, coefficients) = tensor.terms(pair);
-        pair += 1;
         let mut sums = [zero; LARGEST_BLOCK];
         for term in 0..places.len() {
             let block = &directions[places[term] as usize * entries..][..entries];

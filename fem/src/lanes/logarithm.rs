@@ -1,5 +1,8 @@
 //! The natural logarithm of several numbers at once.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
 use forms_core::contract::Lane;
 
 /// Lane types whose numbers come apart into mantissa and exponent.

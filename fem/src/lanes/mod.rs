@@ -4,6 +4,9 @@
 //! and hands it the lane type; everything below that function is inlined into it, so that the compiler may use
 //! the set's instructions. What is not inlined would still be right, only slow.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
 #[cfg(target_arch = "x86_64")]
 mod logarithm;
 #[cfg(target_arch = "x86_64")]

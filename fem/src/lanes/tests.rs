@@ -1,5 +1,8 @@
 //! Lane types against plain numbers.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
 use super::*;
 
 /// Each operation on 64 numbers, in a set's lanes.

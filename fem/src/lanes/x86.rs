@@ -4,6 +4,9 @@
 //! the processor has its instructions. The two lane types are private to the package and reach other code only
 //! through [`run_avx2`] and [`run_avx512`], which check that first.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 

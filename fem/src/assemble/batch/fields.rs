@@ -1,7 +1,8 @@
 //! Fields at the points of a batch, as a kernel's slots ask.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::{FieldSlot, Order, Requirements, Side};
 use forms_core::source::PositionFunction;

@@ -199,6 +199,10 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
     }
 
     #[inline(always)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a part of `evaluate_basis`, which has all of them at hand"
+    )]
     fn evaluate_element(
         &mut self,
         tables: &SideTables<D>,
