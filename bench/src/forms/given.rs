@@ -9,34 +9,34 @@ const FACETS: &str = "boundary";
 /// Stands for a field that the kernel reads from a list.
 const UNREAD: f64 = 0.0;
 
-/// [`diffusion::stiffness`].
+/// [`fn@diffusion::stiffness`].
 pub fn poisson<const D: usize>() -> diffusion::stiffness::Form<D> {
     diffusion::stiffness(&diffusion::Data {}, &diffusion::Omega::on(CELLS))
 }
 
-/// [`inertia::vector`].
+/// [`fn@inertia::vector`].
 pub fn mass<const D: usize>() -> inertia::vector::Form<D> {
     inertia::vector(&inertia::Data {}, &inertia::Omega::on(CELLS))
 }
 
-/// [`linear_elastic::stiffness`].
+/// [`fn@linear_elastic::stiffness`].
 pub fn elasticity<const D: usize>(c: &[f64]) -> linear_elastic::stiffness::Form<D> {
     let data = linear_elastic::Data { lambda: c[0], mu: c[1] };
     linear_elastic::stiffness(&data, &linear_elastic::Omega::on(CELLS))
 }
 
-/// [`rubber::energy`].
+/// [`fn@rubber::energy`].
 pub fn neo_hookean<const D: usize>(c: &[f64]) -> rubber::energy::Form<D> {
     rubber::energy(&rubber::Data { lambda: c[0], mu: c[1] }, &rubber::Omega::on(CELLS))
 }
 
-/// [`small_strain_contact::nitsche`] for a kernel that reads the gap from a list.
+/// [`fn@small_strain_contact::nitsche`] for a kernel that reads the gap from a list.
 pub fn contact<const D: usize>(c: &[f64]) -> small_strain_contact::nitsche::Form<D> {
     let data = small_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: UNREAD.into() };
     small_strain_contact::nitsche(&data, &small_strain_contact::GammaC::on(FACETS))
 }
 
-/// [`small_strain_contact::body`] with one gap \[length\] everywhere on a facet region.
+/// [`fn@small_strain_contact::body`] with one gap \[length\] everywhere on a facet region.
 pub fn body_in_contact<const D: usize>(
     c: &[f64],
     region: &str,
@@ -47,7 +47,7 @@ pub fn body_in_contact<const D: usize>(
     small_strain_contact::body(&data, &omega, &contact)
 }
 
-/// [`finite_strain_contact::nitsche`] for a kernel that reads the gap from a list.
+/// [`fn@finite_strain_contact::nitsche`] for a kernel that reads the gap from a list.
 pub fn finite_contact<const D: usize>(c: &[f64]) -> finite_strain_contact::nitsche::Form<D> {
     let data = finite_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: UNREAD.into() };
     finite_strain_contact::nitsche(&data, &finite_strain_contact::GammaC::on(FACETS))
