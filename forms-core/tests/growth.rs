@@ -59,7 +59,11 @@ fn forty_levels() {
     for row in 0..2 * nodes {
         let product: f64 = (0..nodes).map(|column| matrix[row][column] * w.values[column]).sum();
         let factor = if row < nodes { 1.0 } else { 2.0 };
-        assert!((product - factor * found[row]).abs() <= 1e-12 * found[row].abs(), "{row}");
+        assert!(
+            (product - factor * found[row]).abs() <= 1e-12 * found[row].abs(),
+            "{row}: {product} against {factor} x {}",
+            found[row]
+        );
     }
 
     // Exponents past the range of an i32 are no mistake.

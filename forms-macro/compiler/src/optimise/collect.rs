@@ -59,8 +59,9 @@ fn with_operands(node: Node, now: &dyn Fn(&Scalar) -> Scalar) -> Node {
     }
 }
 
-/// Past this many terms a sum is left as it is.
-const MOST_TERMS: usize = 500;
+/// Past this many terms a sum is left as it is: taking a factor out flattens what is nested below it, and a long sum of nested
+/// products, as (1 + a)⁴⁰ written by repeated products, would become a sum of large terms that cancel.
+const MOST_TERMS: usize = 30;
 
 /// A sum with the factor taken out that most of its terms have, and what is left of it likewise.
 fn horner(graph: &mut Graph, sum: Scalar) -> Scalar {
