@@ -1,6 +1,6 @@
 //! Instruction sets: how many cells a kernel computes at once, chosen when the program starts.
 //!
-//! Kernels are generic over [`Lane`]. [`InstructionSet::run`] enters a function that was compiled for the set
+//! Kernels are generic over [`Lane`]. `Checked::run` enters a function that was compiled for the set
 //! and hands it the lane type; everything below that function is inlined into it, so that the compiler may use
 //! the set's instructions. What is not inlined would still be right, only slow.
 
