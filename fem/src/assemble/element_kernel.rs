@@ -14,8 +14,9 @@ use super::batch::Cells;
 use super::binding::{Binding, List, Tabulated, Values};
 use super::element_matrices::{ElementMatrices, MatrixBuffers, block_order};
 use super::element_vectors::{ElementVectors, VectorBuffers};
+use super::fixed::{FixedMatrices, FixedTables, FixedTask, FixedVectors, Listed, fits};
 use super::receiver::Direct;
-use super::sizes::{Counted, Sizes};
+use super::sizes::{Array, Counted, Sizes};
 use super::walk::{Group, groups};
 use crate::element::Lagrange;
 use crate::lanes::{Checked, InstructionSet, LaneWork, SimdLane};
@@ -72,11 +73,13 @@ pub struct ElementCells<'a> {
 ///
 /// The form's cell integrals must be bound to the region "all", its facet integrals to "boundary". With
 /// [`super::Fixed`] sizes the loops are compiled for one element and rule.
-pub struct ElementKernel<F, S, const D: usize> {
+pub struct ElementKernel<F, S: Sizes, const D: usize> {
     form: F,
     tables: ElementTables<D>,
+    /// The tables of each integral's groups, if sizes are fixed.
+    fixed_tangent: Vec<Vec<FixedTables<S, D>>>,
+    fixed_residual: Vec<Vec<FixedTables<S, D>>>,
     memory: Memory,
-    sizes: PhantomData<S>,
 }
 
 /// What is prepared once.
@@ -97,8 +100,8 @@ struct ElementTables<const D: usize> {
 /// Memory of the loops, whose types are known inside them.
 #[derive(Default)]
 struct Memory {
-    tangent: Vec<Option<Box<dyn Any + Send>>>,
-    residual: Vec<Option<Box<dyn Any + Send>>>,
+    tangent: Vec<Kept>,
+    residual: Vec<Kept>,
     addend: Vec<f64>,
 }
 
@@ -194,20 +197,16 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         let mut prepare = Prepare { tables: &tables, form: &form, quadrature, found: vec![] };
         form.residual(&mut prepare)?;
         let residual = prepare.found;
-        for group in tangent.iter().chain(&residual).flatten() {
-            let geometry = group.sides[0].geometry.nodes;
-            for (what, found, fixed) in [
-                ("nodes", nodes, S::nodes(nodes)),
-                ("points", group.points(), S::points(group.points())),
-                ("geometry nodes", geometry, S::geometry_nodes(geometry)),
-            ] {
-                if found != fixed {
-                    return Err(unsuited(format!("there are {found} {what}, and {fixed} are fixed")));
-                }
-            }
-        }
         (tables.tangent, tables.residual) = (tangent, residual);
-        Ok(ElementKernel { form, tables, memory: Memory::default(), sizes: PhantomData })
+        let (fixed_tangent, fixed_residual) = if S::FIXED {
+            (tables.fixed(&form, &tables.tangent)?, tables.fixed(&form, &tables.residual)?)
+        } else {
+            (vec![], vec![])
+        };
+        let memory = |groups: &[Vec<Group<D>>]| groups.iter().map(|_| None).collect();
+        let memory =
+            Memory { tangent: memory(&tables.tangent), residual: memory(&tables.residual), addend: vec![] };
+        Ok(ElementKernel { form, tables, fixed_tangent, fixed_residual, memory })
     }
 
     /// The same with kernels compiled for a certain set of instructions.
@@ -230,13 +229,21 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     ///
     /// # Errors
     /// What the form's data have to say, or the lengths of the lists.
+    #[inline]
     pub fn matrices(&mut self, cells: &ElementCells, matrices: &mut [f64]) -> Result<(), AssemblyError> {
-        let ElementKernel { form, tables, memory, .. } = self;
+        let ElementKernel { form, tables, fixed_tangent, memory, .. } = self;
         let size = tables.layout.rows.len();
-        let binding = tables.bind(form)?;
-        let target = target(form.name(), matrices, cells.count * size * size)?;
-        let mut run =
-            Run::<S, D> { tables, memory, binding: &binding, cells, target, index: 0, sizes: PhantomData };
+        let mut run = Run::<F, S, D> {
+            form,
+            tables,
+            groups: &tables.tangent,
+            fixed: fixed_tangent,
+            memory: &mut memory.tangent,
+            addend: &mut memory.addend,
+            cells,
+            target: target(form.name(), matrices, cells.count * size * size)?,
+            index: 0,
+        };
         form.tangent(&mut run)?;
         if run.index == 0 {
             run.target.fill(0.0);
@@ -248,13 +255,20 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     ///
     /// # Errors
     /// As [`ElementKernel::matrices`].
+    #[inline]
     pub fn vectors(&mut self, cells: &ElementCells, vectors: &mut [f64]) -> Result<(), AssemblyError> {
-        let ElementKernel { form, tables, memory, .. } = self;
-        let size = tables.layout.rows.len();
-        let binding = tables.bind(form)?;
-        let target = target(form.name(), vectors, cells.count * size)?;
-        let mut run =
-            Run::<S, D> { tables, memory, binding: &binding, cells, target, index: 0, sizes: PhantomData };
+        let ElementKernel { form, tables, fixed_residual, memory, .. } = self;
+        let mut run = Run::<F, S, D> {
+            form,
+            tables,
+            groups: &tables.residual,
+            fixed: fixed_residual,
+            memory: &mut memory.residual,
+            addend: &mut memory.addend,
+            cells,
+            target: target(form.name(), vectors, cells.count * tables.layout.rows.len())?,
+            index: 0,
+        };
         form.residual(&mut run)?;
         if run.index == 0 {
             run.target.fill(0.0);
@@ -263,6 +277,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     }
 }
 
+#[inline(always)]
 fn target<'a>(
     form: &'static str,
     values: &'a mut [f64],
@@ -314,6 +329,46 @@ impl<const D: usize> ElementTables<D> {
         }
         binding.values = List::Own(values);
         Ok(binding)
+    }
+
+    /// The groups' tables as arrays, whose lengths must be the groups'.
+    fn fixed<S: Sizes, F: Form<D>>(
+        &self,
+        form: &F,
+        groups: &[Vec<Group<D>>],
+    ) -> Result<Vec<Vec<FixedTables<S, D>>>, AssemblyError> {
+        let unsuited = |what: String| AssemblyError::Layout { form: form.name(), what };
+        let Some((values, _)) = &self.known else {
+            let what = "with fixed sizes the caller lists the coefficients of every field";
+            return Err(unsuited(what.to_owned()));
+        };
+        let affine = self.reference.is_affine();
+        let tables = |group: &Group<D>| {
+            let side = &group.sides[0];
+            for (what, found, fixed) in [
+                ("nodes", side.elements[0].nodes, <S::Nodes<f64> as Array<f64>>::LENGTH),
+                ("points", group.points(), <S::Points<f64> as Array<f64>>::LENGTH),
+                ("geometry nodes", side.geometry.nodes, <S::GeometryNodes<f64> as Array<f64>>::LENGTH),
+            ] {
+                if found != fixed {
+                    return Err(unsuited(format!("there are {found} {what}, and {fixed} are fixed")));
+                }
+            }
+            Ok(FixedTables::new(group, values, affine))
+        };
+        groups.iter().map(|groups| groups.iter().map(tables).collect()).collect()
+    }
+
+    #[inline(always)]
+    fn listed_cells<'a>(&'a self, cells: &ElementCells<'a>) -> Listed<'a> {
+        Listed {
+            count: cells.count,
+            coordinates: cells.coordinates,
+            stride: self.layout.coordinate_stride,
+            offsets: &self.layout.coordinate_offsets,
+            coefficients: cells.coefficients,
+            coefficient_stride: self.layout.coefficient_stride,
+        }
     }
 
     fn cells<'a>(&'a self, cells: &ElementCells<'a>) -> Cells<'a, D> {
@@ -372,15 +427,19 @@ impl<F: Form<D>, const D: usize> LinearVisitor<D> for Prepare<'_, F, D> {
 }
 
 /// One call: a walk over the integrals.
-struct Run<'a, S, const D: usize> {
+struct Run<'a, F, S: Sizes, const D: usize> {
+    form: &'a F,
     tables: &'a ElementTables<D>,
-    memory: &'a mut Memory,
-    binding: &'a Binding<'a, D>,
+    /// The groups of each integral, and their tables if their sizes are fixed.
+    groups: &'a [Vec<Group<D>>],
+    fixed: &'a [Vec<FixedTables<S, D>>],
+    /// One per integral.
+    memory: &'a mut Vec<Kept>,
+    addend: &'a mut Vec<f64>,
     cells: &'a ElementCells<'a>,
     target: &'a mut [f64],
     /// Number of integrals that were walked.
     index: usize,
-    sizes: PhantomData<S>,
 }
 
 #[cold]
@@ -388,90 +447,129 @@ fn no_facet(form: &'static str, facet: usize) -> AssemblyError {
     AssemblyError::Layout { form, what: format!("there is no facet {facet}") }
 }
 
-/// The group of the facet that was asked for, or of the cells.
-fn choose<const D: usize>(groups: &[Group<D>], facet: usize) -> Option<&Group<D>> {
+/// The entry of the facet that was asked for, or of the cells.
+#[inline(always)]
+fn choose<T>(groups: &[T], facet: usize) -> Option<&T> {
     if groups.len() == 1 { groups.first() } else { groups.get(facet) }
 }
 
-impl<S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, S, D> {
+impl<'a, F: Form<D>, S: Sizes, const D: usize> Run<'a, F, S, D> {
+    /// The group of the next integral.
+    #[inline(always)]
+    fn group(&self) -> Result<&'a Group<D>, AssemblyError> {
+        let facet = self.cells.facet;
+        choose(&self.groups[self.index], facet).ok_or_else(|| no_facet(self.form.name(), facet))
+    }
+
+    #[inline(always)]
+    fn fixed(&self) -> Result<&'a FixedTables<S, D>, AssemblyError> {
+        let facet = self.cells.facet;
+        choose(&self.fixed[self.index], facet).ok_or_else(|| no_facet(self.form.name(), facet))
+    }
+}
+
+/// Whether a kernel's loops have fixed lengths.
+struct Path<K, S>(PhantomData<(K, S)>);
+
+impl<K, S: Sizes> Path<K, S> {
+    const fn fixed(requirements: &forms_core::contract::Requirements, components: usize) -> bool {
+        S::FIXED && components <= 3 && fits(requirements)
+    }
+}
+
+impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, F, S, D> {
     type Error = AssemblyError;
 
+    #[inline]
     fn visit<K: BilinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        let tables = self.tables;
-        let Memory { tangent, addend, .. } = &mut *self.memory;
-        tangent.resize_with(tables.tangent.len(), || None);
-        let facet = self.cells.facet;
-        let group =
-            choose(&tables.tangent[self.index], facet).ok_or_else(|| no_facet(self.binding.name, facet))?;
+        let (tables, add) = (self.tables, self.index > 0);
+        let order = &tables.orders[usize::from(K::SYMMETRIC)];
+        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) } {
+            let (group, fixed) = (self.group()?, self.fixed()?);
+            tables.instructions.run(FixedMatrices {
+                task: FixedTask { kernel, group, tables: fixed, listed: tables.listed_cells(self.cells) },
+                order,
+                memory: &mut self.memory[self.index],
+                target: &mut *self.target,
+                add,
+            });
+            self.index += 1;
+            return Ok(());
+        }
+        let (binding, group) = (tables.bind(self.form)?, self.group()?);
         let task = ElementMatrices {
-            binding: self.binding,
+            binding: &binding,
             group,
             cells: tables.cells(self.cells),
             sides: [0, 0],
             elements: [0, 0],
             symmetric: K::SYMMETRIC,
         };
-        let order = &tables.orders[usize::from(K::SYMMETRIC)];
-        let mut receiver = Direct { target: &mut *self.target, addend: (self.index > 0).then_some(addend) };
-        let memory = &mut tangent[self.index];
-        self.index += 1;
-        tables.instructions.run(Matrices::<K, S, D> {
+        let mut receiver = Direct { target: &mut *self.target, addend: add.then_some(&mut *self.addend) };
+        let result = tables.instructions.run(Matrices::<K, D> {
             task: &task,
             kernel,
             order,
             count: self.cells.count,
-            memory,
+            memory: &mut self.memory[self.index],
             receiver: &mut receiver,
-            sizes: PhantomData,
-        })
+        });
+        self.index += 1;
+        result
     }
 }
 
-impl<S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, S, D> {
+impl<F: Form<D>, S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, F, S, D> {
     type Error = AssemblyError;
 
+    #[inline]
     fn visit<K: LinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        let tables = self.tables;
-        let Memory { residual, addend, .. } = &mut *self.memory;
-        residual.resize_with(tables.residual.len(), || None);
-        let facet = self.cells.facet;
-        let group =
-            choose(&tables.residual[self.index], facet).ok_or_else(|| no_facet(self.binding.name, facet))?;
-        let task = ElementVectors {
-            binding: self.binding,
-            group,
-            cells: tables.cells(self.cells),
-            side: 0,
-            element: 0,
-        };
-        let mut receiver = Direct { target: &mut *self.target, addend: (self.index > 0).then_some(addend) };
-        let memory = &mut residual[self.index];
-        self.index += 1;
-        tables.instructions.run(Vectors::<K, S, D> {
+        let (tables, add) = (self.tables, self.index > 0);
+        let order = &tables.orders[2];
+        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) } {
+            let (group, fixed) = (self.group()?, self.fixed()?);
+            tables.instructions.run(FixedVectors {
+                task: FixedTask { kernel, group, tables: fixed, listed: tables.listed_cells(self.cells) },
+                order,
+                memory: &mut self.memory[self.index],
+                target: &mut *self.target,
+                add,
+            });
+            self.index += 1;
+            return Ok(());
+        }
+        let (binding, group) = (tables.bind(self.form)?, self.group()?);
+        let task =
+            ElementVectors { binding: &binding, group, cells: tables.cells(self.cells), side: 0, element: 0 };
+        let mut receiver = Direct { target: &mut *self.target, addend: add.then_some(&mut *self.addend) };
+        let result = tables.instructions.run(Vectors::<K, D> {
             task: &task,
             kernel,
-            order: &tables.orders[2],
+            order,
             count: self.cells.count,
-            memory,
+            memory: &mut self.memory[self.index],
             receiver: &mut receiver,
-            sizes: PhantomData,
-        })
+        });
+        self.index += 1;
+        result
     }
 }
 
-struct Matrices<'a, 'r, K, S, const D: usize> {
+struct Matrices<'a, 'r, K, const D: usize> {
     task: &'a ElementMatrices<'a, D>,
     kernel: &'a K,
     order: &'a [u32],
     count: usize,
-    memory: &'a mut Option<Box<dyn Any + Send>>,
+    memory: &'a mut Kept,
     receiver: &'a mut Direct<'r>,
-    sizes: PhantomData<S>,
 }
+
+/// Memory of the loops, whose types are known inside them.
+pub(super) type Kept = Option<Box<dyn Any + Send>>;
 
 /// The memory of a run before, if it was of the same type, or new memory.
 #[inline(always)]
-fn recall<T: Any + Send + Default>(memory: &mut Option<Box<dyn Any + Send>>) -> &mut T {
+pub(super) fn recall<T: Any + Send + Default>(memory: &mut Kept) -> &mut T {
     if !memory.as_ref().is_some_and(|known| known.is::<T>()) {
         *memory = Some(Box::new(T::default()));
     }
@@ -481,34 +579,33 @@ fn recall<T: Any + Send + Default>(memory: &mut Option<Box<dyn Any + Send>>) -> 
     }
 }
 
-impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for Matrices<'_, '_, K, S, D> {
+impl<K: BilinearKernel<D>, const D: usize> LaneWork for Matrices<'_, '_, K, D> {
     type Output = Result<(), AssemblyError>;
 
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
         let buffers = recall::<MatrixBuffers<K, L, D>>(self.memory);
         let range = 0..self.count;
-        self.task.compute_in_lanes::<K, L, S>(self.kernel, self.order, range, buffers, self.receiver)
+        self.task.compute_in_lanes::<K, L>(self.kernel, self.order, range, buffers, self.receiver)
     }
 }
 
-struct Vectors<'a, 'r, K, S, const D: usize> {
+struct Vectors<'a, 'r, K, const D: usize> {
     task: &'a ElementVectors<'a, D>,
     kernel: &'a K,
     order: &'a [u32],
     count: usize,
-    memory: &'a mut Option<Box<dyn Any + Send>>,
+    memory: &'a mut Kept,
     receiver: &'a mut Direct<'r>,
-    sizes: PhantomData<S>,
 }
 
-impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for Vectors<'_, '_, K, S, D> {
+impl<K: LinearKernel<D>, const D: usize> LaneWork for Vectors<'_, '_, K, D> {
     type Output = Result<(), AssemblyError>;
 
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
         let buffers = recall::<VectorBuffers<L, D>>(self.memory);
         let range = 0..self.count;
-        self.task.compute_in_lanes::<K, L, S>(self.kernel, Some(self.order), range, buffers, self.receiver)
+        self.task.compute_in_lanes::<K, L>(self.kernel, Some(self.order), range, buffers, self.receiver)
     }
 }

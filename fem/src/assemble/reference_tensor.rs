@@ -6,12 +6,17 @@
 //! tensor R_ab(i, j) = Σ_q w_q c_a^i(x_q) c_b^j(x_q), made once. A value of a basis function counts as one more
 //! direction. R is sparse: for quadratic elements a pair has one to four terms.
 
-use forms_core::contract::{BilinearKernel, Requirements};
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
+
+use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
 use super::walk::GroupSide;
+use crate::lanes::SimdLane;
 
 /// Entries of a block, at most, for which sums are kept in registers.
-pub(super) const LARGEST_BLOCK: usize = 16;
+const LARGEST_BLOCK: usize = 16;
 
 /// R, for the pairs of nodes that are computed.
 pub(super) struct ReferenceTensor {
@@ -158,6 +163,92 @@ fn sparse_components<const D: usize>(slopes: &[[f64; D]]) -> Vec<f64> {
         }
     }
     best.map(|(_, components)| components).unwrap_or_default()
+}
+
+/// The blocks of all pairs by a reference tensor.
+#[inline(always)]
+pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+    kernel: &K,
+    cell: &K::Cell<L>,
+    tensor: &ReferenceTensor,
+    determinant: L,
+    inverse: &[[L; D]; D],
+    directions: &mut Vec<L>,
+    blocks: &mut [L],
+) {
+    let zero = L::splat(0.0);
+    let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+    let count = tensor.directions;
+    let geometry =
+        PointGeometry { weight: determinant, position: [zero; D], normal: [zero; D], curvature: zero };
+    let point = kernel.point(cell, &geometry, &[]);
+    let hessian = [[zero; D]; D];
+    directions.resize(count * count * entries, zero);
+    for a in 0..count {
+        let test = kernel.test(&point, &direction(tensor, inverse, a), &hessian);
+        for b in if K::SYMMETRIC { a } else { 0 }..count {
+            let trial = kernel.trial(&point, &direction(tensor, inverse, b), &hessian);
+            let mut accumulator = K::zero::<L>();
+            K::pair(&mut accumulator, &test, &trial);
+            let block = kernel.finish(cell, &accumulator);
+            let block = &block.as_ref()[..entries];
+            let target = &mut directions[(a * count + b) * entries..][..entries];
+            for entry in 0..entries {
+                target[entry] = block[entry];
+            }
+            if K::SYMMETRIC && b != a {
+                let target = &mut directions[(b * count + a) * entries..][..entries];
+                for entry in 0..entries {
+                    target[entry % K::TEST_COMPONENTS * K::TEST_COMPONENTS + entry / K::TEST_COMPONENTS] =
+                        block[entry];
+                }
+            }
+        }
+    }
+    for pair in 0..tensor.pairs() {
+        let target = &mut blocks[pair * entries..][..entries];
+        let (places, coefficients) = tensor.terms(pair);
+        let mut sums = [zero; LARGEST_BLOCK];
+        for term in 0..places.len() {
+            let block = &directions[places[term] as usize * entries..][..entries];
+            let coefficient = L::splat(coefficients[term]);
+            for entry in 0..entries {
+                if K::NONZERO[entry] {
+                    sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
+                }
+            }
+        }
+        for entry in 0..entries {
+            target[entry] = sums[entry];
+        }
+    }
+}
+
+/// A function whose gradient is that of a barycentric coordinate, or whose value is one.
+#[inline(always)]
+fn direction<L: SimdLane, const D: usize>(
+    tensor: &ReferenceTensor,
+    inverse: &[[L; D]; D],
+    a: usize,
+) -> Basis<L, D> {
+    let zero = L::splat(0.0);
+    let mut basis = Basis { value: zero, gradient: [zero; D] };
+    if tensor.value == Some(a) {
+        basis.value = L::splat(1.0);
+    } else if a == 0 {
+        for i in 0..D {
+            let mut sum = inverse[i][0];
+            for j in 1..D {
+                sum += inverse[i][j];
+            }
+            basis.gradient[i] = -sum;
+        }
+    } else {
+        for i in 0..D {
+            basis.gradient[i] = inverse[i][a - 1];
+        }
+    }
+    basis
 }
 
 #[cfg(test)]
