@@ -13,7 +13,7 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::pairs::Pairs;
 use super::receiver::{Buffered, Deliver, Receiver};
-use super::reference_tensor::{ReferenceTensor, contract};
+use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract};
 use super::walk::Group;
 use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
 
@@ -40,7 +40,7 @@ pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usiz
     /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j.
     blocks: Vec<L>,
     /// Blocks of pairs of directions, of a reference tensor.
-    directions: Vec<L>,
+    directions: Vec<[L; LARGEST_BLOCK]>,
     /// The reference tensor, once it is known whether there is one.
     tensor: Option<Option<ReferenceTensor>>,
 }
@@ -115,9 +115,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 tests.clear();
                 tests.resize(rows * points, kernel.test(&point, &basis[0], &hessians[0]));
             }
-            let tests = &mut tests[q * rows..][..rows];
+            let tests = &mut tests[..rows * points];
             for i in 0..rows {
-                tests[i] = kernel.test(&point, &basis[i], &hessians[i]);
+                tests[i * points + q] = kernel.test(&point, &basis[i], &hessians[i]);
             }
             let basis = batch.basis(self.sides[1], self.elements[1]);
             let hessians = batch.hessians(self.sides[1], self.elements[1]);
@@ -126,9 +126,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 trials.clear();
                 trials.resize(columns * points, kernel.trial(&point, &basis[0], &hessians[0]));
             }
-            let trials = &mut trials[q * columns..][..columns];
+            let trials = &mut trials[..columns * points];
             for j in 0..columns {
-                trials[j] = kernel.trial(&point, &basis[j], &hessians[j]);
+                trials[j * points + q] = kernel.trial(&point, &basis[j], &hessians[j]);
             }
         }
         let pairs = Pairs {

@@ -12,7 +12,7 @@ use crate::lanes::SimdLane;
 pub(super) struct Pairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     pub kernel: &'a K,
     pub cell: &'a K::Cell<L>,
-    /// Factors of node i at point q, at `q * nodes + i`.
+    /// Factors of node i at point q, at `i * points + q`.
     pub tests: &'a [K::Test<L>],
     pub trials: &'a [K::Trial<L>],
     pub nodes: [usize; 2],
@@ -70,12 +70,18 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
         let [rows, columns] = self.nodes;
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         let mut accumulators = [[K::zero::<L>(); COLUMNS]; ROWS];
-        for q in 0..self.points {
-            let tests = &self.tests[q * rows + i..][..ROWS];
-            let trials = &self.trials[q * columns + j..][..COLUMNS];
+        let points = self.points;
+        let (mut tests, mut trials) = ([&self.tests[..0]; ROWS], [&self.trials[..0]; COLUMNS]);
+        for a in 0..ROWS {
+            tests[a] = &self.tests[(i + a) * points..][..points];
+        }
+        for b in 0..COLUMNS {
+            trials[b] = &self.trials[(j + b) * points..][..points];
+        }
+        for q in 0..points {
             for a in 0..ROWS {
                 for b in 0..COLUMNS {
-                    K::pair(&mut accumulators[a][b], &tests[a], &trials[b]);
+                    K::pair(&mut accumulators[a][b], &tests[a][q], &trials[b][q]);
                 }
             }
         }

@@ -195,7 +195,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         let zero = L::splat(0.0);
         let mut position = [zero; D];
         if requirements.position {
-            let (nodes, values) = (self.nodes.entries(), self.tables.geometry.values.entries()[q]);
+            let (nodes, values) = (self.nodes.entries(), &self.tables.geometry.values.entries()[q]);
             for node in 0..nodes.len() {
                 for axis in 0..D {
                     position[axis] =
@@ -256,23 +256,26 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
 
     /// Values and gradients of the test functions at the q-th point.
     #[inline(always)]
-    pub fn basis(&self, requirements: &Requirements, q: usize, place: &Place<L, D>) -> S::Nodes<Basis<L, D>> {
-        let zero = L::splat(0.0);
-        let mut basis = S::Nodes::filled(Basis { value: zero, gradient: [zero; D] });
+    pub fn evaluate_basis(
+        &self,
+        requirements: &Requirements,
+        q: usize,
+        place: &Place<L, D>,
+        basis: &mut S::Nodes<Basis<L, D>>,
+    ) {
         let arguments = &self.tables.arguments;
-        let (values, slopes) =
-            (arguments.values.entries()[q].entries(), arguments.slopes.entries()[q].entries());
-        let basis_functions = basis.entries_mut();
-        let (values, slopes) = (&values[..basis_functions.len()], &slopes[..basis_functions.len()]);
-        for node in 0..basis_functions.len() {
+        let values = arguments.values.entries()[q].entries();
+        let slopes = arguments.slopes.entries()[q].entries();
+        let basis = basis.entries_mut();
+        let (values, slopes) = (&values[..basis.len()], &slopes[..basis.len()]);
+        for node in 0..basis.len() {
             if requirements.basis_value {
-                basis_functions[node].value = L::splat(values[node]);
+                basis[node].value = L::splat(values[node]);
             }
             if requirements.basis_gradient {
-                basis_functions[node].gradient = transformed(&place.inverse, &slopes[node]);
+                basis[node].gradient = transformed(&place.inverse, &slopes[node]);
             }
         }
-        basis
     }
 }
 

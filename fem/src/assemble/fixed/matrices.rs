@@ -3,14 +3,14 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::BilinearKernel;
+use forms_core::contract::{Basis, BilinearKernel};
 
 use super::FixedTask;
 use super::batch::{FieldBuffers, FixedBatch};
 use crate::assemble::element_kernel::{Kept, recall};
 use crate::assemble::element_matrices::Ordered;
 use crate::assemble::pairs::Pairs;
-use crate::assemble::reference_tensor::{ReferenceTensor, contract};
+use crate::assemble::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract};
 use crate::assemble::sizes::{Array, Sizes};
 use crate::lanes::{LaneWork, SimdLane};
 
@@ -27,11 +27,11 @@ pub(in crate::assemble) struct FixedMatrices<'a, K, S: Sizes, const D: usize> {
 
 struct Buffers<K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     fields: FieldBuffers<L>,
-    /// Factors of node i at point q, at `q * nodes + i`.
+    /// Factors of node i at point q, at `i * points + q`.
     tests: Vec<K::Test<L>>,
     trials: Vec<K::Trial<L>>,
     blocks: Vec<L>,
-    directions: Vec<L>,
+    directions: Vec<[L; LARGEST_BLOCK]>,
     tensor: Option<Option<ReferenceTensor>>,
 }
 
@@ -101,12 +101,14 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
             contract::<K, L, D>(kernel, &cell, tensor, place.determinant, &place.inverse, directions, blocks);
             return;
         }
-        let hessian = [[L::splat(0.0); D]; D];
+        let zero = L::splat(0.0);
+        let hessian = [[zero; D]; D];
+        let mut basis = S::Nodes::filled(Basis { value: zero, gradient: [zero; D] });
         if points == 1 {
             let place = batch.place(0);
             let geometry = batch.point(requirements, 0, &place, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
-            let basis = batch.basis(requirements, 0, &place);
+            batch.evaluate_basis(requirements, 0, &place, &mut basis);
             let basis = basis.entries();
             let mut tests = S::Nodes::filled(kernel.test(&point, &basis[0], &hessian));
             let mut trials = S::Nodes::filled(kernel.trial(&point, &basis[0], &hessian));
@@ -124,17 +126,17 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
             let place = batch.place(q);
             let geometry = batch.point(requirements, q, &place, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
-            let basis = batch.basis(requirements, q, &place);
+            batch.evaluate_basis(requirements, q, &place, &mut basis);
             let basis = basis.entries();
             // There is no empty factor: the memory is made with the first one.
             if tests.len() != nodes * points {
                 tests.resize(nodes * points, kernel.test(&point, &basis[0], &hessian));
                 trials.resize(nodes * points, kernel.trial(&point, &basis[0], &hessian));
             }
-            let (tests, trials) = (&mut tests[q * nodes..][..nodes], &mut trials[q * nodes..][..nodes]);
+            let (tests, trials) = (&mut tests[..nodes * points], &mut trials[..nodes * points]);
             for i in 0..nodes {
-                tests[i] = kernel.test(&point, &basis[i], &hessian);
-                trials[i] = kernel.trial(&point, &basis[i], &hessian);
+                tests[i * points + q] = kernel.test(&point, &basis[i], &hessian);
+                trials[i * points + q] = kernel.trial(&point, &basis[i], &hessian);
             }
         }
         let (tests, trials) = (&tests[..nodes * points], &trials[..nodes * points]);

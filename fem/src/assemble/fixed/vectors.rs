@@ -93,8 +93,8 @@ impl<K: LinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
             let place = batch.place(q);
             let geometry = batch.point(requirements, q, &place, fields);
             let flux = kernel.point(&cell, &geometry, &fields.fields);
-            let (values, slopes) = (arguments.values.entries()[q], arguments.slopes.entries()[q]);
-            let (values, slopes) = (values.entries(), slopes.entries());
+            let values = &arguments.values.entries()[q].entries()[..totals.len()];
+            let slopes = &arguments.slopes.entries()[q].entries()[..totals.len()];
             if requirements.basis_value {
                 let unit = Basis { value: L::splat(1.0), gradient: [zero; D] };
                 let block = kernel.test(&flux, &unit, &hessian);
