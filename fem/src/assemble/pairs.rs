@@ -67,7 +67,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
 
     #[inline(always)]
     fn tile<const ROWS: usize, const COLUMNS: usize>(&self, i: usize, j: usize, blocks: &mut [L]) {
-        let [rows, columns] = self.nodes;
+        let columns = self.nodes[1];
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         let mut accumulators = [[K::zero::<L>(); COLUMNS]; ROWS];
         let points = self.points;

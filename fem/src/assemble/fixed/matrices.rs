@@ -14,6 +14,9 @@ use crate::assemble::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract
 use crate::assemble::sizes::{Array, Sizes};
 use crate::lanes::{LaneWork, SimdLane};
 
+/// Sums over more points are loops.
+const UNROLLED_POINTS: usize = 4;
+
 /// One run over the cells that the caller lists.
 pub(in crate::assemble) struct FixedMatrices<'a, K, S: Sizes, const D: usize> {
     pub task: FixedTask<'a, K, S, D>,
@@ -139,6 +142,8 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
                 trials[i * points + q] = kernel.trial(&point, &basis[i], &hessian);
             }
         }
+        // Of many points an unrolled loop would load all factors first, and spill them.
+        let points = if points > UNROLLED_POINTS { self.group.points() } else { points };
         let (tests, trials) = (&tests[..nodes * points], &trials[..nodes * points]);
         let symmetric = K::SYMMETRIC;
         Pairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }.sum(blocks);
