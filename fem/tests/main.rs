@@ -2,6 +2,7 @@
 
 mod action;
 mod assembly;
+mod fixed_sizes;
 mod history;
 mod interior_facets;
 mod mixed;
