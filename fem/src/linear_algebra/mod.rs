@@ -7,6 +7,7 @@
 //! matrix, and [`gmres()`] solves what is nearly symmetric.
 
 pub mod analysis;
+mod block_graph;
 pub mod block_matrix;
 pub mod block_sparsity;
 pub mod cholesky;
@@ -18,6 +19,7 @@ pub mod ordering;
 pub mod partial_solves;
 pub mod pattern;
 pub mod restriction;
+pub mod symbolic;
 pub mod vector;
 
 pub use analysis::Analysis;
@@ -28,6 +30,7 @@ pub use csr::CsrMatrix;
 pub use error::LinearAlgebraError;
 pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};
 pub use lu::LuFactor;
-pub use ordering::Ordering;
+pub use ordering::{Candidate, Chosen, Ordering};
 pub use pattern::SparsityPattern;
 pub use restriction::{Entry, Restriction};
+pub use symbolic::Fill;

@@ -43,7 +43,7 @@ pub struct TangentSolverOptions {
 impl Default for TangentSolverOptions {
     fn default() -> Self {
         Self {
-            ordering: Ordering::MinimumDegree,
+            ordering: Ordering::default(),
             symmetry_tolerance: 1e-12,
             tolerance: 1e-13,
             accepted: 1e-11,
