@@ -324,6 +324,7 @@ impl TangentSolver {
                 Side::Matrix => matrix.row_sum_norm(),
                 Side::Transposed => matrix.column_sum_norm(),
             }),
+            flexible: false,
             threads: self.options.threads,
         };
         gmres(
