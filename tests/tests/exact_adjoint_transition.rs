@@ -1,16 +1,11 @@
 //! Problem B: the adjoint state p = O(r^{1/2}) at a contact transition, solved by (22) with the contact zone
 //! of problem A's discrete solution. p ∈ H^{3/2−ε}: H¹ order 1/2.
 
-mod closed_forms;
-mod convergence;
-mod half_plane;
-mod loaded_adjoint;
-
-use closed_forms::{HalfPlaneField, Potential};
-use convergence::{digits, order};
+use crate::closed_forms::{HalfPlaneField, Potential};
+use crate::convergence::{digits, order};
+use crate::half_plane::{INTENSITY, direct_problem, error, material, mesh, on_sides, solve_direct};
+use crate::loaded_adjoint::adjoint;
 use forms_fem::prelude::*;
-use half_plane::{INTENSITY, direct_problem, error, material, mesh, on_sides, solve_direct};
-use loaded_adjoint::adjoint;
 
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
 const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];

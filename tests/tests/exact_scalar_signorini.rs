@@ -1,9 +1,7 @@
 //! The scalar Signorini problem −Δu = 0, u ≥ 0, ∂_n u ≥ 0, u ∂_n u = 0 on y = 0, with the solution
 //! u = r^{3/2} cos(3φ/2): contact for x < 0. Nitsche's method is stated here, in a form of the test's own.
 
-mod convergence;
-
-use convergence::{digits, order};
+use crate::convergence::{digits, order};
 use forms_fem::norms::errors;
 use forms_fem::prelude::*;
 

@@ -1,15 +1,11 @@
 //! Problem A: the Signorini transition u = O(r^{3/2}) of a body that lies on a flat obstacle for x < 0 and
 //! lifts off for x > 0, solved by (14). u ∈ H^{5/2−ε}: H¹ order 3/2 with degree 2, and 1 with degree 1.
 
-mod closed_forms;
-mod convergence;
-mod half_plane;
-
-use convergence::{digits, order};
+use crate::convergence::{digits, order};
+use crate::half_plane::{INTENSITY, direct_problem, error, mesh, signorini_transition, solve_direct};
 use forms_contact::forms;
 use forms_contact::states::{ContactProblem, Regions};
 use forms_fem::prelude::*;
-use half_plane::{INTENSITY, direct_problem, error, mesh, signorini_transition, solve_direct};
 
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
 const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];

@@ -2,16 +2,11 @@
 //! the discrete one (21). (22) has the full H¹ order k for every θ. (21) is the transpose of (14)'s tangent: it
 //! imposes p_n = 0 by a method that for θ ≠ 1 is not consistent with the continuous adjoint.
 
-mod closed_forms;
-mod convergence;
-mod half_plane;
-mod loaded_adjoint;
-
-use closed_forms::{HalfPlaneField, Potential};
-use convergence::{digits, order};
+use crate::closed_forms::{HalfPlaneField, Potential};
+use crate::convergence::{digits, order};
+use crate::half_plane::{direct_problem, error, material, mesh, on_sides};
+use crate::loaded_adjoint::adjoint;
 use forms_fem::prelude::*;
-use half_plane::{direct_problem, error, material, mesh, on_sides};
-use loaded_adjoint::adjoint;
 
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
 const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];

@@ -75,6 +75,16 @@ pub enum MeshError {
         /// Where.
         position: Vec<f64>,
     },
+    /// A listed cell that does not exist.
+    #[error("region \"{name}\": there is no cell {cell}; the mesh has {count} cells (numbered from 0)")]
+    NoCell {
+        /// The region's name.
+        name: String,
+        /// Cell index.
+        cell: u32,
+        /// Number of cells.
+        count: usize,
+    },
     /// A listed facet that is not on the boundary.
     #[error("region \"{name}\": facet {local} of cell {cell} does not exist or is not on the boundary")]
     NotExterior {

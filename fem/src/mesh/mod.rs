@@ -4,6 +4,7 @@ mod connectivity;
 mod error;
 mod generators;
 pub(crate) mod geometry;
+pub mod gmsh;
 mod interior;
 mod order;
 mod regions;
@@ -15,6 +16,7 @@ use crate::element::{CellShape, Lagrange};
 
 pub use error::MeshError;
 pub use generators::{annulus, cuboid, rectangle};
+pub use gmsh::{GmshError, GmshMesh};
 pub use order::CellOrder;
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
 pub use structured::{Grid, structured};

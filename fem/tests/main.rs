@@ -1,0 +1,27 @@
+//! The backend's tests in one binary: what they share is compiled once.
+
+mod action;
+mod assembly;
+mod history;
+mod interior_facets;
+mod mixed;
+mod multipliers;
+mod only_what_changes;
+mod second_derivatives;
+mod threads;
+
+#[test]
+fn every_file_is_part_of_this_binary() {
+    let listed = include_str!("main.rs");
+    for entry in
+        std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests")).expect("the folder is there")
+    {
+        let path = entry.expect("it can be read").path();
+        let is_module =
+            path.extension().is_some_and(|extension| extension == "rs") || path.join("mod.rs").exists();
+        let name = path.file_stem().expect("it has a name").to_string_lossy().into_owned();
+        if is_module && name != "main" {
+            assert!(listed.contains(&format!("mod {name};")), "tests/{name} is not listed in tests/main.rs");
+        }
+    }
+}
