@@ -83,9 +83,9 @@ fn extremes_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> (f64, f64) {
     let below = |shift: f64| {
         let mut pivot = 1.0_f64;
         let mut count = 0;
-        for i in 0..size {
+        for (i, value) in diagonal.iter().enumerate() {
             let coupling = i.checked_sub(1).map_or(0.0, |k| beside[k] * beside[k]);
-            pivot = diagonal[i] - shift - if i == 0 { 0.0 } else { coupling / pivot };
+            pivot = value - shift - coupling / pivot;
             if pivot == 0.0 {
                 pivot = f64::MIN_POSITIVE;
             }

@@ -50,12 +50,10 @@ impl Aggregates {
             }
         }
         let roots = of_node.clone();
-        for node in 0..nodes {
-            if of_node[node] == NONE {
-                let near = strong(node).filter(|(j, _)| roots[*j as usize] != NONE);
-                if let Some((j, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) {
-                    of_node[node] = roots[j as usize];
-                }
+        for (node, own) in of_node.iter_mut().enumerate().filter(|(_, own)| **own == NONE) {
+            let near = strong(node).filter(|(j, _)| roots[*j as usize] != NONE);
+            if let Some((j, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) {
+                *own = roots[j as usize];
             }
         }
         for node in 0..nodes {
