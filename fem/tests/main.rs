@@ -2,6 +2,8 @@
 
 mod action;
 mod assembly;
+mod gmsh;
+mod gmsh_errors;
 mod history;
 mod interior_facets;
 mod mixed;

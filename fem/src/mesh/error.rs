@@ -45,6 +45,14 @@ pub enum MeshError {
         /// Its coordinates.
         position: Vec<f64>,
     },
+    /// A list has not one entry per node.
+    #[error("{given} positions were given, but the mesh has {count} nodes")]
+    NodeCount {
+        /// Length of the list.
+        given: usize,
+        /// Number of nodes.
+        count: usize,
+    },
     /// A cell names a node that does not exist.
     #[error("cell {cell} names node {node}, but the mesh has {count} nodes (numbered from 0)")]
     NodeRange {
