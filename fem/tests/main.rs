@@ -3,6 +3,8 @@
 mod action;
 mod assembly;
 mod fixed_sizes;
+mod gmsh;
+mod gmsh_errors;
 mod history;
 mod interior_facets;
 mod mixed;

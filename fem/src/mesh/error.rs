@@ -45,6 +45,14 @@ pub enum MeshError {
         /// Its coordinates.
         position: Vec<f64>,
     },
+    /// A list has not one entry per node.
+    #[error("{given} positions were given, but the mesh has {count} nodes")]
+    NodeCount {
+        /// Length of the list.
+        given: usize,
+        /// Number of nodes.
+        count: usize,
+    },
     /// A cell names a node that does not exist.
     #[error("cell {cell} names node {node}, but the mesh has {count} nodes (numbered from 0)")]
     NodeRange {
@@ -74,6 +82,16 @@ pub enum MeshError {
         determinant: f64,
         /// Where.
         position: Vec<f64>,
+    },
+    /// A listed cell that does not exist.
+    #[error("region \"{name}\": there is no cell {cell}; the mesh has {count} cells (numbered from 0)")]
+    NoCell {
+        /// The region's name.
+        name: String,
+        /// Cell index.
+        cell: u32,
+        /// Number of cells.
+        count: usize,
     },
     /// A listed facet that is not on the boundary.
     #[error("region \"{name}\": facet {local} of cell {cell} does not exist or is not on the boundary")]

@@ -4,8 +4,13 @@ mod connectivity;
 mod error;
 mod generators;
 pub(crate) mod geometry;
+pub mod gmsh;
 mod interior;
+#[cfg(test)]
+mod measures;
 mod order;
+mod quality;
+mod refine;
 mod regions;
 mod structured;
 
@@ -15,7 +20,10 @@ use crate::element::{CellShape, Lagrange};
 
 pub use error::MeshError;
 pub use generators::{annulus, cuboid, rectangle};
+pub use gmsh::{GmshError, GmshMesh};
 pub use order::CellOrder;
+pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
+pub use refine::Surface;
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
 pub use structured::{Grid, structured};
 

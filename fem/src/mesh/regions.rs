@@ -56,6 +56,25 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
+    /// Names the cells of a list, for example one read from a file; their order does not matter, and one that
+    /// is listed twice counts once.
+    ///
+    /// # Errors
+    /// [`MeshError::NoCell`] for a cell that does not exist, [`MeshError::RegionExists`] when a cell or facet
+    /// region has this name, [`MeshError::EmptyRegion`] for an empty list.
+    pub fn name_listed_cells(&mut self, name: &str, cells: &[u32]) -> Result<(), MeshError> {
+        let count = self.cell_count();
+        if let Some(&cell) = cells.iter().find(|&&cell| cell as usize >= count) {
+            return Err(MeshError::NoCell { name: name.to_owned(), cell, count });
+        }
+        let mut cells = cells.to_vec();
+        cells.sort_unstable();
+        cells.dedup();
+        self.check_name(name, "cell", cells.is_empty())?;
+        self.cell_regions.insert(name.to_owned(), cells);
+        Ok(())
+    }
+
     /// Names the cells that own the facets of a region.
     ///
     /// # Errors
@@ -145,6 +164,24 @@ mod tests {
         assert_eq!(contact.iter().map(|facet| facet.cell).collect::<Vec<_>>(), [1, 2, 3]);
         assert_eq!(mesh.cell_region(EVERYWHERE)?.len(), 8);
         assert_eq!(mesh.facet_region(BOUNDARY)?.len(), 12);
+        Ok(())
+    }
+
+    #[test]
+    fn cells_by_list() -> Result<(), MeshError> {
+        let mut mesh = rectangle([0.0, 0.0], [4.0, 2.0], [4, 2], CellShape::Quadrilateral, 1)?;
+        mesh.name_listed_cells("steel", &[7, 2, 7])?;
+        assert_eq!(mesh.cell_region("steel")?, [2, 7]);
+        let error = MeshError::NoCell { name: "air".into(), cell: 8, count: 8 };
+        assert_eq!(mesh.name_listed_cells("air", &[1, 8]), Err(error));
+        assert_eq!(
+            mesh.name_listed_cells("steel", &[1]),
+            Err(MeshError::RegionExists { name: "steel".into() })
+        );
+        assert_eq!(
+            mesh.name_listed_cells("air", &[]),
+            Err(MeshError::EmptyRegion { name: "air".into(), entity: "cell" })
+        );
         Ok(())
     }
 

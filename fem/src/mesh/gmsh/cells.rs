@@ -1,0 +1,333 @@
+//! From a file's elements to the cells of a mesh and their regions.
+
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
+
+use super::contents::{Contents, Element};
+use super::error::{GmshError, GmshProblem, Note};
+use super::kinds::{Cell, Kind};
+use super::reader::Reader;
+use crate::element::CellShape;
+use crate::mesh::{Mesh, MeshError};
+
+type Result<T> = std::result::Result<T, GmshError>;
+
+/// The mesh, and how its numbers belong to the file's tags.
+pub(super) struct Cells<const D: usize> {
+    pub(super) mesh: Mesh<D>,
+    /// For each element of dimension D its cell: several elements can be one cell, one per group (MSH 2.2).
+    cell_of_element: Vec<(usize, u32)>,
+    /// For each of the file's nodes its number in the mesh; `u32::MAX` where no cell uses it.
+    numbers: Vec<u32>,
+    tags: Tags,
+}
+
+/// Nodes by tag.
+pub(super) struct Tags {
+    /// Tag and place in the file's list, by tag.
+    sorted: Vec<(u64, u32)>,
+}
+
+impl Tags {
+    fn new(reader: &Reader, contents: &Contents) -> Result<Self> {
+        if u32::try_from(contents.nodes.len()).is_err() {
+            return Err(reader.error_of_file(MeshError::TooLarge { what: "nodes" }.into()));
+        }
+        let mut sorted: Vec<_> =
+            contents.nodes.iter().enumerate().map(|(place, node)| (node.tag, place as u32)).collect();
+        sorted.sort_unstable();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let node = &contents.nodes[pair[1].1 as usize];
+            return Err(reader.error_at(node.at, GmshProblem::RepeatedNode { tag: node.tag }));
+        }
+        Ok(Tags { sorted })
+    }
+
+    fn find(&self, tag: u64) -> Option<usize> {
+        let first = self.sorted.first()?.0;
+        // Tags mostly have no gaps.
+        let guess = usize::try_from(tag.checked_sub(first)?).ok().and_then(|place| self.sorted.get(place));
+        let found = match guess {
+            Some(entry) if entry.0 == tag => entry,
+            _ => &self.sorted[self.sorted.binary_search_by_key(&tag, |entry| entry.0).ok()?],
+        };
+        Some(found.1 as usize)
+    }
+}
+
+fn check_element_tags(reader: &Reader, contents: &Contents) -> Result<()> {
+    let mut sorted: Vec<_> = contents.elements.iter().map(|element| (element.tag, element.at)).collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        Some(pair) => Err(reader.error_at(pair[1].1, GmshProblem::RepeatedElement { tag: pair[1].0 })),
+        None => Ok(()),
+    }
+}
+
+fn check_element_nodes(reader: &Reader, contents: &Contents, tags: &Tags) -> Result<()> {
+    for element in &contents.elements {
+        let nodes = contents.nodes_of(element);
+        for (place, &node) in nodes.iter().enumerate() {
+            let element_tag = element.tag;
+            if tags.find(node).is_none() {
+                let problem = GmshProblem::MissingNode { element: element_tag, node };
+                return Err(reader.error_at(element.at, problem));
+            }
+            if nodes[..place].contains(&node) {
+                let problem = GmshProblem::NodeTwice { element: element_tag, node };
+                return Err(reader.error_at(element.at, problem));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The elements that are cells, all of one type, with their places among the elements.
+struct Chosen<'a> {
+    kind: &'static Kind,
+    cell: &'static Cell,
+    elements: Vec<(usize, &'a Element)>,
+}
+
+fn choose<'a>(reader: &Reader, contents: &'a Contents, dimension: usize) -> Result<Chosen<'a>> {
+    let highest = contents.elements.iter().map(|element| element.kind.dimension).max().unwrap_or(0);
+    if highest < 2 {
+        return Err(reader.error_of_file(GmshProblem::NoCells));
+    }
+    let elements = contents.elements.iter().enumerate();
+    let cells: Vec<_> = elements.filter(|(_, element)| element.kind.dimension == highest).collect();
+    let first = cells[0].1;
+    let (kind, element) = (first.kind, first.tag);
+    if highest != dimension {
+        let (found, kind) = (highest, kind.name);
+        let problem = GmshProblem::Dimension { found, asked: dimension, element, kind };
+        return Err(reader.error_at(first.at, problem));
+    }
+    if let Some((_, other)) = cells.iter().find(|(_, cell)| cell.kind.code != kind.code) {
+        let problem = GmshProblem::Mixed {
+            first: kind.name,
+            first_element: element,
+            second: other.kind.name,
+            second_element: other.tag,
+        };
+        return Err(reader.error_at(other.at, problem));
+    }
+    let Some(cell) = &kind.cell else {
+        let problem = GmshProblem::Unsupported { element, kind: kind.name, advice: kind.advice() };
+        return Err(reader.error_at(first.at, problem));
+    };
+    Ok(Chosen { kind, cell, elements: cells })
+}
+
+fn vertices(nodes: &[u64], kind: &Kind) -> [u64; 8] {
+    let mut vertices = [u64::MAX; 8];
+    vertices[..kind.vertices].copy_from_slice(&nodes[..kind.vertices]);
+    vertices.sort_unstable();
+    vertices
+}
+
+// MSH 2.2 lists a cell once for each of its groups; a cell that stands twice otherwise is a mistake.
+fn check_other_group(reader: &Reader, contents: &Contents, element: &Element, other: usize) -> Result<()> {
+    let other = &contents.elements[other];
+    let (groups, others) = (&contents.membership(element).groups, &contents.membership(other).groups);
+    if groups.is_empty() || others.is_empty() || groups.iter().any(|group| others.contains(group)) {
+        let problem = GmshProblem::SameCell { first: other.tag, second: element.tag };
+        return Err(reader.error_at(element.at, problem));
+    }
+    Ok(())
+}
+
+impl<const D: usize> Cells<D> {
+    pub(super) fn new(reader: &Reader, contents: &Contents, notes: &mut Vec<Note>) -> Result<Self> {
+        let tags = Tags::new(reader, contents)?;
+        check_element_tags(reader, contents)?;
+        check_element_nodes(reader, contents, &tags)?;
+        let Chosen { kind, cell: shape, elements } = choose(reader, contents, D)?;
+        let place = |tag: u64| tags.find(tag).unwrap_or_default();
+
+        // Elements with the same vertices are one cell.
+        let mut cell_of_element = Vec::with_capacity(elements.len());
+        let mut known: HashMap<[u64; 8], (u32, usize, Vec<usize>)> = HashMap::with_capacity(elements.len());
+        let mut cells: Vec<usize> = Vec::with_capacity(elements.len());
+        for &(index, element) in &elements {
+            match known.entry(vertices(contents.nodes_of(element), kind)) {
+                Entry::Vacant(vacant) => {
+                    vacant.insert((cells.len() as u32, index, vec![]));
+                    cell_of_element.push((index, cells.len() as u32));
+                    cells.push(index);
+                }
+                Entry::Occupied(mut occupied) => {
+                    let (cell, first, more) = occupied.get_mut();
+                    check_other_group(reader, contents, element, *first)?;
+                    for &other in more.iter() {
+                        check_other_group(reader, contents, element, other)?;
+                    }
+                    more.push(index);
+                    cell_of_element.push((index, *cell));
+                }
+            }
+        }
+        drop(known);
+
+        // Nodes that cells use, in the file's order.
+        let mut numbers = vec![u32::MAX; contents.nodes.len()];
+        for &cell in &cells {
+            for &tag in contents.nodes_of(&contents.elements[cell]) {
+                numbers[place(tag)] = 0;
+            }
+        }
+        let mut positions = Vec::with_capacity(numbers.len());
+        let mut used = Vec::with_capacity(numbers.len());
+        for (node, number) in contents.nodes.iter().zip(&mut numbers) {
+            if *number == 0 {
+                *number = positions.len() as u32;
+                if node.position.iter().any(|x| !x.is_finite()) {
+                    let problem = GmshProblem::NotFinite { node: node.tag, position: node.position };
+                    return Err(reader.error_at(node.at, problem));
+                }
+                positions.push(std::array::from_fn(|k| node.position[k]));
+                used.push(node);
+            }
+        }
+        if D == 2 {
+            check_plane(reader, &used)?;
+        }
+        let unused = contents.nodes.iter().zip(&numbers).filter(|(_, number)| **number == u32::MAX);
+        if let Some((first, _)) = unused.clone().next() {
+            notes.push(Note::UnusedNodes { count: unused.count(), first: first.tag });
+        }
+
+        let mut list = Vec::with_capacity(cells.len() * kind.nodes);
+        for &cell in &cells {
+            let nodes = contents.nodes_of(&contents.elements[cell]);
+            list.extend(shape.order.iter().map(|&k| numbers[place(nodes[usize::from(k)])]));
+        }
+        if D == 2 {
+            let entities: Vec<i64> =
+                cells.iter().map(|&cell| contents.membership(&contents.elements[cell]).entity).collect();
+            turn_clockwise_surfaces(shape.shape, kind.nodes, &positions, &mut list, &entities, notes);
+        }
+        let mesh = Mesh::from_parts(shape.shape, shape.degree, positions, list).map_err(|error| {
+            let element = |cell: usize| &contents.elements[cells[cell]];
+            in_tags(reader, error, &|cell| (element(cell).tag, element(cell).at), &|node| used[node].tag)
+        })?;
+        Ok(Cells { mesh, cell_of_element, numbers, tags })
+    }
+
+    /// The number of a node in the mesh, if a cell uses it.
+    pub(super) fn number(&self, tag: u64) -> Option<u32> {
+        self.tags.find(tag).map(|place| self.numbers[place]).filter(|number| *number != u32::MAX)
+    }
+
+    /// Groups and partitions of cells become regions.
+    pub(super) fn name_cells(&mut self, reader: &Reader, contents: &Contents) -> Result<()> {
+        let mut regions: BTreeMap<String, Vec<u32>> = BTreeMap::new();
+        for &(element, cell) in &self.cell_of_element {
+            let membership = contents.membership(&contents.elements[element]);
+            for &group in &membership.groups {
+                regions.entry(contents.group_name(D, group)).or_default().push(cell);
+            }
+            for partition in &membership.partitions {
+                regions.entry(format!("partition {partition}")).or_default().push(cell);
+            }
+        }
+        for (name, mut cells) in regions {
+            cells.sort_unstable();
+            cells.dedup();
+            // "all" may be named again.
+            if self.mesh.cell_region(&name) != Ok(&cells) {
+                let named = self.mesh.name_listed_cells(&name, &cells);
+                named.map_err(|error| reader.error_of_file(error.into()))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_plane(reader: &Reader, nodes: &[&super::contents::Node]) -> Result<()> {
+    let first = nodes[0];
+    let extent = nodes.iter().flat_map(|node| node.position.map(f64::abs)).fold(0.0, f64::max);
+    let z = |node: &super::contents::Node| node.position[2];
+    // Gmsh writes 16 digits.
+    match nodes.iter().find(|node| (z(node) - z(first)).abs() > 1e-12 * extent) {
+        Some(other) => Err(reader.error_at(
+            other.at,
+            GmshProblem::NotPlane {
+                first: first.tag,
+                first_z: z(first),
+                second: other.tag,
+                second_z: z(other),
+            },
+        )),
+        None => Ok(()),
+    }
+}
+
+// Gmsh orients the cells of a surface alike, and clockwise where the surface's normal points down.
+fn turn_clockwise_surfaces<const D: usize>(
+    shape: CellShape,
+    per_cell: usize,
+    nodes: &[[f64; D]],
+    cells: &mut [u32],
+    entities: &[i64],
+    notes: &mut Vec<Note>,
+) {
+    let vertices = shape.vertices();
+    let clockwise = |cell: &[u32]| {
+        let corner = |k: usize| nodes[cell[k % vertices] as usize];
+        // Relative to the first vertex: far from the origin, round-off would decide otherwise.
+        let origin = corner(0);
+        let twice: f64 = (1..vertices)
+            .map(|k| {
+                let (a, b) = (corner(k), corner(k + 1));
+                (a[0] - origin[0]) * (b[1] - origin[1]) - (b[0] - origin[0]) * (a[1] - origin[1])
+            })
+            .sum();
+        twice < 0.0
+    };
+    let mut surfaces: BTreeMap<i64, (usize, usize)> = BTreeMap::new();
+    for (cell, entity) in cells.chunks(per_cell).zip(entities) {
+        let (all, turned) = surfaces.entry(*entity).or_default();
+        *all += 1;
+        *turned += usize::from(clockwise(cell));
+    }
+    surfaces.retain(|_, (all, turned)| all == turned);
+    let mirrored: &[usize] = match (shape, per_cell) {
+        (CellShape::Triangle, 3) => &[0, 2, 1],
+        (CellShape::Triangle, _) => &[0, 2, 1, 5, 4, 3],
+        (_, 4) => &[0, 3, 2, 1],
+        _ => &[0, 3, 2, 1, 7, 6, 5, 4, 8],
+    };
+    for (cell, entity) in cells.chunks_mut(per_cell).zip(entities) {
+        if surfaces.contains_key(entity) {
+            let old = cell.to_vec();
+            for (node, &from) in cell.iter_mut().zip(mirrored) {
+                *node = old[from];
+            }
+        }
+    }
+    notes.extend(surfaces.into_iter().map(|(surface, (cells, _))| Note::Turned { surface, cells }));
+}
+
+// What a mesh says of its own numbers, said of the file's tags.
+fn in_tags(
+    reader: &Reader,
+    error: MeshError,
+    element: &dyn Fn(usize) -> (u64, usize),
+    node_tag: &dyn Fn(usize) -> u64,
+) -> GmshError {
+    match error {
+        MeshError::Inverted { cell, determinant, position } => {
+            let (element, at) = element(cell);
+            reader.error_at(at, GmshProblem::Inverted { element, determinant, position })
+        }
+        MeshError::SharedFacet { vertices, cells } => {
+            let elements: Vec<_> = cells.into_iter().map(|cell| element(cell as usize)).collect();
+            let at = elements.last().map_or(0, |(_, at)| *at);
+            let elements = elements.into_iter().map(|(tag, _)| tag).collect();
+            let nodes = vertices.into_iter().map(|node| node_tag(node as usize)).collect();
+            reader.error_at(at, GmshProblem::SharedFacet { nodes, elements })
+        }
+        other => reader.error_of_file(other.into()),
+    }
+}

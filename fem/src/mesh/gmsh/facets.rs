@@ -1,0 +1,141 @@
+//! From a file's elements of dimension D − 1 to regions of facets.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use super::cells::Cells;
+use super::contents::Contents;
+use super::error::{GmshError, GmshProblem, Note};
+use super::reader::Reader;
+use crate::mesh::{Facet, Mesh};
+
+type Result<T> = std::result::Result<T, GmshError>;
+
+/// The sides of each facet by its sorted vertices; vertices that are no longer there are `u32::MAX`.
+fn sides<const D: usize>(mesh: &Mesh<D>) -> HashMap<[u32; 4], Vec<Facet>> {
+    let exterior = mesh.boundary_facets().iter().map(|facet| vec![*facet]);
+    let interior = mesh.interior_facets().iter().map(|sides| sides.to_vec());
+    exterior.chain(interior).map(|sides| (key(vertices(mesh, sides[0])), sides)).collect()
+}
+
+fn key(vertices: impl Iterator<Item = u32>) -> [u32; 4] {
+    let mut key = [u32::MAX; 4];
+    for (entry, vertex) in key.iter_mut().zip(vertices) {
+        *entry = vertex;
+    }
+    key.sort_unstable();
+    key
+}
+
+fn vertices<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> impl Iterator<Item = u32> {
+    let nodes = mesh.cell(facet.cell as usize);
+    mesh.shape().facet_vertices(usize::from(facet.local)).iter().map(|&vertex| nodes[vertex])
+}
+
+// Whether one list runs around the facet as the other does.
+fn runs_alike(a: &[u32], b: &[u32]) -> bool {
+    let start = b.iter().position(|vertex| *vertex == a[0]).unwrap_or(0);
+    if a.len() == 2 { start == 0 } else { a[1] == b[(start + 1) % b.len()] }
+}
+
+/// The facets of a group.
+#[derive(Default)]
+struct Group {
+    exterior: Vec<Facet>,
+    interior: Vec<Facet>,
+}
+
+/// Groups of facets become regions.
+pub(super) fn name_facets<const D: usize>(
+    cells: &mut Cells<D>,
+    reader: &Reader,
+    contents: &Contents,
+    notes: &mut Vec<Note>,
+) -> Result<()> {
+    let members = contents.elements.iter().filter(|element| element.kind.dimension + 1 == D);
+    let mut members = members.filter(|element| !contents.membership(element).groups.is_empty()).peekable();
+    if members.peek().is_none() {
+        return Ok(());
+    }
+    let sides = sides(&cells.mesh);
+    let mut groups: BTreeMap<String, Group> = BTreeMap::new();
+    for element in members {
+        let corners = &contents.nodes_of(element)[..element.kind.vertices];
+        let numbers: Option<Vec<u32>> = corners.iter().map(|&tag| cells.number(tag)).collect();
+        let found = numbers.and_then(|numbers| Some((sides.get(&key(numbers.iter().copied()))?, numbers)));
+        for &group in &contents.membership(element).groups {
+            let name = contents.group_name(D - 1, group);
+            let Some((sides, numbers)) = &found else {
+                let problem = GmshProblem::StrayFacet { element: element.tag, group: name };
+                return Err(reader.error_at(element.at, problem));
+            };
+            let group = groups.entry(name).or_default();
+            match sides.as_slice() {
+                [facet] => group.exterior.push(*facet),
+                sides => {
+                    let from_inside = |facet: &&Facet| {
+                        let own: Vec<u32> = vertices(&cells.mesh, **facet).collect();
+                        runs_alike(numbers, &own)
+                    };
+                    group.interior.extend(sides.iter().find(from_inside).or(sides.first()));
+                }
+            }
+        }
+    }
+    for (name, group) in groups {
+        name_group(&mut cells.mesh, name, group, notes).map_err(|problem| reader.error_of_file(problem))?;
+    }
+    Ok(())
+}
+
+fn name_group<const D: usize>(
+    mesh: &mut Mesh<D>,
+    name: String,
+    mut group: Group,
+    notes: &mut Vec<Note>,
+) -> std::result::Result<(), GmshProblem> {
+    if mesh.cell_region(&name).is_ok() {
+        return Err(GmshProblem::NameTwice { name, cells: D });
+    }
+    group.exterior.sort_unstable();
+    group.exterior.dedup();
+    let mut interior_name = name.clone();
+    if !group.exterior.is_empty() && !group.interior.is_empty() {
+        interior_name.push_str(" (interior)");
+        notes.push(Note::InteriorPart { name: name.clone(), interior: interior_name.clone() });
+    }
+    // "boundary" may be named again.
+    if !group.exterior.is_empty() && mesh.facet_region(&name) != Ok(&group.exterior) {
+        mesh.name_listed_facets(&name, &group.exterior)?;
+    }
+    if !group.interior.is_empty() {
+        mesh.name_listed_interior_facets(&interior_name, &group.interior)?;
+    }
+    Ok(())
+}
+
+/// Notes of groups that are no regions.
+pub(super) fn note_groups<const D: usize>(
+    cells: &Cells<D>,
+    contents: &Contents,
+    dimension: usize,
+    notes: &mut Vec<Note>,
+) {
+    let mut low = BTreeSet::new();
+    for element in contents.elements.iter().filter(|element| element.kind.dimension + 1 < dimension) {
+        for &group in &contents.membership(element).groups {
+            low.insert((element.kind.dimension, contents.group_name(element.kind.dimension, group)));
+        }
+    }
+    let mesh = &cells.mesh;
+    for (&(group, _), name) in &contents.names {
+        let exists = match group {
+            _ if group == dimension => mesh.cell_region(name).is_ok(),
+            _ if group + 1 == dimension => mesh.sides_of(name).is_ok(),
+            _ => low.contains(&(group, name.clone())),
+        };
+        if !exists {
+            notes.push(Note::EmptyGroup { name: name.clone(), dimension: group });
+        }
+    }
+    notes.extend(low.into_iter().map(|(dimension, name)| Note::GroupLeftOut { name, dimension }));
+}

@@ -1,0 +1,91 @@
+//! Meshes from Gmsh's files: MSH 4.1 and 2.2, text and binary.
+
+mod cells;
+mod contents;
+mod error;
+mod facets;
+mod kinds;
+mod reader;
+mod sections;
+mod version_2;
+mod version_4;
+
+use std::path::Path;
+
+use super::Mesh;
+use reader::Reader;
+
+pub use error::{GmshError, GmshProblem, Note, Place};
+
+/// A mesh from a file, and what is worth knowing of it.
+#[derive(Clone, Debug)]
+pub struct GmshMesh<const D: usize> {
+    /// The mesh. Nodes and cells have the order of the file.
+    pub mesh: Mesh<D>,
+    /// What the file holds and the mesh does not show.
+    pub notes: Vec<Note>,
+}
+
+impl<const D: usize> GmshMesh<D> {
+    /// Reads a file, as [`Mesh::read_gmsh`].
+    ///
+    /// # Errors
+    /// As [`Mesh::read_gmsh`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, GmshError> {
+        let path = path.as_ref();
+        let file = path.display().to_string();
+        match std::fs::read(path) {
+            Ok(bytes) => GmshMesh::from_bytes(&file, &bytes),
+            Err(error) => {
+                let problem = GmshProblem::Unreadable { reason: error.to_string() };
+                Err(GmshError { file, place: None, section: None, problem })
+            }
+        }
+    }
+
+    /// Reads the bytes of a file, as [`Mesh::read_gmsh`]; `name` is for messages.
+    ///
+    /// # Errors
+    /// As [`Mesh::read_gmsh`].
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, GmshError> {
+        let mut reader = Reader::new(name, bytes);
+        let contents = sections::read(&mut reader)?;
+        // Cells and facets stand in this section.
+        reader.section = Some("Elements".to_owned());
+        let mut notes = Vec::new();
+        let mut cells = cells::Cells::new(&reader, &contents, &mut notes)?;
+        cells.name_cells(&reader, &contents)?;
+        facets::name_facets(&mut cells, &reader, &contents, &mut notes)?;
+        facets::note_groups(&cells, &contents, D, &mut notes);
+        Ok(GmshMesh { mesh: cells.mesh, notes })
+    }
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Reads a Gmsh file: MSH 4.1 or 2.2, text or binary of either byte order, first or second order.
+    ///
+    /// Cells are the elements of dimension D: triangles, quadrilaterals, tetrahedra or hexahedra, all of one type.
+    /// Nodes and cells keep the file's order; nodes that no cell uses are left out. A plane mesh may lie at any z.
+    ///
+    /// Physical groups become regions: those of dimension D regions of cells, those of dimension D − 1 regions of
+    /// facets, exterior or interior. The normal on an interior facet points out of the cell from which the facet's
+    /// element is seen as from inside, as Gmsh orients it. A group with facets of both kinds becomes two regions,
+    /// the second one with " (interior)" behind its name. A group without a name is called as in Gmsh,
+    /// "physical surface 3". In a partitioned file the cells of a partition are the region "partition 1" and so on.
+    ///
+    /// [`GmshMesh::read`] tells besides what was left out.
+    ///
+    /// # Errors
+    /// A [`GmshError`] that names the line (text) or the offset (binary), the section and the node, element or group.
+    pub fn read_gmsh(path: impl AsRef<Path>) -> Result<Self, GmshError> {
+        GmshMesh::read(path).map(|read| read.mesh)
+    }
+
+    /// Reads the bytes of a Gmsh file, as [`Mesh::read_gmsh`]; `name` is for messages.
+    ///
+    /// # Errors
+    /// As [`Mesh::read_gmsh`].
+    pub fn read_gmsh_bytes(name: &str, bytes: &[u8]) -> Result<Self, GmshError> {
+        GmshMesh::from_bytes(name, bytes).map(|read| read.mesh)
+    }
+}
