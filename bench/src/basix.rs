@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use forms_fem::element::CellShape;
+use forms_fem::element::{CellShape, Lagrange};
 use forms_fem::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_reference_rule};
 use serde::Deserialize;
 use thiserror::Error;

@@ -4,8 +4,9 @@
 //! whose value, or whose derivative along one axis of the reference cell, is one, and each basis function
 //! combines these by its own tabulated values.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::{Basis, LinearKernel};
 
