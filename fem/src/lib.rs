@@ -115,8 +115,8 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        CondensedSolver, FormProblem, LinearSolver, LoadSteps, LuSolver, MixedProblem, NewtonError,
-        NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
+        CondensedSolver, FormProblem, LinearSolver, LoadSteps, LuSolver, MixedProblem, MultigridSolver,
+        MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
     };
     pub use crate::space::{Family, Space};
     pub use crate::threads::Threads;

@@ -1,5 +1,6 @@
 //! Finite element spaces: unknowns on the nodes of a mesh, or of its facets.
 
+mod embedding;
 mod numbering;
 
 use std::fmt;
@@ -61,6 +62,9 @@ pub enum SpaceError {
     /// No such facet region.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// Spaces that must live on the cells of one mesh do not.
+    #[error("the two spaces are not both on the cells of one mesh")]
+    OtherMesh,
     /// A value without components.
     #[error("a value of shape {shape:?} has no components")]
     Shape {

@@ -3,16 +3,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::SymbolicSupernodalParams;
-use faer::sparse::linalg::cholesky::simplicial;
-use faer::sparse::linalg::cholesky::supernodal::{self, SymbolicSupernodalCholesky};
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_size};
-use super::ordering::{Ordering, inverse};
+use super::ordering::{Candidate, Chosen, Ordering, inverse};
 use super::pattern::SparsityPattern;
+use super::symbolic::{Fill, find_supernodes};
 
 /// What a factorisation needs to know of the pattern alone. It is computed once and serves every matrix
 /// with that pattern.
@@ -21,12 +18,13 @@ pub struct Analysis {
     pattern: Arc<SparsityPattern>,
     /// Unknown at each place of the elimination order.
     pub(super) order: Vec<u32>,
+    candidates: Vec<Candidate>,
     /// Lower triangle of the reordered matrix by columns, and where each of its values comes from.
     pub(super) lower_pointers: Vec<u32>,
     pub(super) lower_rows: Vec<u32>,
     lower_source: Vec<u32>,
     pub(super) supernodes: SymbolicSupernodalCholesky<u32>,
-    multiplications: f64,
+    fill: Fill,
     seconds: f64,
 }
 
@@ -43,18 +41,19 @@ impl Analysis {
         if u32::try_from(pattern.entries()).is_err() {
             return Err(LinearAlgebraError::TooLarge { what: "the matrix" });
         }
-        let order = ordering.elimination_order(pattern)?;
+        let Chosen { order, candidates } = ordering.choose(pattern)?;
         let place = inverse(&order)?;
         let (lower_pointers, lower_rows, lower_source) = reordered_lower_triangle(pattern, &place);
-        let (supernodes, multiplications) = find_supernodes(size, &lower_pointers, &lower_rows)?;
+        let (supernodes, fill) = find_supernodes(size, &lower_pointers, &lower_rows)?;
         Ok(Self {
             pattern: pattern.clone(),
             order,
+            candidates,
             lower_pointers,
             lower_rows,
             lower_source,
             supernodes,
-            multiplications,
+            fill,
             seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -74,15 +73,25 @@ impl Analysis {
         &self.order
     }
 
+    /// The orderings that were compared, the one that was taken first.
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
     /// Numbers stored in a factor, with the zeros inside supernodes.
     pub fn factor_entries(&self) -> usize {
         self.supernodes.len_val()
     }
 
+    /// Entries and multiplications of a Cholesky factorisation without the zeros inside supernodes.
+    pub fn fill(&self) -> Fill {
+        self.fill
+    }
+
     /// Multiplications of a Cholesky factorisation without the zeros inside supernodes. Two orderings are
     /// compared by it before anything is factored.
     pub fn multiplications(&self) -> f64 {
-        self.multiplications
+        self.fill.multiplications
     }
 
     /// Seconds that the analysis took.
@@ -135,59 +144,6 @@ fn reordered_lower_triangle(pattern: &SparsityPattern, place: &[u32]) -> (Vec<u3
         }
     }
     (pointers, rows, source)
-}
-
-/// Supernodes of the factor, and the multiplications that computing it takes.
-fn find_supernodes(
-    size: usize,
-    lower_pointers: &[u32],
-    lower_rows: &[u32],
-) -> Result<(SymbolicSupernodalCholesky<u32>, f64), LinearAlgebraError> {
-    const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the symbolic analysis" };
-    const TOO_LARGE: LinearAlgebraError = LinearAlgebraError::TooLarge { what: "the factor" };
-    // faer analyses the upper triangle by columns, which is the transposed lower one.
-    let mut upper_pointers = vec![0_u32; size + 1];
-    for &row in lower_rows {
-        upper_pointers[row as usize + 1] += 1;
-    }
-    for column in 0..size {
-        upper_pointers[column + 1] += upper_pointers[column];
-    }
-    let mut next = upper_pointers.clone();
-    let mut upper_rows = vec![0_u32; lower_rows.len()];
-    for column in 0..size {
-        for &row in &lower_rows[lower_pointers[column] as usize..lower_pointers[column + 1] as usize] {
-            let slot = &mut next[row as usize];
-            upper_rows[*slot as usize] = column as u32;
-            *slot += 1;
-        }
-    }
-    drop(next);
-    let upper = SymbolicSparseColMatRef::new_checked(size, size, &upper_pointers, None, &upper_rows);
-    let scratch = StackReq::or(
-        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(size, upper_rows.len()),
-        supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(size),
-    );
-    let mut memory = MemBuffer::try_new(scratch).map_err(|_| NO_MEMORY)?;
-    let mut tree = vec![0_i32; size];
-    let mut column_counts = vec![0_u32; size];
-    let tree = simplicial::prefactorize_symbolic_cholesky(
-        &mut tree,
-        &mut column_counts,
-        upper,
-        MemStack::new(&mut memory),
-    );
-    let multiplications =
-        column_counts.iter().map(|&count| 0.5 * f64::from(count) * (f64::from(count) + 3.0)).sum();
-    let supernodes = supernodal::factorize_supernodal_symbolic_cholesky(
-        upper,
-        tree,
-        &column_counts,
-        MemStack::new(&mut memory),
-        SymbolicSupernodalParams::default(),
-    )
-    .map_err(|_| TOO_LARGE)?;
-    Ok((supernodes, multiplications))
 }
 
 #[cfg(test)]

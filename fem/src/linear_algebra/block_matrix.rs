@@ -22,6 +22,15 @@ impl BlockMatrix {
         BlockMatrix { sparsity: sparsity.clone(), values: vec![0.0; sparsity.entries()] }
     }
 
+    /// A matrix with these values at these positions.
+    ///
+    /// # Errors
+    /// If the number of values is not the number of entries.
+    pub fn from_values(sparsity: &Arc<BlockSparsity>, values: Vec<f64>) -> Result<Self, LinearAlgebraError> {
+        check_size("the list of matrix values", sparsity.entries(), values.len())?;
+        Ok(BlockMatrix { sparsity: sparsity.clone(), values })
+    }
+
     /// The positions.
     pub fn sparsity(&self) -> &Arc<BlockSparsity> {
         &self.sparsity
@@ -194,7 +203,12 @@ fn multiply_rows(
     match (rows.components, columns.components) {
         (1, 1) => multiply_blocks::<1, 1>(pair, values, first, x, y),
         (2, 2) => multiply_blocks::<2, 2>(pair, values, first, x, y),
+        (2, 3) => multiply_blocks::<2, 3>(pair, values, first, x, y),
+        (3, 2) => multiply_blocks::<3, 2>(pair, values, first, x, y),
         (3, 3) => multiply_blocks::<3, 3>(pair, values, first, x, y),
+        (3, 6) => multiply_blocks::<3, 6>(pair, values, first, x, y),
+        (6, 3) => multiply_blocks::<6, 3>(pair, values, first, x, y),
+        (6, 6) => multiply_blocks::<6, 6>(pair, values, first, x, y),
         (height, width) => {
             let block = height * width;
             for (node, y) in y.chunks_exact_mut(height.max(1)).enumerate() {

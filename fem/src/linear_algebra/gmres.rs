@@ -17,6 +17,9 @@ pub struct GmresOptions {
     /// ‖A‖∞ if it is known: a solution whose backward error ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞) is at
     /// rounding level is then accepted even if `tolerance` asks for more than rounding allows.
     pub operator_norm: Option<f64>,
+    /// Whether the preconditioner may differ from one application to the next (flexible GMRES, Saad 1993), as an
+    /// inner iteration does. It costs a second vector per basis vector.
+    pub flexible: bool,
     /// Threads for dot products, which are the same for each number of them. What the operator and the
     /// preconditioner use is theirs.
     pub threads: Threads,
@@ -30,6 +33,7 @@ impl Default for GmresOptions {
             restart: 60,
             max_iterations: 300,
             operator_norm: None,
+            flexible: false,
             threads: Threads::ONE,
         }
     }
@@ -142,7 +146,9 @@ pub fn gmres<E>(
         previous = residual_norm;
         let cycle = Cycle { target, b_norm, options };
         let mut correction = cycle.run(&mut operator, &mut preconditioner, &residual, &mut report)?;
-        preconditioner(&mut correction)?;
+        if !options.flexible {
+            preconditioner(&mut correction)?;
+        }
         add_scaled(x, 1.0, &correction);
     }
 }
@@ -155,7 +161,8 @@ struct Cycle<'a> {
 }
 
 impl Cycle<'_> {
-    /// The combination of basis vectors that minimises the residual; it is still to be preconditioned.
+    /// The combination of basis vectors that minimises the residual; it is still to be preconditioned, unless the
+    /// method is flexible and has kept the preconditioned vectors.
     fn run<E>(
         &self,
         operator: &mut impl FnMut(&[f64], &mut [f64]) -> Result<(), E>,
@@ -165,6 +172,7 @@ impl Cycle<'_> {
     ) -> Result<Vec<f64>, GmresError<E>> {
         let beta = norm(residual);
         let mut basis: Vec<Vec<f64>> = vec![residual.iter().map(|value| value / beta).collect()];
+        let mut preconditioned: Vec<Vec<f64>> = Vec::new();
         // Columns of the triangular factor of Hessenberg's matrix, its rotations, the rotated right-hand side.
         let mut triangle: Vec<Vec<f64>> = Vec::new();
         let mut rotations: Vec<(f64, f64)> = Vec::new();
@@ -175,7 +183,9 @@ impl Cycle<'_> {
             preconditioner(&mut direction)?;
             let mut image = vec![0.0; direction.len()];
             operator(&direction, &mut image)?;
-            drop(direction);
+            if self.options.flexible {
+                preconditioned.push(direction);
+            }
             report.iterations += 1;
             let (mut column, next_norm, broke_down) = orthogonalise(&mut image, &basis, self.options.threads);
             for (row, &(cosine, sine)) in rotations.iter().enumerate() {
@@ -211,7 +221,8 @@ impl Cycle<'_> {
         }
         let coefficients = back_substitute(&triangle, &rotated);
         let mut combination = vec![0.0; residual.len()];
-        for (coefficient, vector) in coefficients.iter().zip(&basis) {
+        let vectors = if self.options.flexible { &preconditioned } else { &basis };
+        for (coefficient, vector) in coefficients.iter().zip(vectors) {
             add_scaled(&mut combination, *coefficient, vector);
         }
         Ok(combination)
@@ -316,6 +327,28 @@ mod tests {
         }
         let mut x = [0.0; 5];
         assert_eq!(gmres(scale, identity, &b, &mut x, &GmresOptions::default()).unwrap().iterations, 2);
+    }
+
+    #[test]
+    fn a_preconditioner_that_changes_asks_for_the_flexible_method() {
+        let exact: Vec<f64> = (0..60).map(|i| (0.3 * f64::from(i)).sin() + 1.0).collect();
+        let mut b = vec![0.0; 60];
+        convection(0.5)(&exact, &mut b).unwrap();
+        let solve = |flexible| {
+            let (mut x, mut calls) = (vec![0.0; 60], 0);
+            let changing = |v: &mut [f64]| {
+                calls += 1;
+                v.iter_mut().enumerate().for_each(|(i, v)| *v /= 3.0 + f64::from((i + calls) as u32 % 4));
+                Ok(())
+            };
+            let options = GmresOptions { flexible, tolerance: 1e-11, ..GmresOptions::default() };
+            gmres(convection(0.5), changing, &b, &mut x, &options).map(|report| (report, x))
+        };
+        let (report, x) = solve(true).unwrap();
+        assert!(report.relative_residual <= 1e-11);
+        assert!(x.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-8));
+        let plain = solve(false).map_or(usize::MAX, |(report, _)| report.iterations);
+        assert!(plain > report.iterations, "{plain}");
     }
 
     #[test]

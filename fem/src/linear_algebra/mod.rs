@@ -4,30 +4,49 @@
 //! what solvers read: values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows and columns out
 //! of either. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
 //! Cholesky or a Bunch–Kaufman factor on it, [`LuFactor`] is a factor with partial pivoting of any square
-//! matrix, and [`gmres()`] solves what is nearly symmetric.
+//! matrix, and [`gmres()`] solves what is nearly symmetric. [`cg()`] and [`minres()`] solve with any [`LinearOperator`] and
+//! [`Preconditioner`], of which [`Multigrid`] is the one for large systems in space.
 
 pub mod analysis;
+mod block_graph;
 pub mod block_matrix;
+pub mod block_product;
 pub mod block_sparsity;
+pub mod cg;
 pub mod cholesky;
 pub mod csr;
 pub mod error;
 pub mod gmres;
+pub mod krylov;
 pub mod lu;
+pub mod minres;
+pub mod multigrid;
+pub mod operator;
 pub mod ordering;
 pub mod partial_solves;
 pub mod pattern;
 pub mod restriction;
+pub mod rigid_motions;
+pub mod spectrum;
+pub mod symbolic;
 pub mod vector;
 
 pub use analysis::Analysis;
 pub use block_matrix::BlockMatrix;
 pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
+pub use cg::cg;
 pub use cholesky::{Refined, SymmetricFactor};
 pub use csr::CsrMatrix;
 pub use error::LinearAlgebraError;
 pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};
+pub use krylov::{KrylovError, KrylovOptions, KrylovReport};
 pub use lu::LuFactor;
-pub use ordering::Ordering;
+pub use minres::minres;
+pub use multigrid::{Multigrid, MultigridOptions};
+pub use operator::{Identity, LinearOperator, OnThreads, OperatorError, Preconditioner};
+pub use ordering::{Candidate, Chosen, Ordering};
 pub use pattern::SparsityPattern;
 pub use restriction::{Entry, Restriction};
+pub use rigid_motions::rigid_motions;
+pub use spectrum::{Spectrum, spectrum};
+pub use symbolic::Fill;

@@ -286,10 +286,10 @@ fn residual(matrix: &Sum, x: &[f64], b: &[f64], transposed: bool) -> Result<Vec<
     Ok(b.iter().zip(product).map(|(b, product)| b - product).collect())
 }
 
-/// Minimum degree on the other unknowns, then the given ones.
+/// A fill-reducing order of the other unknowns, then the given ones.
 fn order_last(matrix: &CsrMatrix, last: &[u32]) -> Result<Ordering, LinearAlgebraError> {
     if last.is_empty() {
-        return Ok(Ordering::MinimumDegree);
+        return Ok(Ordering::default());
     }
     let mut is_last = vec![false; matrix.rows()];
     for unknown in last {
@@ -297,7 +297,7 @@ fn order_last(matrix: &CsrMatrix, last: &[u32]) -> Result<Ordering, LinearAlgebr
     }
     let others: Vec<usize> = (0..matrix.rows()).filter(|unknown| !is_last[*unknown]).collect();
     let restricted = Restriction::new(&Arc::new(matrix.pattern().into()), &others, &others)?;
-    let order = Ordering::MinimumDegree.elimination_order(restricted.pattern())?;
+    let order = Ordering::default().elimination_order(restricted.pattern())?;
     let order = order.into_iter().map(|place| others[place as usize] as u32).chain(last.iter().copied());
     Ok(Ordering::Given(order.collect()))
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::linear_algebra::{CsrMatrix, Entry, GmresReport, LinearAlgebraError};
+use crate::linear_algebra::{CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError};
 
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
 /// matrix: the analysis of the pattern, a factor, a condensed block.
@@ -88,6 +88,14 @@ pub enum SolverError {
         .0.relative_residual, .0.iterations
     )]
     NotConverged(GmresReport),
+    /// Conjugate gradients failed.
+    #[error("conjugate gradients failed: {why}")]
+    Krylov {
+        /// The reason.
+        why: String,
+        /// What was done, with the history of residuals.
+        report: KrylovReport,
+    },
 }
 
 fn of(component: &Option<usize>) -> String {

@@ -3,6 +3,7 @@
 //! [`newton()`] asks a [`NonlinearProblem`] for residuals and tangents, an [`Elimination`] takes the
 //! prescribed unknowns out, and a [`LinearSolver`] (the [`TangentSolver`] unless another is given) solves.
 //! [`FormProblem`] (one unknown) and [`MixedProblem`] (several) make such a problem of a compiled form.
+//! A [`MultigridSolver`] takes large systems in space.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 mod assembled_once;
@@ -12,7 +13,9 @@ pub mod linear_solver;
 pub mod load_steps;
 pub mod lu_solver;
 pub mod mixed_problem;
+pub mod multigrid_solver;
 pub mod newton;
+mod node_blocks;
 pub mod problem;
 pub mod tangent_solver;
 
@@ -22,6 +25,7 @@ pub use linear_solver::{LinearSolution, LinearSolver, SolverError};
 pub use load_steps::{LoadPath, LoadStep, LoadStepError, LoadSteps};
 pub use lu_solver::LuSolver;
 pub use mixed_problem::{LinearProblemError, MixedProblem, MixedSolved};
+pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{
     ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
     Tangent, newton,

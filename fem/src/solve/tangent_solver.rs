@@ -43,7 +43,7 @@ pub struct TangentSolverOptions {
 impl Default for TangentSolverOptions {
     fn default() -> Self {
         Self {
-            ordering: Ordering::MinimumDegree,
+            ordering: Ordering::default(),
             symmetry_tolerance: 1e-12,
             tolerance: 1e-13,
             accepted: 1e-11,
@@ -324,6 +324,7 @@ impl TangentSolver {
                 Side::Matrix => matrix.row_sum_norm(),
                 Side::Transposed => matrix.column_sum_norm(),
             }),
+            flexible: false,
             threads: self.options.threads,
         };
         gmres(

@@ -73,6 +73,22 @@ fn the_block_laplacian_is_solved_against_its_closed_form() {
 }
 
 #[test]
+fn all_orderings_give_the_same_solution() {
+    let matrix = grid(20, [[3.0, 1.0], [1.0, 2.0]], 0.0);
+    let b: Vec<f64> = (0..800).map(|k| f64::from(k % 17) - 8.0).collect();
+    let solve = |ordering| {
+        let analysis = Arc::new(Analysis::new(matrix.pattern(), &ordering).unwrap());
+        let factor = SymmetricFactor::cholesky(&analysis, &matrix, Vec::new()).unwrap();
+        factor.solve_refined(&matrix, &b, 3).unwrap().solution
+    };
+    let reference = solve(Ordering::MinimumDegree);
+    let backwards = Ordering::Given((0..800).rev().collect());
+    for ordering in [Ordering::NestedDissection, Ordering::LeastFill, backwards] {
+        assert!(error(&solve(ordering), &reference) < 1e-13);
+    }
+}
+
+#[test]
 fn the_factor_is_of_the_new_matrix_when_analysis_and_storage_are_reused() {
     let (m, block, w) = (12, [[2.0, 0.0], [0.0, 2.0]], [1.0, 2.0]);
     let mut matrix = grid(m, block, 0.0);

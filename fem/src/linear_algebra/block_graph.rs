@@ -1,0 +1,63 @@
+//! The graph of blocks of a symmetric pattern.
+
+use super::error::LinearAlgebraError;
+use super::pattern::SparsityPattern;
+
+/// Blocks of consecutive unknowns whose rows have the same pattern, and which of them are coupled. Rows of the graph
+/// are ascending and hold the block itself.
+#[derive(Clone, Debug)]
+pub(super) struct BlockGraph {
+    /// First unknown of each block, and the number of unknowns at the end.
+    pub(super) begins: Vec<usize>,
+    /// Where the neighbours of each block start.
+    pub(super) pointers: Vec<u32>,
+    pub(super) neighbours: Vec<u32>,
+}
+
+impl BlockGraph {
+    pub(super) fn new(pattern: &SparsityPattern) -> Result<Self, LinearAlgebraError> {
+        let size = pattern.rows();
+        let mut begins: Vec<usize> =
+            (0..size).filter(|&row| row == 0 || pattern.row(row) != pattern.row(row - 1)).collect();
+        begins.push(size);
+        let blocks = begins.len() - 1;
+        let mut block_of = vec![0_u32; pattern.columns()];
+        for block in 0..blocks {
+            block_of[begins[block]..begins[block + 1]].fill(block as u32);
+        }
+        let mut pointers = Vec::with_capacity(blocks + 1);
+        pointers.push(0_u32);
+        let mut neighbours: Vec<u32> = Vec::new();
+        for &begin in &begins[..blocks] {
+            let first = neighbours.len();
+            for &column in pattern.row(begin) {
+                let block = block_of[column as usize];
+                // Columns ascend, and so do their blocks: a repeated block repeats at once.
+                if neighbours.len() == first || neighbours.last() != Some(&block) {
+                    neighbours.push(block);
+                }
+            }
+            let end = u32::try_from(neighbours.len());
+            pointers.push(end.map_err(|_| LinearAlgebraError::TooLarge { what: "the graph to order" })?);
+        }
+        Ok(BlockGraph { begins, pointers, neighbours })
+    }
+
+    /// Number of blocks.
+    pub(super) fn blocks(&self) -> usize {
+        self.pointers.len() - 1
+    }
+
+    /// Blocks that are coupled with a block.
+    pub(super) fn row(&self, block: usize) -> &[u32] {
+        &self.neighbours[self.pointers[block] as usize..self.pointers[block + 1] as usize]
+    }
+
+    /// The unknowns of blocks in some order.
+    pub(super) fn unknowns_in(&self, order: &[u32]) -> Vec<u32> {
+        order
+            .iter()
+            .flat_map(|&block| self.begins[block as usize] as u32..self.begins[block as usize + 1] as u32)
+            .collect()
+    }
+}

@@ -1,0 +1,92 @@
+//! Linear operators and preconditioners, as Krylov methods see them.
+
+use super::block_matrix::BlockMatrix;
+use super::cholesky::SymmetricFactor;
+use super::csr::CsrMatrix;
+use crate::threads::Threads;
+
+/// Why an operator or a preconditioner could not be applied.
+pub type OperatorError = Box<dyn std::error::Error + Send + Sync>;
+
+/// A square linear operator: a matrix, or the action of a form's tangent without one.
+pub trait LinearOperator {
+    /// Number of unknowns.
+    fn size(&self) -> usize;
+
+    /// y = A x.
+    ///
+    /// # Errors
+    /// Whatever prevents it, for example a vector of another size.
+    fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError>;
+}
+
+/// An approximation of the inverse of an operator.
+pub trait Preconditioner {
+    /// z ≈ A⁻¹ r. For CG and MINRES it must be linear, symmetric and positive definite.
+    ///
+    /// # Errors
+    /// Whatever prevents it, for example a vector of another size.
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError>;
+}
+
+/// A matrix whose products run on some threads.
+#[derive(Clone, Copy, Debug)]
+pub struct OnThreads<'a, M>(pub &'a M, pub Threads);
+
+impl LinearOperator for OnThreads<'_, BlockMatrix> {
+    fn size(&self) -> usize {
+        self.0.rows()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
+        Ok(self.0.multiply_on(self.1, x, y)?)
+    }
+}
+
+impl LinearOperator for OnThreads<'_, CsrMatrix> {
+    fn size(&self) -> usize {
+        self.0.rows()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
+        Ok(self.0.multiply_on(self.1, x, y)?)
+    }
+}
+
+impl LinearOperator for BlockMatrix {
+    fn size(&self) -> usize {
+        self.rows()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
+        OnThreads(self, Threads::ONE).apply(x, y)
+    }
+}
+
+impl LinearOperator for CsrMatrix {
+    fn size(&self) -> usize {
+        self.rows()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
+        OnThreads(self, Threads::ONE).apply(x, y)
+    }
+}
+
+/// No preconditioning.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Identity;
+
+impl Preconditioner for Identity {
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError> {
+        z.copy_from_slice(r);
+        Ok(())
+    }
+}
+
+impl Preconditioner for &SymmetricFactor {
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError> {
+        z.copy_from_slice(r);
+        Ok(self.solve_in_place(z)?)
+    }
+}

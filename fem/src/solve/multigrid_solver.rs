@@ -1,0 +1,266 @@
+//! Iterative solution with multigrid: conjugate gradients, or GMRES where the matrix is unsymmetric.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use super::node_blocks::NodeBlocks;
+use crate::constraints::Constraints;
+use crate::linear_algebra::error::{check_finite, check_size};
+use crate::linear_algebra::multigrid::LevelReport;
+use crate::linear_algebra::{
+    BlockMatrix, CsrMatrix, GmresError, GmresOptions, KrylovError, KrylovOptions, KrylovReport, Multigrid,
+    MultigridOptions, OnThreads, Preconditioner, cg, gmres,
+};
+use crate::space::SpaceError;
+use crate::threads::Threads;
+
+/// Choices of a [`MultigridSolver`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct MultigridSolverOptions {
+    /// Relative residual to reach.
+    pub tolerance: f64,
+    /// Most iterations of one solve.
+    pub max_iterations: usize,
+    /// A matrix whose [`CsrMatrix::asymmetry`] is at most this is solved by conjugate gradients.
+    pub symmetry_tolerance: f64,
+    /// The levels.
+    pub multigrid: MultigridOptions,
+    /// Threads for products and dot products; solutions are the same for each number of them.
+    pub threads: Threads,
+}
+
+impl Default for MultigridSolverOptions {
+    fn default() -> Self {
+        MultigridSolverOptions {
+            tolerance: 1e-10,
+            max_iterations: 200,
+            symmetry_tolerance: 1e-12,
+            multigrid: MultigridOptions::default(),
+            threads: Threads::all(),
+        }
+    }
+}
+
+/// What a [`MultigridSolver`] did since it was made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MultigridSolverReport {
+    /// Hierarchies that were set up.
+    pub setups: usize,
+    /// Systems solved.
+    pub solves: usize,
+    /// Iterations of each solve, in order.
+    pub iterations: Vec<usize>,
+    /// Levels of the last hierarchy, finest first.
+    pub levels: Vec<LevelReport>,
+    /// Seconds in set-up.
+    pub setup_seconds: f64,
+    /// Seconds in solves.
+    pub solve_seconds: f64,
+    /// Largest relative residual of a solve.
+    pub largest_residual: f64,
+    /// Relative residuals of the last solve, at the start and after each iteration.
+    pub history: Vec<f64>,
+}
+
+/// A Krylov method preconditioned by multigrid on one space: from its degree down to degree 1 through the spaces on the
+/// same mesh (Chebyshev smoothing), then by smoothed aggregation with rigid motions (elasticity) or constants as
+/// near-null space, and a direct solution on the smallest level. For large systems in space that are symmetric and
+/// positive definite, or nearly so.
+///
+/// ```
+/// use forms_fem::prelude::*;
+///
+/// let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [4; 3], CellShape::Tetrahedron, 1)?);
+/// let space = Space::scalar(&mesh, 2)?;
+/// let poisson = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+/// let mut constraints = Constraints::new(&space);
+/// constraints.fix("boundary", |_| 0.0)?;
+/// let assembler = Assembler::new(&mesh);
+/// let mut solver = MultigridSolver::new(&constraints, MultigridSolverOptions::default())?;
+/// let u = FormProblem::new(&poisson, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+/// assert!((u.evaluate(&[0.5; 3])?[0] - 0.056).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct MultigridSolver {
+    options: MultigridSolverOptions,
+    blocks: NodeBlocks,
+    current: Option<Current>,
+    report: MultigridSolverReport,
+}
+
+#[derive(Debug)]
+struct Current {
+    matrix: Arc<BlockMatrix>,
+    /// Empty for a symmetric matrix.
+    transposed: Option<BlockMatrix>,
+    multigrid: Multigrid,
+}
+
+impl MultigridSolver {
+    /// A solver for systems on the space of these constraints, which must be those of every system.
+    ///
+    /// # Errors
+    /// If there are no spaces of lower degree.
+    pub fn new<const D: usize>(
+        constraints: &Constraints<D>,
+        options: MultigridSolverOptions,
+    ) -> Result<Self, SpaceError> {
+        let blocks = NodeBlocks::new(constraints)?;
+        Ok(MultigridSolver { options, blocks, current: None, report: MultigridSolverReport::default() })
+    }
+
+    /// What was done so far.
+    pub fn report(&self) -> &MultigridSolverReport {
+        &self.report
+    }
+
+    fn solve_side(
+        &mut self,
+        b: &[f64],
+        absolute: f64,
+        transposed: bool,
+    ) -> Result<LinearSolution, SolverError> {
+        let Some(current) = &mut self.current else { return Err(SolverError::NoMatrix) };
+        check_size("the right-hand side", self.blocks.free_unknowns(), b.len())?;
+        check_finite("the right-hand side", b)?;
+        let start = Instant::now();
+        let all = self.blocks.spread(b);
+        let mut x = vec![0.0; all.len()];
+        let threads = self.options.threads;
+        let found = match &current.transposed {
+            None => {
+                let options = KrylovOptions {
+                    tolerance: self.options.tolerance,
+                    absolute_tolerance: absolute,
+                    max_iterations: self.options.max_iterations,
+                    threads,
+                };
+                let operator = OnThreads(&*current.matrix, threads);
+                cg(&operator, &mut current.multigrid, &all, &mut x, &options).map_err(failed)
+            }
+            Some(other) => {
+                let matrix = if transposed { other } else { &*current.matrix };
+                let options = GmresOptions {
+                    tolerance: self.options.tolerance,
+                    absolute_tolerance: absolute,
+                    max_iterations: self.options.max_iterations,
+                    threads,
+                    ..GmresOptions::default()
+                };
+                by_gmres(matrix, &mut current.multigrid, &all, &mut x, &options)
+            }
+        };
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        let found = found.inspect_err(|error| {
+            if let SolverError::Krylov { report, .. } = error {
+                self.report.history.clone_from(&report.history);
+            }
+        })?;
+        self.report.solves += 1;
+        self.report.iterations.push(found.iterations);
+        self.report.largest_residual = self.report.largest_residual.max(found.relative_residual);
+        self.report.history = found.history;
+        Ok(LinearSolution {
+            solution: self.blocks.gather(&x),
+            relative_residual: found.relative_residual,
+            iterations: found.iterations,
+        })
+    }
+}
+
+fn failed(error: KrylovError) -> SolverError {
+    match error {
+        KrylovError::BadArguments(error) => error.into(),
+        error => SolverError::Krylov {
+            why: error.to_string(),
+            report: error.report().cloned().unwrap_or_default(),
+        },
+    }
+}
+
+fn by_gmres(
+    matrix: &BlockMatrix,
+    multigrid: &mut Multigrid,
+    b: &[f64],
+    x: &mut [f64],
+    options: &GmresOptions,
+) -> Result<KrylovReport, SolverError> {
+    let mut residual = vec![0.0; b.len()];
+    let found = gmres(
+        |v, w| matrix.multiply_on(options.threads, v, w).map_err(SolverError::from),
+        |v| {
+            residual.copy_from_slice(v);
+            multigrid.precondition(&residual, v).map_err(|error| SolverError::Krylov {
+                why: error.to_string(),
+                report: KrylovReport::default(),
+            })
+        },
+        b,
+        x,
+        options,
+    );
+    found
+        .map(|report| KrylovReport {
+            iterations: report.iterations,
+            relative_residual: report.relative_residual,
+            history: report.history,
+        })
+        .map_err(|error| match error {
+            GmresError::Operator(error) => error,
+            GmresError::NotConverged(report)
+            | GmresError::Stagnated(report)
+            | GmresError::NotFinite(report) => SolverError::NotConverged(report),
+            error @ GmresError::BadArguments { .. } => {
+                SolverError::Krylov { why: error.to_string(), report: KrylovReport::default() }
+            }
+        })
+}
+
+impl LinearSolver for MultigridSolver {
+    fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
+        matrix.check_finite()?;
+        let start = Instant::now();
+        let symmetric = matrix.is_symmetric(self.options.symmetry_tolerance)?;
+        let blocks = self.blocks.matrix(&matrix)?;
+        if self.current.as_ref().is_some_and(|current| *current.matrix == blocks) {
+            return Ok(()); // an adjoint problem with the tangent that is known already
+        }
+        self.current = None;
+        let blocks = Arc::new(blocks);
+        let (levelled, transposed) = if symmetric {
+            drop(matrix);
+            (blocks.clone(), None)
+        } else {
+            let symmetric_part = Arc::new(self.blocks.matrix(&matrix.symmetric_part()?)?);
+            (symmetric_part, Some(self.blocks.matrix(&matrix.transpose())?))
+        };
+        let multigrid = Multigrid::new(
+            levelled,
+            self.blocks.transfers.clone(),
+            self.blocks.near_null_space.clone(),
+            &self.options.multigrid,
+        )?;
+        self.report.setups += 1;
+        self.report.setup_seconds += start.elapsed().as_secs_f64();
+        self.report.levels = multigrid.levels().to_vec();
+        self.current = Some(Current { matrix: blocks, transposed, multigrid });
+        Ok(())
+    }
+
+    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, false)
+    }
+
+    fn solve_transposed(
+        &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+    ) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, true)
+    }
+}
+
+#[cfg(test)]
+mod tests;

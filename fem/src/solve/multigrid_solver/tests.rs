@@ -1,0 +1,112 @@
+//! Elasticity in space against the direct solution, on meshes of three sizes.
+
+use super::*;
+use crate::linear_algebra::LinearAlgebraError;
+use crate::prelude::*;
+use crate::solve::{Elimination, NonlinearProblem};
+
+#[forms(dimension = 3)]
+mod body {
+    pub struct Data {
+        /// Unsymmetric part.
+        pub drift: Param,
+    }
+    #[cells]
+    pub struct Omega;
+    pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, 1.6 * inner(eps(u), eps(v)) + 1.2 * div(u) * div(v) + drift * u[0] * v[1] - v[2])
+    }
+}
+
+/// The reduced matrix and load of a cube of n × n × n × 6 tetrahedra, clamped on the left and sliding on the bottom.
+fn system(n: usize, degree: usize, drift: f64) -> (Constraints<3>, CsrMatrix, Vec<f64>) {
+    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [n; 3], CellShape::Tetrahedron, 1).unwrap());
+    let space = Space::vector(&mesh, degree).unwrap();
+    let mut constraints = Constraints::new(&space);
+    constraints.fix("left", |_: &[f64; 3]| [0.0; 3]).unwrap();
+    constraints.fix_component("bottom", 2, |_: &[f64; 3]| 0.0).unwrap();
+    let form = body::balance(&body::Data { drift }, &body::Omega::on("all"));
+    let assembler = Assembler::new(&mesh);
+    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let zero = vec![0.0; space.unknowns()];
+    let mut elimination = Elimination::new(zero.len(), constraints.prescribed()).unwrap();
+    let residual = problem.residual(&zero).unwrap();
+    let load = elimination.reduce(&residual).unwrap().iter().map(|value| -value).collect();
+    let matrix = elimination.reduce_matrix(&problem.tangent(&zero).unwrap().matrix).unwrap();
+    (constraints, matrix, load)
+}
+
+fn options() -> MultigridSolverOptions {
+    let multigrid = MultigridOptions { direct_size: 300, ..MultigridOptions::default() };
+    MultigridSolverOptions { multigrid, ..MultigridSolverOptions::default() }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let largest = b.iter().fold(0.0_f64, |sum, value| sum.max(value.abs()));
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest
+}
+
+#[test]
+fn iterations_do_not_grow_with_the_mesh_and_the_solution_is_the_direct_one() {
+    for (degree, most) in [(1, 22), (2, 26)] {
+        for n in [3, 6, 10] {
+            let (constraints, matrix, load) = system(n, degree, 0.0);
+            let mut solver = MultigridSolver::new(&constraints, options()).unwrap();
+            solver.set_matrix(matrix.clone()).unwrap();
+            let found = solver.solve(&load, 0.0).unwrap();
+            assert!(found.iterations <= most, "degree {degree}, n {n}: {}", found.iterations);
+            let mut direct = TangentSolver::default();
+            direct.set_matrix(matrix.clone()).unwrap();
+            let exact = direct.solve(&load, 0.0).unwrap().solution;
+            assert!(distance(&found.solution, &exact) < 1e-8);
+            assert_eq!(solver.report().history.len(), found.iterations + 1);
+            // The same matrix again, as for an adjoint problem.
+            solver.set_matrix(matrix).unwrap();
+            assert_eq!(solver.report().setups, 1);
+        }
+    }
+}
+
+#[test]
+fn unsymmetric_systems_and_their_transposes_go_to_gmres() {
+    let (constraints, matrix, load) = system(4, 2, 0.3);
+    let mut solver = MultigridSolver::new(&constraints, options()).unwrap();
+    solver.set_matrix(matrix.clone()).unwrap();
+    for transposed in [false, true] {
+        let found = match transposed {
+            false => solver.solve(&load, 0.0),
+            true => solver.solve_transposed(&load, 0.0),
+        };
+        let solution = found.unwrap().solution;
+        let product = match transposed {
+            false => matrix.multiply(&solution),
+            true => matrix.multiply_transposed(&solution),
+        };
+        assert!(distance(&product.unwrap(), &load) < 1e-8);
+    }
+}
+
+#[test]
+fn what_is_unfit_is_an_error_with_a_reason() {
+    let (constraints, mut matrix, load) = system(3, 2, 0.0);
+    let mut solver = MultigridSolver::new(&constraints, options()).unwrap();
+    assert_eq!(solver.solve(&load, 0.0).unwrap_err(), SolverError::NoMatrix);
+    let small = CsrMatrix::from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)]).unwrap();
+    assert!(matches!(
+        solver.set_matrix(small),
+        Err(SolverError::LinearAlgebra(LinearAlgebraError::SizeMismatch { .. }))
+    ));
+    let few = MultigridSolverOptions { max_iterations: 2, ..options() };
+    let mut hurried = MultigridSolver::new(&constraints, few).unwrap();
+    hurried.set_matrix(matrix.clone()).unwrap();
+    let error = hurried.solve(&load, 0.0).unwrap_err();
+    assert!(matches!(&error, SolverError::Krylov { report, .. } if report.history.len() == 3), "{error}");
+    let mut bad = load.clone();
+    bad[5] = f64::NAN;
+    assert!(hurried.solve(&bad, 0.0).is_err());
+    matrix.values_mut()[7] = f64::INFINITY;
+    assert!(matches!(
+        solver.set_matrix(matrix),
+        Err(SolverError::LinearAlgebra(LinearAlgebraError::EntryNotFinite { .. }))
+    ));
+}
