@@ -5,6 +5,7 @@ mod assembly;
 mod fixed_sizes;
 mod gmsh;
 mod gmsh_errors;
+mod gmsh_mutations;
 mod history;
 mod interior_facets;
 mod mixed;
