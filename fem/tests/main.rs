@@ -4,6 +4,7 @@ mod action;
 mod assembly;
 mod gmsh;
 mod gmsh_errors;
+mod high_degrees;
 mod history;
 mod interior_facets;
 mod mixed;
