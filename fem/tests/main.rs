@@ -5,6 +5,7 @@ mod assembly;
 mod gmsh;
 mod gmsh_errors;
 mod high_degrees;
+mod gmsh_mutations;
 mod history;
 mod interior_facets;
 mod mixed;
