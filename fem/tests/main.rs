@@ -5,6 +5,7 @@ mod assembly;
 mod gmsh;
 mod gmsh_errors;
 mod gmsh_mutations;
+mod high_degrees;
 mod history;
 mod interior_facets;
 mod mixed;
