@@ -11,7 +11,6 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
-use crate::element::{CellShape, Lagrange};
 use crate::field::Field;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
@@ -246,7 +245,7 @@ impl<const D: usize> Assembler<D> {
             return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
         }
         let facets = self.facets(form, Entity::Facets, region)?;
-        let points = facet_nodes(space.element);
+        let points = space.element.facet_node_points();
         let rule = QuadratureRule { weights: vec![0.0; points.len()], points };
         let found = self.facet_values(expression, region, &facets, &rule)?;
         let mut sums = vec![0.0; space.unknowns()];
@@ -334,19 +333,6 @@ impl<const D: usize> Assembler<D> {
         let mut visitor = ValueVisitor { binding: &binding, groups: &groups, found: vec![] };
         expression.expression(&mut visitor)?;
         Ok(visitor.found)
-    }
-}
-
-/// Where the nodes of an element are on a facet's own reference cell, in the order of [`Lagrange::facet_nodes`].
-fn facet_nodes(element: Lagrange) -> Vec<[f64; 2]> {
-    let of = |shape| Lagrange { shape, ..element }.node_points::<2>();
-    match element.shape {
-        _ if element.degree == 0 => vec![],
-        CellShape::Triangle | CellShape::Quadrilateral => {
-            [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]][..element.degree + 1].to_vec()
-        }
-        CellShape::Tetrahedron => of(CellShape::Triangle),
-        CellShape::Hexahedron => of(CellShape::Quadrilateral),
     }
 }
 
