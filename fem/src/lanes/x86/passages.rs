@@ -1,0 +1,191 @@
+//! Between memory and lanes: numbers of several cells become lane values, and back.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
+use std::arch::x86_64::*;
+
+use forms_core::contract::Lane;
+
+use super::{Avx2, Avx512, simd};
+use crate::lanes::{Entries, SharedWork, SimdLane, Starts, WIDEST, store_entries};
+
+impl SimdLane for Avx2 {
+    #[inline(always)]
+    fn call<W: SharedWork<Avx2>>(work: W) -> W::Output {
+        #[target_feature(enable = "avx2,fma")]
+        #[inline(never)]
+        fn enter<W: SharedWork<Avx2>>(work: W) -> W::Output {
+            work.run()
+        }
+        simd!(enter(work))
+    }
+    #[inline(always)]
+    fn store_transposed<const ADD: bool>(
+        source: &(impl Entries<Self> + ?Sized),
+        count: usize,
+        filled: usize,
+        target: &mut [f64],
+        stride: usize,
+    ) {
+        let mut done = 0;
+        if filled == Self::WIDTH {
+            assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
+            while done + 4 <= count {
+                let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
+                let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
+                // SAFETY: each entry is four doubles; `done + 4 <= count`, and each lane has room for `count`.
+                unsafe { store_tile::<ADD>(a, b, c, d, target.as_mut_ptr().add(done), stride) };
+                done += 4;
+            }
+        }
+        store_entries::<ADD, _>(source, done..count, filled, target, stride);
+    }
+}
+
+/// Writes or adds four numbers of a row.
+///
+/// # Safety
+/// Four numbers can be read and written there.
+#[inline(always)]
+unsafe fn put_row<const ADD: bool>(row: *mut f64, values: __m256d) {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe { _mm256_storeu_pd(row, if ADD { _mm256_add_pd(_mm256_loadu_pd(row), values) } else { values }) }
+}
+
+/// Writes four lanes of four entries, lane by lane, or adds them.
+///
+/// # Safety
+/// Each entry can be read for four doubles, each of four rows of the target (`stride` apart) read and written for
+/// four.
+#[inline(always)]
+unsafe fn store_tile<const ADD: bool>(
+    a: *const f64,
+    b: *const f64,
+    c: *const f64,
+    d: *const f64,
+    target: *mut f64,
+    stride: usize,
+) {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe {
+        // Two lanes of two entries side by side in each register: half of the shuffling is done by the loads.
+        let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
+        let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
+        put_row::<ADD>(target, _mm256_unpacklo_pd(ac, bd));
+        put_row::<ADD>(target.add(stride), _mm256_unpackhi_pd(ac, bd));
+        let (a, b, c, d) = (a.add(2), b.add(2), c.add(2), d.add(2));
+        let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
+        let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
+        put_row::<ADD>(target.add(2 * stride), _mm256_unpacklo_pd(ac, bd));
+        put_row::<ADD>(target.add(3 * stride), _mm256_unpackhi_pd(ac, bd));
+    }
+}
+
+/// Four lanes of four entries → four entries of four lanes.
+#[inline(always)]
+fn transposed(a: Avx2, b: Avx2, c: Avx2, d: Avx2) -> [Avx2; 4] {
+    simd!({
+        let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+        let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+        [
+            Avx2(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+            Avx2(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+            Avx2(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+            Avx2(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+        ]
+    })
+}
+
+impl SimdLane for Avx512 {
+    #[inline(always)]
+    fn call<W: SharedWork<Avx512>>(work: W) -> W::Output {
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+        #[inline(never)]
+        fn enter<W: SharedWork<Avx512>>(work: W) -> W::Output {
+            work.run()
+        }
+        simd!(enter(work))
+    }
+    #[inline(always)]
+    fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
+        let mut largest = places[0];
+        for lane in 1..8 {
+            largest = if places[lane] > largest { places[lane] } else { largest };
+        }
+        assert!(largest < values.len() && COUNT <= values.len() - largest);
+        let mut entries = [Avx512::splat(0.0); COUNT];
+        if COUNT > 4 {
+            for k in 0..COUNT {
+                let mut lanes = [0.0; 8];
+                for lane in 0..8 {
+                    lanes[lane] = values[places[lane] + k];
+                }
+                entries[k] = Avx512::from_array(&lanes);
+            }
+            return entries;
+        }
+        // SAFETY: places are in range, up to their COUNT entries.
+        unsafe { gather_transposed(values, places, 0) }
+    }
+
+    #[inline(always)]
+    fn gather_from<const COUNT: usize>(values: &[f64], starts: &Starts, offset: usize) -> [Self; COUNT] {
+        const { assert!(COUNT <= 4) }
+        assert!(starts.largest < values.len() && offset + COUNT <= values.len() - starts.largest);
+        // SAFETY: no place is beyond the largest start and the offset, whose COUNT entries are in range.
+        unsafe { gather_transposed(values, &starts.places, offset) }
+    }
+
+    #[inline(always)]
+    fn store_transposed<const ADD: bool>(
+        source: &(impl Entries<Self> + ?Sized),
+        count: usize,
+        filled: usize,
+        target: &mut [f64],
+        stride: usize,
+    ) {
+        let mut done = 0;
+        if filled == Self::WIDTH {
+            assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
+            while done + 4 <= count {
+                let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
+                let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
+                // SAFETY: each entry is eight doubles; `done + 4 <= count`, and each lane has room for `count`.
+                unsafe {
+                    let row = target.as_mut_ptr().add(done);
+                    store_tile::<ADD>(a, b, c, d, row, stride);
+                    store_tile::<ADD>(a.add(4), b.add(4), c.add(4), d.add(4), row.add(4 * stride), stride);
+                }
+                done += 4;
+            }
+        }
+        store_entries::<ADD, _>(source, done..count, filled, target, stride);
+    }
+}
+
+/// COUNT (at most four) entries from each lane's place on.
+///
+/// # Safety
+/// From each place plus the offset on, COUNT entries of `values` can be read.
+#[inline(always)]
+unsafe fn gather_transposed<const COUNT: usize>(
+    values: &[f64],
+    places: &[usize; WIDEST],
+    offset: usize,
+) -> [Avx512; COUNT] {
+    // Four lanes' entries each, transposed; what lies beyond the last entry is not read.
+    let mask: __mmask8 = (1 << COUNT) - 1;
+    let mut rows = [Avx2::splat(0.0); 8];
+    for lane in 0..8 {
+        // SAFETY: the caller's contract; a masked load reads no entries but the COUNT first.
+        rows[lane] = unsafe { Avx2(_mm256_maskz_loadu_pd(mask, values.as_ptr().add(places[lane] + offset))) };
+    }
+    let low = transposed(rows[0], rows[1], rows[2], rows[3]);
+    let high = transposed(rows[4], rows[5], rows[6], rows[7]);
+    let mut entries = [Avx512::splat(0.0); COUNT];
+    for k in 0..COUNT {
+        entries[k] = simd!(Avx512(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[k].0), high[k].0)));
+    }
+    entries
+}
