@@ -54,6 +54,9 @@ pub(super) struct NodeBlocks {
 impl NodeBlocks {
     /// Prepares a space with its constraints.
     pub(super) fn new<const D: usize>(constraints: &Constraints<D>) -> Result<Self, SpaceError> {
+        if !constraints.relations().is_empty() {
+            return Err(SpaceError::Relations);
+        }
         let mut space = constraints.space().clone();
         let components = space.components();
         let mut is_free = vec![true; space.unknowns()];
