@@ -111,7 +111,7 @@ pub mod prelude {
     pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Real, Table};
     pub use crate::element::CellShape;
     pub use crate::field::Field;
-    pub use crate::mesh::{Facet, Mesh, annulus, cuboid, rectangle};
+    pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, hollow_cylinder, rectangle};
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{

@@ -143,6 +143,11 @@ fn sections() {
         "square.msh, line 22: there is a second section $Nodes"
     );
     assert_eq!(
+        changed(VERSION_2, "$Nodes\n", "$ParametricNodes\n"),
+        "square.msh, line 9, in $ParametricNodes: version 2.2 with parameters of nodes is not read (option \
+         Mesh.SaveParametric = 0)"
+    );
+    assert_eq!(
         message::<2>(format!("{VERSION_2}the end\n").as_bytes()),
         "square.msh, line 22: expected a section, which begins with $, found \"the end\""
     );
@@ -329,6 +334,14 @@ fn geometry() {
         changed(VERSION_2, "3 2 2 3 1 1 3 4", "3 2 2 3 1 1 4 3"),
         "square.msh, line 20, in $Elements: element 3 is inverted or degenerate: its Jacobian determinant is -1e0 near \
          [0.3333333333333333, 0.6666666666666666]"
+    );
+    // The middle of an edge too near to its end: the map folds.
+    let bent = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.125 0 0\n5 0.5 0.5 0\n6 0 0.5 0\n\
+                $EndNodes\n$Elements\n1\n5 9 2 0 1 1 2 3 4 5 6\n$EndElements\n";
+    assert_eq!(
+        message::<2>(bent.as_bytes()),
+        "square.msh, line 15, in $Elements: element 5 is inverted or degenerate: its Jacobian determinant is -5e-1 near \
+         [0.0, 0.0] (a second-order cell may bend too much: option Mesh.HighOrderOptimize, or smaller cells)"
     );
     let three = VERSION_2
         .replace("$Nodes\n4\n", "$Nodes\n5\n9 0.25 0.875 0\n")

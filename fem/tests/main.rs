@@ -4,6 +4,7 @@ mod action;
 mod assembly;
 mod gmsh;
 mod gmsh_errors;
+mod gmsh_mutations;
 mod history;
 mod interior_facets;
 mod mixed;

@@ -1,4 +1,4 @@
-//! Ready meshes: rectangle, box, annulus.
+//! Ready meshes: rectangle, box, annulus, hollow cylinder.
 
 use super::{Grid, Mesh, MeshError, structured};
 use crate::element::CellShape;
@@ -62,12 +62,7 @@ pub fn annulus(
     shape: CellShape,
     degree: usize,
 ) -> Result<Mesh<2>, MeshError> {
-    let inner_is_good = inner_radius.is_finite() && inner_radius > 0.0;
-    check(inner_is_good, "inner_radius", &inner_radius, "it must be finite and positive")?;
-    let outer_is_good = outer_radius.is_finite() && outer_radius > inner_radius;
-    check(outer_is_good, "outer_radius", &outer_radius, "it must be finite and above the inner radius")?;
-    check(radial >= 1, "radial", &radial, "at least one cell across the wall")?;
-    check(around >= 3, "around", &around, "at least three cells around")?;
+    check_wall(inner_radius, outer_radius, radial, around)?;
     let grid = Grid {
         divisions: [radial, around],
         periodic: [false, true],
@@ -81,13 +76,54 @@ pub fn annulus(
     })
 }
 
+/// A hollow cylinder around the z axis, between z = 0 and z = `height`: the blocks of an [`annulus`], `axial` times above each
+/// other, hexahedra or tetrahedra (six per block). All nodes are uniform in radius, angle and height; those of the curved
+/// surfaces lie on them. Facet regions: inner, outer, bottom, top.
+///
+/// # Errors
+/// [`MeshError::Parameter`] unless 0 < `inner_radius` < `outer_radius`, 0 < `height`, `radial` ≥ 1, `around` ≥ 3 and `axial` ≥ 1;
+/// a shape that is not in space, a degree that does not exist.
+pub fn hollow_cylinder(
+    inner_radius: f64,
+    outer_radius: f64,
+    height: f64,
+    [radial, around, axial]: [usize; 3],
+    shape: CellShape,
+    degree: usize,
+) -> Result<Mesh<3>, MeshError> {
+    check_wall(inner_radius, outer_radius, radial, around)?;
+    check(height.is_finite() && height > 0.0, "height", &height, "it must be finite and positive")?;
+    check(axial >= 1, "axial", &axial, "at least one cell along the axis")?;
+    let grid = Grid {
+        divisions: [radial, around, axial],
+        periodic: [false, true, false],
+        sides: [["inner", "outer"], ["", ""], ["bottom", "top"]],
+        shape,
+        degree,
+    };
+    grid.mesh(|[across, turn, along]| {
+        let radius = between(inner_radius, outer_radius, across);
+        let [x, y] = direction(turn);
+        [radius * x, radius * y, between(0.0, height, along)]
+    })
+}
+
+fn check_wall(inner_radius: f64, outer_radius: f64, radial: usize, around: usize) -> Result<(), MeshError> {
+    let inner_is_good = inner_radius.is_finite() && inner_radius > 0.0;
+    check(inner_is_good, "inner_radius", &inner_radius, "it must be finite and positive")?;
+    let outer_is_good = outer_radius.is_finite() && outer_radius > inner_radius;
+    check(outer_is_good, "outer_radius", &outer_radius, "it must be finite and above the inner radius")?;
+    check(radial >= 1, "radial", &radial, "at least one cell across the wall")?;
+    check(around >= 3, "around", &around, "at least three cells around")
+}
+
 // Exact at both ends, which lower + t (upper - lower) is not.
-fn between(lower: f64, upper: f64, t: f64) -> f64 {
+pub(super) fn between(lower: f64, upper: f64, t: f64) -> f64 {
     (1.0 - t) * lower + t * upper
 }
 
 // (cos, sin) of 2π · turn for turn in [0, 1), exact at quarter turns.
-fn direction(turn: f64) -> [f64; 2] {
+pub(super) fn direction(turn: f64) -> [f64; 2] {
     let quarters = (4.0 * turn).floor();
     let (sine, cosine) = (std::f64::consts::FRAC_PI_2 * (4.0 * turn - quarters)).sin_cos();
     match quarters as i64 {
@@ -98,7 +134,7 @@ fn direction(turn: f64) -> [f64; 2] {
     }
 }
 
-fn check(
+pub(super) fn check(
     good: bool,
     parameter: &'static str,
     value: &impl std::fmt::Debug,
@@ -202,6 +238,53 @@ mod tests {
             let rate = (error(16)? / error(32)?).log2();
             assert!((rate - order).abs() < 0.1, "degree {degree}: order {rate}");
         }
+        Ok(())
+    }
+
+    #[test]
+    fn hollow_cylinders() -> Result<(), MeshError> {
+        let pi = std::f64::consts::PI;
+        for shape in [CellShape::Hexahedron, CellShape::Tetrahedron] {
+            for (degree, order) in [(1, 2.0), (2, 4.0)] {
+                let mut errors = vec![];
+                for around in [8, 16] {
+                    let mesh = hollow_cylinder(1.0, 2.0, 3.0, [1, around, 2], shape, degree)?;
+                    let per_block = if shape == CellShape::Tetrahedron { 6 } else { 1 };
+                    assert_eq!(mesh.cell_count(), 2 * around * per_block);
+                    errors.push((volume(&mesh) - 9.0 * pi).abs());
+                    close(surface(&mesh, "boundary")?.1, 3.0 * volume(&mesh), 1e-12);
+                    let ([bottom, _], [top, flux]) = (
+                        <[f64; 2]>::from(surface(&mesh, "bottom")?),
+                        <[f64; 2]>::from(surface(&mesh, "top")?),
+                    );
+                    close(bottom, top, 1e-13);
+                    close(flux, 3.0 * top, 1e-13);
+                    for (region, radius) in [("inner", 1.0_f64), ("outer", 2.0)] {
+                        let area = surface(&mesh, region)?.0;
+                        assert!((area / (6.0 * pi * radius) - 1.0).abs() < 0.03, "{region} {area}");
+                        for facet in mesh.facet_region(region)? {
+                            for node in mesh.element().facet_nodes(facet.local.into()) {
+                                let x = mesh.nodes()[mesh.cell(facet.cell as usize)[node] as usize];
+                                assert!((x[0].hypot(x[1]) - radius).abs() < 1e-15);
+                            }
+                        }
+                    }
+                    let named = ["inner", "outer", "bottom", "top"]
+                        .map(|name| mesh.facet_region(name).map(<[_]>::len));
+                    let count = named.into_iter().sum::<Result<usize, _>>()?;
+                    assert_eq!(count, mesh.boundary_facets().len());
+                }
+                let rate = (errors[0] / errors[1]).log2();
+                assert!((rate - order).abs() < 0.15, "{shape:?} {degree}: order {rate}");
+            }
+        }
+        let message = |height, divisions| {
+            let mesh = hollow_cylinder(1.0, 2.0, height, divisions, CellShape::Hexahedron, 1);
+            mesh.err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        assert!(message(0.0, [1, 8, 1]).starts_with("height = 0.0 is not possible"));
+        assert!(message(1.0, [1, 2, 1]).starts_with("around = 2 is not possible"));
+        assert!(message(1.0, [1, 8, 0]).starts_with("axial = 0 is not possible"));
         Ok(())
     }
 

@@ -1,5 +1,7 @@
 //! Meshes with named regions.
 
+mod ball;
+mod blocks;
 mod connectivity;
 mod error;
 mod generators;
@@ -9,21 +11,25 @@ mod interior;
 #[cfg(test)]
 mod measures;
 mod order;
+mod perforated;
 mod quality;
 mod refine;
 mod regions;
+mod simplices;
 mod structured;
 
 use std::collections::BTreeMap;
 
 use crate::element::{CellShape, Lagrange};
 
+pub use ball::ball;
 pub use error::MeshError;
-pub use generators::{annulus, cuboid, rectangle};
+pub use generators::{annulus, cuboid, hollow_cylinder, rectangle};
 pub use gmsh::{GmshError, GmshMesh};
 pub use order::CellOrder;
+pub use perforated::PerforatedAnnulus;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
-pub use refine::Surface;
+pub use refine::{Surface, onto_sphere};
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
 pub use structured::{Grid, structured};
 

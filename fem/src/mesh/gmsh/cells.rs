@@ -64,22 +64,24 @@ fn check_element_tags(reader: &Reader, contents: &Contents) -> Result<()> {
     }
 }
 
-fn check_element_nodes(reader: &Reader, contents: &Contents, tags: &Tags) -> Result<()> {
+// For each entry of the elements' lists of nodes the node's place in the file's list.
+fn element_places(reader: &Reader, contents: &Contents, tags: &Tags) -> Result<Vec<u32>> {
+    let mut places = Vec::with_capacity(contents.element_nodes.len());
     for element in &contents.elements {
         let nodes = contents.nodes_of(element);
-        for (place, &node) in nodes.iter().enumerate() {
-            let element_tag = element.tag;
-            if tags.find(node).is_none() {
-                let problem = GmshProblem::MissingNode { element: element_tag, node };
+        for (position, &node) in nodes.iter().enumerate() {
+            let Some(place) = tags.find(node) else {
+                let problem = GmshProblem::MissingNode { element: element.tag, node };
+                return Err(reader.error_at(element.at, problem));
+            };
+            if nodes[..position].contains(&node) {
+                let problem = GmshProblem::NodeTwice { element: element.tag, node };
                 return Err(reader.error_at(element.at, problem));
             }
-            if nodes[..place].contains(&node) {
-                let problem = GmshProblem::NodeTwice { element: element_tag, node };
-                return Err(reader.error_at(element.at, problem));
-            }
+            places.push(place as u32);
         }
     }
-    Ok(())
+    Ok(places)
 }
 
 /// The elements that are cells, all of one type, with their places among the elements.
@@ -119,8 +121,8 @@ fn choose<'a>(reader: &Reader, contents: &'a Contents, dimension: usize) -> Resu
     Ok(Chosen { kind, cell, elements: cells })
 }
 
-fn vertices(nodes: &[u64], kind: &Kind) -> [u64; 8] {
-    let mut vertices = [u64::MAX; 8];
+fn vertices(nodes: &[u32], kind: &Kind) -> [u32; 8] {
+    let mut vertices = [u32::MAX; 8];
     vertices[..kind.vertices].copy_from_slice(&nodes[..kind.vertices]);
     vertices.sort_unstable();
     vertices
@@ -141,29 +143,30 @@ impl<const D: usize> Cells<D> {
     pub(super) fn new(reader: &Reader, contents: &Contents, notes: &mut Vec<Note>) -> Result<Self> {
         let tags = Tags::new(reader, contents)?;
         check_element_tags(reader, contents)?;
-        check_element_nodes(reader, contents, &tags)?;
+        let places = element_places(reader, contents, &tags)?;
         let Chosen { kind, cell: shape, elements } = choose(reader, contents, D)?;
-        let place = |tag: u64| tags.find(tag).unwrap_or_default();
+        let places_of = |element: &Element| &places[element.start..element.start + kind.nodes];
 
         // Elements with the same vertices are one cell.
         let mut cell_of_element = Vec::with_capacity(elements.len());
-        let mut known: HashMap<[u64; 8], (u32, usize, Vec<usize>)> = HashMap::with_capacity(elements.len());
+        let mut known: HashMap<[u32; 8], u32> = HashMap::with_capacity(elements.len());
+        let mut again: HashMap<u32, Vec<usize>> = HashMap::new();
         let mut cells: Vec<usize> = Vec::with_capacity(elements.len());
         for &(index, element) in &elements {
-            match known.entry(vertices(contents.nodes_of(element), kind)) {
+            match known.entry(vertices(places_of(element), kind)) {
                 Entry::Vacant(vacant) => {
-                    vacant.insert((cells.len() as u32, index, vec![]));
+                    vacant.insert(cells.len() as u32);
                     cell_of_element.push((index, cells.len() as u32));
                     cells.push(index);
                 }
-                Entry::Occupied(mut occupied) => {
-                    let (cell, first, more) = occupied.get_mut();
-                    check_other_group(reader, contents, element, *first)?;
-                    for &other in more.iter() {
+                Entry::Occupied(occupied) => {
+                    let cell = *occupied.get();
+                    let same = again.entry(cell).or_insert_with(|| vec![cells[cell as usize]]);
+                    for &other in same.iter() {
                         check_other_group(reader, contents, element, other)?;
                     }
-                    more.push(index);
-                    cell_of_element.push((index, *cell));
+                    same.push(index);
+                    cell_of_element.push((index, cell));
                 }
             }
         }
@@ -172,8 +175,8 @@ impl<const D: usize> Cells<D> {
         // Nodes that cells use, in the file's order.
         let mut numbers = vec![u32::MAX; contents.nodes.len()];
         for &cell in &cells {
-            for &tag in contents.nodes_of(&contents.elements[cell]) {
-                numbers[place(tag)] = 0;
+            for &place in places_of(&contents.elements[cell]) {
+                numbers[place as usize] = 0;
             }
         }
         let mut positions = Vec::with_capacity(numbers.len());
@@ -199,8 +202,8 @@ impl<const D: usize> Cells<D> {
 
         let mut list = Vec::with_capacity(cells.len() * kind.nodes);
         for &cell in &cells {
-            let nodes = contents.nodes_of(&contents.elements[cell]);
-            list.extend(shape.order.iter().map(|&k| numbers[place(nodes[usize::from(k)])]));
+            let nodes = places_of(&contents.elements[cell]);
+            list.extend(shape.order.iter().map(|&k| numbers[nodes[usize::from(k)] as usize]));
         }
         if D == 2 {
             let entities: Vec<i64> =
@@ -209,7 +212,13 @@ impl<const D: usize> Cells<D> {
         }
         let mesh = Mesh::from_parts(shape.shape, shape.degree, positions, list).map_err(|error| {
             let element = |cell: usize| &contents.elements[cells[cell]];
-            in_tags(reader, error, &|cell| (element(cell).tag, element(cell).at), &|node| used[node].tag)
+            in_tags(
+                reader,
+                error,
+                shape.degree == 2,
+                &|cell| (element(cell).tag, element(cell).at),
+                &|node| used[node].tag,
+            )
         })?;
         Ok(Cells { mesh, cell_of_element, numbers, tags })
     }
@@ -313,13 +322,14 @@ fn turn_clockwise_surfaces<const D: usize>(
 fn in_tags(
     reader: &Reader,
     error: MeshError,
+    curved: bool,
     element: &dyn Fn(usize) -> (u64, usize),
     node_tag: &dyn Fn(usize) -> u64,
 ) -> GmshError {
     match error {
         MeshError::Inverted { cell, determinant, position } => {
             let (element, at) = element(cell);
-            reader.error_at(at, GmshProblem::Inverted { element, determinant, position })
+            reader.error_at(at, GmshProblem::Inverted { element, determinant, position, curved })
         }
         MeshError::SharedFacet { vertices, cells } => {
             let elements: Vec<_> = cells.into_iter().map(|cell| element(cell as usize)).collect();

@@ -99,6 +99,9 @@ pub enum GmshProblem {
         /// Its name.
         section: &'static str,
     },
+    /// Nodes with parameters in the old version.
+    #[error("version 2.2 with parameters of nodes is not read (option Mesh.SaveParametric = 0)")]
+    ParametricNodes,
     /// A section stands twice.
     #[error("there is a second section ${section}")]
     RepeatedSection {
@@ -261,7 +264,8 @@ pub enum GmshProblem {
     },
     /// The Jacobian determinant is not positive.
     #[error(
-        "element {element} is inverted or degenerate: its Jacobian determinant is {determinant:e} near {position:?}"
+        "element {element} is inverted or degenerate: its Jacobian determinant is {determinant:e} near {position:?}{}",
+        if *curved { " (a second-order cell may bend too much: option Mesh.HighOrderOptimize, or smaller cells)" } else { "" }
     )]
     Inverted {
         /// The element's tag.
@@ -270,6 +274,8 @@ pub enum GmshProblem {
         determinant: f64,
         /// Where.
         position: Vec<f64>,
+        /// The cells are of second order.
+        curved: bool,
     },
     /// An element of a group of facets is no facet of a cell.
     #[error("element {element} of the group \"{group}\" is not a facet of any cell")]

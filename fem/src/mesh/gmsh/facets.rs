@@ -3,18 +3,22 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::cells::Cells;
-use super::contents::Contents;
+use super::contents::{Contents, Element};
 use super::error::{GmshError, GmshProblem, Note};
 use super::reader::Reader;
 use crate::mesh::{Facet, Mesh};
 
 type Result<T> = std::result::Result<T, GmshError>;
 
-/// The sides of each facet by its sorted vertices; vertices that are no longer there are `u32::MAX`.
-fn sides<const D: usize>(mesh: &Mesh<D>) -> HashMap<[u32; 4], Vec<Facet>> {
-    let exterior = mesh.boundary_facets().iter().map(|facet| vec![*facet]);
-    let interior = mesh.interior_facets().iter().map(|sides| sides.to_vec());
-    exterior.chain(interior).map(|sides| (key(vertices(mesh, sides[0])), sides)).collect()
+/// The sides of the facets that are asked for by their sorted vertices; of those that do not exist there are none.
+fn find_sides<const D: usize>(mesh: &Mesh<D>, sides: &mut HashMap<[u32; 4], Vec<Facet>>) {
+    let exterior = mesh.boundary_facets().iter().map(std::slice::from_ref);
+    let interior = mesh.interior_facets().iter().map(<[Facet; 2]>::as_slice);
+    for found in exterior.chain(interior) {
+        if let Some(wanted) = sides.get_mut(&key(vertices(mesh, found[0]))) {
+            wanted.extend(found);
+        }
+    }
 }
 
 fn key(vertices: impl Iterator<Item = u32>) -> [u32; 4] {
@@ -52,19 +56,27 @@ pub(super) fn name_facets<const D: usize>(
     notes: &mut Vec<Note>,
 ) -> Result<()> {
     let members = contents.elements.iter().filter(|element| element.kind.dimension + 1 == D);
-    let mut members = members.filter(|element| !contents.membership(element).groups.is_empty()).peekable();
-    if members.peek().is_none() {
+    let members = members.filter(|element| !contents.membership(element).groups.is_empty());
+    // Each with its vertices, if cells use all of these.
+    let members: Vec<(&Element, Option<Vec<u32>>)> = members
+        .map(|element| {
+            let corners = &contents.nodes_of(element)[..element.kind.vertices];
+            (element, corners.iter().map(|&tag| cells.number(tag)).collect())
+        })
+        .collect();
+    if members.is_empty() {
         return Ok(());
     }
-    let sides = sides(&cells.mesh);
+    let wanted = members.iter().flat_map(|(_, numbers)| numbers);
+    let mut sides = wanted.map(|numbers| (key(numbers.iter().copied()), vec![])).collect();
+    find_sides(&cells.mesh, &mut sides);
     let mut groups: BTreeMap<String, Group> = BTreeMap::new();
-    for element in members {
-        let corners = &contents.nodes_of(element)[..element.kind.vertices];
-        let numbers: Option<Vec<u32>> = corners.iter().map(|&tag| cells.number(tag)).collect();
-        let found = numbers.and_then(|numbers| Some((sides.get(&key(numbers.iter().copied()))?, numbers)));
+    for (element, numbers) in &members {
+        let found = numbers.as_ref().map(|numbers| (&sides[&key(numbers.iter().copied())], numbers));
+        let found = found.filter(|(sides, _)| !sides.is_empty());
         for &group in &contents.membership(element).groups {
             let name = contents.group_name(D - 1, group);
-            let Some((sides, numbers)) = &found else {
+            let Some((sides, numbers)) = found else {
                 let problem = GmshProblem::StrayFacet { element: element.tag, group: name };
                 return Err(reader.error_at(element.at, problem));
             };

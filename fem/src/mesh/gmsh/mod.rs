@@ -75,6 +75,14 @@ impl<const D: usize> Mesh<D> {
     ///
     /// [`GmshMesh::read`] tells besides what was left out.
     ///
+    /// ```no_run
+    /// use forms_fem::prelude::*;
+    ///
+    /// let plate = Mesh::<2>::read_gmsh("plate.msh")?;
+    /// println!("{}", plate.quality());
+    /// # Ok::<(), forms_fem::mesh::GmshError>(())
+    /// ```
+    ///
     /// # Errors
     /// A [`GmshError`] that names the line (text) or the offset (binary), the section and the node, element or group.
     pub fn read_gmsh(path: impl AsRef<Path>) -> Result<Self, GmshError> {

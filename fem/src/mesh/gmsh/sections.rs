@@ -56,6 +56,7 @@ pub(super) fn read(reader: &mut Reader) -> Result<Contents> {
             ("Nodes", Some(Version::Two)) => version_2::nodes(reader, &mut contents)?,
             ("Elements", Some(Version::Four)) => version_4::elements(reader, &mut contents, &entities)?,
             ("Elements", Some(Version::Two)) => version_2::elements(reader, &mut contents)?,
+            ("ParametricNodes", _) => return Err(reader.error_at(at, GmshProblem::ParametricNodes)),
             _ => reader.skip_section(&name)?,
         }
         if once {

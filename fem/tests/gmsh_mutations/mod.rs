@@ -1,0 +1,175 @@
+//! Meshes written in every encoding are read back; of 100,000 mutated files none makes the reader panic, and every
+//! mesh that it accepts is valid.
+
+mod mutate;
+mod write;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+
+use forms_fem::element::CellShape;
+use forms_fem::mesh::gmsh::GmshMesh;
+use forms_fem::mesh::{Facet, Mesh, MeshError, cuboid, rectangle};
+use mutate::Random;
+use write::Format;
+
+const MUTATIONS: u64 = 100_000;
+
+fn plane(shape: CellShape, degree: usize) -> Result<Mesh<2>, MeshError> {
+    let mut mesh = rectangle([0.0; 2], [2.0, 1.0], [2, 2], shape, degree)?;
+    mesh.name_cells("left part", |centre| centre[0] < 1.0)?;
+    mesh.name_cells("right part", |centre| centre[0] > 1.0)?;
+    mesh.name_interface("seam", "left part", "right part")?;
+    Ok(mesh)
+}
+
+fn solid(shape: CellShape, degree: usize) -> Result<Mesh<3>, MeshError> {
+    let mut mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1], shape, degree)?;
+    mesh.name_cells("left part", |centre| centre[0] < 1.0)?;
+    Ok(mesh)
+}
+
+// Facets by the positions of their vertices: numbers may change, places do not.
+fn places<const D: usize>(mesh: &Mesh<D>, facets: impl Iterator<Item = Facet>) -> Vec<Vec<[u64; D]>> {
+    let place = |facet: Facet| {
+        let nodes = mesh.cell(facet.cell as usize);
+        let vertices = mesh.shape().facet_vertices(facet.local.into()).iter();
+        vertices.map(|&vertex| mesh.nodes()[nodes[vertex] as usize].map(f64::to_bits)).collect()
+    };
+    let mut all: Vec<Vec<[u64; D]>> = facets.map(place).collect();
+    all.sort();
+    all
+}
+
+fn check_round_trip<const D: usize>(mesh: &Mesh<D>) -> Result<(), Box<dyn std::error::Error>> {
+    for format in Format::ALL {
+        let bytes = write::write(mesh, format);
+        let read = GmshMesh::<D>::from_bytes(&format!("{format:?}"), &bytes)?;
+        assert_eq!(read.notes, []);
+        let read = read.mesh;
+        assert_eq!((read.nodes(), read.cells()), (mesh.nodes(), mesh.cells()), "{format:?}");
+        assert!(read.cell_region_names().eq(mesh.cell_region_names()), "{format:?}");
+        for name in mesh.cell_region_names() {
+            assert_eq!(read.cell_region(name)?, mesh.cell_region(name)?, "{format:?} {name}");
+        }
+        assert!(read.facet_region_names().eq(mesh.facet_region_names()), "{format:?}");
+        for name in mesh.facet_region_names() {
+            assert_eq!(read.facet_region(name)?, mesh.facet_region(name)?, "{format:?} {name}");
+        }
+        for name in mesh.interior_facet_region_names() {
+            // The first sides, from which the normals point.
+            let first = |mesh: &Mesh<D>| -> Result<_, MeshError> {
+                Ok(places(mesh, mesh.interior_facet_region(name)?.iter().map(|sides| sides[0])))
+            };
+            assert_eq!(first(&read)?, first(mesh)?, "{format:?} {name}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn meshes_come_back_in_every_encoding() -> Result<(), Box<dyn std::error::Error>> {
+    for degree in 1..=2 {
+        for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+            check_round_trip(&plane(shape, degree)?)?;
+        }
+        for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+            check_round_trip(&solid(shape, degree)?)?;
+        }
+    }
+    Ok(())
+}
+
+// Small valid files: those that Gmsh wrote, and meshes of every shape and degree in every encoding.
+fn corpus() -> Vec<Vec<u8>> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/meshes");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("the folder is there")
+        .map(|entry| entry.expect("it can be read").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "msh"))
+        .collect();
+    files.sort();
+    assert!(files.len() >= 10);
+    let mut corpus: Vec<Vec<u8>> =
+        files.iter().map(|path| std::fs::read(path).expect("it can be read")).collect();
+    for (index, format) in Format::ALL.into_iter().enumerate() {
+        let degree = 1 + index % 2;
+        for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+            corpus.push(write::write(&plane(shape, degree).expect("a mesh"), format));
+        }
+        let shape = [CellShape::Tetrahedron, CellShape::Hexahedron][index / 2 % 2];
+        corpus.push(write::write(&solid(shape, 1).expect("a mesh"), format));
+    }
+    corpus
+}
+
+// What a mesh promises, checked anew.
+fn check_valid<const D: usize>(mesh: &Mesh<D>) {
+    let again = Mesh::from_parts(mesh.shape(), mesh.degree(), mesh.nodes().to_vec(), mesh.cells().to_vec());
+    let again = again.unwrap_or_else(|error| panic!("an invalid mesh was accepted: {error}"));
+    let ascending = |names: &[u32]| names.windows(2).all(|pair| pair[0] < pair[1]);
+    for name in mesh.cell_region_names() {
+        let cells = mesh.cell_region(name).expect("the name is listed");
+        assert!(
+            !cells.is_empty() && ascending(cells) && (cells[cells.len() - 1] as usize) < mesh.cell_count()
+        );
+    }
+    for name in mesh.facet_region_names() {
+        let facets = mesh.facet_region(name).expect("the name is listed");
+        assert!(facets.iter().all(|facet| again.boundary_facets().binary_search(facet).is_ok()));
+    }
+    for name in mesh.interior_facet_region_names() {
+        for [a, b] in mesh.interior_facet_region(name).expect("the name is listed") {
+            let (first, second) = (*a.min(b), *a.max(b));
+            assert!(again.interior_facets().binary_search(&[first, second]).is_ok());
+        }
+    }
+    let mut used = vec![false; mesh.node_count()];
+    mesh.cells().iter().for_each(|&node| used[node as usize] = true);
+    assert!(used.iter().all(|&used| used), "a node that no cell uses");
+}
+
+// Whether the reader takes the file as a mesh in D dimensions.
+fn survives<const D: usize>(bytes: &[u8]) -> bool {
+    match GmshMesh::<D>::from_bytes("mutated.msh", bytes) {
+        Ok(read) => {
+            check_valid(&read.mesh);
+            assert!(read.notes.iter().all(|note| !note.to_string().is_empty()));
+            true
+        }
+        Err(error) => {
+            assert!(error.to_string().starts_with("mutated.msh"), "{error}");
+            false
+        }
+    }
+}
+
+#[test]
+fn mutated_files_are_read_or_refused() {
+    let corpus = corpus();
+    for file in &corpus {
+        assert!(survives::<2>(file) != survives::<3>(file), "the files of the corpus are good");
+    }
+    let threads = std::thread::available_parallelism().map_or(1, |count| count.get()) as u64;
+    let start = std::time::Instant::now();
+    let run = |thread: u64| {
+        let mut accepted = 0;
+        for number in (thread..MUTATIONS).step_by(threads as usize) {
+            let mutated = mutate::mutate(&corpus, &mut Random::new(number));
+            let read = catch_unwind(AssertUnwindSafe(|| survives::<2>(&mutated) | survives::<3>(&mutated)));
+            accepted += u64::from(read.unwrap_or_else(|_| panic!("mutation {number} panics")));
+        }
+        accepted
+    };
+    let accepted: u64 = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|thread| scope.spawn(move || run(thread))).collect();
+        workers.into_iter().map(|worker| worker.join().expect("no mutation panics")).sum()
+    });
+    println!(
+        "{MUTATIONS} mutated files: {accepted} read, {} refused, in {:.1} s",
+        MUTATIONS - accepted,
+        start.elapsed().as_secs_f64()
+    );
+    // Some changes harm nothing, such as those of a digit of a coordinate, and most do.
+    assert!(accepted > MUTATIONS / 100 && accepted < MUTATIONS / 2);
+}
