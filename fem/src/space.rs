@@ -2,31 +2,33 @@
 
 mod embedding;
 mod numbering;
+mod orientation;
 
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 use thiserror::Error;
 
-use crate::element::{ElementError, Lagrange};
+use crate::element::{ElementError, Lagrange, MAXIMUM_DEGREE};
 use crate::locate::Locator;
 use crate::mesh::{Facet, Mesh, MeshError};
 
 /// Where the nodes of a space lie, and which cells share them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Lagrange elements of degree 1 or 2; cells share the nodes on the facets that they share.
+    /// Lagrange elements of degree 1 to 4; cells share the nodes on the facets that they share.
     Continuous,
-    /// Lagrange elements of degree 0, 1 or 2; each cell has nodes of its own. In degree 0 it is the centre.
+    /// Lagrange elements of degree 0 to 4; each cell has nodes of its own. In degree 0 it is the centre.
     Discontinuous,
-    /// Traces of continuous Lagrange elements of degree 1 or 2 on the facets of a region, exterior or
+    /// Traces of continuous Lagrange elements of degree 1 to 4 on the facets of a region, exterior or
     /// interior, and nothing elsewhere; in degree 0, one constant per facet. For multipliers.
     OnFacets(String),
 }
 
 /// A Lagrange space with a number of components per node. Unknown number = node * components + component.
 ///
-/// Nodes are numbered in the order in which the cells (or facets) first use them, along the mesh's
+/// Nodes are numbered in the order in which the cells (or facets) first use them, those inside an edge or a face
+/// together (along an edge from the vertex of the lower number in the mesh to that of the higher), along the mesh's
 /// [`CellOrder`](crate::mesh::CellOrder): nodes of near numbers lie near each other, however the mesh was numbered.
 #[derive(Debug)]
 pub struct Space<const D: usize> {
@@ -52,7 +54,7 @@ pub enum SpaceError {
     #[error(transparent)]
     Element(#[from] ElementError),
     /// No such element in a family that has degree 0.
-    #[error("there is no Lagrange element of degree {degree} {family}; the degrees are 0, 1 and 2")]
+    #[error("there is no Lagrange element of degree {degree} {family}; the degrees are 0 to 4")]
     Degree {
         /// The family asked for.
         family: Family,
@@ -93,7 +95,7 @@ impl<const D: usize> Space<D> {
     /// The continuous scalar Lagrange space of a degree, which need not be that of the geometry.
     ///
     /// # Errors
-    /// [`SpaceError::Element`] unless the degree is 1 or 2; [`SpaceError::TooLarge`].
+    /// [`SpaceError::Element`] unless the degree is 1 to 4; [`SpaceError::TooLarge`].
     pub fn scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::new(mesh, Family::Continuous, degree, &[])
     }
@@ -114,7 +116,7 @@ impl<const D: usize> Space<D> {
         Space::new(mesh, Family::Continuous, degree, &[D, D])
     }
 
-    /// The discontinuous scalar space of degree 0 (constant on each cell), 1 or 2.
+    /// The discontinuous scalar space of degree 0 (constant on each cell) to 4.
     ///
     /// # Errors
     /// [`SpaceError::Degree`], [`SpaceError::TooLarge`].
@@ -138,7 +140,7 @@ impl<const D: usize> Space<D> {
         Space::new(mesh, Family::Discontinuous, degree, &[D, D])
     }
 
-    /// The scalar space on the facets of a region alone: continuous of degree 1 or 2, or constant on each
+    /// The scalar space on the facets of a region alone: continuous of degree 1 to 4, or constant on each
     /// facet in degree 0.
     ///
     /// # Errors
@@ -176,7 +178,7 @@ impl<const D: usize> Space<D> {
         }
         let element = match family {
             Family::Continuous => Lagrange::new(mesh.shape(), degree)?,
-            _ if degree > 2 => return Err(SpaceError::Degree { family, degree }),
+            _ if degree > MAXIMUM_DEGREE => return Err(SpaceError::Degree { family, degree }),
             _ => Lagrange { shape: mesh.shape(), degree },
         };
         let (mut cell_nodes, mut facets) = (vec![], vec![]);

@@ -2,9 +2,11 @@
 
 mod action;
 mod assembly;
+mod fixed_sizes;
 mod gmsh;
 mod gmsh_errors;
 mod gmsh_mutations;
+mod high_degrees;
 mod history;
 mod interior_facets;
 mod mixed;

@@ -52,7 +52,7 @@ fn data(source: Given<f64, 2>, wanted: Given<f64, 2>) -> held::Data<2> {
 fn nodes_are_those_of_the_facets() {
     for (shape, geometry) in [(CellShape::Triangle, 1), (CellShape::Quadrilateral, 2)] {
         let mesh = Arc::new(rectangle([0.0; 2], [3.0, 2.0], [3, 2], shape, geometry).unwrap());
-        for (degree, count) in [(0, 3), (1, 4), (2, 7)] {
+        for (degree, count) in [(0, 3), (1, 4), (2, 7), (3, 10), (4, 13)] {
             let space = Space::on_facets(&mesh, "bottom", degree).unwrap();
             assert_eq!(space.node_count(), count);
             assert!(space.positions().iter().all(|x| x[1] == 0.0));
@@ -64,13 +64,13 @@ fn nodes_are_those_of_the_facets() {
         }
     }
     let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [2, 2, 2], CellShape::Hexahedron, 2).unwrap());
-    for (degree, count) in [(0, 4), (1, 9), (2, 25)] {
+    for (degree, count) in [(0, 4), (1, 9), (2, 25), (3, 49), (4, 81)] {
         assert_eq!(Space::on_facets(&mesh, "top", degree).unwrap().node_count(), count);
     }
     let error = |region, degree| Space::on_facets(&mesh, region, degree).unwrap_err().to_string();
     assert_eq!(
-        error("top", 3),
-        "there is no Lagrange element of degree 3 on the facet region \"top\"; the degrees are 0, 1 and 2"
+        error("top", 5),
+        "there is no Lagrange element of degree 5 on the facet region \"top\"; the degrees are 0 to 4"
     );
     assert!(error("lid", 1).starts_with("there is no region \"lid\""));
 }

@@ -9,10 +9,8 @@ use forms_core::contract::{
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
-use super::sizes::Counted;
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
-use crate::element::{CellShape, Lagrange};
 use crate::field::Field;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
@@ -247,7 +245,7 @@ impl<const D: usize> Assembler<D> {
             return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
         }
         let facets = self.facets(form, Entity::Facets, region)?;
-        let points = facet_nodes(space.element);
+        let points = space.element.facet_node_points();
         let rule = QuadratureRule { weights: vec![0.0; points.len()], points };
         let found = self.facet_values(expression, region, &facets, &rule)?;
         let mut sums = vec![0.0; space.unknowns()];
@@ -338,19 +336,6 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-/// Where the nodes of an element are on a facet's own reference cell, in the order of [`Lagrange::facet_nodes`].
-fn facet_nodes(element: Lagrange) -> Vec<[f64; 2]> {
-    let of = |shape| Lagrange { shape, ..element }.node_points::<2>();
-    match element.shape {
-        _ if element.degree == 0 => vec![],
-        CellShape::Triangle | CellShape::Quadrilateral => {
-            [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]][..element.degree + 1].to_vec()
-        }
-        CellShape::Tetrahedron => of(CellShape::Triangle),
-        CellShape::Hexahedron => of(CellShape::Quadrilateral),
-    }
-}
-
 fn place(region: &str) -> String {
     format!("the region \"{region}\"")
 }
@@ -407,9 +392,9 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
             let located = Requirements { position: true, ..K::REQUIREMENTS };
             let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;
             for index in 0..group.entities() {
-                let cell = kernel.cell(&batch.load::<Counted>(&K::REQUIREMENTS, index, 1));
+                let cell = kernel.cell(&batch.load(index, 1));
                 for q in 0..group.points() {
-                    let geometry = batch.point::<Counted>(&K::REQUIREMENTS, q)?;
+                    let geometry = batch.point(q)?;
                     let value = kernel.evaluate(&cell, &geometry, batch.fields()).as_ref().to_vec();
                     if !value.iter().all(|entry| entry.is_finite()) {
                         let (form, position) = (self.binding.name, geometry.position.to_vec());

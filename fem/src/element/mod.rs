@@ -1,7 +1,9 @@
 //! Reference cells and the Lagrange elements on them.
 
 pub mod lagrange;
+mod lattice;
 pub mod shape;
 
-pub use lagrange::{ElementError, Lagrange, MAXIMUM_NODES, Tables};
+pub use lagrange::{ElementError, Lagrange, MAXIMUM_DEGREE, MAXIMUM_GEOMETRY_NODES, MAXIMUM_NODES, Tables};
+pub(crate) use lattice::{inside_quadrilateral, inside_triangle};
 pub use shape::CellShape;

@@ -1,7 +1,7 @@
 //! The geometry map of a cell: positions, Jacobians, centres, diameters.
 
 use super::{Facet, Mesh, MeshError};
-use crate::element::MAXIMUM_NODES;
+use crate::element::MAXIMUM_GEOMETRY_NODES;
 use crate::quadrature::cell_rule;
 
 impl<const D: usize> Mesh<D> {
@@ -11,8 +11,8 @@ impl<const D: usize> Mesh<D> {
     /// # Panics
     /// When `cell` is not below [`Mesh::cell_count`].
     pub fn map(&self, cell: usize, reference: &[f64; D]) -> ([f64; D], [[f64; D]; D]) {
-        let mut value = [0.0; MAXIMUM_NODES];
-        let mut gradient = [[0.0; D]; MAXIMUM_NODES];
+        let mut value = [0.0; MAXIMUM_GEOMETRY_NODES];
+        let mut gradient = [[0.0; D]; MAXIMUM_GEOMETRY_NODES];
         self.element().evaluate(reference, &mut value, &mut gradient);
         let (mut position, mut jacobian) = ([0.0; D], [[0.0; D]; D]);
         for ((node, phi), slope) in self.cell(cell).iter().zip(value).zip(gradient) {

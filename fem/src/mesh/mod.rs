@@ -81,7 +81,7 @@ impl<const D: usize> Mesh<D> {
         nodes: Vec<[f64; D]>,
         cells: Vec<u32>,
     ) -> Result<Self, MeshError> {
-        let element = Lagrange::new(shape, degree)?;
+        let element = Lagrange::geometry(shape, degree)?;
         if shape.dimension() != D {
             return Err(MeshError::Dimension { shape, dimension: D });
         }

@@ -47,7 +47,7 @@ impl<const D: usize> Grid<D> {
     /// # Errors
     /// As [`structured`].
     pub fn mesh(&self, map: impl Fn([f64; D]) -> [f64; D]) -> Result<Mesh<D>, MeshError> {
-        let element = Lagrange::new(self.shape, self.degree)?;
+        let element = Lagrange::geometry(self.shape, self.degree)?;
         if self.shape.dimension() != D {
             return Err(MeshError::Dimension { shape: self.shape, dimension: D });
         }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::orientation;
 use crate::element::Lagrange;
 use crate::mesh::{Facet, Mesh};
 
@@ -33,22 +34,39 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) ->
         if element.degree == 1 {
             continue;
         }
-        let mut shared = |entity: &[usize]| {
-            let mut key = [u32::MAX; 4];
-            for (entry, &vertex) in key.iter_mut().zip(entity) {
+        let mut shared = |entity: &[usize], count: usize, places: &dyn Fn(&[u32; 4]) -> Vec<usize>| {
+            let mut around = [u32::MAX; 4];
+            for (entry, &vertex) in around.iter_mut().zip(entity) {
                 *entry = vertices[vertex];
             }
+            let mut key = around;
             key.sort_unstable();
-            if let Some(number) = numbers.next() {
-                *number = *of_entity.entry(key).or_insert_with(&mut fresh);
+            let first = *of_entity.entry(key).or_insert_with(|| {
+                let first = fresh();
+                (1..count).for_each(|_| {
+                    fresh();
+                });
+                first
+            });
+            if count == 1 {
+                numbers.by_ref().take(1).for_each(|number| *number = first);
+                return;
+            }
+            for (number, place) in numbers.by_ref().take(count).zip(places(&around)) {
+                *number = first + place as u32;
             }
         };
+        let inside_edge = element.nodes_inside_edge();
         for edge in shape.edges() {
-            shared(edge);
+            shared(edge, inside_edge, &|around| orientation::along_edge(element.degree, around));
         }
-        if shape.dimension() == 3 && !shape.is_simplex() {
+        let inside_face = element.nodes_inside_face();
+        if shape.dimension() == 3 && inside_face > 0 {
             for local in 0..shape.facets() {
-                shared(shape.facet_vertices(local));
+                shared(shape.facet_vertices(local), inside_face, &|around| match shape.is_simplex() {
+                    true => orientation::in_triangle(element.degree, around),
+                    false => orientation::in_quadrilateral(element.degree, around),
+                });
             }
         }
         for centre in numbers {
