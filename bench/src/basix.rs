@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use forms_fem::element::CellShape;
+use forms_fem::element::{CellShape, Lagrange};
 use forms_fem::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_reference_rule};
 use serde::Deserialize;
 use thiserror::Error;
@@ -65,52 +65,6 @@ const HEXAHEDRON: [[u8; 3]; 27] = [
     [1, 1, 1],
 ];
 
-// The same nodes as `forms_fem::element::Lagrange` orders them.
-const OUR_TRIANGLE: [[u8; 3]; 6] = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]];
-const OUR_QUADRILATERAL: [[u8; 3]; 9] =
-    [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 0, 0], [2, 1, 0], [1, 2, 0], [0, 1, 0], [1, 1, 0]];
-const OUR_TETRAHEDRON: [[u8; 3]; 10] = [
-    [0, 0, 0],
-    [2, 0, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [1, 0, 0],
-    [1, 1, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [1, 0, 1],
-    [0, 1, 1],
-];
-const OUR_HEXAHEDRON: [[u8; 3]; 27] = [
-    [0, 0, 0],
-    [2, 0, 0],
-    [2, 2, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [2, 0, 2],
-    [2, 2, 2],
-    [0, 2, 2],
-    [1, 0, 0],
-    [2, 1, 0],
-    [1, 2, 0],
-    [0, 1, 0],
-    [1, 0, 2],
-    [2, 1, 2],
-    [1, 2, 2],
-    [0, 1, 2],
-    [0, 0, 1],
-    [2, 0, 1],
-    [2, 2, 1],
-    [0, 2, 1],
-    [1, 1, 0],
-    [1, 1, 2],
-    [1, 0, 1],
-    [2, 1, 1],
-    [1, 2, 1],
-    [0, 1, 1],
-    [1, 1, 1],
-];
-
 /// Number of nodes of the Lagrange element of degree 1 or 2 on a shape.
 pub const fn node_count(shape: CellShape, degree: usize) -> usize {
     match (shape, degree) {
@@ -156,13 +110,19 @@ pub const fn dimension(shape: CellShape) -> usize {
     }
 }
 
-fn ours(shape: CellShape) -> &'static [[u8; 3]] {
-    match shape {
-        CellShape::Triangle => &OUR_TRIANGLE,
-        CellShape::Quadrilateral => &OUR_QUADRILATERAL,
-        CellShape::Tetrahedron => &OUR_TETRAHEDRON,
-        CellShape::Hexahedron => &OUR_HEXAHEDRON,
+// Our nodes in half steps.
+fn ours(shape: CellShape, degree: usize) -> Vec<[u8; 3]> {
+    fn half_steps<const D: usize>(element: Lagrange) -> Vec<[u8; 3]> {
+        let mut nodes = vec![[0; 3]; element.nodes()];
+        for (node, point) in nodes.iter_mut().zip(element.node_points::<D>()) {
+            for (half, coordinate) in node.iter_mut().zip(point) {
+                *half = (2.0 * coordinate).round() as u8;
+            }
+        }
+        nodes
     }
+    let element = Lagrange { shape, degree };
+    if dimension(shape) == 2 { half_steps::<2>(element) } else { half_steps::<3>(element) }
 }
 
 // Node `index` of basix's element, in half steps.
@@ -194,7 +154,7 @@ pub fn node_points(shape: CellShape, degree: usize, order: NodeOrder) -> Vec<[f6
 
 /// For each node of basix's element, in its order, our number of that node.
 pub fn our_node_numbers(shape: CellShape, degree: usize, order: NodeOrder) -> Vec<usize> {
-    let ours = ours(shape);
+    let ours = ours(shape, degree);
     let number = |node: [u8; 3]| ours.iter().position(|own| *own == node).unwrap_or(usize::MAX);
     (0..node_count(shape, degree)).map(|index| number(basix_node(shape, degree, order, index))).collect()
 }

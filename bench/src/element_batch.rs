@@ -160,7 +160,7 @@ impl Computed for Residual {
     }
 }
 
-struct Prepared<C, F, S, const D: usize> {
+struct Prepared<C, F, S: Sizes, const D: usize> {
     kernel: ElementKernel<F, S, D>,
     computed: PhantomData<C>,
 }

@@ -2,6 +2,7 @@
 
 mod action;
 mod assembly;
+mod fixed_sizes;
 mod gmsh;
 mod gmsh_errors;
 mod gmsh_mutations;

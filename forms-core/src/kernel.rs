@@ -144,6 +144,9 @@ pub struct Operations {
 }
 
 /// One integral, linear in one test function: ∫ (flux, test) as `Σ_points Σ_nodes`.
+///
+/// `test` is linear in its basis function (value, gradient and second derivatives together): a backend may ask for
+/// other functions and combine the results.
 pub trait LinearKernel<const D: usize>: Send + Sync + 'static {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;

@@ -8,6 +8,7 @@ use super::binding::Binding;
 use super::{Assembler, AssemblyError, Parts};
 use crate::constraints::Constraints;
 use crate::field::{Field, FieldView, views};
+use crate::linear_algebra::{LinearOperator, OperatorError};
 use crate::space::Space;
 
 impl<const D: usize> Assembler<D> {
@@ -181,5 +182,15 @@ impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
             product[unknown] = direction[unknown];
         }
         Ok(())
+    }
+}
+
+impl<F: Form<D>, const D: usize> LinearOperator for TangentAction<'_, F, D> {
+    fn size(&self) -> usize {
+        TangentAction::size(self)
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
+        Ok(TangentAction::apply(self, x, y)?)
     }
 }

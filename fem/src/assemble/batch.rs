@@ -8,11 +8,11 @@ mod side;
 
 use forms_core::contract::{Basis, CellGeometry, Hessian, Order, PointGeometry, Requirements, Side};
 
-use self::side::{SideBuffers, SideTables, inverse_transposed, surface};
+use self::side::{SideBuffers, SideTables};
+pub(super) use self::side::{inverse_transposed, largest_distance, surface};
 
 use super::AssemblyError;
 use super::binding::{Binding, Values};
-use super::sizes::{Counted, Sizes};
 use super::walk::Group;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
@@ -228,36 +228,22 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     /// Loads `filled` of the group's entities (at most one per lane, at least one) from `start` on, and gives
     /// what is constant on their cells. Other lanes repeat the last entity.
     #[inline(always)]
-    pub fn load<S: Sizes>(
-        &mut self,
-        requirements: &Requirements,
-        start: usize,
-        filled: usize,
-    ) -> CellGeometry<L> {
-        if S::SHARED {
-            L::call(Load { batch: self, start, filled })
-        } else {
-            self.load_here::<S>(requirements, start, filled)
-        }
+    pub fn load(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
+        L::call(Load { batch: self, start, filled })
     }
 
     #[inline(always)]
-    fn load_here<S: Sizes>(
-        &mut self,
-        requirements: &Requirements,
-        start: usize,
-        filled: usize,
-    ) -> CellGeometry<L> {
+    fn load_here(&mut self, requirements: &Requirements, start: usize, filled: usize) -> CellGeometry<L> {
         self.filled = filled;
         let sides = if self.two_sided() { 2 } else { 1 };
         for side in 0..sides {
-            self.buffers.sides[side].load::<S>(&self.tables[side], self.cells, start, filled);
+            self.buffers.sides[side].load(&self.tables[side], self.cells, start, filled);
         }
         self.load_coefficients(requirements, start);
         self.affine = None;
         if self.tables[0].affine {
             for side in 0..sides {
-                self.buffers.sides[side].map_affinely::<S>(&self.tables[side]);
+                self.buffers.sides[side].map_affinely(&self.tables[side]);
             }
             let this = &self.buffers.sides[0];
             self.affine = Some(match &self.tables[0].group.facet {
@@ -268,11 +254,11 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 }
             });
         }
-        self.cell_geometry::<S>(requirements)
+        self.cell_geometry(requirements)
     }
 
     #[inline(always)]
-    fn cell_geometry<S: Sizes>(&mut self, requirements: &Requirements) -> CellGeometry<L> {
+    fn cell_geometry(&mut self, requirements: &Requirements) -> CellGeometry<L> {
         let zero = L::splat(0.0);
         let mut geometry = CellGeometry {
             diameter: zero,
@@ -286,7 +272,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             geometry.diameter = this.diameter(tables);
         }
         if requirements.cell_volume {
-            geometry.cell_volume = this.volume::<S>(tables);
+            geometry.cell_volume = this.volume(tables);
         }
         if requirements.facet_area
             && let (Some((map, weights)), Some((_, tangents))) =
@@ -302,7 +288,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 }
                 None => {
                     for q in 0..weights.len() {
-                        let (element, _) = surface(&this.jacobian_at::<S>(map, q), tangents);
+                        let (element, _) = surface(&this.jacobian_at(map, q), tangents);
                         geometry.facet_area = element.multiply_add(L::splat(weights[q]), geometry.facet_area);
                     }
                 }
@@ -316,7 +302,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 geometry.opposite_diameter = diameter;
             }
             if requirements.opposite_volume {
-                geometry.opposite_volume = other.volume::<S>(tables);
+                geometry.opposite_volume = other.volume(tables);
             }
         }
         geometry
@@ -324,16 +310,12 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
 
     /// Moves to the q-th point: geometry, basis functions, fields.
     #[inline(always)]
-    pub fn point<S: Sizes>(
-        &mut self,
-        requirements: &Requirements,
-        q: usize,
-    ) -> Result<PointGeometry<L, D>, AssemblyError> {
-        if S::SHARED { L::call(Point { batch: self, q }) } else { self.point_here::<S>(requirements, q) }
+    pub fn point(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
+        L::call(Point { batch: self, q })
     }
 
     #[inline(always)]
-    fn point_here<S: Sizes>(
+    fn point_here(
         &mut self,
         requirements: &Requirements,
         q: usize,
@@ -355,7 +337,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 this.inverse
             }
             None => {
-                let jacobian = this.jacobian_at::<S>(&tables.group.geometry, q);
+                let jacobian = this.jacobian_at(&tables.group.geometry, q);
                 let (determinant, inverse) = inverse_transposed(&jacobian);
                 match &tables.group.facet {
                     None => geometry.weight = geometry.weight * determinant,
@@ -371,17 +353,17 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 inverse
             }
         };
-        this.evaluate_basis::<S>(tables, reads, q, &inverse, &geometry.normal);
+        this.evaluate_basis(tables, reads, q, &inverse, &geometry.normal);
         if self.group.sides.len() == 2 {
             let tables = &self.tables[1];
             let inverse = match self.affine {
                 Some(_) => other.inverse,
-                None => inverse_transposed(&other.jacobian_at::<S>(&tables.group.geometry, q)).1,
+                None => inverse_transposed(&other.jacobian_at(&tables.group.geometry, q)).1,
             };
-            other.evaluate_basis::<S>(tables, reads, q, &inverse, &geometry.normal);
+            other.evaluate_basis(tables, reads, q, &inverse, &geometry.normal);
             self.check_facing(q, &geometry.position)?;
         }
-        self.evaluate_fields::<S>(requirements, q, &geometry.position)?;
+        self.evaluate_fields(requirements, q, &geometry.position)?;
         Ok(geometry)
     }
 
@@ -436,7 +418,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Load<'_, '_, L, D> {
     #[inline(always)]
     fn run(self) -> CellGeometry<L> {
         let requirements = self.batch.requirements;
-        self.batch.load_here::<Counted>(&requirements, self.start, self.filled)
+        self.batch.load_here(&requirements, self.start, self.filled)
     }
 }
 
@@ -451,6 +433,6 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
     #[inline(always)]
     fn run(self) -> Self::Output {
         let requirements = self.batch.requirements;
-        self.batch.point_here::<Counted>(&requirements, self.q)
+        self.batch.point_here(&requirements, self.q)
     }
 }

@@ -9,7 +9,6 @@ use forms_core::contract::{
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
-use super::sizes::Counted;
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
 use crate::field::Field;
@@ -393,9 +392,9 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
             let located = Requirements { position: true, ..K::REQUIREMENTS };
             let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;
             for index in 0..group.entities() {
-                let cell = kernel.cell(&batch.load::<Counted>(&K::REQUIREMENTS, index, 1));
+                let cell = kernel.cell(&batch.load(index, 1));
                 for q in 0..group.points() {
-                    let geometry = batch.point::<Counted>(&K::REQUIREMENTS, q)?;
+                    let geometry = batch.point(q)?;
                     let value = kernel.evaluate(&cell, &geometry, batch.fields()).as_ref().to_vec();
                     if !value.iter().all(|entry| entry.is_finite()) {
                         let (form, position) = (self.binding.name, geometry.position.to_vec());

@@ -6,14 +6,14 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, BilinearKernel, PointGeometry};
+use forms_core::contract::BilinearKernel;
 
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::pairs::Pairs;
 use super::receiver::{Buffered, Deliver, Receiver};
-use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor};
-use super::sizes::{Counted, Sizes};
+use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract};
 use super::walk::Group;
 use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
 
@@ -40,7 +40,7 @@ pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usiz
     /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j.
     blocks: Vec<L>,
     /// Blocks of pairs of directions, of a reference tensor.
-    directions: Vec<L>,
+    directions: Vec<[L; LARGEST_BLOCK]>,
     /// The reference tensor, once it is known whether there is one.
     tensor: Option<Option<ReferenceTensor>>,
 }
@@ -93,7 +93,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
 
     /// The blocks of all pairs by the loop over points.
     #[inline(always)]
-    fn integrate<K: BilinearKernel<D>, L: SimdLane, S: Sizes>(
+    fn integrate<K: BilinearKernel<D>, L: SimdLane>(
         &self,
         kernel: &K,
         cell: &K::Cell<L>,
@@ -103,10 +103,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
         blocks: &mut [L],
     ) -> Result<(), AssemblyError> {
         let [rows, columns] = self.nodes();
-        let (rows, columns) = (S::nodes(rows), S::nodes(columns));
-        let points = S::points(self.group.points());
+        let points = self.group.points();
         for q in 0..points {
-            let geometry = batch.point::<S>(&K::REQUIREMENTS, q)?;
+            let geometry = batch.point(q)?;
             let point = kernel.point(cell, &geometry, batch.fields());
             let basis = batch.basis(self.sides[0], self.elements[0]);
             let hessians = batch.hessians(self.sides[0], self.elements[0]);
@@ -116,9 +115,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 tests.clear();
                 tests.resize(rows * points, kernel.test(&point, &basis[0], &hessians[0]));
             }
-            let tests = &mut tests[q * rows..][..rows];
+            let tests = &mut tests[..rows * points];
             for i in 0..rows {
-                tests[i] = kernel.test(&point, &basis[i], &hessians[i]);
+                tests[i * points + q] = kernel.test(&point, &basis[i], &hessians[i]);
             }
             let basis = batch.basis(self.sides[1], self.elements[1]);
             let hessians = batch.hessians(self.sides[1], self.elements[1]);
@@ -127,9 +126,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 trials.clear();
                 trials.resize(columns * points, kernel.trial(&point, &basis[0], &hessians[0]));
             }
-            let trials = &mut trials[q * columns..][..columns];
+            let trials = &mut trials[..columns * points];
             for j in 0..columns {
-                trials[j] = kernel.trial(&point, &basis[j], &hessians[j]);
+                trials[j * points + q] = kernel.trial(&point, &basis[j], &hessians[j]);
             }
         }
         let pairs = Pairs {
@@ -141,20 +140,14 @@ impl<const D: usize> ElementMatrices<'_, D> {
             points,
             symmetric: self.symmetric,
         };
-        // Each factor that is loaded serves several pairs, as many as there are registers for accumulators.
-        match size_of::<K::Accumulator<L>>() / size_of::<L>() {
-            0 | 1 => pairs.sweep::<4, 4>(blocks),
-            2..=4 => pairs.sweep::<1, 4>(blocks),
-            5..=9 => pairs.sweep::<2, 1>(blocks),
-            _ => pairs.sweep::<1, 1>(blocks),
-        }
+        pairs.sum(blocks);
         Ok(())
     }
 
     /// The loops. The entries of an element matrix come out in the order that [`block_order`] gives to
     /// the computed blocks, or any other.
     #[inline(always)]
-    pub fn compute_in_lanes<K: BilinearKernel<D>, L: SimdLane, S: Sizes>(
+    pub fn compute_in_lanes<K: BilinearKernel<D>, L: SimdLane>(
         &self,
         kernel: &K,
         order: &[u32],
@@ -163,7 +156,6 @@ impl<const D: usize> ElementMatrices<'_, D> {
         receiver: &mut impl Receiver,
     ) -> Result<(), AssemblyError> {
         let [rows, columns] = self.nodes();
-        let (rows, columns) = (S::nodes(rows), S::nodes(columns));
         let MatrixBuffers { batch, tests, trials, blocks, directions, tensor } = buffers;
         if tensor.is_none() && !range.is_empty() {
             let side = &self.group.sides[self.sides[0]];
@@ -179,195 +171,23 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            let cell = kernel.cell(&batch.load::<S>(&K::REQUIREMENTS, start, filled));
+            let cell = kernel.cell(&batch.load(start, filled));
             blocks.resize(size, L::splat(0.0));
             match tensor {
                 Some(tensor) if K::CELL_CONSTANT => {
                     let (determinant, inverse) = batch.affine_map(self.sides[0]);
                     contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
                 }
-                _ => self.integrate::<K, L, S>(kernel, &cell, &mut batch, tests, trials, blocks)?,
+                _ => self.integrate::<K, L>(kernel, &cell, &mut batch, tests, trials, blocks)?,
             }
             let source = &Ordered { values: blocks, order };
             let target = receiver.room(start, filled, size);
-            if S::SHARED {
-                L::call(Transposition { source, count: size, filled, target, stride: size });
-            } else {
-                L::store_transposed(source, size, filled, target, size);
-            }
+            L::call(Transposition { source, count: size, filled, target, stride: size });
             receiver.filled(start, filled, size)?;
             start += filled;
         }
         Ok(())
     }
-}
-
-/// The sums over the points of a cell, pair by pair.
-struct Pairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
-    kernel: &'a K,
-    cell: &'a K::Cell<L>,
-    /// Factors of node i at point q, at `q * nodes + i`.
-    tests: &'a [K::Test<L>],
-    trials: &'a [K::Trial<L>],
-    nodes: [usize; 2],
-    points: usize,
-    symmetric: bool,
-}
-
-impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
-    /// All blocks, in tiles of ROWS × COLUMNS pairs.
-    #[inline(always)]
-    fn sweep<const ROWS: usize, const COLUMNS: usize>(&self, blocks: &mut [L]) {
-        let [rows, columns] = self.nodes;
-        let mut i = 0;
-        while i + ROWS <= rows {
-            let mut j = if self.symmetric { i } else { 0 };
-            while j + COLUMNS <= columns {
-                self.tile::<ROWS, COLUMNS>(i, j, blocks);
-                j += COLUMNS;
-            }
-            while COLUMNS > 1 && j < columns {
-                self.tile::<ROWS, 1>(i, j, blocks);
-                j += 1;
-            }
-            i += ROWS;
-        }
-        while ROWS > 1 && i < rows {
-            let mut j = if self.symmetric { i } else { 0 };
-            while j + COLUMNS <= columns {
-                self.tile::<1, COLUMNS>(i, j, blocks);
-                j += COLUMNS;
-            }
-            while COLUMNS > 1 && j < columns {
-                self.tile::<1, 1>(i, j, blocks);
-                j += 1;
-            }
-            i += 1;
-        }
-    }
-
-    #[inline(always)]
-    fn tile<const ROWS: usize, const COLUMNS: usize>(&self, i: usize, j: usize, blocks: &mut [L]) {
-        let [rows, columns] = self.nodes;
-        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
-        let mut accumulators = [[K::zero::<L>(); COLUMNS]; ROWS];
-        for q in 0..self.points {
-            let tests = &self.tests[q * rows + i..][..ROWS];
-            let trials = &self.trials[q * columns + j..][..COLUMNS];
-            for a in 0..ROWS {
-                for b in 0..COLUMNS {
-                    K::pair(&mut accumulators[a][b], &tests[a], &trials[b]);
-                }
-            }
-        }
-        for a in 0..ROWS {
-            for b in 0..COLUMNS {
-                let (i, j) = (i + a, j + b);
-                // Below the diagonal a symmetric matrix is mirrored.
-                if self.symmetric && j < i {
-                    continue;
-                }
-                let before = if self.symmetric { i * columns - i * (i + 1) / 2 } else { i * columns };
-                let block = self.kernel.finish(self.cell, &accumulators[a][b]);
-                copy_block(block.as_ref(), &mut blocks[(before + j) * entries..][..entries]);
-            }
-        }
-    }
-}
-
-/// Copies a block. Copying slices as such would be a call.
-#[inline(always)]
-fn copy_block<L: Copy>(block: &[L], target: &mut [L]) {
-    let block = &block[..target.len()];
-    for entry in 0..target.len() {
-        target[entry] = block[entry];
-    }
-}
-
-/// The blocks of all pairs by a reference tensor.
-#[inline(always)]
-fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
-    kernel: &K,
-    cell: &K::Cell<L>,
-    tensor: &ReferenceTensor,
-    determinant: L,
-    inverse: &[[L; D]; D],
-    directions: &mut Vec<L>,
-    blocks: &mut [L],
-) {
-    let zero = L::splat(0.0);
-    let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
-    let count = tensor.directions;
-    let geometry =
-        PointGeometry { weight: determinant, position: [zero; D], normal: [zero; D], curvature: zero };
-    let point = kernel.point(cell, &geometry, &[]);
-    let hessian = [[zero; D]; D];
-    directions.resize(count * count * entries, zero);
-    for a in 0..count {
-        let test = kernel.test(&point, &direction(tensor, inverse, a), &hessian);
-        for b in if K::SYMMETRIC { a } else { 0 }..count {
-            let trial = kernel.trial(&point, &direction(tensor, inverse, b), &hessian);
-            let mut accumulator = K::zero::<L>();
-            K::pair(&mut accumulator, &test, &trial);
-            let block = kernel.finish(cell, &accumulator);
-            let block = &block.as_ref()[..entries];
-            let target = &mut directions[(a * count + b) * entries..][..entries];
-            for entry in 0..entries {
-                target[entry] = block[entry];
-            }
-            if K::SYMMETRIC && b != a {
-                let target = &mut directions[(b * count + a) * entries..][..entries];
-                for entry in 0..entries {
-                    target[entry % K::TEST_COMPONENTS * K::TEST_COMPONENTS + entry / K::TEST_COMPONENTS] =
-                        block[entry];
-                }
-            }
-        }
-    }
-    for pair in 0..tensor.pairs() {
-        let target = &mut blocks[pair * entries..][..entries];
-        let (places, coefficients) = tensor.terms(pair);
-        let mut sums = [zero; LARGEST_BLOCK];
-        for term in 0..places.len() {
-            let block = &directions[places[term] as usize * entries..][..entries];
-            let coefficient = L::splat(coefficients[term]);
-            for entry in 0..entries {
-                if K::NONZERO[entry] {
-                    sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
-                }
-            }
-        }
-        for entry in 0..entries {
-            target[entry] = sums[entry];
-        }
-    }
-}
-
-/// A function whose gradient is that of a barycentric coordinate, or whose value is one.
-#[inline(always)]
-fn direction<L: SimdLane, const D: usize>(
-    tensor: &ReferenceTensor,
-    inverse: &[[L; D]; D],
-    a: usize,
-) -> Basis<L, D> {
-    let zero = L::splat(0.0);
-    let mut basis = Basis { value: zero, gradient: [zero; D] };
-    if tensor.value == Some(a) {
-        basis.value = L::splat(1.0);
-    } else if a == 0 {
-        for i in 0..D {
-            let mut sum = inverse[i][0];
-            for j in 1..D {
-                sum += inverse[i][j];
-            }
-            basis.gradient[i] = -sum;
-        }
-    } else {
-        for i in 0..D {
-            basis.gradient[i] = inverse[i][a - 1];
-        }
-    }
-    basis
 }
 
 struct Compute<'a, 'd, K, const D: usize> {
@@ -385,7 +205,7 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     fn run<L: SimdLane>(mut self) -> Self::Output {
         let mut buffers = MatrixBuffers::<K, L, D>::default();
         let (task, receiver) = (self.task, &mut self.receiver);
-        task.compute_in_lanes::<K, L, Counted>(self.kernel, self.order, self.range, &mut buffers, receiver)
+        task.compute_in_lanes::<K, L>(self.kernel, self.order, self.range, &mut buffers, receiver)
     }
 }
 

@@ -12,7 +12,6 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::element_matrices::Ordered;
 use super::receiver::{Buffered, Deliver, Receiver};
-use super::sizes::{Counted, Sizes};
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, SimdLane, Transposition};
 
@@ -70,7 +69,7 @@ impl<const D: usize> ElementVectors<'_, D> {
 
     /// The loops. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.
     #[inline(always)]
-    pub fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane, S: Sizes>(
+    pub fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane>(
         &self,
         kernel: &K,
         order: Option<&[u32]>,
@@ -79,7 +78,7 @@ impl<const D: usize> ElementVectors<'_, D> {
         receiver: &mut impl Receiver,
     ) -> Result<(), AssemblyError> {
         let components = K::TEST_COMPONENTS;
-        let nodes = S::nodes(self.nodes());
+        let nodes = self.nodes();
         let size = nodes * components;
         let zero = L::splat(0.0);
         let VectorBuffers { batch, sums } = buffers;
@@ -95,10 +94,10 @@ impl<const D: usize> ElementVectors<'_, D> {
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            let cell = kernel.cell(&batch.load::<S>(&K::REQUIREMENTS, start, filled));
+            let cell = kernel.cell(&batch.load(start, filled));
             sums.fill(zero);
-            for q in 0..S::points(self.group.points()) {
-                let geometry = batch.point::<S>(&K::REQUIREMENTS, q)?;
+            for q in 0..self.group.points() {
+                let geometry = batch.point(q)?;
                 let flux = kernel.point(&cell, &geometry, batch.fields());
                 let basis = &batch.basis(self.side, self.element)[..nodes];
                 let hessians = &batch.hessians(self.side, self.element)[..nodes];
@@ -117,7 +116,7 @@ impl<const D: usize> ElementVectors<'_, D> {
                 }
                 Some(order) => {
                     let source = &Ordered { values: sums, order: &order[..size] };
-                    L::store_transposed(source, size, filled, target, size);
+                    L::call(Transposition { source, count: size, filled, target, stride: size });
                 }
             }
             receiver.filled(start, filled, size)?;
@@ -142,6 +141,6 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     fn run<L: SimdLane>(mut self) -> Self::Output {
         let mut buffers = VectorBuffers::<L, D>::default();
         let (task, receiver) = (self.task, &mut self.receiver);
-        task.compute_in_lanes::<K, L, Counted>(self.kernel, self.order, self.range, &mut buffers, receiver)
+        task.compute_in_lanes::<K, L>(self.kernel, self.order, self.range, &mut buffers, receiver)
     }
 }

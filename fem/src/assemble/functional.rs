@@ -6,7 +6,6 @@ use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
-use super::sizes::Counted;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::field::{Field, FieldView, views};
@@ -178,9 +177,9 @@ fn each_point<K: ExpressionKernel<D>, L: SimdLane, const D: usize>(
     let mut value = vec![0.0; count];
     for start in range.clone().step_by(L::WIDTH) {
         let filled = L::WIDTH.min(range.end - start);
-        let cell = kernel.cell(&batch.load::<Counted>(&K::REQUIREMENTS, start, filled));
+        let cell = kernel.cell(&batch.load(start, filled));
         for q in 0..points {
-            let geometry = batch.point::<Counted>(&K::REQUIREMENTS, q)?;
+            let geometry = batch.point(q)?;
             let values = kernel.evaluate(&cell, &geometry, batch.fields());
             let all = values.as_ref().iter().chain([&geometry.weight]).chain(&geometry.position);
             for (lanes, entry) in lanes.iter_mut().zip(all) {

@@ -6,9 +6,14 @@
 //! tensor R_ab(i, j) = Σ_q w_q c_a^i(x_q) c_b^j(x_q), made once. A value of a basis function counts as one more
 //! direction. R is sparse: for quadratic elements a pair has one to four terms.
 
-use forms_core::contract::{BilinearKernel, Requirements};
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
+
+use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
 use super::walk::GroupSide;
+use crate::lanes::SimdLane;
 
 /// Entries of a block, at most, for which sums are kept in registers.
 pub(super) const LARGEST_BLOCK: usize = 16;
@@ -19,11 +24,10 @@ pub(super) struct ReferenceTensor {
     pub directions: usize,
     /// The direction that stands for the value.
     pub value: Option<usize>,
-    /// Where the terms of each pair start, pair after pair in rows, and their end.
-    starts: Vec<u32>,
-    /// a · directions + b.
-    places: Vec<u32>,
-    coefficients: Vec<f64>,
+    /// Number of terms of each pair, pair after pair in rows.
+    lengths: Vec<u32>,
+    /// a · directions + b, and the coefficient.
+    terms: Vec<(u32, f64)>,
 }
 
 impl ReferenceTensor {
@@ -47,14 +51,14 @@ impl ReferenceTensor {
         let tensor = Self::new(side, elements, weights, symmetric, &requirements);
         let [rows, columns] = [0, 1].map(|k| side.elements[elements[k]].nodes);
         let count = K::OPERATIONS;
-        let pairs = tensor.starts.len() - 1;
+        let pairs = tensor.lengths.len();
         let nonzero = K::NONZERO.iter().filter(|nonzero| **nonzero).count();
         let per_point =
             count.point + rows * (count.test + D * D) + columns * count.trial + pairs * count.pair;
         let loops = weights.len() * per_point + pairs * count.finish;
         let directions = tensor.directions;
         let blocks = directions * directions * (count.pair + count.finish);
-        let made = blocks + directions * (count.test + count.trial) + tensor.places.len() * nonzero;
+        let made = blocks + directions * (count.test + count.trial) + tensor.terms.len() * nonzero;
         (made < loops).then_some(tensor)
     }
 
@@ -91,15 +95,15 @@ impl ReferenceTensor {
         let mut tensor = ReferenceTensor {
             directions,
             value: requirements.basis_value.then_some(gradients),
-            starts: vec![0],
-            places: vec![],
-            coefficients: vec![],
+            lengths: vec![],
+            terms: vec![],
         };
         for (i, test) in tests.chunks_exact(per_node).enumerate() {
             for (j, trial) in trials.chunks_exact(per_node).enumerate() {
                 if symmetric && j < i {
                     continue;
                 }
+                let before = tensor.terms.len();
                 for a in 0..directions {
                     for b in 0..directions {
                         let (mut sum, mut scale) = (0.0_f64, 0.0_f64);
@@ -110,28 +114,14 @@ impl ReferenceTensor {
                         }
                         // What is rounding only is zero.
                         if sum.abs() > 1e-14 * scale {
-                            tensor.places.push((a * directions + b) as u32);
-                            tensor.coefficients.push(sum);
+                            tensor.terms.push(((a * directions + b) as u32, sum));
                         }
                     }
                 }
-                tensor.starts.push(tensor.places.len() as u32);
+                tensor.lengths.push((tensor.terms.len() - before) as u32);
             }
         }
         tensor
-    }
-
-    /// Number of pairs.
-    #[inline(always)]
-    pub fn pairs(&self) -> usize {
-        self.starts.len() - 1
-    }
-
-    /// Places and coefficients of the terms of the `pair`-th pair.
-    #[inline(always)]
-    pub fn terms(&self, pair: usize) -> (&[u32], &[f64]) {
-        let range = self.starts[pair] as usize..self.starts[pair + 1] as usize;
-        (&self.places[range.clone()], &self.coefficients[range])
     }
 }
 
@@ -158,6 +148,125 @@ fn sparse_components<const D: usize>(slopes: &[[f64; D]]) -> Vec<f64> {
         }
     }
     best.map(|(_, components)| components).unwrap_or_default()
+}
+
+/// The blocks of all pairs by a reference tensor. `directions` is memory that is kept.
+#[inline(always)]
+pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+    kernel: &K,
+    cell: &K::Cell<L>,
+    tensor: &ReferenceTensor,
+    determinant: L,
+    inverse: &[[L; D]; D],
+    directions: &mut Vec<[L; LARGEST_BLOCK]>,
+    blocks: &mut [L],
+) {
+    match K::TEST_COMPONENTS * K::TRIAL_COMPONENTS {
+        1 => contract_blocks::<K, L, 1, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
+        4 => contract_blocks::<K, L, 4, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
+        9 => contract_blocks::<K, L, 9, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
+        _ => contract_blocks::<K, L, LARGEST_BLOCK, D>(
+            kernel,
+            cell,
+            tensor,
+            determinant,
+            inverse,
+            directions,
+            blocks,
+        ),
+    }
+}
+
+/// The same for blocks of at most ENTRIES entries.
+#[inline(always)]
+fn contract_blocks<K: BilinearKernel<D>, L: SimdLane, const ENTRIES: usize, const D: usize>(
+    kernel: &K,
+    cell: &K::Cell<L>,
+    tensor: &ReferenceTensor,
+    determinant: L,
+    inverse: &[[L; D]; D],
+    directions: &mut Vec<[L; LARGEST_BLOCK]>,
+    blocks: &mut [L],
+) {
+    let zero = L::splat(0.0);
+    let entries = (K::TEST_COMPONENTS * K::TRIAL_COMPONENTS).min(ENTRIES);
+    let count = tensor.directions;
+    let geometry =
+        PointGeometry { weight: determinant, position: [zero; D], normal: [zero; D], curvature: zero };
+    let point = kernel.point(cell, &geometry, &[]);
+    let hessian = [[zero; D]; D];
+    if directions.len() != count * count {
+        directions.resize(count * count, [zero; LARGEST_BLOCK]);
+    }
+    for a in 0..count {
+        let test = kernel.test(&point, &direction(tensor, inverse, a), &hessian);
+        for b in if K::SYMMETRIC { a } else { 0 }..count {
+            let trial = kernel.trial(&point, &direction(tensor, inverse, b), &hessian);
+            let mut accumulator = K::zero::<L>();
+            K::pair(&mut accumulator, &test, &trial);
+            let block = kernel.finish(cell, &accumulator);
+            let block = &block.as_ref()[..entries];
+            let target = &mut directions[a * count + b];
+            for entry in 0..entries {
+                target[entry] = block[entry];
+            }
+            if K::SYMMETRIC && b != a {
+                let target = &mut directions[b * count + a];
+                for entry in 0..entries {
+                    target[entry % K::TEST_COMPONENTS * K::TEST_COMPONENTS + entry / K::TEST_COMPONENTS] =
+                        block[entry];
+                }
+            }
+        }
+    }
+    let (directions, mut terms) = (&directions[..], &tensor.terms[..]);
+    let pairs = tensor.lengths.len();
+    let blocks = &mut blocks[..pairs * entries];
+    for pair in 0..pairs {
+        let (own, others) = terms.split_at(tensor.lengths[pair] as usize);
+        terms = others;
+        let mut sums = [zero; ENTRIES];
+        for term in 0..own.len() {
+            let (place, coefficient) = own[term];
+            let (block, coefficient) = (&directions[place as usize], L::splat(coefficient));
+            for entry in 0..entries {
+                if K::NONZERO[entry] {
+                    sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
+                }
+            }
+        }
+        let target = &mut blocks[pair * entries..][..entries];
+        for entry in 0..entries {
+            target[entry] = sums[entry];
+        }
+    }
+}
+
+/// A function whose gradient is that of a barycentric coordinate, or whose value is one.
+#[inline(always)]
+fn direction<L: SimdLane, const D: usize>(
+    tensor: &ReferenceTensor,
+    inverse: &[[L; D]; D],
+    a: usize,
+) -> Basis<L, D> {
+    let zero = L::splat(0.0);
+    let mut basis = Basis { value: zero, gradient: [zero; D] };
+    if tensor.value == Some(a) {
+        basis.value = L::splat(1.0);
+    } else if a == 0 {
+        for i in 0..D {
+            let mut sum = inverse[i][0];
+            for j in 1..D {
+                sum += inverse[i][j];
+            }
+            basis.gradient[i] = -sum;
+        }
+    } else {
+        for i in 0..D {
+            basis.gradient[i] = inverse[i][a - 1];
+        }
+    }
+    basis
 }
 
 #[cfg(test)]

@@ -1,15 +1,44 @@
 //! Numbers of nodes and points: counted when a program runs, or fixed when it is compiled.
 
-/// How the loops over nodes and points learn their lengths.
+/// A list whose length is part of its type.
+pub trait Array<T: Copy>: Copy {
+    /// Its length.
+    const LENGTH: usize;
+    /// The same value in each place.
+    fn filled(value: T) -> Self;
+    /// Its entries.
+    fn entries(&self) -> &[T];
+    /// Its entries, to be changed.
+    fn entries_mut(&mut self) -> &mut [T];
+}
+
+impl<T: Copy, const LENGTH: usize> Array<T> for [T; LENGTH] {
+    const LENGTH: usize = LENGTH;
+
+    #[inline(always)]
+    fn filled(value: T) -> Self {
+        [value; LENGTH]
+    }
+    #[inline(always)]
+    fn entries(&self) -> &[T] {
+        self
+    }
+    #[inline(always)]
+    fn entries_mut(&mut self) -> &mut [T] {
+        self
+    }
+}
+
+/// How the loops over nodes and points of an [`super::ElementKernel`] learn their lengths.
 pub trait Sizes: Copy + Send + Sync + 'static {
-    /// What does not depend on the kernel is compiled once, not into each loop.
-    const SHARED: bool;
-    /// Number of nodes of the test (and trial) functions' element, given what was found in its tables.
-    fn nodes(found: usize) -> usize;
-    /// Number of quadrature points.
-    fn points(found: usize) -> usize;
-    /// Number of nodes of the geometry map.
-    fn geometry_nodes(found: usize) -> usize;
+    /// Whether the lengths are those of the arrays; if not, they are counted.
+    const FIXED: bool;
+    /// A value per node of the test (and trial) functions' element.
+    type Nodes<T: Copy>: Array<T>;
+    /// A value per quadrature point.
+    type Points<T: Copy>: Array<T>;
+    /// A value per node of the geometry map.
+    type GeometryNodes<T: Copy>: Array<T>;
 }
 
 /// Any element and rule.
@@ -17,20 +46,10 @@ pub trait Sizes: Copy + Send + Sync + 'static {
 pub struct Counted;
 
 impl Sizes for Counted {
-    const SHARED: bool = true;
-
-    #[inline(always)]
-    fn nodes(found: usize) -> usize {
-        found
-    }
-    #[inline(always)]
-    fn points(found: usize) -> usize {
-        found
-    }
-    #[inline(always)]
-    fn geometry_nodes(found: usize) -> usize {
-        found
-    }
+    const FIXED: bool = false;
+    type Nodes<T: Copy> = [T; 0];
+    type Points<T: Copy> = [T; 0];
+    type GeometryNodes<T: Copy> = [T; 0];
 }
 
 /// One element and one rule: loops are compiled for their lengths.
@@ -40,18 +59,8 @@ pub struct Fixed<const NODES: usize, const POINTS: usize, const GEOMETRY_NODES: 
 impl<const NODES: usize, const POINTS: usize, const GEOMETRY_NODES: usize> Sizes
     for Fixed<NODES, POINTS, GEOMETRY_NODES>
 {
-    const SHARED: bool = false;
-
-    #[inline(always)]
-    fn nodes(_: usize) -> usize {
-        NODES
-    }
-    #[inline(always)]
-    fn points(_: usize) -> usize {
-        POINTS
-    }
-    #[inline(always)]
-    fn geometry_nodes(_: usize) -> usize {
-        GEOMETRY_NODES
-    }
+    const FIXED: bool = true;
+    type Nodes<T: Copy> = [T; NODES];
+    type Points<T: Copy> = [T; POINTS];
+    type GeometryNodes<T: Copy> = [T; GEOMETRY_NODES];
 }

@@ -88,19 +88,19 @@ pub(crate) trait SimdLane: Lane {
     }
 
     /// Writes `count` entries of each of the first `filled` lanes to `target[lane * stride..]`, entry k from
-    /// `source(k)`.
+    /// `source(k)`; adds them to what is there if `ADD`.
     ///
     /// # Panics
     /// When `target` is too short.
     #[inline(always)]
-    fn store_transposed(
+    fn store_transposed<const ADD: bool>(
         source: &(impl Entries<Self> + ?Sized),
         count: usize,
         filled: usize,
         target: &mut [f64],
         stride: usize,
     ) {
-        store_entries(source, 0..count, filled, target, stride);
+        store_entries::<ADD, _>(source, 0..count, filled, target, stride);
     }
 }
 
@@ -116,11 +116,12 @@ impl Starts {
     /// last.
     #[inline(always)]
     pub(crate) fn new(first: usize, filled: usize, length: usize) -> Self {
-        let mut places = [0; WIDEST];
-        for lane in 0..WIDEST {
-            places[lane] = (first + if lane < filled { lane } else { filled - 1 }) * length;
+        let (mut places, mut place) = ([first * length; WIDEST], first * length);
+        for lane in 1..WIDEST {
+            place += if lane < filled { length } else { 0 };
+            places[lane] = place;
         }
-        Starts { places, largest: (first + filled - 1) * length }
+        Starts { places, largest: place }
     }
 }
 
@@ -130,7 +131,7 @@ pub(crate) trait Entries<L> {
     fn entry(&self, k: usize) -> &L;
 }
 
-/// [`SimdLane::store_transposed`] as work of its own.
+/// [`SimdLane::store_transposed`] as work of its own, without adding.
 pub(crate) struct Transposition<'a, E: ?Sized> {
     /// The entries.
     pub source: &'a E,
@@ -149,7 +150,7 @@ impl<L: SimdLane, E: Entries<L> + ?Sized> SharedWork<L> for Transposition<'_, E>
 
     #[inline(always)]
     fn run(self) {
-        L::store_transposed(self.source, self.count, self.filled, self.target, self.stride);
+        L::store_transposed::<false>(self.source, self.count, self.filled, self.target, self.stride);
     }
 }
 
@@ -163,7 +164,7 @@ impl<L> Entries<L> for [L] {
 
 /// [`SimdLane::store_transposed`], one number at a time.
 #[inline(always)]
-fn store_entries<L: Lane>(
+fn store_entries<const ADD: bool, L: Lane>(
     source: &(impl Entries<L> + ?Sized),
     range: std::ops::Range<usize>,
     filled: usize,
@@ -174,7 +175,8 @@ fn store_entries<L: Lane>(
     for k in range {
         source.entry(k).store(&mut lanes);
         for (lane, value) in lanes[..filled].iter().enumerate() {
-            target[lane * stride + k] = *value;
+            let target = &mut target[lane * stride + k];
+            *target = if ADD { *target + *value } else { *value };
         }
     }
 }

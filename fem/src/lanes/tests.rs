@@ -134,7 +134,9 @@ impl LaneWork for Transposition {
         }
         let filled = self.filled.min(L::WIDTH);
         let mut target = vec![-1.0; filled * (self.count + 3)];
-        L::store_transposed(&entries[..], self.count, filled, &mut target, self.count + 3);
+        L::store_transposed::<false>(&entries[..], self.count, filled, &mut target, self.count + 3);
+        // Adding the same once more doubles it.
+        L::store_transposed::<true>(&entries[..], self.count, filled, &mut target, self.count + 3);
         (filled, target)
     }
 }
@@ -147,7 +149,7 @@ fn transposed_lanes_stand_one_after_the_other() {
                 let (filled, found) = set.checked().run(Transposition { count, filled });
                 for (index, value) in found.iter().enumerate() {
                     let (lane, k) = (index / (count + 3), index % (count + 3));
-                    let expected = if k < count { (100 * lane + k) as f64 } else { -1.0 };
+                    let expected = if k < count { 2.0 * (100 * lane + k) as f64 } else { -1.0 };
                     assert!(lane < filled && *value == expected, "{set}: lane {lane}, entry {k}: {value}");
                 }
             }

@@ -385,7 +385,7 @@ impl SimdLane for Avx2 {
         simd!(enter(work))
     }
     #[inline(always)]
-    fn store_transposed(
+    fn store_transposed<const ADD: bool>(
         source: &(impl Entries<Self> + ?Sized),
         count: usize,
         filled: usize,
@@ -399,20 +399,31 @@ impl SimdLane for Avx2 {
                 let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
                 let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
                 // SAFETY: each entry is four doubles; `done + 4 <= count`, and each lane has room for `count`.
-                unsafe { store_tile(a, b, c, d, target.as_mut_ptr().add(done), stride) };
+                unsafe { store_tile::<ADD>(a, b, c, d, target.as_mut_ptr().add(done), stride) };
                 done += 4;
             }
         }
-        store_entries(source, done..count, filled, target, stride);
+        store_entries::<ADD, _>(source, done..count, filled, target, stride);
     }
 }
 
-/// Writes four lanes of four entries, lane by lane.
+/// Writes or adds four numbers of a row.
 ///
 /// # Safety
-/// Each entry can be read for four doubles, each of four rows of the target (`stride` apart) written for four.
+/// Four numbers can be read and written there.
 #[inline(always)]
-unsafe fn store_tile(
+unsafe fn put_row<const ADD: bool>(row: *mut f64, values: __m256d) {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe { _mm256_storeu_pd(row, if ADD { _mm256_add_pd(_mm256_loadu_pd(row), values) } else { values }) }
+}
+
+/// Writes four lanes of four entries, lane by lane, or adds them.
+///
+/// # Safety
+/// Each entry can be read for four doubles, each of four rows of the target (`stride` apart) read and written for
+/// four.
+#[inline(always)]
+unsafe fn store_tile<const ADD: bool>(
     a: *const f64,
     b: *const f64,
     c: *const f64,
@@ -425,13 +436,13 @@ unsafe fn store_tile(
         // Two lanes of two entries side by side in each register: half of the shuffling is done by the loads.
         let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
         let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
-        _mm256_storeu_pd(target, _mm256_unpacklo_pd(ac, bd));
-        _mm256_storeu_pd(target.add(stride), _mm256_unpackhi_pd(ac, bd));
+        put_row::<ADD>(target, _mm256_unpacklo_pd(ac, bd));
+        put_row::<ADD>(target.add(stride), _mm256_unpackhi_pd(ac, bd));
         let (a, b, c, d) = (a.add(2), b.add(2), c.add(2), d.add(2));
         let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
         let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
-        _mm256_storeu_pd(target.add(2 * stride), _mm256_unpacklo_pd(ac, bd));
-        _mm256_storeu_pd(target.add(3 * stride), _mm256_unpackhi_pd(ac, bd));
+        put_row::<ADD>(target.add(2 * stride), _mm256_unpacklo_pd(ac, bd));
+        put_row::<ADD>(target.add(3 * stride), _mm256_unpackhi_pd(ac, bd));
     }
 }
 
@@ -491,7 +502,7 @@ impl SimdLane for Avx512 {
     }
 
     #[inline(always)]
-    fn store_transposed(
+    fn store_transposed<const ADD: bool>(
         source: &(impl Entries<Self> + ?Sized),
         count: usize,
         filled: usize,
@@ -507,13 +518,13 @@ impl SimdLane for Avx512 {
                 // SAFETY: each entry is eight doubles; `done + 4 <= count`, and each lane has room for `count`.
                 unsafe {
                     let row = target.as_mut_ptr().add(done);
-                    store_tile(a, b, c, d, row, stride);
-                    store_tile(a.add(4), b.add(4), c.add(4), d.add(4), row.add(4 * stride), stride);
+                    store_tile::<ADD>(a, b, c, d, row, stride);
+                    store_tile::<ADD>(a.add(4), b.add(4), c.add(4), d.add(4), row.add(4 * stride), stride);
                 }
                 done += 4;
             }
         }
-        store_entries(source, done..count, filled, target, stride);
+        store_entries::<ADD, _>(source, done..count, filled, target, stride);
     }
 }
 

@@ -18,7 +18,7 @@ use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
-use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
+use crate::linear_algebra::{BlockMatrix, LinearAlgebraError, free_motions};
 use crate::solve::SolverError;
 use crate::space::Space;
 
@@ -218,16 +218,30 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         for (number, space) in self.system.spaces.iter().enumerate() {
             if index < space.unknowns() {
                 let components = space.components();
+                let motions = self.free_motions(number, prescribed);
                 return SolverError::Undetermined {
                     field: self.system.unknown_name(number),
                     component: (components > 1).then_some(index % components),
                     position: space.positions()[index / components].to_vec(),
                     ratio,
+                    motions,
                 };
             }
             index -= space.unknowns();
         }
         error
+    }
+
+    /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.
+    fn free_motions(&self, number: usize, prescribed: &BTreeMap<usize, f64>) -> Vec<String> {
+        let (spaces, space) = (&self.system.spaces, &self.system.spaces[number]);
+        let Some(assembled) = self.assembled.as_ref().filter(|_| space.components() == D) else {
+            return vec![];
+        };
+        let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
+        let is_prescribed = |unknown| prescribed.contains_key(&unknown);
+        // What cannot be said is left out: the error is reported in any case.
+        free_motions(assembled.matrix(), offset, space.positions(), is_prescribed).unwrap_or_default()
     }
 
     fn fields(&self, u: &[f64]) -> [Field<D>; N] {

@@ -3,7 +3,7 @@
 //! `check` builds them, still with the three operators of differentiation ([`Operator::Gradient`],
 //! [`Operator::Partial`], [`Operator::Gateaux`]); `differentiate` removes those.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use crate::diagnostics::Place;
 use crate::parse::syntax::Comparison;
@@ -343,6 +343,15 @@ impl Arena {
     pub fn push(&mut self, operator: Operator, shape: Shape, place: Place) -> Tensor {
         self.nodes.push(Node { operator, shape, place });
         Tensor(self.nodes.len() as u32 - 1)
+    }
+
+    /// The nodes by which `diff(e, w)` differentiates.
+    pub fn varied_nodes(&self) -> HashSet<Tensor> {
+        let variable = |node: &Node| match node.operator {
+            Operator::Partial(_, Variable::Node(varied)) => Some(varied),
+            _ => None,
+        };
+        self.nodes.iter().filter_map(variable).collect()
     }
 
     pub fn node(&self, tensor: Tensor) -> &Node {

@@ -10,7 +10,6 @@ use forms_core::source::PositionFunction;
 use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Values;
-use crate::assemble::sizes::Sizes;
 use crate::history::{HistoryMismatch, Snapshot};
 use crate::lanes::{SimdLane, Starts, WIDEST};
 
@@ -77,7 +76,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
 
     /// All fields at the q-th point.
     #[inline(always)]
-    pub(super) fn evaluate_fields<S: Sizes>(
+    pub(super) fn evaluate_fields(
         &mut self,
         requirements: &Requirements,
         q: usize,
@@ -100,14 +99,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     }
                 }
                 Values::Discrete { element, .. } | Values::Given { element, .. } => {
-                    // The first element is that of the arguments, which has the fixed size.
-                    if *element == 0 {
-                        let nodes = S::nodes(self.buffers.sides[side_index(slot.side)].basis[0].len());
-                        self.interpolate(&slot, index, 0, nodes);
-                    } else {
-                        let nodes = self.buffers.sides[side_index(slot.side)].basis[*element].len();
-                        self.interpolate(&slot, index, *element, nodes);
-                    }
+                    let nodes = self.buffers.sides[side_index(slot.side)].basis[*element].len();
+                    self.interpolate(&slot, index, *element, nodes);
                 }
                 Values::History(history) => {
                     let lanes = self.history(&slot, history, q)?;

@@ -6,7 +6,6 @@
 use forms_core::contract::{Basis, Hessian, Lane};
 
 use super::super::binding::Tabulated;
-use super::super::sizes::Sizes;
 use super::super::walk::GroupSide;
 use super::{Cells, Reads};
 use crate::element::Tables;
@@ -76,7 +75,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
     }
 
     #[inline(always)]
-    pub fn load<S: Sizes>(&mut self, tables: &SideTables<D>, cells: Cells<D>, start: usize, filled: usize) {
+    pub fn load(&mut self, tables: &SideTables<D>, cells: Cells<D>, start: usize, filled: usize) {
         let mut places = [0; WIDEST];
         match cells {
             Cells::Mesh(mesh) => {
@@ -87,7 +86,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                     lists[lane] = mesh.cell(self.cells[lane] as usize);
                 }
                 let coordinates = mesh.nodes().as_flattened();
-                let count = S::geometry_nodes(self.nodes.len());
+                let count = self.nodes.len();
                 for (node, target) in self.nodes[..count].iter_mut().enumerate() {
                     for lane in 0..L::WIDTH {
                         places[lane] = lists[lane][node] as usize * D;
@@ -97,7 +96,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
             }
             Cells::Given { coordinates, stride, offsets, .. } => {
                 let starts = Starts::new(start, filled, stride);
-                let count = S::geometry_nodes(self.nodes.len());
+                let count = self.nodes.len();
                 let (nodes, offsets) = (&mut self.nodes[..count], &offsets[..count]);
                 for node in 0..count {
                     nodes[node] = L::gather_from(coordinates, &starts, offsets[node]);
@@ -108,31 +107,19 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
 
     /// Jacobian, determinant and inverse of affine cells.
     #[inline(always)]
-    pub fn map_affinely<S: Sizes>(&mut self, tables: &SideTables<D>) {
-        self.jacobian = self.jacobian_at::<S>(&tables.group.geometry, 0);
+    pub fn map_affinely(&mut self, tables: &SideTables<D>) {
+        self.jacobian = self.jacobian_at(&tables.group.geometry, 0);
         (self.determinant, self.inverse) = inverse_transposed(&self.jacobian);
     }
 
     /// h: the largest distance between two vertices.
     #[inline(always)]
     pub fn diameter(&self, tables: &SideTables<D>) -> L {
-        let mut largest = L::splat(0.0);
-        let vertices = tables.group.vertices;
-        for first in 0..vertices {
-            for second in first + 1..vertices {
-                let mut square = L::splat(0.0);
-                for axis in 0..D {
-                    let edge = self.nodes[second][axis] - self.nodes[first][axis];
-                    square = edge.multiply_add(edge, square);
-                }
-                largest = largest.maximum(square);
-            }
-        }
-        largest.sqrt()
+        largest_distance(&self.nodes[..tables.group.vertices])
     }
 
     #[inline(always)]
-    pub fn volume<S: Sizes>(&self, tables: &SideTables<D>) -> L {
+    pub fn volume(&self, tables: &SideTables<D>) -> L {
         let measure = &tables.group.measure;
         if tables.affine {
             let mut sum = 0.0;
@@ -143,7 +130,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
         }
         let mut volume = L::splat(0.0);
         for q in 0..measure.cell_weights.len() {
-            let (determinant, _) = inverse_transposed(&self.jacobian_at::<S>(&measure.cell, q));
+            let (determinant, _) = inverse_transposed(&self.jacobian_at(&measure.cell, q));
             volume = determinant.multiply_add(L::splat(measure.cell_weights[q]), volume);
         }
         volume
@@ -151,9 +138,9 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
 
     /// ∂x_i/∂ξ_j at a point of a table of the geometry map.
     #[inline(always)]
-    pub fn jacobian_at<S: Sizes>(&self, tables: &Tables<D>, q: usize) -> [[L; D]; D] {
+    pub fn jacobian_at(&self, tables: &Tables<D>, q: usize) -> [[L; D]; D] {
         let mut jacobian = [[L::splat(0.0); D]; D];
-        let count = S::geometry_nodes(self.nodes.len());
+        let count = self.nodes.len();
         let (nodes, slopes) = (&self.nodes[..count], &tables.gradient[q * count..][..count]);
         for node in 0..count {
             for i in 0..D {
@@ -179,7 +166,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
 
     /// Values, and what is read of gradients and second derivatives, of all basis functions; `inverse` is J⁻ᵀ.
     #[inline(always)]
-    pub fn evaluate_basis<S: Sizes>(
+    pub fn evaluate_basis(
         &mut self,
         tables: &SideTables<D>,
         reads: &[Reads],
@@ -187,63 +174,51 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
         inverse: &[[L; D]; D],
         normal: &[L; D],
     ) {
-        // The arguments' element is the first one; it has the fixed size.
-        if !tables.group.elements.is_empty() {
-            let nodes = S::nodes(tables.group.elements[0].nodes);
-            self.evaluate_element(tables, reads, 0, nodes, q, inverse, normal);
-        }
-        for index in 1..tables.group.elements.len() {
-            let nodes = tables.group.elements[index].nodes;
-            self.evaluate_element(tables, reads, index, nodes, q, inverse, normal);
+        for index in 0..tables.group.elements.len() {
+            self.evaluate_element(tables, reads, index, q, inverse, normal);
         }
     }
 
     #[inline(always)]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a part of `evaluate_basis`, which has all of them at hand"
-    )]
     fn evaluate_element(
         &mut self,
         tables: &SideTables<D>,
         reads: &[Reads],
         index: usize,
-        nodes: usize,
         q: usize,
         inverse: &[[L; D]; D],
         normal: &[L; D],
     ) {
-        {
-            let table = &tables.group.elements[index];
-            let values = &table.value[q * nodes..][..nodes];
-            let slopes = &table.gradient[q * nodes..][..nodes];
-            let basis = &mut self.basis[index][..nodes];
-            if reads[index].value {
-                for node in 0..nodes {
-                    basis[node].value = L::splat(values[node]);
-                }
-            }
-            if !reads[index].gradient && !reads[index].hessian {
-                return;
-            }
+        let table = &tables.group.elements[index];
+        let nodes = table.nodes;
+        let values = &table.value[q * nodes..][..nodes];
+        let slopes = &table.gradient[q * nodes..][..nodes];
+        let basis = &mut self.basis[index][..nodes];
+        if reads[index].value {
             for node in 0..nodes {
-                let mut gradient = [L::splat(0.0); D];
-                for i in 0..D {
-                    gradient[i] = inverse[i][0] * L::splat(slopes[node][0]);
-                    for j in 1..D {
-                        gradient[i] = inverse[i][j].multiply_add(L::splat(slopes[node][j]), gradient[i]);
-                    }
+                basis[node].value = L::splat(values[node]);
+            }
+        }
+        if !reads[index].gradient && !reads[index].hessian {
+            return;
+        }
+        for node in 0..nodes {
+            let mut gradient = [L::splat(0.0); D];
+            for i in 0..D {
+                gradient[i] = inverse[i][0] * L::splat(slopes[node][0]);
+                for j in 1..D {
+                    gradient[i] = inverse[i][j].multiply_add(L::splat(slopes[node][j]), gradient[i]);
                 }
-                basis[node].gradient = gradient;
             }
-            if tables.elements[index].on_facets {
-                for node in 0..nodes {
-                    basis[node].gradient = tangential(&basis[node].gradient, normal);
-                }
+            basis[node].gradient = gradient;
+        }
+        if tables.elements[index].on_facets {
+            for node in 0..nodes {
+                basis[node].gradient = tangential(&basis[node].gradient, normal);
             }
-            if reads[index].hessian {
-                self.evaluate_hessians(tables, index, q, inverse);
-            }
+        }
+        if reads[index].hessian {
+            self.evaluate_hessians(tables, index, q, inverse);
         }
     }
 
@@ -332,6 +307,23 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
     }
 }
 
+/// The largest distance between two of some points.
+#[inline(always)]
+pub(in crate::assemble) fn largest_distance<L: Lane, const D: usize>(points: &[[L; D]]) -> L {
+    let mut largest = L::splat(0.0);
+    for first in 0..points.len() {
+        for second in first + 1..points.len() {
+            let mut square = L::splat(0.0);
+            for axis in 0..D {
+                let edge = points[second][axis] - points[first][axis];
+                square = edge.multiply_add(edge, square);
+            }
+            largest = largest.maximum(square);
+        }
+    }
+    largest.sqrt()
+}
+
 #[inline(always)]
 fn inner<L: Lane, const D: usize>(a: &[L; D], b: &[L; D]) -> L {
     let mut sum = L::splat(0.0);
@@ -369,7 +361,7 @@ fn image<L: Lane, const D: usize>(jacobian: &[[L; D]; D], tangent: &[f64; D]) ->
 
 /// Surface element and outward unit normal.
 #[inline(always)]
-pub(super) fn surface<L: Lane, const D: usize>(
+pub(in crate::assemble) fn surface<L: Lane, const D: usize>(
     jacobian: &[[L; D]; D],
     tangents: &[[f64; D]; 2],
 ) -> (L, [L; D]) {
@@ -398,7 +390,7 @@ pub(super) fn surface<L: Lane, const D: usize>(
 
 /// det J and J⁻ᵀ.
 #[inline(always)]
-pub(super) fn inverse_transposed<L: Lane, const D: usize>(a: &[[L; D]; D]) -> (L, [[L; D]; D]) {
+pub(in crate::assemble) fn inverse_transposed<L: Lane, const D: usize>(a: &[[L; D]; D]) -> (L, [[L; D]; D]) {
     let mut cofactors = [[L::splat(0.0); D]; D];
     if D == 2 {
         cofactors[0][0] = a[1][1];

@@ -3,7 +3,7 @@
 
 pub mod rules;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::check::regions::{check_existence, check_sides};
 use crate::check::{CheckedFunction, Content, Term};
@@ -40,7 +40,9 @@ pub struct ResidualPart {
 /// Carries out all derivatives of a function.
 pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: &mut Diagnostics) -> Derived {
     let CheckedFunction { function, dimension, arena, mut fields, content } = checked;
-    let mut lowering = Lowering { arena, dimension, known: HashMap::new(), exhausted: false, diagnostics };
+    let names = arena.varied_nodes();
+    let known = HashMap::new();
+    let mut lowering = Lowering { arena, dimension, known, names, exhausted: false, diagnostics };
     let unknowns: Vec<(usize, usize)> = fields
         .iter()
         .enumerate()
@@ -119,6 +121,8 @@ struct Lowering<'a> {
     arena: Arena,
     dimension: usize,
     known: HashMap<Tensor, Tensor>,
+    /// What `diff(e, w)` differentiates by.
+    names: HashSet<Tensor>,
     /// Too large to go on, which has been reported.
     exhausted: bool,
     diagnostics: &'a mut Diagnostics,
@@ -216,8 +220,19 @@ impl Lowering<'_> {
                 if changed { self.arena.push(operator, node.shape, place) } else { tensor }
             }
         };
+        let lowered = self.apart(tensor, lowered);
         self.known.insert(tensor, lowered);
         lowered
+    }
+
+    /// A derivative may be a node that stands elsewhere, too (`derivative(u, u, v)` is `v`). A name for it that is
+    /// differentiated by varies alone: it becomes a node of its own.
+    fn apart(&mut self, tensor: Tensor, lowered: Tensor) -> Tensor {
+        if lowered == tensor || !self.names.contains(&tensor) {
+            return lowered;
+        }
+        let node = self.arena.node(lowered).clone();
+        self.arena.push(node.operator, node.shape, node.place)
     }
 
     fn lower_variable(&mut self, variable: Variable) -> Variable {

@@ -23,6 +23,26 @@ fn what_jumps_is_neither_constant_nor_linear() {
     assert_eq!(form("heaviside(h - 1)")[0].dependence, "Constant");
 }
 
+/// A derivative may be a node that stands elsewhere as well: only what bears the name is varied.
+#[test]
+fn a_name_for_a_derivative_varies_alone() {
+    let text = "mod m { #[cells] struct Omega; struct Data { k: Param }
+        fn e(u: State<Scalar>, q: State<Scalar>) -> Scalar {
+            let w = derivative(u, u, q);
+            diff(w * u * k + q * u, w)
+        }
+        fn t(u: State<Vector>, q: State<Vector>) -> Tensor {
+            let w = derivative(u, u, q);
+            diff(dot(w, q) * w, w) + outer(u, u)
+        }
+        fn f(u: Unknown<Scalar>, q: State<Scalar>, v: Test<Scalar>) -> Form {
+            integral(Omega, { let w = derivative(u * u, u, q) / u; diff(w * w + q * w, w) } * v)
+        } }";
+    let source = Source::new(2, text);
+    let compared = compare(&source, 1).unwrap_or_else(|difference| panic!("{difference}")).compared;
+    assert!(compared > 10, "{compared} numbers compared");
+}
+
 #[test]
 fn the_forms_of_the_paper() {
     let text = flatten(

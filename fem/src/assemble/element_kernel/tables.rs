@@ -1,0 +1,166 @@
+//! What an element kernel prepares once: the groups of its integrals, with their tables.
+
+use std::sync::Arc;
+
+use forms_core::contract::{
+    BilinearKernel, BilinearVisitor, FieldDescription, Form, Integral, LinearKernel, LinearVisitor,
+    Requirements, Role,
+};
+
+use super::{ElementCells, ElementLayout};
+use crate::assemble::AssemblyError;
+use crate::assemble::batch::Cells;
+use crate::assemble::binding::{Binding, List, Tabulated, Values};
+use crate::assemble::fixed::{FixedTables, Listed};
+use crate::assemble::sizes::{Array, Sizes};
+use crate::assemble::walk::{Group, groups};
+use crate::lanes::Checked;
+use crate::mesh::Mesh;
+use crate::quadrature::Quadrature;
+
+/// What is prepared once.
+pub(super) struct ElementTables<const D: usize> {
+    /// The reference cell as a mesh.
+    pub reference: Arc<Mesh<D>>,
+    pub layout: ElementLayout,
+    /// Values and elements of the form's fields, if the caller lists all of them.
+    pub known: Option<(Vec<Values<'static, D>>, Vec<Tabulated>)>,
+    /// Per integral of the tangent, and of the residual: one group on cells, one per local facet.
+    pub tangent: Vec<Vec<Group<D>>>,
+    pub residual: Vec<Vec<Group<D>>>,
+    /// Orders of the entries of a matrix, of a symmetric one, and of a vector.
+    pub orders: [Vec<u32>; 3],
+    pub instructions: Checked,
+}
+
+impl<const D: usize> ElementTables<D> {
+    /// Values that the caller lists, by field; `None` of those that come with the form.
+    pub fn listed<F: Form<D>>(&self, form: &F, binding: &mut Binding<D>) -> Vec<Option<Values<'static, D>>> {
+        let value = |field: &FieldDescription| {
+            let listed = self.layout.fields.iter().find(|known| known.name == field.name);
+            let source = !matches!(field.role, Role::Unknown(_) | Role::Test(_) | Role::Direction(_));
+            match listed {
+                Some(listed) => {
+                    let element = Tabulated { element: listed.element, on_facets: false };
+                    let element = binding.tabulated(element);
+                    Some(Values::Given { element, offsets: listed.offsets.as_slice().into() })
+                }
+                None if source => None,
+                None => Some(Values::Absent),
+            }
+        };
+        form.fields().iter().map(value).collect()
+    }
+
+    pub fn bind<'a, F: Form<D>>(&'a self, form: &'a F) -> Result<Binding<'a, D>, AssemblyError> {
+        let inputs = form.inputs();
+        let mut binding = Binding::empty(form.name(), form.fields(), &inputs.regions, &self.reference);
+        if let Some((values, elements)) = &self.known {
+            (binding.values, binding.elements) = (List::Other(values), List::Other(elements));
+            return Ok(binding);
+        }
+        // The arguments' element is the first one.
+        binding.tabulated(Tabulated { element: self.layout.element, on_facets: false });
+        let mut values = Vec::with_capacity(form.fields().len());
+        let listed = self.listed(form, &mut binding);
+        for ((field, listed), source) in form.fields().iter().zip(listed).zip(&inputs.sources) {
+            values.push(match (listed, source) {
+                (Some(listed), _) => listed,
+                (None, Some(source)) => binding.resolve(field, source, &self.reference)?,
+                (None, None) => Values::Absent,
+            });
+        }
+        binding.values = List::Own(values);
+        Ok(binding)
+    }
+
+    /// The groups' tables as arrays, whose lengths must be the groups'.
+    pub fn fixed<S: Sizes, F: Form<D>>(
+        &self,
+        form: &F,
+        groups: &[Vec<Group<D>>],
+    ) -> Result<Vec<Vec<FixedTables<S, D>>>, AssemblyError> {
+        let unsuited = |what: String| AssemblyError::Layout { form: form.name(), what };
+        let Some((values, _)) = &self.known else {
+            let what = "with fixed sizes the caller lists the coefficients of every field";
+            return Err(unsuited(what.to_owned()));
+        };
+        let affine = self.reference.is_affine();
+        let tables = |group: &Group<D>| {
+            let side = &group.sides[0];
+            for (what, found, fixed) in [
+                ("nodes", side.elements[0].nodes, <S::Nodes<f64> as Array<f64>>::LENGTH),
+                ("points", group.points(), <S::Points<f64> as Array<f64>>::LENGTH),
+                ("geometry nodes", side.geometry.nodes, <S::GeometryNodes<f64> as Array<f64>>::LENGTH),
+            ] {
+                if found != fixed {
+                    return Err(unsuited(format!("there are {found} {what}, and {fixed} are fixed")));
+                }
+            }
+            Ok(FixedTables::new(group, values, affine))
+        };
+        groups.iter().map(|groups| groups.iter().map(tables).collect()).collect()
+    }
+
+    #[inline(always)]
+    pub fn listed_cells<'a>(&'a self, cells: &ElementCells<'a>) -> Listed<'a> {
+        Listed {
+            count: cells.count,
+            coordinates: cells.coordinates,
+            stride: self.layout.coordinate_stride,
+            offsets: &self.layout.coordinate_offsets,
+            coefficients: cells.coefficients,
+            coefficient_stride: self.layout.coefficient_stride,
+        }
+    }
+
+    pub fn cells<'a>(&'a self, cells: &ElementCells<'a>) -> Cells<'a, D> {
+        Cells::Given {
+            coordinates: cells.coordinates,
+            stride: self.layout.coordinate_stride,
+            offsets: &self.layout.coordinate_offsets,
+            coefficients: cells.coefficients,
+            coefficient_stride: self.layout.coefficient_stride,
+        }
+    }
+}
+
+/// Collects the groups of each integral.
+pub(super) struct Prepare<'a, F, const D: usize> {
+    pub tables: &'a ElementTables<D>,
+    pub form: &'a F,
+    pub quadrature: &'a Quadrature<D>,
+    pub found: Vec<Vec<Group<D>>>,
+}
+
+impl<F: Form<D>, const D: usize> Prepare<'_, F, D> {
+    fn add(&mut self, integral: &Integral, requirements: &Requirements) -> Result<(), AssemblyError> {
+        let binding = self.tables.bind(self.form)?;
+        let degree = self.tables.layout.element.degree;
+        let degrees: Vec<usize> = binding.degrees(&[]).into_iter().collect();
+        let degrees: Vec<usize> = (self.form.fields().iter().zip(degrees))
+            .map(|(field, found)| match field.role {
+                Role::Test(_) | Role::Unknown(_) => degree,
+                _ => found,
+            })
+            .collect();
+        self.found.push(groups(&binding, integral, self.quadrature, &degrees, requirements)?);
+        Ok(())
+    }
+}
+
+impl<F: Form<D>, const D: usize> BilinearVisitor<D> for Prepare<'_, F, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
+        self.add(integral, &K::REQUIREMENTS)
+    }
+}
+
+impl<F: Form<D>, const D: usize> LinearVisitor<D> for Prepare<'_, F, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
+        self.add(integral, &K::REQUIREMENTS)
+    }
+}

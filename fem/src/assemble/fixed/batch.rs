@@ -1,0 +1,386 @@
+//! Some cells, one per lane: geometry, basis functions and fields at their points, in arrays of known lengths.
+
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
+
+use forms_core::contract::{Basis, CellGeometry, FieldSlot, Order, PointGeometry, Requirements};
+
+use super::tables::{FieldTables, FixedTables, Listed};
+use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
+use crate::assemble::sizes::{Array, Sizes};
+use crate::assemble::walk::Group;
+use crate::element::Tables;
+use crate::lanes::{SimdLane, Starts};
+
+/// Memory of a batch, kept from one run to the next.
+pub(super) struct FieldBuffers<L> {
+    /// Coefficients per slot, node × component; only the first slot of a field has any.
+    coefficients: Vec<Vec<L>>,
+    pub fields: Vec<L>,
+}
+
+/// The cells at hand.
+pub(super) struct FixedBatch<'a, L: SimdLane, S: Sizes, const D: usize> {
+    group: &'a Group<D>,
+    tables: &'a FixedTables<S, D>,
+    nodes: S::GeometryNodes<[L; D]>,
+    /// Of affine cells.
+    affine: Place<L, D>,
+}
+
+/// The map at a point.
+#[derive(Clone, Copy)]
+pub(super) struct Place<L, const D: usize> {
+    /// Weight of the point without its quadrature weight.
+    measure: L,
+    pub determinant: L,
+    /// J⁻ᵀ.
+    pub inverse: [[L; D]; D],
+    normal: [L; D],
+}
+
+impl<L> Default for FieldBuffers<L> {
+    fn default() -> Self {
+        FieldBuffers { coefficients: vec![], fields: vec![] }
+    }
+}
+
+impl<L: SimdLane> FieldBuffers<L> {
+    /// Makes room for what a kernel reads.
+    #[inline(always)]
+    fn prepare<S: Sizes, const D: usize>(&mut self, requirements: &Requirements, tables: &FixedTables<S, D>) {
+        if self.coefficients.len() == requirements.fields.len()
+            && self.fields.len() == requirements.field_length
+        {
+            return;
+        }
+        self.fields.resize(requirements.field_length, L::splat(0.0));
+        self.coefficients.clear();
+        for slot in requirements.fields {
+            let nodes = tables.fields[slot.field].as_ref().map_or(0, |field| field.tables.nodes);
+            self.coefficients.push(vec![L::splat(0.0); nodes * slot.components]);
+        }
+    }
+}
+
+impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
+    /// Loads `filled` cells from `start` on.
+    #[inline(always)]
+    pub fn load(
+        requirements: &Requirements,
+        group: &'a Group<D>,
+        tables: &'a FixedTables<S, D>,
+        listed: &Listed,
+        start: usize,
+        filled: usize,
+        buffers: &mut FieldBuffers<L>,
+    ) -> Self {
+        let zero = L::splat(0.0);
+        buffers.prepare(requirements, tables);
+        let mut nodes = S::GeometryNodes::filled([zero; D]);
+        let count = nodes.entries().len();
+        let (offsets, starts) = (&listed.offsets[..count], Starts::new(start, filled, listed.stride));
+        for node in 0..count {
+            nodes.entries_mut()[node] = L::gather_from(listed.coordinates, &starts, offsets[node]);
+        }
+        if !requirements.fields.is_empty() {
+            let starts = Starts::new(start, filled, listed.coefficient_stride);
+            for index in 0..requirements.fields.len() {
+                let slot = &requirements.fields[index];
+                let Some(field) = &tables.fields[slot.field] else { continue };
+                if first_slot(requirements, index) == index {
+                    let target = &mut buffers.coefficients[index];
+                    gather_field(listed.coefficients, &starts, &field.offsets, slot.components, target);
+                }
+            }
+        }
+        let none = Place { measure: zero, determinant: zero, inverse: [[zero; D]; D], normal: [zero; D] };
+        let mut batch = FixedBatch { group, tables, nodes, affine: none };
+        if tables.affine {
+            batch.affine = batch.place_of(&batch.jacobian(tables.geometry.slopes.entries()[0].entries()));
+        }
+        batch
+    }
+
+    /// The map at the q-th point.
+    #[inline(always)]
+    pub fn place(&self, q: usize) -> Place<L, D> {
+        if self.tables.affine {
+            self.affine
+        } else {
+            self.place_of(&self.jacobian(self.tables.geometry.slopes.entries()[q].entries()))
+        }
+    }
+
+    #[inline(always)]
+    fn place_of(&self, jacobian: &[[L; D]; D]) -> Place<L, D> {
+        let (determinant, inverse) = inverse_transposed(jacobian);
+        let (measure, normal) = match &self.group.sides[0].facet {
+            None => (determinant, [L::splat(0.0); D]),
+            Some((_, tangents)) => surface(jacobian, tangents),
+        };
+        Place { measure, determinant, inverse, normal }
+    }
+
+    /// ∂x_i/∂ξ_j.
+    #[inline(always)]
+    fn jacobian(&self, slopes: &[[f64; D]]) -> [[L; D]; D] {
+        let mut jacobian = [[L::splat(0.0); D]; D];
+        let nodes = self.nodes.entries();
+        let slopes = &slopes[..nodes.len()];
+        for node in 0..nodes.len() {
+            for i in 0..D {
+                for j in 0..D {
+                    jacobian[i][j] = nodes[node][i].multiply_add(L::splat(slopes[node][j]), jacobian[i][j]);
+                }
+            }
+        }
+        jacobian
+    }
+
+    /// What is constant on the cells.
+    #[inline(always)]
+    pub fn cell_geometry(&self, requirements: &Requirements) -> CellGeometry<L> {
+        let zero = L::splat(0.0);
+        let mut geometry = CellGeometry {
+            diameter: zero,
+            cell_volume: zero,
+            facet_area: zero,
+            opposite_diameter: zero,
+            opposite_volume: zero,
+        };
+        let side = &self.group.sides[0];
+        if requirements.diameter {
+            geometry.diameter = largest_distance(&self.nodes.entries()[..side.vertices]);
+        }
+        if requirements.cell_volume {
+            let measure = &side.measure;
+            geometry.cell_volume = if self.tables.affine {
+                self.affine.determinant * L::splat(total(&measure.cell_weights))
+            } else {
+                let mut volume = zero;
+                for q in 0..measure.cell_weights.len() {
+                    let (determinant, _) = inverse_transposed(&self.jacobian(row(&measure.cell, q)));
+                    volume = determinant.multiply_add(L::splat(measure.cell_weights[q]), volume);
+                }
+                volume
+            };
+        }
+        if requirements.facet_area
+            && let (Some((map, weights)), Some((_, tangents))) = (&side.measure.facet, &side.facet)
+        {
+            geometry.facet_area = if self.tables.affine {
+                self.affine.measure * L::splat(total(weights))
+            } else {
+                let mut area = zero;
+                for q in 0..weights.len() {
+                    let (element, _) = surface(&self.jacobian(row(map, q)), tangents);
+                    area = element.multiply_add(L::splat(weights[q]), area);
+                }
+                area
+            };
+        }
+        geometry
+    }
+
+    /// The q-th point, and the fields there.
+    #[inline(always)]
+    pub fn point(
+        &self,
+        requirements: &Requirements,
+        q: usize,
+        place: &Place<L, D>,
+        buffers: &mut FieldBuffers<L>,
+    ) -> PointGeometry<L, D> {
+        let zero = L::splat(0.0);
+        let mut position = [zero; D];
+        if requirements.position {
+            let (nodes, values) = (self.nodes.entries(), &self.tables.geometry.values.entries()[q]);
+            for node in 0..nodes.len() {
+                for axis in 0..D {
+                    position[axis] =
+                        nodes[node][axis].multiply_add(L::splat(values.entries()[node]), position[axis]);
+                }
+            }
+        }
+        for index in 0..requirements.fields.len() {
+            let slot = &requirements.fields[index];
+            let Some(field) = &self.tables.fields[slot.field] else { continue };
+            let FieldBuffers { coefficients, fields } = &mut *buffers;
+            let coefficients = &coefficients[first_slot(requirements, index)][..];
+            let target = &mut fields[slot.offset..];
+            match slot.components {
+                1 => self.interpolate::<1>(slot, field, q, place, coefficients, target),
+                2 => self.interpolate::<2>(slot, field, q, place, coefficients, target),
+                _ => self.interpolate::<3>(slot, field, q, place, coefficients, target),
+            }
+        }
+        PointGeometry {
+            weight: place.measure * L::splat(self.tables.weights.entries()[q]),
+            position,
+            normal: place.normal,
+            curvature: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn interpolate<const C: usize>(
+        &self,
+        slot: &FieldSlot,
+        field: &FieldTables<D>,
+        q: usize,
+        place: &Place<L, D>,
+        coefficients: &[L],
+        target: &mut [L],
+    ) {
+        let arguments = &self.tables.arguments;
+        match (slot.order, field.as_arguments) {
+            (Order::Value, true) => {
+                value::<L, C>(arguments.values.entries()[q].entries(), coefficients, target)
+            }
+            (Order::Value, false) => {
+                let nodes = field.tables.nodes;
+                value::<L, C>(&field.tables.value[q * nodes..][..nodes], coefficients, target);
+            }
+            (_, true) => gradient::<L, C, D>(
+                arguments.slopes.entries()[q].entries(),
+                &place.inverse,
+                coefficients,
+                target,
+            ),
+            (_, false) => {
+                gradient::<L, C, D>(row(&field.tables, q), &place.inverse, coefficients, target);
+            }
+        }
+    }
+
+    /// Values and gradients of the test functions at the q-th point.
+    #[inline(always)]
+    pub fn evaluate_basis(
+        &self,
+        requirements: &Requirements,
+        q: usize,
+        place: &Place<L, D>,
+        basis: &mut S::Nodes<Basis<L, D>>,
+    ) {
+        let arguments = &self.tables.arguments;
+        let values = arguments.values.entries()[q].entries();
+        let slopes = arguments.slopes.entries()[q].entries();
+        let basis = basis.entries_mut();
+        let (values, slopes) = (&values[..basis.len()], &slopes[..basis.len()]);
+        for node in 0..basis.len() {
+            if requirements.basis_value {
+                basis[node].value = L::splat(values[node]);
+            }
+            if requirements.basis_gradient {
+                basis[node].gradient = transformed(&place.inverse, &slopes[node]);
+            }
+        }
+    }
+}
+
+/// J⁻ᵀ ∇φ.
+#[inline(always)]
+fn transformed<L: SimdLane, const D: usize>(inverse: &[[L; D]; D], slope: &[f64; D]) -> [L; D] {
+    let mut gradient = [L::splat(0.0); D];
+    for i in 0..D {
+        gradient[i] = inverse[i][0] * L::splat(slope[0]);
+        for j in 1..D {
+            gradient[i] = inverse[i][j].multiply_add(L::splat(slope[j]), gradient[i]);
+        }
+    }
+    gradient
+}
+
+/// Σ over nodes of coefficient × basis function.
+#[inline(always)]
+fn value<L: SimdLane, const C: usize>(values: &[f64], coefficients: &[L], target: &mut [L]) {
+    let coefficients = &coefficients[..values.len() * C];
+    let mut sums = [L::splat(0.0); C];
+    for node in 0..values.len() {
+        for component in 0..C {
+            sums[component] =
+                coefficients[node * C + component].multiply_add(L::splat(values[node]), sums[component]);
+        }
+    }
+    let target = &mut target[..C];
+    for component in 0..C {
+        target[component] = sums[component];
+    }
+}
+
+/// The gradient in reference coordinates, then in physical ones.
+#[inline(always)]
+fn gradient<L: SimdLane, const C: usize, const D: usize>(
+    slopes: &[[f64; D]],
+    inverse: &[[L; D]; D],
+    coefficients: &[L],
+    target: &mut [L],
+) {
+    let coefficients = &coefficients[..slopes.len() * C];
+    let mut sums = [[L::splat(0.0); D]; C];
+    for node in 0..slopes.len() {
+        for component in 0..C {
+            for j in 0..D {
+                sums[component][j] = coefficients[node * C + component]
+                    .multiply_add(L::splat(slopes[node][j]), sums[component][j]);
+            }
+        }
+    }
+    let target = &mut target[..C * D];
+    for component in 0..C {
+        for i in 0..D {
+            let mut sum = inverse[i][0] * sums[component][0];
+            for j in 1..D {
+                sum = inverse[i][j].multiply_add(sums[component][j], sum);
+            }
+            target[component * D + i] = sum;
+        }
+    }
+}
+
+/// The first slot that reads the field of a slot: coefficients are loaded once.
+#[inline(always)]
+fn first_slot(requirements: &Requirements, index: usize) -> usize {
+    let mut first = 0;
+    while requirements.fields[first].field != requirements.fields[index].field {
+        first += 1;
+    }
+    first
+}
+
+#[inline(always)]
+fn gather_field<L: SimdLane>(
+    values: &[f64],
+    starts: &Starts,
+    offsets: &[usize],
+    components: usize,
+    target: &mut [L],
+) {
+    let target = &mut target[..offsets.len() * components];
+    for node in 0..offsets.len() {
+        let target = &mut target[node * components..][..components];
+        match target {
+            [a] => [*a] = L::gather_from(values, starts, offsets[node]),
+            [a, b] => [*a, *b] = L::gather_from(values, starts, offsets[node]),
+            [a, b, c] => [*a, *b, *c] = L::gather_from(values, starts, offsets[node]),
+            _ => {}
+        }
+    }
+}
+
+/// Slopes at the q-th point of a table.
+#[inline(always)]
+fn row<const D: usize>(tables: &Tables<D>, q: usize) -> &[[f64; D]] {
+    &tables.gradient[q * tables.nodes..][..tables.nodes]
+}
+
+#[inline(always)]
+fn total(weights: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for weight in weights {
+        sum += *weight;
+    }
+    sum
+}

@@ -1,0 +1,126 @@
+//! What is known of a group before any cell: basis functions at the points, as arrays.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Order, Requirements, Side};
+
+use crate::assemble::binding::Values;
+use crate::assemble::sizes::{Array, Sizes};
+use crate::assemble::walk::Group;
+use crate::element::Tables;
+
+/// Components of a field, at most.
+pub(super) const MOST_COMPONENTS: usize = 3;
+
+/// Whether a kernel reads only what the loops of fixed lengths give.
+pub(in crate::assemble) const fn fits(requirements: &Requirements) -> bool {
+    if requirements.hessian
+        || requirements.curvature
+        || requirements.opposite_diameter
+        || requirements.opposite_volume
+    {
+        return false;
+    }
+    let mut k = 0;
+    while k < requirements.fields.len() {
+        let slot = &requirements.fields[k];
+        if matches!(slot.side, Side::Other)
+            || matches!(slot.order, Order::Hessian)
+            || slot.components > MOST_COMPONENTS
+        {
+            return false;
+        }
+        k += 1;
+    }
+    true
+}
+
+/// Values and derivatives of a basis at the points of a rule.
+#[derive(Clone, Copy)]
+pub(super) struct BasisTables<V, G> {
+    pub values: V,
+    pub slopes: G,
+}
+
+/// The basis of the test (and trial) functions.
+pub(super) type ArgumentTables<S, const D: usize> = BasisTables<
+    <S as Sizes>::Points<<S as Sizes>::Nodes<f64>>,
+    <S as Sizes>::Points<<S as Sizes>::Nodes<[f64; D]>>,
+>;
+
+/// The basis of the geometry map.
+pub(super) type GeometryTables<S, const D: usize> = BasisTables<
+    <S as Sizes>::Points<<S as Sizes>::GeometryNodes<f64>>,
+    <S as Sizes>::Points<<S as Sizes>::GeometryNodes<[f64; D]>>,
+>;
+
+/// A field whose coefficients the caller lists.
+pub(super) struct FieldTables<const D: usize> {
+    pub offsets: Arc<[usize]>,
+    /// Its element is that of the test function.
+    pub as_arguments: bool,
+    pub tables: Tables<D>,
+}
+
+/// A group's tables.
+pub(in crate::assemble) struct FixedTables<S: Sizes, const D: usize> {
+    pub(super) weights: S::Points<f64>,
+    pub(super) geometry: GeometryTables<S, D>,
+    pub(super) arguments: ArgumentTables<S, D>,
+    /// By the form's index; `None` where there are no coefficients.
+    pub(super) fields: Vec<Option<FieldTables<D>>>,
+    /// The map is affine: one Jacobian serves all points.
+    pub(super) affine: bool,
+}
+
+/// The lists that the caller hands over.
+#[derive(Clone, Copy)]
+pub(in crate::assemble) struct Listed<'a> {
+    pub count: usize,
+    pub coordinates: &'a [f64],
+    pub stride: usize,
+    pub offsets: &'a [usize],
+    pub coefficients: &'a [f64],
+    pub coefficient_stride: usize,
+}
+
+impl<S: Sizes, const D: usize> FixedTables<S, D> {
+    /// Copies a group's tables; their lengths are those of the arrays.
+    pub fn new(group: &Group<D>, values: &[Values<D>], affine: bool) -> Self {
+        let side = &group.sides[0];
+        let mut weights = S::Points::filled(0.0);
+        weights.entries_mut().copy_from_slice(&group.weights);
+        let fields = values.iter().map(|values| match values {
+            Values::Given { element, offsets } => Some(FieldTables {
+                offsets: offsets.clone(),
+                as_arguments: *element == 0,
+                tables: side.elements[*element].clone(),
+            }),
+            _ => None,
+        });
+        let (places, map) = (
+            rows::<S::Points<S::GeometryNodes<f64>>, _, _>(&side.geometry.value),
+            rows::<S::Points<S::GeometryNodes<[f64; D]>>, _, _>(&side.geometry.gradient),
+        );
+        let (values, slopes) = (
+            rows::<S::Points<S::Nodes<f64>>, _, _>(&side.elements[0].value),
+            rows::<S::Points<S::Nodes<[f64; D]>>, _, _>(&side.elements[0].gradient),
+        );
+        FixedTables {
+            weights,
+            geometry: BasisTables { values: places, slopes: map },
+            arguments: BasisTables { values, slopes },
+            fields: fields.collect(),
+            affine,
+        }
+    }
+}
+
+/// A list as rows of equal lengths.
+fn rows<A: Array<R>, R: Array<T>, T: Copy>(list: &[T]) -> A {
+    let mut rows = A::filled(R::filled(list[0]));
+    for (row, entries) in rows.entries_mut().iter_mut().zip(list.chunks_exact(R::LENGTH)) {
+        row.entries_mut().copy_from_slice(entries);
+    }
+    rows
+}

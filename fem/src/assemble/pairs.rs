@@ -1,0 +1,110 @@
+//! The innermost loops of element matrices: sums over points for pairs of basis functions, from their factors.
+
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
+
+use forms_core::contract::BilinearKernel;
+
+use crate::lanes::SimdLane;
+
+/// The sums over the points of a cell, pair by pair.
+pub(super) struct Pairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
+    pub kernel: &'a K,
+    pub cell: &'a K::Cell<L>,
+    /// Factors of node i at point q, at `i * points + q`.
+    pub tests: &'a [K::Test<L>],
+    pub trials: &'a [K::Trial<L>],
+    pub nodes: [usize; 2],
+    pub points: usize,
+    /// Only pairs i ≤ j are computed.
+    pub symmetric: bool,
+}
+
+impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
+    /// The blocks of all pairs (i, j), one after the other; of symmetric ones only i ≤ j.
+    #[inline(always)]
+    pub fn sum(&self, blocks: &mut [L]) {
+        // Each factor that is loaded serves several pairs, as many as there are registers for accumulators.
+        match size_of::<K::Accumulator<L>>() / size_of::<L>() {
+            0 | 1 => self.sweep::<4, 4>(blocks),
+            2..=4 => self.sweep::<1, 4>(blocks),
+            5..=9 => self.sweep::<2, 1>(blocks),
+            _ => self.sweep::<1, 1>(blocks),
+        }
+    }
+
+    /// All blocks, in tiles of ROWS × COLUMNS pairs.
+    #[inline(always)]
+    fn sweep<const ROWS: usize, const COLUMNS: usize>(&self, blocks: &mut [L]) {
+        let [rows, columns] = self.nodes;
+        let mut i = 0;
+        while i + ROWS <= rows {
+            let mut j = if self.symmetric { i } else { 0 };
+            while j + COLUMNS <= columns {
+                self.tile::<ROWS, COLUMNS>(i, j, blocks);
+                j += COLUMNS;
+            }
+            while COLUMNS > 1 && j < columns {
+                self.tile::<ROWS, 1>(i, j, blocks);
+                j += 1;
+            }
+            i += ROWS;
+        }
+        while ROWS > 1 && i < rows {
+            let mut j = if self.symmetric { i } else { 0 };
+            while j + COLUMNS <= columns {
+                self.tile::<1, COLUMNS>(i, j, blocks);
+                j += COLUMNS;
+            }
+            while COLUMNS > 1 && j < columns {
+                self.tile::<1, 1>(i, j, blocks);
+                j += 1;
+            }
+            i += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn tile<const ROWS: usize, const COLUMNS: usize>(&self, i: usize, j: usize, blocks: &mut [L]) {
+        let columns = self.nodes[1];
+        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+        let mut accumulators = [[K::zero::<L>(); COLUMNS]; ROWS];
+        let points = self.points;
+        let (mut tests, mut trials) = ([&self.tests[..0]; ROWS], [&self.trials[..0]; COLUMNS]);
+        for a in 0..ROWS {
+            tests[a] = &self.tests[(i + a) * points..][..points];
+        }
+        for b in 0..COLUMNS {
+            trials[b] = &self.trials[(j + b) * points..][..points];
+        }
+        for q in 0..points {
+            for a in 0..ROWS {
+                for b in 0..COLUMNS {
+                    K::pair(&mut accumulators[a][b], &tests[a][q], &trials[b][q]);
+                }
+            }
+        }
+        for a in 0..ROWS {
+            for b in 0..COLUMNS {
+                let (i, j) = (i + a, j + b);
+                // Below the diagonal a symmetric matrix is mirrored.
+                if self.symmetric && j < i {
+                    continue;
+                }
+                let before = if self.symmetric { i * columns - i * (i + 1) / 2 } else { i * columns };
+                let block = self.kernel.finish(self.cell, &accumulators[a][b]);
+                copy_block(block.as_ref(), &mut blocks[(before + j) * entries..][..entries]);
+            }
+        }
+    }
+}
+
+/// Copies a block. Copying slices as such would be a call.
+#[inline(always)]
+fn copy_block<L: Copy>(block: &[L], target: &mut [L]) {
+    let block = &block[..target.len()];
+    for entry in 0..target.len() {
+        target[entry] = block[entry];
+    }
+}

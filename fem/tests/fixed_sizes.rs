@@ -1,0 +1,173 @@
+//! Element kernels whose loops have fixed lengths against those that count: the same matrices and vectors.
+
+use forms_fem::assemble::{Counted, ElementCells, ElementKernel, ElementLayout, FieldLayout, Fixed, Sizes};
+use forms_fem::element::{CellShape, Lagrange};
+use forms_fem::lanes::InstructionSet;
+use forms_fem::prelude::*;
+
+#[forms]
+mod on_cells_and_facets {
+    pub struct Data {
+        mu: Param,
+        lambda: Param,
+        gap: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct Gamma;
+
+    fn stress(w: Vector) -> Tensor {
+        2 * mu * eps(w) + lambda * div(w) * I
+    }
+    pub fn diffusion(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (1 + gap * gap) * dot(grad(u), grad(v)) + h * u * v - dot(x, x) * v)
+    }
+    pub fn elasticity(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(stress(u), eps(v)) - gap * div(v))
+    }
+    pub fn contact(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let gamma = mu * facet_area / cell_volume;
+        let pressure = dot(n, stress(u) * n) - gamma * (dot(u, n) - gap);
+        integral(Gamma, lambda * dot(u, v) + neg_part(pressure) * (dot(n, stress(v) * n) - gamma * dot(v, n)))
+    }
+}
+use on_cells_and_facets::*;
+
+/// Numbers in [−1, 1] that are the same each time.
+fn noise(count: usize) -> Vec<f64> {
+    let mut state = 7_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    (0..count).map(|_| next()).collect()
+}
+
+const CELLS: usize = 11;
+
+/// Matrices and vectors of some distorted cells, one row of numbers each.
+fn results<F: Form<D>, S: Sizes, const D: usize>(
+    form: F,
+    components: usize,
+    [shape_degree, degree]: [usize; 2],
+    shape: CellShape,
+    facet: usize,
+    set: InstructionSet,
+) -> [Vec<f64>; 2] {
+    let element = |degree| Lagrange::new(shape, degree).expect("it is known");
+    let (geometry, own, linear) = (element(shape_degree), element(degree), element(1));
+    let offsets = |element: Lagrange, start: usize, stride: usize| -> Vec<usize> {
+        (0..element.nodes()).map(|node| start + node * stride).collect()
+    };
+    let width = own.nodes() * components;
+    let layout = ElementLayout {
+        geometry,
+        element: own,
+        coordinate_stride: geometry.nodes() * D,
+        coordinate_offsets: offsets(geometry, 0, D),
+        coefficient_stride: width + linear.nodes(),
+        fields: vec![
+            FieldLayout { name: "u".into(), element: own, offsets: offsets(own, 0, components) },
+            FieldLayout { name: "gap".into(), element: linear, offsets: offsets(linear, width, 1) },
+        ],
+        rows: (0..width).collect(),
+    };
+    let reference = geometry.node_points::<D>();
+    let mut coordinates = noise(CELLS * reference.len() * D);
+    for (k, coordinate) in coordinates.iter_mut().enumerate() {
+        *coordinate = reference.as_flattened()[k % (reference.len() * D)] + 0.05 * *coordinate;
+    }
+    let coefficients: Vec<f64> =
+        noise(CELLS * (width + linear.nodes())).iter().map(|value| 0.1 * value).collect();
+    let cells = ElementCells { count: CELLS, coordinates: &coordinates, coefficients: &coefficients, facet };
+    let quadrature = Quadrature::Degree(2);
+    let kernel = ElementKernel::<F, S, D>::with_sizes(form, layout, &quadrature);
+    let mut kernel = kernel.expect("it fits").with_instructions(set);
+    let size = kernel.size();
+    let mut matrices = vec![f64::NAN; CELLS * size * size];
+    let mut vectors = vec![f64::NAN; CELLS * size];
+    // Twice: the second time, memory is there.
+    for _ in 0..2 {
+        kernel.matrices(&cells, &mut matrices).expect("matrices");
+        kernel.vectors(&cells, &mut vectors).expect("vectors");
+    }
+    [matrices, vectors]
+}
+
+fn agree(found: &[Vec<f64>; 2], expected: &[Vec<f64>; 2], what: &str) {
+    for (found, expected) in found.iter().zip(expected) {
+        let largest = expected.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        assert!(largest > 1e-3 && largest.is_finite(), "{what}: {largest}");
+        for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+            assert!((found - expected).abs() <= 1e-13 * largest, "{what}, {k}: {found} is not {expected}");
+        }
+    }
+}
+
+/// Compares all forms on one element: `[nodes, points, geometry nodes]`, points on cells and on facets.
+macro_rules! compare {
+    ($name:ident, $shape:ident, $dimension:literal, geometry $geometry:literal, degree $degree:literal,
+     $nodes:literal, $points:literal, $facet_points:literal, $geometry_nodes:literal) => {
+        #[test]
+        fn $name() {
+            let degrees = [$geometry, $degree];
+            let data = || Data::<$dimension> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
+            type OnCells = Fixed<$nodes, $points, $geometry_nodes>;
+            type OnFacets = Fixed<$nodes, $facet_points, $geometry_nodes>;
+            for set in InstructionSet::available() {
+                let shape = CellShape::$shape;
+                let form = || diffusion::<$dimension>(&data(), &Omega::on("all"));
+                let fixed = results::<_, OnCells, $dimension>(form(), 1, degrees, shape, 0, set);
+                let counted = results::<_, Counted, $dimension>(form(), 1, degrees, shape, 0, set);
+                agree(&fixed, &counted, &format!("{set}, diffusion"));
+                let form = || elasticity::<$dimension>(&data(), &Omega::on("all"));
+                let fixed = results::<_, OnCells, $dimension>(form(), $dimension, degrees, shape, 0, set);
+                let counted = results::<_, Counted, $dimension>(form(), $dimension, degrees, shape, 0, set);
+                agree(&fixed, &counted, &format!("{set}, elasticity"));
+                for facet in 0..2 {
+                    let form = || contact::<$dimension>(&data(), &Gamma::on("boundary"));
+                    let fixed =
+                        results::<_, OnFacets, $dimension>(form(), $dimension, degrees, shape, facet, set);
+                    let counted =
+                        results::<_, Counted, $dimension>(form(), $dimension, degrees, shape, facet, set);
+                    agree(&fixed, &counted, &format!("{set}, contact, facet {facet}"));
+                }
+            }
+        }
+    };
+}
+
+compare!(linear_triangles, Triangle, 2, geometry 1, degree 1, 3, 3, 2, 3);
+compare!(quadratic_tetrahedra, Tetrahedron, 3, geometry 1, degree 2, 10, 4, 3, 4);
+compare!(curved_quadrilaterals, Quadrilateral, 2, geometry 2, degree 2, 9, 4, 2, 9);
+
+#[test]
+fn lengths_that_do_not_fit_are_named() {
+    let shape = CellShape::Triangle;
+    let element = Lagrange::new(shape, 1).expect("it is known");
+    let data = Data::<2> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
+    let layout = ElementLayout {
+        geometry: element,
+        element,
+        coordinate_stride: 6,
+        coordinate_offsets: vec![0, 2, 4],
+        coefficient_stride: 9,
+        fields: vec![
+            FieldLayout { name: "u".into(), element, offsets: vec![0, 2, 4] },
+            FieldLayout { name: "gap".into(), element, offsets: vec![6, 7, 8] },
+        ],
+        rows: (0..6).collect(),
+    };
+    let quadrature = Quadrature::Degree(2);
+    let form = || elasticity::<2>(&data, &Omega::on("all"));
+    type Wrong = Fixed<6, 3, 3>;
+    let error = ElementKernel::<_, Wrong, 2>::with_sizes(form(), layout.clone(), &quadrature).err();
+    let message = error.expect("a triangle has three nodes").to_string();
+    assert!(message.contains("there are 3 nodes, and 6 are fixed"), "{message}");
+    let unlisted = ElementLayout { fields: layout.fields[..1].to_vec(), ..layout };
+    type Right = Fixed<3, 3, 3>;
+    let error = ElementKernel::<_, Right, 2>::with_sizes(form(), unlisted, &quadrature).err();
+    let message = error.expect("the gap is not listed").to_string();
+    assert!(message.contains("every field"), "{message}");
+}
