@@ -109,6 +109,8 @@ pub struct Solver {
     pub factorisations: usize,
     pub indefinite_factorisations: usize,
     pub factor_entries: usize,
+    /// The way that the last system took: "condensed to the unknowns that change", "Cholesky", "GMRES with …".
+    pub path: Option<String>,
     /// Unknowns on the contact boundary to which Newton's steps were condensed; null where GMRES or one
     /// factor of the whole tangent was used.
     pub condensed_unknowns: Option<usize>,
@@ -233,6 +235,7 @@ impl Solver {
             factorisations: report.factorisations,
             indefinite_factorisations: report.indefinite_factorisations,
             factor_entries: report.factor_entries,
+            path: report.path.map(|path| path.to_string()),
             condensed_unknowns: report.condensed_unknowns,
             solves: report.solves,
             iterations: report.iterations.clone(),

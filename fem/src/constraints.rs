@@ -1,19 +1,31 @@
-//! Dirichlet conditions: which unknowns are prescribed, and their values.
+//! Constraints of a space: unknowns that are prescribed, and unknowns that are given by others.
 
-use std::collections::BTreeMap;
+mod equations;
+mod periodic;
+mod sliding;
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
+pub use equations::Relation;
 use forms_core::contract::FieldValue;
+pub use periodic::RigidMap;
 use thiserror::Error;
 
 use crate::mesh::MeshError;
 use crate::space::{Family, Space};
 
-/// Prescribed unknowns of a space. Solvers eliminate them: their rows and columns do not enter the system.
+/// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding, periodic conditions).
+/// Solvers eliminate both: u = C y + d with the free unknowns y; residuals become Cᵀ R, tangents Cᵀ K C.
 #[derive(Clone, Debug)]
 pub struct Constraints<const D: usize> {
     space: Arc<Space<D>>,
     prescribed: BTreeMap<usize, f64>,
+    relations: BTreeMap<usize, Relation>,
+    // The conditions that prescribed unknowns come from.
+    origins: BTreeMap<usize, Arc<str>>,
+    // The relations that use a free unknown.
+    users: HashMap<usize, BTreeSet<usize>>,
 }
 
 /// Why a condition is refused. The constraints stay as they were.
@@ -94,6 +106,47 @@ pub enum ConstraintsError {
         /// The earlier value.
         earlier: f64,
     },
+    /// Together with earlier conditions it has no solution.
+    #[error("{place} contradicts {earlier} at node {node}, {position:?}: they differ by {difference}")]
+    Contradiction {
+        /// The regions or node.
+        place: String,
+        /// The earlier condition.
+        earlier: String,
+        /// The node.
+        node: usize,
+        /// Its position.
+        position: Vec<f64>,
+        /// What the earlier conditions leave of the right-hand side.
+        difference: f64,
+    },
+    /// A direction without a length.
+    #[error("{place}: the normal at {position:?} is {normal:?}")]
+    Normal {
+        /// The region.
+        place: String,
+        /// Position of the node.
+        position: Vec<f64>,
+        /// The normal.
+        normal: Vec<f64>,
+    },
+    /// A periodic node whose image is no node.
+    #[error(
+        "node {node} of the region \"{region}\", at {position:?}, has no partner on \"{other}\"; the nearest is \
+         {distance:e} away from where it should be"
+    )]
+    NoPartner {
+        /// The node's region.
+        region: String,
+        /// The region searched.
+        other: String,
+        /// The node.
+        node: usize,
+        /// Its position.
+        position: Vec<f64>,
+        /// Distance between its image and the nearest node \[length\].
+        distance: f64,
+    },
 }
 
 // Two formulas for one value may differ by round-off, relative to the largest value prescribed.
@@ -102,7 +155,13 @@ const SAME: f64 = 1e-13;
 impl<const D: usize> Constraints<D> {
     /// No condition at all.
     pub fn new(space: &Arc<Space<D>>) -> Self {
-        Constraints { space: Arc::clone(space), prescribed: BTreeMap::new() }
+        Constraints {
+            space: Arc::clone(space),
+            prescribed: BTreeMap::new(),
+            relations: BTreeMap::new(),
+            origins: BTreeMap::new(),
+            users: HashMap::new(),
+        }
     }
 
     /// The space.
@@ -200,13 +259,19 @@ impl<const D: usize> Constraints<D> {
         self.prescribed.contains_key(&unknown)
     }
 
-    /// The other unknowns, ascending.
-    pub fn free(&self) -> Vec<usize> {
-        let mut prescribed = self.prescribed.keys().copied().peekable();
-        (0..self.space.unknowns()).filter(|unknown| prescribed.next_if_eq(unknown).is_none()).collect()
+    /// Unknowns that free ones give.
+    pub fn relations(&self) -> &BTreeMap<usize, Relation> {
+        &self.relations
     }
 
-    /// Writes the prescribed values into a vector of all unknowns.
+    /// The other unknowns, ascending.
+    pub fn free(&self) -> Vec<usize> {
+        let is_free =
+            |unknown: &usize| !self.prescribed.contains_key(unknown) && !self.relations.contains_key(unknown);
+        (0..self.space.unknowns()).filter(is_free).collect()
+    }
+
+    /// Writes the prescribed values into a vector of all unknowns, and then those that its free entries give.
     ///
     /// # Panics
     /// When the vector is shorter than the space has unknowns.
@@ -214,12 +279,18 @@ impl<const D: usize> Constraints<D> {
         for (&unknown, &value) in &self.prescribed {
             values[unknown] = value;
         }
+        for (&unknown, relation) in &self.relations {
+            values[unknown] =
+                relation.terms.iter().fold(relation.value, |sum, (free, a)| sum + a * values[*free]);
+        }
     }
 
     /// The same unknowns with zero values: for increments and adjoint states.
     pub fn homogeneous(&self) -> Self {
-        let prescribed = self.prescribed.keys().map(|&unknown| (unknown, 0.0)).collect();
-        Constraints { space: Arc::clone(&self.space), prescribed }
+        let mut same = self.clone();
+        same.prescribed.values_mut().for_each(|value| *value = 0.0);
+        same.relations.values_mut().for_each(|relation| relation.value = 0.0);
+        same
     }
 
     fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
@@ -258,8 +329,22 @@ impl<const D: usize> Constraints<D> {
                 return Err(ConstraintsError::Conflict { place, component, position, value, earlier });
             }
         }
+        let origin: Arc<str> = place.into();
+        let mut changed = if self.relations.is_empty() { None } else { Some(self.clone()) };
         for &(unknown, value) in entries {
-            self.prescribed.entry(unknown).or_insert(value);
+            match &mut changed {
+                Some(changed) if !self.prescribed.contains_key(&unknown) => {
+                    changed.add_equation(place, &[(unknown, 1.0)], value)?;
+                }
+                Some(_) => {}
+                None => {
+                    self.prescribed.entry(unknown).or_insert(value);
+                    self.origins.entry(unknown).or_insert_with(|| origin.clone());
+                }
+            }
+        }
+        if let Some(changed) = changed {
+            *self = changed;
         }
         Ok(())
     }

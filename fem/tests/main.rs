@@ -12,6 +12,7 @@ mod interior_facets;
 mod mixed;
 mod multipliers;
 mod only_what_changes;
+mod related_unknowns;
 mod second_derivatives;
 mod threads;
 

@@ -8,6 +8,7 @@ use super::binding::Binding;
 use super::{Assembler, AssemblyError, Parts};
 use crate::constraints::Constraints;
 use crate::field::{Field, FieldView, views};
+use crate::linear_algebra::{LinearOperator, OperatorError};
 use crate::space::Space;
 
 impl<const D: usize> Assembler<D> {
@@ -59,7 +60,8 @@ impl<const D: usize> Assembler<D> {
 /// those of the unknowns.
 ///
 /// With constraints it acts on the free unknowns, and as the identity on the prescribed ones: with zeros there in the
-/// right-hand side, the solution is the increment that keeps the prescribed values.
+/// right-hand side, the solution is the increment that keeps the prescribed values. Where free unknowns give others,
+/// u = C y, it is Cᵀ K C on the free ones, and the identity on those given.
 ///
 /// ```
 /// use forms_fem::linear_algebra::{GmresOptions, gmres};
@@ -105,13 +107,15 @@ pub struct TangentAction<'a, F, const D: usize> {
     parts: Parts,
     /// Positions of the prescribed unknowns, in a row over all spaces.
     prescribed: Vec<usize>,
+    /// Unknowns that free ones give, with these and their factors.
+    relations: Vec<(usize, Vec<(usize, f64)>)>,
 }
 
 impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
     /// The operator at the unknowns, in the order of the form's arguments.
     pub fn new(assembler: &'a Assembler<D>, form: &'a F, unknowns: &[&'a Field<D>]) -> Self {
         let unknowns = unknowns.to_vec();
-        TangentAction { assembler, form, unknowns, parts: Parts::ALL, prescribed: vec![] }
+        TangentAction { assembler, form, unknowns, parts: Parts::ALL, prescribed: vec![], relations: vec![] }
     }
 
     /// The same with some of the integrals only.
@@ -123,12 +127,17 @@ impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
     /// unknowns.
     pub fn with_constraints(self, constraints: &[&Constraints<D>]) -> Self {
         let mut prescribed = Vec::new();
+        let mut relations = Vec::new();
         let mut offset = 0;
         for (field, constraints) in self.unknowns.iter().zip(constraints) {
             prescribed.extend(constraints.prescribed().keys().map(|unknown| offset + unknown));
+            relations.extend(constraints.relations().iter().map(|(unknown, relation)| {
+                let terms = relation.terms.iter().map(|(free, factor)| (offset + free, *factor));
+                (offset + unknown, terms.collect::<Vec<_>>())
+            }));
             offset += field.space().unknowns();
         }
-        TangentAction { prescribed, ..self }
+        TangentAction { prescribed, relations, ..self }
     }
 
     /// Number of rows, and of columns.
@@ -151,6 +160,9 @@ impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
         for &unknown in &self.prescribed {
             free[unknown] = 0.0;
         }
+        for (unknown, terms) in &self.relations {
+            free[*unknown] = terms.iter().map(|(index, factor)| factor * free[*index]).sum();
+        }
         let mut rest = &free[..];
         let mut directions = Vec::with_capacity(self.unknowns.len());
         for field in &self.unknowns {
@@ -162,9 +174,23 @@ impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
         let unknowns = views(&self.unknowns);
         let found = self.assembler.action_on(self.form, &unknowns, &directions, &tests, self.parts)?;
         product.copy_from_slice(&found);
+        for (unknown, terms) in &self.relations {
+            terms.iter().for_each(|(index, factor)| product[*index] += factor * found[*unknown]);
+            product[*unknown] = direction[*unknown];
+        }
         for &unknown in &self.prescribed {
             product[unknown] = direction[unknown];
         }
         Ok(())
+    }
+}
+
+impl<F: Form<D>, const D: usize> LinearOperator for TangentAction<'_, F, D> {
+    fn size(&self) -> usize {
+        TangentAction::size(self)
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
+        Ok(TangentAction::apply(self, x, y)?)
     }
 }

@@ -60,7 +60,7 @@ pub fn spectrum(
 }
 
 /// Numbers between −1 and 1 without a pattern, the same in every run.
-fn irregular(size: usize) -> impl Iterator<Item = f64> {
+pub(super) fn irregular(size: usize) -> impl Iterator<Item = f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     (0..size).map(move |_| {
         state ^= state << 13;

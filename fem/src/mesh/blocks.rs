@@ -26,7 +26,7 @@ pub(super) struct Blocks<K, const D: usize> {
 
 impl<K: Eq + Hash, const D: usize> Blocks<K, D> {
     pub(super) fn new(shape: CellShape, degree: usize) -> Result<Self, MeshError> {
-        let element = Lagrange::new(shape, degree)?;
+        let element = Lagrange::geometry(shape, degree)?;
         let whole = |point: [f64; D]| point.map(|x| (degree as f64 * x).round() as usize);
         let steps = element.node_points::<D>().into_iter().map(whole).collect();
         Ok(Blocks { element, steps, numbers: HashMap::new(), nodes: vec![], surfaces: vec![], cells: vec![] })

@@ -17,7 +17,8 @@ use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::Solve;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use super::tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};
+use super::solver_report::{SolverPath, SolverReport};
+use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::partial_solves::lower_times_transposed;
 use crate::linear_algebra::vector::{largest, norm};
 use crate::linear_algebra::{
@@ -125,6 +126,12 @@ impl CondensedSolver {
             solve_seconds: own.solve_seconds + other.solve_seconds,
             largest_residual: own.largest_residual.max(other.largest_residual),
             factor_entries: own.factor_entries.max(other.factor_entries),
+            orderings: if own.orderings.is_empty() { &other.orderings } else { &own.orderings }.clone(),
+            condition: other.condition,
+            path: match self.current {
+                Some(Current::Fallback) => other.path,
+                _ => own.path,
+            },
             condensed_unknowns: own.condensed_unknowns,
         }
     }
@@ -271,6 +278,7 @@ impl CondensedSolver {
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         if relative_residual <= ACCEPTED {
             self.report.solves += 1;
+            self.report.path = Some(SolverPath::Condensed);
             self.report.iterations.push(0);
             self.report.largest_residual = self.report.largest_residual.max(relative_residual);
             return Ok(LinearSolution { solution: x, relative_residual, iterations: 0 });

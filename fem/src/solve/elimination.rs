@@ -1,18 +1,20 @@
-//! Elimination of prescribed unknowns, and linear problems with them.
+//! Elimination of unknowns that are prescribed or given by others, and linear problems with them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use crate::constraints::Relation;
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
 
-/// The free unknowns of a problem whose other unknowns are prescribed, and the passage between full and
-/// reduced vectors and matrices. The map between matrices is computed at the first one.
+/// The free unknowns y of a problem whose other unknowns are prescribed or given by free ones, u = C y + d, and the
+/// passage between full and reduced vectors and matrices: Cᵀ r and Cᵀ K C. The map between matrices is computed at the first one.
 #[derive(Debug)]
 pub struct Elimination {
     size: usize,
     prescribed: BTreeMap<usize, f64>,
+    relations: BTreeMap<usize, Relation>,
     free: Vec<usize>,
     restriction: Option<Restriction>,
 }
@@ -33,7 +35,37 @@ impl Elimination {
             }
         }
         let free = (0..size).filter(|unknown| !prescribed.contains_key(unknown)).collect();
-        Ok(Self { size, prescribed: prescribed.clone(), free, restriction: None })
+        Ok(Self { size, prescribed: prescribed.clone(), relations: BTreeMap::new(), free, restriction: None })
+    }
+
+    /// The same with unknowns that free ones give.
+    ///
+    /// # Errors
+    /// If a relation names an unknown outside of all, one that is not free, or a number that is not finite.
+    pub fn with_relations(
+        mut self,
+        relations: BTreeMap<usize, Relation>,
+    ) -> Result<Self, LinearAlgebraError> {
+        self.free.retain(|unknown| !relations.contains_key(unknown));
+        for (&unknown, relation) in &relations {
+            let numbers = relation.terms.iter().map(|(_, a)| a).chain([&relation.value]);
+            if let Some(&value) = numbers.into_iter().find(|value| !value.is_finite()) {
+                let what = "the relations between unknowns";
+                return Err(LinearAlgebraError::VectorNotFinite { what, index: unknown, value });
+            }
+            let wrong = relation.terms.iter().find(|(index, _)| self.free.binary_search(index).is_err());
+            if let Some(index) = wrong.map(|term| term.0).or((unknown >= self.size).then_some(unknown)) {
+                let what = "unknown of a relation";
+                return Err(LinearAlgebraError::IndexOutOfRange { what, index, size: self.size });
+            }
+        }
+        self.relations = relations;
+        Ok(self)
+    }
+
+    /// Whether reduced matrices are submatrices: no unknown is given by free ones.
+    pub fn only_prescribes(&self) -> bool {
+        self.relations.is_empty()
     }
 
     /// Number of all unknowns.
@@ -46,7 +78,7 @@ impl Elimination {
         &self.free
     }
 
-    /// Writes the prescribed values into a full vector.
+    /// Writes the prescribed values into a full vector, and those that its free entries give.
     ///
     /// # Errors
     /// If the size is wrong.
@@ -55,19 +87,30 @@ impl Elimination {
         for (&unknown, &value) in &self.prescribed {
             full[unknown] = value;
         }
+        for (&unknown, relation) in &self.relations {
+            full[unknown] =
+                relation.terms.iter().fold(relation.value, |sum, (free, a)| sum + a * full[*free]);
+        }
         Ok(())
     }
 
-    /// The free entries of a full vector.
+    /// Cᵀ times a full vector of residuals or loads: its free entries, with what others pass on to them.
     ///
     /// # Errors
     /// If the size is wrong.
     pub fn reduce(&self, full: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
         check_size("the vector of all unknowns", self.size, full.len())?;
-        Ok(self.free.iter().map(|&unknown| full[unknown]).collect())
+        if self.relations.is_empty() {
+            return Ok(self.free.iter().map(|&unknown| full[unknown]).collect());
+        }
+        let mut sums = full.to_vec();
+        for (&unknown, relation) in &self.relations {
+            relation.terms.iter().for_each(|(free, a)| sums[*free] += a * full[unknown]);
+        }
+        Ok(self.free.iter().map(|&unknown| sums[unknown]).collect())
     }
 
-    /// A full vector with the given free entries, and zero where unknowns are prescribed.
+    /// C times a vector of free unknowns: an increment, zero where unknowns are prescribed.
     ///
     /// # Errors
     /// If the size is wrong.
@@ -77,27 +120,59 @@ impl Elimination {
         for (&unknown, &value) in self.free.iter().zip(reduced) {
             full[unknown] = value;
         }
+        for (&unknown, relation) in &self.relations {
+            full[unknown] = relation.terms.iter().map(|(free, a)| a * full[*free]).sum();
+        }
         Ok(full)
     }
 
-    /// The free rows and columns of a full matrix.
+    /// Cᵀ K C of a full matrix K: its free rows and columns, and what relations add to them.
     ///
     /// # Errors
     /// If the matrix has the wrong size.
     pub fn reduce_matrix(&mut self, matrix: &BlockMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
-        self.restriction(matrix)?.apply(matrix)
+        if self.relations.is_empty() {
+            return self.restriction(matrix)?.apply(matrix);
+        }
+        check_size("the set of rows", self.size, matrix.rows())?;
+        check_size("the set of columns", self.size, matrix.columns())?;
+        // Of each unknown the free ones that it depends on, by their reduced numbers.
+        let mut places = vec![usize::MAX; self.size];
+        self.free.iter().enumerate().for_each(|(place, &unknown)| places[unknown] = place);
+        let terms = |unknown: usize| -> Vec<(usize, f64)> {
+            match self.relations.get(&unknown) {
+                Some(relation) => relation.terms.iter().map(|(free, a)| (places[*free], *a)).collect(),
+                None if places[unknown] == usize::MAX => vec![],
+                None => vec![(places[unknown], 1.0)],
+            }
+        };
+        let terms: Vec<Vec<(usize, f64)>> = (0..self.size).map(terms).collect();
+        let mut triplets = Vec::with_capacity(matrix.values().len());
+        for (row, given) in terms.iter().enumerate() {
+            for (column, value) in matrix.row(row).filter(|_| !given.is_empty()) {
+                for &(column, b) in &terms[column] {
+                    triplets.extend(given.iter().map(|&(row, a)| (row, column, a * value * b)));
+                }
+            }
+        }
+        CsrMatrix::from_triplets(self.free.len(), self.free.len(), &triplets)
     }
 
     /// The entries of the reduced matrix whose values stand at some places of the full one, as ranges of whole
     /// blocks. It takes a time proportional to their number, once a matrix of these positions has been reduced.
     ///
     /// # Errors
-    /// If the matrix has the wrong size.
+    /// If the matrix has the wrong size, or unknowns are given by free ones.
     pub fn reduce_places(
         &mut self,
         matrix: &BlockMatrix,
         places: &[Range<usize>],
     ) -> Result<Vec<Entry>, LinearAlgebraError> {
+        if !self.only_prescribes() {
+            return Err(LinearAlgebraError::PatternMismatch {
+                what: "taking entries out of related unknowns",
+            });
+        }
         self.restriction(matrix)?.apply_to_places(matrix, places)
     }
 
@@ -143,7 +218,7 @@ pub fn solve_linear_transposed(
     finish(matrix, rest, lifted, elimination, solver, |solver, rest| solver.solve_transposed(rest, 0.0))
 }
 
-/// The vector of prescribed values, zero on free unknowns.
+/// d: the prescribed and given values where free unknowns are zero.
 fn lift(elimination: &Elimination) -> Result<Vec<f64>, LinearAlgebraError> {
     let mut lifted = vec![0.0; elimination.size()];
     elimination.impose(&mut lifted)?;
@@ -170,6 +245,7 @@ fn finish(
     for (&unknown, &value) in elimination.free().iter().zip(&result.solution) {
         lifted[unknown] = value;
     }
+    elimination.impose(&mut lifted)?;
     result.solution = lifted;
     Ok(result)
 }

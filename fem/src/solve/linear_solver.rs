@@ -66,8 +66,9 @@ pub enum SolverError {
     /// The matrix is singular, and an unknown that it does not determine.
     #[error(
         "the matrix is singular: nothing determines {}`{field}` at {position:?} (a pivot is {ratio:e} of its scale); \
-         a boundary condition or a pinned value is missing, or the spaces do not fit each other",
-        of(component)
+         {}",
+        of(component),
+        because(motions)
     )]
     Undetermined {
         /// The unknown's name in the form.
@@ -78,6 +79,8 @@ pub enum SolverError {
         position: Vec<f64>,
         /// As in [`LinearAlgebraError::Singular`].
         ratio: f64,
+        /// The rigid motions that nothing resists, in words, where the unknown is a displacement.
+        motions: Vec<String>,
     },
     /// A solve was asked for before a matrix was set.
     #[error("no matrix was given to the linear solver")]
@@ -98,6 +101,30 @@ pub enum SolverError {
     },
 }
 
+impl SolverError {
+    /// Whether LU may succeed where this happened.
+    pub(super) fn is_for_lu(&self) -> bool {
+        matches!(
+            self,
+            SolverError::NotConverged(_)
+                | SolverError::LinearAlgebra(
+                    LinearAlgebraError::Singular { .. }
+                        | LinearAlgebraError::NotPositiveDefinite { .. }
+                        | LinearAlgebraError::Inaccurate { .. }
+                        | LinearAlgebraError::VectorNotFinite { what: "the solution", .. }
+                )
+        )
+    }
+}
+
 fn of(component: &Option<usize>) -> String {
     component.map(|component| format!("component {component} of ")).unwrap_or_default()
+}
+
+fn because(motions: &[String]) -> String {
+    if motions.is_empty() {
+        return "a boundary condition or a pinned value is missing, or the spaces do not fit each other"
+            .to_owned();
+    }
+    format!("the body can move rigidly: {}", motions.join(", "))
 }

@@ -12,13 +12,13 @@ use forms_core::contract::Form;
 use super::assembled_once::{Assembled, System};
 use super::{
     ActivePoints, Elimination, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep,
-    NonlinearProblem, Tangent, newton, solve_linear,
+    NonlinearProblem, Tangent, newton_eliminating, solve_linear,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
-use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
+use crate::linear_algebra::{BlockMatrix, LinearAlgebraError, free_motions};
 use crate::solve::SolverError;
 use crate::space::Space;
 
@@ -134,19 +134,24 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     ) -> Result<MixedSolved<D, N>, NewtonError<AssemblyError>> {
         let u = start.iter().flat_map(|field| field.values()).copied().collect();
         let given = start.map(|field| field.space());
-        let checked = self.check_spaces("start", given).and_then(|()| self.prescribed(constraints));
-        let prescribed = match checked {
-            Ok(prescribed) => prescribed,
+        let checked = self.check_spaces("start", given).and_then(|()| self.elimination(constraints));
+        let elimination = match checked {
+            Ok(Ok(elimination)) => elimination,
+            Ok(Err(error)) => {
+                return Err(NewtonError { why: NewtonFailure::Mismatch(error), history: vec![], u });
+            }
             Err(error) => {
                 return Err(NewtonError { why: NewtonFailure::Assembly(error), history: vec![], u });
             }
         };
-        let found = newton(self, &prescribed, u, solver, options, progress).map_err(|mut error| {
-            if let NewtonFailure::LinearSolver(source) = error.why {
-                error.why = NewtonFailure::LinearSolver(self.named(source, &prescribed));
-            }
-            error
-        })?;
+        let free = elimination.free().to_vec();
+        let found =
+            newton_eliminating(self, elimination, u, solver, options, progress).map_err(|mut error| {
+                if let NewtonFailure::LinearSolver(source) = error.why {
+                    error.why = NewtonFailure::LinearSolver(self.named(source, &free));
+                }
+                error
+            })?;
         let fields = self.fields(&found.u);
         Ok(MixedSolved { fields, history: found.history, residual: found.residual })
     }
@@ -161,29 +166,37 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         constraints: [&Constraints<D>; N],
         solver: &mut dyn LinearSolver,
     ) -> Result<[Field<D>; N], LinearProblemError> {
-        let prescribed = self.prescribed(constraints)?;
+        let mut elimination = self.elimination(constraints)??;
         let zero = vec![0.0; self.system.unknowns()];
         let mut load = self.residual(&zero)?;
         for value in &mut load {
             *value = -*value;
         }
-        let mut elimination = Elimination::new(load.len(), &prescribed)?;
         let tangent = self.tangent(&zero)?;
         let found = solve_linear(&tangent.matrix, &load, &mut elimination, solver);
-        let solution = found.map_err(|error| self.named(error, &prescribed))?;
+        let solution = found.map_err(|error| self.named(error, elimination.free()))?;
         Ok(self.fields(&solution.solution))
     }
 
     /// The constraints of all spaces as those of the whole vector.
-    fn prescribed(&self, constraints: [&Constraints<D>; N]) -> Result<BTreeMap<usize, f64>, AssemblyError> {
+    fn elimination(
+        &self,
+        constraints: [&Constraints<D>; N],
+    ) -> Result<Result<Elimination, LinearAlgebraError>, AssemblyError> {
         self.check_spaces("constraints", constraints.map(|constraints| constraints.space()))?;
         let mut all = BTreeMap::new();
+        let mut relations = BTreeMap::new();
         let mut offset = 0;
         for (space, constraints) in self.system.spaces.iter().zip(constraints) {
             all.extend(constraints.prescribed().iter().map(|(unknown, value)| (offset + unknown, *value)));
+            relations.extend(constraints.relations().iter().map(|(unknown, relation)| {
+                let mut relation = relation.clone();
+                relation.terms.iter_mut().for_each(|term| term.0 += offset);
+                (offset + unknown, relation)
+            }));
             offset += space.unknowns();
         }
-        Ok(all)
+        Ok(Elimination::new(offset, &all).and_then(|elimination| elimination.with_relations(relations)))
     }
 
     fn check_spaces(&self, what: &'static str, given: [&Arc<Space<D>>; N]) -> Result<(), AssemblyError> {
@@ -197,25 +210,38 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine.
-    fn named(&self, error: SolverError, prescribed: &BTreeMap<usize, f64>) -> SolverError {
+    fn named(&self, error: SolverError, free: &[usize]) -> SolverError {
         let SolverError::LinearAlgebra(LinearAlgebraError::Singular { unknown, ratio }) = error else {
             return error;
         };
-        let free = (0..self.system.unknowns()).filter(|index| !prescribed.contains_key(index)).nth(unknown);
-        let mut index = free.unwrap_or(0);
+        let mut index = free.get(unknown).copied().unwrap_or(0);
         for (number, space) in self.system.spaces.iter().enumerate() {
             if index < space.unknowns() {
                 let components = space.components();
+                let motions = self.free_motions(number, prescribed);
                 return SolverError::Undetermined {
                     field: self.system.unknown_name(number),
                     component: (components > 1).then_some(index % components),
                     position: space.positions()[index / components].to_vec(),
                     ratio,
+                    motions,
                 };
             }
             index -= space.unknowns();
         }
         error
+    }
+
+    /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.
+    fn free_motions(&self, number: usize, prescribed: &BTreeMap<usize, f64>) -> Vec<String> {
+        let (spaces, space) = (&self.system.spaces, &self.system.spaces[number]);
+        let Some(assembled) = self.assembled.as_ref().filter(|_| space.components() == D) else {
+            return vec![];
+        };
+        let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
+        let is_prescribed = |unknown| prescribed.contains_key(&unknown);
+        // What cannot be said is left out: the error is reported in any case.
+        free_motions(assembled.matrix(), offset, space.positions(), is_prescribed).unwrap_or_default()
     }
 
     fn fields(&self, u: &[f64]) -> [Field<D>; N] {

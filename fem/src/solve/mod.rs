@@ -17,6 +17,7 @@ pub mod multigrid_solver;
 pub mod newton;
 mod node_blocks;
 pub mod problem;
+pub mod solver_report;
 pub mod tangent_solver;
 
 pub use condensed_solver::CondensedSolver;
@@ -28,7 +29,8 @@ pub use mixed_problem::{LinearProblemError, MixedProblem, MixedSolved};
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{
     ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
-    Tangent, newton,
+    Tangent, newton, newton_eliminating,
 };
 pub use problem::{FormProblem, Solved};
-pub use tangent_solver::{SolverReport, TangentSolver, TangentSolverOptions};
+pub use solver_report::{SolverPath, SolverReport};
+pub use tangent_solver::{TangentSolver, TangentSolverOptions};

@@ -8,12 +8,16 @@ use super::node_blocks::NodeBlocks;
 use crate::constraints::Constraints;
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::multigrid::LevelReport;
+use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{
-    BlockMatrix, CsrMatrix, GmresError, GmresOptions, KrylovError, KrylovOptions, KrylovReport, Multigrid,
-    MultigridOptions, OnThreads, Preconditioner, cg, gmres,
+    BlockMatrix, CsrMatrix, GmresError, GmresOptions, KrylovError, KrylovOptions, KrylovReport,
+    LinearAlgebraError, Multigrid, MultigridOptions, OnThreads, Preconditioner, cg, gmres,
 };
 use crate::space::SpaceError;
 use crate::threads::Threads;
+
+/// A right-hand side smaller than this part of ‖A‖ ‖x‖ is rounding of A x.
+const NOTHING: f64 = 1e-13;
 
 /// Choices of a [`MultigridSolver`].
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +97,8 @@ pub struct MultigridSolver {
 #[derive(Debug)]
 struct Current {
     matrix: Arc<BlockMatrix>,
+    /// Largest entry of the matrix.
+    scale: f64,
     /// Empty for a symmetric matrix.
     transposed: Option<BlockMatrix>,
     multigrid: Multigrid,
@@ -153,11 +159,21 @@ impl MultigridSolver {
             }
         };
         self.report.solve_seconds += start.elapsed().as_secs_f64();
-        let found = found.inspect_err(|error| {
-            if let SolverError::Krylov { report, .. } = error {
-                self.report.history.clone_from(&report.history);
+        let found = found.map_err(|error| {
+            match &error {
+                SolverError::Krylov { report, .. } => self.report.history.clone_from(&report.history),
+                SolverError::NotConverged(report) => self.report.history.clone_from(&report.history),
+                _ => {}
             }
+            self.blocks.singular(&current.matrix).map_or(error, SolverError::from)
         })?;
+        // A motion that nothing resists is multiplied by rounding alone: the solution is then that motion, and huge.
+        let resistance = largest(b) / (current.scale * largest(&x));
+        if resistance < NOTHING && largest(b) > absolute {
+            let solution = self.blocks.gather(&x);
+            let moved = solution.iter().position(|value| value.abs() == largest(&solution)).unwrap_or(0);
+            return Err(LinearAlgebraError::Singular { unknown: moved, ratio: resistance }.into());
+        }
         self.report.solves += 1;
         self.report.iterations.push(found.iterations);
         self.report.largest_residual = self.report.largest_residual.max(found.relative_residual);
@@ -222,6 +238,9 @@ impl LinearSolver for MultigridSolver {
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
         matrix.check_finite()?;
         let start = Instant::now();
+        if let Some(unknown) = matrix.diagonal().iter().position(|value| *value == 0.0) {
+            return Err(LinearAlgebraError::Singular { unknown, ratio: 0.0 }.into());
+        }
         let symmetric = matrix.is_symmetric(self.options.symmetry_tolerance)?;
         let blocks = self.blocks.matrix(&matrix)?;
         if self.current.as_ref().is_some_and(|current| *current.matrix == blocks) {
@@ -237,15 +256,24 @@ impl LinearSolver for MultigridSolver {
             (symmetric_part, Some(self.blocks.matrix(&matrix.transpose())?))
         };
         let multigrid = Multigrid::new(
-            levelled,
+            levelled.clone(),
             self.blocks.transfers.clone(),
             self.blocks.near_null_space.clone(),
             &self.options.multigrid,
-        )?;
+        )
+        .map_err(|error| match self.blocks.singular(&levelled) {
+            Some(error) => error.into(),
+            None => SolverError::Krylov {
+                why: format!("a level of multigrid could not be made: {error}"),
+                report: KrylovReport::default(),
+            },
+        })?;
+        drop(levelled);
         self.report.setups += 1;
         self.report.setup_seconds += start.elapsed().as_secs_f64();
         self.report.levels = multigrid.levels().to_vec();
-        self.current = Some(Current { matrix: blocks, transposed, multigrid });
+        let scale = largest(blocks.values());
+        self.current = Some(Current { matrix: blocks, scale, transposed, multigrid });
         Ok(())
     }
 

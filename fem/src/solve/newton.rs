@@ -218,7 +218,29 @@ pub fn newton<P: NonlinearProblem>(
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError<P::Error>> {
     let mut iteration = Iteration { u: start, history: Vec::new(), active: Vec::new() };
-    match iteration.run(problem, prescribed, solver, options, progress) {
+    let run = Elimination::new(iteration.u.len(), prescribed)
+        .map_err(NewtonFailure::Mismatch)
+        .and_then(|elimination| iteration.run(problem, elimination, solver, options, progress));
+    match run {
+        Ok(residual) => Ok(NewtonSolution { u: iteration.u, residual, history: iteration.history }),
+        Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u }),
+    }
+}
+
+/// [`newton()`] with any elimination: u = C y + d, residual Cᵀ R, tangent Cᵀ K C.
+///
+/// # Errors
+/// As [`newton()`].
+pub fn newton_eliminating<P: NonlinearProblem>(
+    problem: &mut P,
+    elimination: Elimination,
+    start: Vec<f64>,
+    solver: &mut dyn LinearSolver,
+    options: &NewtonOptions,
+    progress: &mut dyn FnMut(&NewtonStep),
+) -> Result<NewtonSolution, NewtonError<P::Error>> {
+    let mut iteration = Iteration { u: start, history: Vec::new(), active: Vec::new() };
+    match iteration.run(problem, elimination, solver, options, progress) {
         Ok(residual) => Ok(NewtonSolution { u: iteration.u, residual, history: iteration.history }),
         Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u }),
     }
@@ -235,15 +257,17 @@ impl Iteration {
     fn run<P: NonlinearProblem>(
         &mut self,
         problem: &mut P,
-        prescribed: &BTreeMap<usize, f64>,
+        mut elimination: Elimination,
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
     ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
-        let mut elimination = Elimination::new(self.u.len(), prescribed).map_err(NewtonFailure::Mismatch)?;
         elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
         let mut linear_part = None;
-        if let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)? {
+        // With related unknowns the reduced matrix is no submatrix, and is made anew for each tangent.
+        if elimination.only_prescribes()
+            && let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)?
+        {
             let reduced = Arc::new(elimination.reduce_matrix(matrix).map_err(NewtonFailure::Mismatch)?);
             solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
             linear_part = Some(reduced);

@@ -4,10 +4,14 @@ use std::sync::Arc;
 
 use crate::constraints::Constraints;
 use crate::linear_algebra::error::check_size;
+use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{
     BlockMatrix, BlockRows, BlockSparsity, CsrMatrix, LinearAlgebraError, NodeSet, rigid_motions,
 };
 use crate::space::{Family, Space, SpaceError};
+
+/// Forces of a motion, relative to the largest entry of the matrix, that are rounding.
+const NOTHING: f64 = 1e-11;
 
 /// Marks a node that is not kept.
 const DROPPED: u32 = u32::MAX;
@@ -48,12 +52,17 @@ pub(super) struct NodeBlocks {
     places: Vec<u32>,
     pub(super) transfers: Vec<BlockMatrix>,
     pub(super) near_null_space: Vec<Vec<f64>>,
+    /// The same on the given space: what a singular matrix is tried with.
+    own_near_null_space: Vec<Vec<f64>>,
     sparsity: Option<Arc<BlockSparsity>>,
 }
 
 impl NodeBlocks {
     /// Prepares a space with its constraints.
     pub(super) fn new<const D: usize>(constraints: &Constraints<D>) -> Result<Self, SpaceError> {
+        if !constraints.relations().is_empty() {
+            return Err(SpaceError::Relations);
+        }
         let mut space = constraints.space().clone();
         let components = space.components();
         let mut is_free = vec![true; space.unknowns()];
@@ -63,6 +72,7 @@ impl NodeBlocks {
         let fine = FreeNodes::new(components, &is_free);
         let unknowns = (0..fine.kept.len() * components).filter(|place| fine.free[*place]);
         let places = unknowns.map(|place| place as u32).collect();
+        let own_near_null_space = near_null_space(&space, &fine);
         let mut nodes = fine.clone();
         let mut transfers = Vec::new();
         while *space.family() == Family::Continuous && space.degree() > 1 {
@@ -74,7 +84,14 @@ impl NodeBlocks {
             (space, nodes) = (coarse, coarse_nodes);
         }
         let near_null_space = near_null_space(&space, &nodes);
-        Ok(NodeBlocks { nodes: fine, places, transfers, near_null_space, sparsity: None })
+        Ok(NodeBlocks {
+            nodes: fine,
+            places,
+            transfers,
+            near_null_space,
+            own_near_null_space,
+            sparsity: None,
+        })
     }
 
     /// Number of free unknowns.
@@ -141,6 +158,21 @@ impl NodeBlocks {
         };
         self.sparsity = Some(sparsity.clone());
         BlockMatrix::from_values(&sparsity, values)
+    }
+
+    /// The error that names a free unknown of a motion (or constant) that the matrix does not resist, if there is one.
+    /// Motions that prescribed unknowns stop are not among them, since they are cut off there.
+    pub(super) fn singular(&self, matrix: &BlockMatrix) -> Option<LinearAlgebraError> {
+        let scale = largest(matrix.values());
+        let mut least: Option<(usize, f64)> = None;
+        for vector in &self.own_near_null_space {
+            let resistance = largest(&matrix.multiply(vector).ok()?) / (scale * largest(vector));
+            if resistance <= NOTHING && least.is_none_or(|(_, known)| resistance < known) {
+                let moved = |place: &u32| vector[*place as usize].abs() == largest(vector);
+                least = self.places.iter().position(moved).map(|unknown| (unknown, resistance));
+            }
+        }
+        least.map(|(unknown, ratio)| LinearAlgebraError::Singular { unknown, ratio })
     }
 
     /// A vector over nodes from one over free unknowns.

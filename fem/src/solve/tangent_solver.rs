@@ -5,11 +5,13 @@ use std::time::Instant;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::lu_solver::LuSolver;
+use super::solver_report::{SolverPath, SolverReport};
 use crate::linear_algebra::error::check_size;
+use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, CsrMatrix, GmresError, GmresOptions, GmresReport, LinearAlgebraError, Ordering,
-    SymmetricFactor, gmres,
+    Analysis, ConditionEstimate, CsrMatrix, GmresError, GmresOptions, GmresReport, Ordering, SymmetricFactor,
+    condition_estimate, gmres,
 };
 use crate::threads::Threads;
 
@@ -56,34 +58,8 @@ impl Default for TangentSolverOptions {
     }
 }
 
-/// What a [`TangentSolver`] did since it was made.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SolverReport {
-    /// Symbolic analyses.
-    pub analyses: usize,
-    /// Numeric factorisations that succeeded.
-    pub factorisations: usize,
-    /// Those of them that were LBLᵀ because the symmetric part was not positive definite.
-    pub indefinite_factorisations: usize,
-    /// LU factorisations: of saddle points, and where the other factors failed.
-    pub lu_factorisations: usize,
-    /// Systems solved.
-    pub solves: usize,
-    /// GMRES iterations of each solve, in order; 0 for a direct one.
-    pub iterations: Vec<usize>,
-    /// Seconds in symbolic analysis.
-    pub analysis_seconds: f64,
-    /// Seconds in numeric factorisation, failed attempts included.
-    pub factorisation_seconds: f64,
-    /// Seconds in solves, without factorisations.
-    pub solve_seconds: f64,
-    /// Largest relative residual of a solve.
-    pub largest_residual: f64,
-    /// Numbers stored in the factor.
-    pub factor_entries: usize,
-    /// Unknowns to which a [`super::CondensedSolver`] condensed; none where no Schur complement was used.
-    pub condensed_unknowns: Option<usize>,
-}
+/// A factor with a pivot below this part of its scale is asked whether the matrix is singular.
+const DOUBTFUL: f64 = 1e-9;
 
 /// Which of the two systems is meant.
 #[derive(Clone, Copy, PartialEq)]
@@ -111,6 +87,8 @@ pub struct TangentSolver {
     fresh_iterations: Option<usize>,
     refresh_wanted: bool,
     lu: LuSolver,
+    /// The current matrix has a null vector, so that LU would not help.
+    proved_singular: bool,
     /// The current matrix is factored by LU.
     by_lu: bool,
     /// Matrices of this many unknowns defeated the other factors: LU from the start.
@@ -144,6 +122,23 @@ impl TangentSolver {
         self.factor.as_ref().map(SymmetricFactor::is_positive_definite)
     }
 
+    /// Estimates the condition of the current matrix in the 1-norm by about five solves, and reports it.
+    ///
+    /// # Errors
+    /// If there is no matrix, or a solve fails.
+    pub fn estimate_condition(&mut self) -> Result<ConditionEstimate, SolverError> {
+        let matrix = self.matrix.clone().ok_or(SolverError::NoMatrix)?;
+        let this = std::cell::RefCell::new(&mut *self);
+        let solved = |x: &mut Vec<f64>, side| -> Result<(), SolverError> {
+            *x = this.borrow_mut().solve_side(x, 0.0, side)?.solution;
+            Ok(())
+        };
+        let found =
+            condition_estimate(&matrix, |x| solved(x, Side::Matrix), |x| solved(x, Side::Transposed))?;
+        self.report.condition = Some(found.condition);
+        Ok(found)
+    }
+
     /// Factors the symmetric part of the current matrix.
     fn refactor(&mut self) -> Result<(), SolverError> {
         let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
@@ -162,6 +157,7 @@ impl TangentSolver {
                 self.report.analyses += 1;
                 self.report.analysis_seconds += analysis.seconds();
                 self.report.factor_entries = analysis.factor_entries();
+                self.report.orderings = analysis.candidates().to_vec();
                 self.fresh_iterations = None;
                 analysis
             }
@@ -171,6 +167,11 @@ impl TangentSolver {
         let result = SymmetricFactor::cholesky_or_indefinite(&analysis, part, storage);
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         let factor = result?;
+        if !factor.is_positive_definite() || factor.smallest_pivot_ratio() < DOUBTFUL {
+            let found = check_regular(part, |y| factor.solve_in_place(y));
+            self.proved_singular = self.symmetric && found.is_err();
+            found?;
+        }
         self.report.factorisations += 1;
         self.report.indefinite_factorisations += usize::from(!factor.is_positive_definite());
         self.factor = Some(factor);
@@ -217,12 +218,18 @@ impl TangentSolver {
             self.solve_iteratively(b, absolute_tolerance, side)
         };
         let solution = match found {
-            Err(error) if !self.by_lu && is_for_lu(&error) => {
+            Err(error) if !self.by_lu && error.is_for_lu() => {
                 self.factor_by_lu()?;
                 self.solve_by_lu(b, side)?
             }
             found => found?,
         };
+        self.report.path = Some(match (self.by_lu, self.symmetric, self.is_positive_definite()) {
+            (true, ..) => SolverPath::Lu,
+            (_, false, _) => SolverPath::Gmres,
+            (_, _, Some(false)) => SolverPath::Indefinite,
+            _ => SolverPath::Cholesky,
+        });
         self.report.solves += 1;
         self.report.iterations.push(solution.iterations);
         self.report.largest_residual = self.report.largest_residual.max(solution.relative_residual);
@@ -340,26 +347,13 @@ impl TangentSolver {
     }
 }
 
-/// Whether LU may succeed where this happened.
-fn is_for_lu(error: &SolverError) -> bool {
-    matches!(
-        error,
-        SolverError::NotConverged(_)
-            | SolverError::LinearAlgebra(
-                LinearAlgebraError::Singular { .. }
-                    | LinearAlgebraError::NotPositiveDefinite { .. }
-                    | LinearAlgebraError::Inaccurate { .. }
-                    | LinearAlgebraError::VectorNotFinite { what: "the solution", .. }
-            )
-    )
-}
-
 impl LinearSolver for TangentSolver {
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
         if (self.factor_is_fresh || self.by_lu) && self.matrix.as_ref() == Some(&matrix) {
             return Ok(()); // an adjoint problem with the tangent that is already factored
         }
         (self.matrix, self.factor_is_fresh, self.by_lu) = (None, false, false);
+        self.proved_singular = false;
         check_size("the set of columns of a square matrix", matrix.rows(), matrix.columns())?;
         matrix.check_finite()?;
         self.symmetric = matrix.is_symmetric(self.options.symmetry_tolerance)?;
@@ -372,7 +366,7 @@ impl LinearSolver for TangentSolver {
             result = self.factor_by_lu();
         } else if self.symmetric || self.refresh_wanted || !fits {
             result = self.refactor();
-            if result.as_ref().is_err_and(is_for_lu) {
+            if result.as_ref().is_err_and(SolverError::is_for_lu) && !self.proved_singular {
                 result = self.factor_by_lu();
             }
         }

@@ -48,6 +48,7 @@ fn unsymmetric_changes_on_few_unknowns_need_one_factor_as_long_as_they_stay() {
     solver.set_linear_part(&Arc::new(laplacian(&[], 0.0))).unwrap();
     check(&mut solver, &laplacian(&[(3, 4, 20.0), (4, 3, -7.0), (4, 4, 50.0), (5, 4, 1.0)], 0.0));
     assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (1, Some(3)));
+    assert_eq!(solver.report().path, Some(SolverPath::Condensed));
     // A subset: the same factor. Another place: a new one that holds both.
     check(&mut solver, &laplacian(&[(4, 4, 30.0), (3, 4, 2.0)], 0.0));
     assert_eq!(solver.report().factorisations, 1);
@@ -63,7 +64,7 @@ fn it_falls_back_where_condensing_does_not_serve() {
     // No linear part: the fallback factors the matrix itself.
     let mut solver = CondensedSolver::default();
     check(&mut solver, &laplacian(&[(3, 4, 2.0)], 0.0));
-    assert_eq!(solver.report().condensed_unknowns, None);
+    assert_eq!((solver.report().condensed_unknowns, solver.report().path), (None, Some(SolverPath::Gmres)));
     // A linear part that is not positive definite.
     solver.set_linear_part(&Arc::new(laplacian(&[], -3.3))).unwrap();
     check(&mut solver, &laplacian(&[(4, 4, 2.0)], -3.3));

@@ -87,6 +87,60 @@ fn unsymmetric_systems_and_their_transposes_go_to_gmres() {
 }
 
 #[test]
+fn a_body_that_floats_or_slides_is_named_by_its_motions() {
+    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [3; 3], CellShape::Tetrahedron, 1).unwrap());
+    let space = Space::vector(&mesh, 2).unwrap();
+    let form = body::balance(&body::Data { drift: 0.0 }, &body::Omega::on("all"));
+    let assembler = Assembler::new(&mesh);
+    let mut sliding = Constraints::new(&space);
+    sliding.fix_component("bottom", 2, |_: &[f64; 3]| 0.0).unwrap();
+    let floating = Constraints::new(&space);
+    for (constraints, motions) in [(&floating, 6), (&sliding, 3)] {
+        let mut multigrid = MultigridSolver::new(constraints, options()).unwrap();
+        let mut direct = TangentSolver::default();
+        let solvers: [&mut dyn LinearSolver; 2] = [&mut multigrid, &mut direct];
+        for (number, solver) in solvers.into_iter().enumerate() {
+            let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+            let found = problem.solve_affine(constraints, solver);
+            let Err(error) = found else {
+                // Where nothing pulls along a free motion, conjugate gradients find one of the solutions.
+                assert_eq!((number, motions), (0, 3), "a floating body is solved");
+                continue;
+            };
+            let said = error.to_string();
+            assert!(
+                said.contains("the body can move rigidly: translation along x, translation along y"),
+                "{said}"
+            );
+            assert!(said.contains("rotation about z through (0.5, 0.5, 0.5)"), "{said}");
+            assert_eq!(
+                said.matches("translation").count() + said.matches("rotation").count(),
+                motions,
+                "{said}"
+            );
+        }
+    }
+}
+
+#[test]
+fn conjugate_gradients_without_a_matrix() {
+    let (constraints, matrix, load) = system(2, 2, 0.0);
+    let space = constraints.space();
+    let form = body::balance(&body::Data { drift: 0.0 }, &body::Omega::on("all"));
+    let (assembler, u) = (Assembler::new(space.mesh()), Field::zero(space));
+    let tangent = TangentAction::new(&assembler, &form, &[&u]).with_constraints(&[&constraints]);
+    let elimination = Elimination::new(space.unknowns(), constraints.prescribed()).unwrap();
+    let b = elimination.extend_by_zero(&load).unwrap();
+    let mut x = vec![0.0; b.len()];
+    let stop = KrylovOptions { tolerance: 1e-12, ..KrylovOptions::default() };
+    cg(&tangent, &mut crate::linear_algebra::Identity, &b, &mut x, &stop).unwrap();
+    let mut direct = TangentSolver::default();
+    direct.set_matrix(matrix).unwrap();
+    let exact = direct.solve(&load, 0.0).unwrap().solution;
+    assert!(distance(&elimination.reduce(&x).unwrap(), &exact) < 1e-9);
+}
+
+#[test]
 fn what_is_unfit_is_an_error_with_a_reason() {
     let (constraints, mut matrix, load) = system(3, 2, 0.0);
     let mut solver = MultigridSolver::new(&constraints, options()).unwrap();
@@ -104,6 +158,13 @@ fn what_is_unfit_is_an_error_with_a_reason() {
     let mut bad = load.clone();
     bad[5] = f64::NAN;
     assert!(hurried.solve(&bad, 0.0).is_err());
+    let mut empty_row = matrix.clone();
+    let range = matrix.row_pointers()[4]..matrix.row_pointers()[5];
+    empty_row.values_mut()[range].fill(0.0);
+    assert!(matches!(
+        solver.set_matrix(empty_row),
+        Err(SolverError::LinearAlgebra(LinearAlgebraError::Singular { unknown: 4, .. }))
+    ));
     matrix.values_mut()[7] = f64::INFINITY;
     assert!(matches!(
         solver.set_matrix(matrix),

@@ -109,3 +109,50 @@ fn singular_and_nan_matrices_are_errors_and_leave_no_matrix() {
     solver.set_matrix(chain(5, 0.3, 0.0)).unwrap();
     assert!(solver.solve(&[f64::NAN, 0.0, 0.0, 0.0, 0.0], 0.0).is_err());
 }
+
+#[test]
+fn each_path_is_taken_and_named() {
+    let mut saddle = chain(6, 0.0, 0.0);
+    let place = saddle.pattern().find(5, 5).unwrap();
+    saddle.values_mut()[place] = 0.0;
+    let cases = [
+        (chain(40, 0.0, 0.0), SolverPath::Cholesky),
+        (chain(40, 0.0, -9.0), SolverPath::Indefinite),
+        (chain(40, 0.4, 0.0), SolverPath::Gmres),
+        (saddle, SolverPath::Lu),
+    ];
+    for (matrix, path) in cases {
+        let mut solver = TangentSolver::default();
+        assert_eq!(solver.report().path, None);
+        solver.set_matrix(matrix.clone()).unwrap();
+        let found = solver.solve(&vec![1.0; matrix.rows()], 0.0).unwrap().solution;
+        assert!(error(&matrix.multiply(&found).unwrap(), &vec![1.0; matrix.rows()]) < 1e-10);
+        assert_eq!(solver.report().path, Some(path));
+    }
+}
+
+#[test]
+fn orderings_and_condition_are_reported() {
+    let mut solver = TangentSolver::default();
+    assert_eq!(solver.estimate_condition().unwrap_err(), SolverError::NoMatrix);
+    solver.set_matrix(chain(99, 0.0, 0.0)).unwrap();
+    // ‖A‖₁ = 4 and ‖A⁻¹‖₁ = (n + 1)² / 8.
+    assert!((solver.estimate_condition().unwrap().condition - 5000.0).abs() < 1e-6);
+    assert!((solver.report().condition.unwrap() - 5000.0).abs() < 1e-6);
+    let names: Vec<_> = solver.report().orderings.iter().map(|candidate| candidate.name).collect();
+    assert_eq!(names, ["minimum degree"]);
+    let fill = solver.report().orderings[0].fill.unwrap();
+    assert!(fill.entries >= 197.0 && fill.entries <= 99.0 * 3.0, "{fill:?}");
+}
+
+#[test]
+fn a_solver_that_cannot_converge_tells_its_history() {
+    // One iteration is not enough, and LU takes over: the answer is right all the same.
+    let options = TangentSolverOptions { max_iterations: 1, ..TangentSolverOptions::default() };
+    let mut solver = TangentSolver::new(options);
+    let matrix = chain(40, 0.4, 0.0);
+    solver.set_matrix(matrix.clone()).unwrap();
+    let found = solver.solve(&[1.0; 40], 0.0).unwrap().solution;
+    assert!(error(&matrix.multiply(&found).unwrap(), &[1.0; 40]) < 1e-10);
+    assert_eq!((solver.report().path, solver.report().lu_factorisations), (Some(SolverPath::Lu), 1));
+}

@@ -1,0 +1,105 @@
+//! Linear equations between unknowns, brought to a form in which some unknowns are given by free ones.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{Constraints, ConstraintsError};
+
+/// An unknown that is given by others: Σ coefficient × unknown + value. The others are free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relation {
+    /// Free unknowns with their coefficients, ascending.
+    pub terms: Vec<(usize, f64)>,
+    /// What is added.
+    pub value: f64,
+    /// Which condition it came from.
+    pub(super) origin: Arc<str>,
+}
+
+// What is left of coefficients, or of a right-hand side, after substitutions that cancel.
+const ROUNDING: f64 = 1e-12;
+
+impl<const D: usize> Constraints<D> {
+    /// Adds Σ coefficient × unknown = `value`. Unknowns that are given already are substituted; of the rest the one
+    /// with the largest coefficient is then given by the others, here and in all earlier relations. An equation that
+    /// follows from the earlier ones changes nothing.
+    pub(super) fn add_equation(
+        &mut self,
+        place: &str,
+        terms: &[(usize, f64)],
+        value: f64,
+    ) -> Result<(), ConstraintsError> {
+        let mut rest = BTreeMap::new();
+        let mut right = value;
+        let mut scale = value.abs();
+        let mut earlier: Option<Arc<str>> = None;
+        for &(unknown, coefficient) in terms {
+            if let Some(known) = self.prescribed.get(&unknown) {
+                right -= coefficient * known;
+                scale = scale.max((coefficient * known).abs());
+                earlier = self.origins.get(&unknown).cloned().or(earlier);
+            } else if let Some(relation) = self.relations.get(&unknown) {
+                right -= coefficient * relation.value;
+                scale = scale.max((coefficient * relation.value).abs());
+                for &(free, inner) in &relation.terms {
+                    *rest.entry(free).or_insert(0.0) += coefficient * inner;
+                }
+                earlier = Some(relation.origin.clone());
+            } else {
+                *rest.entry(unknown).or_insert(0.0) += coefficient;
+            }
+        }
+        let largest = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
+        rest.retain(|_, a| a.abs() > ROUNDING * largest);
+        let Some((pivot, divisor)) = rest
+            .iter()
+            .map(|(k, a)| (*k, *a))
+            .reduce(|best, next| if next.1.abs() > best.1.abs() * (1.0 + ROUNDING) { next } else { best })
+        else {
+            if right.abs() <= ROUNDING * scale {
+                return Ok(());
+            }
+            let node = terms[0].0 / self.space.components();
+            return Err(ConstraintsError::Contradiction {
+                place: place.to_owned(),
+                earlier: earlier.map_or_else(String::new, |origin| origin.to_string()),
+                node,
+                position: self.space.positions()[node].to_vec(),
+                difference: right,
+            });
+        };
+        rest.remove(&pivot);
+        let terms = rest.into_iter().map(|(unknown, a)| (unknown, -a / divisor)).collect();
+        self.give(pivot, Relation { terms, value: right / divisor, origin: place.into() });
+        Ok(())
+    }
+
+    /// Makes a free unknown a given one, also where other relations use it.
+    fn give(&mut self, unknown: usize, relation: Relation) {
+        for user in self.users.remove(&unknown).unwrap_or_default() {
+            let Some(mut old) = self.relations.remove(&user) else { continue };
+            let mut terms: BTreeMap<usize, f64> = old.terms.drain(..).collect();
+            if let Some(factor) = terms.remove(&unknown) {
+                old.value += factor * relation.value;
+                for &(free, inner) in &relation.terms {
+                    *terms.entry(free).or_insert(0.0) += factor * inner;
+                }
+            }
+            old.terms = terms.into_iter().collect();
+            self.store(user, old);
+        }
+        self.store(unknown, relation);
+    }
+
+    fn store(&mut self, unknown: usize, relation: Relation) {
+        if relation.terms.is_empty() {
+            self.prescribed.insert(unknown, relation.value);
+            self.origins.insert(unknown, relation.origin);
+            return;
+        }
+        for (free, _) in &relation.terms {
+            self.users.entry(*free).or_default().insert(unknown);
+        }
+        self.relations.insert(unknown, relation);
+    }
+}

@@ -1,0 +1,135 @@
+//! Periodic conditions: the values on one region are those on another, carried over by a rigid motion.
+
+use std::collections::HashMap;
+
+use super::{Constraints, ConstraintsError};
+
+/// x ↦ R x + t with a rotation (or reflection) R.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidMap<const D: usize> {
+    /// R, by rows.
+    pub rotation: [[f64; D]; D],
+    /// t \[length\].
+    pub translation: [f64; D],
+}
+
+impl<const D: usize> RigidMap<D> {
+    /// x ↦ x + t.
+    pub fn translation(translation: [f64; D]) -> Self {
+        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+        RigidMap { rotation, translation }
+    }
+
+    /// x ↦ c + R (x − c).
+    pub fn rotation(rotation: [[f64; D]; D], centre: [f64; D]) -> Self {
+        let turned = times(&rotation, &centre);
+        RigidMap { rotation, translation: std::array::from_fn(|i| centre[i] - turned[i]) }
+    }
+
+    fn apply(&self, x: &[f64; D]) -> [f64; D] {
+        let turned = times(&self.rotation, x);
+        std::array::from_fn(|i| turned[i] + self.translation[i])
+    }
+}
+
+fn times<const D: usize>(matrix: &[[f64; D]; D], x: &[f64; D]) -> [f64; D] {
+    matrix.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum())
+}
+
+/// Nodes match within this part of the regions' extent.
+const TOLERANCE: f64 = 1e-8;
+
+impl<const D: usize> Constraints<D> {
+    /// u at the image of each node of `from`, which must be a node of `to`, equals u at the node; vectors of D
+    /// components are turned with it.
+    ///
+    /// # Errors
+    /// Unknown regions, a node without a partner (the first one, with the distance to the nearest), a map that turns
+    /// tensors or other values, or a contradiction to earlier conditions.
+    pub fn periodic(&mut self, from: &str, to: &str, map: &RigidMap<D>) -> Result<(), ConstraintsError> {
+        let place = format!("regions \"{from}\" and \"{to}\"");
+        let (masters, slaves) = (self.nodes_on(from, &place)?, self.nodes_on(to, &place)?);
+        let components = self.space.components();
+        let is_vector = self.space.shape() == [D];
+        if !is_vector && components > 1 && map.rotation != RigidMap::translation([0.0; D]).rotation {
+            return Err(ConstraintsError::Components { place, space: components, value: D });
+        }
+        let position = |node: u32| self.space.positions()[node as usize];
+        let images: Vec<[f64; D]> = masters.iter().map(|&node| map.apply(&position(node))).collect();
+        let targets: Vec<[f64; D]> = slaves.iter().map(|&node| position(node)).collect();
+        let partners = self.partners(from, to, &masters, &images, &targets)?;
+        // As many on both sides: then the nodes of `to` have partners as well.
+        let mut taken = vec![false; slaves.len()];
+        partners.iter().for_each(|&slave| taken[slave] = true);
+        if let Some(alone) = taken.iter().position(|taken| !taken) {
+            return Err(self.without_partner(to, from, slaves[alone], distance(&images, &targets[alone])));
+        }
+        let mut changed = self.clone();
+        for (&master, &slave) in masters.iter().zip(&partners) {
+            let (own, other) = (slaves[slave] as usize * components, master as usize * components);
+            for component in 0..components {
+                let mut terms = vec![(own + component, 1.0)];
+                match is_vector {
+                    true => {
+                        let row = map.rotation[component].iter().enumerate().filter(|(_, r)| **r != 0.0);
+                        terms.extend(row.map(|(k, r)| (other + k, -r)));
+                    }
+                    false => terms.push((other + component, -1.0)),
+                }
+                changed.add_equation(&place, &terms, 0.0)?;
+            }
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// The target at each image.
+    fn partners(
+        &self,
+        from: &str,
+        to: &str,
+        nodes: &[u32],
+        images: &[[f64; D]],
+        targets: &[[f64; D]],
+    ) -> Result<Vec<usize>, ConstraintsError> {
+        let extent = (0..D).fold(0.0_f64, |extent, k| {
+            let (low, high) = targets
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[k]), high.max(x[k])));
+            extent.max(high - low)
+        });
+        let tolerance = TOLERANCE * if extent > 0.0 { extent } else { 1.0 };
+        // Boxes of the size of the tolerance: a partner is in the image's box or one beside it.
+        let box_of = |x: &[f64; D]| -> [i64; D] { x.map(|x| (x / tolerance).floor() as i64) };
+        let boxes: HashMap<[i64; D], usize> =
+            targets.iter().enumerate().map(|(index, x)| (box_of(x), index)).collect();
+        let find = |image: &[f64; D]| {
+            let own = box_of(image);
+            (0..3_usize.pow(D as u32)).find_map(|number| {
+                let near = std::array::from_fn(|k| {
+                    own[k].saturating_add((number / 3_usize.pow(k as u32) % 3) as i64 - 1)
+                });
+                boxes
+                    .get(&near)
+                    .copied()
+                    .filter(|&index| distance(&targets[index..=index], image) <= tolerance)
+            })
+        };
+        let found = nodes.iter().zip(images).map(|(&node, image)| {
+            find(image).ok_or_else(|| self.without_partner(from, to, node, distance(targets, image)))
+        });
+        found.collect()
+    }
+
+    fn without_partner(&self, region: &str, other: &str, node: u32, distance: f64) -> ConstraintsError {
+        let position = self.space.positions()[node as usize].to_vec();
+        let (region, other, node) = (region.to_owned(), other.to_owned(), node as usize);
+        ConstraintsError::NoPartner { region, other, node, position, distance }
+    }
+}
+
+/// To the nearest of some points.
+fn distance<const D: usize>(points: &[[f64; D]], x: &[f64; D]) -> f64 {
+    let square = |y: &[f64; D]| -> f64 { x.iter().zip(y).map(|(x, y)| (x - y) * (x - y)).sum() };
+    points.iter().map(square).fold(f64::INFINITY, f64::min).sqrt()
+}

@@ -1,0 +1,67 @@
+//! What a direct solver did, and by which way.
+
+use std::fmt;
+
+use crate::linear_algebra::Candidate;
+
+/// The way in which a system was solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolverPath {
+    /// By the factor of the linear part and a dense system on the unknowns that change.
+    Condensed,
+    /// By a Cholesky factor.
+    Cholesky,
+    /// By a Bunch–Kaufman factor of a symmetric matrix that is not positive definite.
+    Indefinite,
+    /// By GMRES with the factor of a symmetrised matrix.
+    Gmres,
+    /// By an LU factor.
+    Lu,
+}
+
+impl fmt::Display for SolverPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            SolverPath::Condensed => "condensed to the unknowns that change",
+            SolverPath::Cholesky => "Cholesky",
+            SolverPath::Indefinite => "Bunch–Kaufman",
+            SolverPath::Gmres => "GMRES with the factor of the symmetrised tangent",
+            SolverPath::Lu => "LU",
+        })
+    }
+}
+
+/// What a [`super::TangentSolver`] or a [`super::CondensedSolver`] did since it was made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolverReport {
+    /// Symbolic analyses.
+    pub analyses: usize,
+    /// Numeric factorisations that succeeded.
+    pub factorisations: usize,
+    /// Those of them that were LBLᵀ because the symmetric part was not positive definite.
+    pub indefinite_factorisations: usize,
+    /// LU factorisations: of saddle points, and where the other factors failed.
+    pub lu_factorisations: usize,
+    /// Systems solved.
+    pub solves: usize,
+    /// GMRES iterations of each solve, in order; 0 for a direct one.
+    pub iterations: Vec<usize>,
+    /// Seconds in symbolic analysis.
+    pub analysis_seconds: f64,
+    /// Seconds in numeric factorisation, failed attempts included.
+    pub factorisation_seconds: f64,
+    /// Seconds in solves, without factorisations.
+    pub solve_seconds: f64,
+    /// Largest relative residual of a solve.
+    pub largest_residual: f64,
+    /// Numbers stored in the factor.
+    pub factor_entries: usize,
+    /// The orderings that the last analysis compared, the one that was taken first.
+    pub orderings: Vec<Candidate>,
+    /// Condition number in the 1-norm, where it was asked for ([`super::TangentSolver::estimate_condition`]).
+    pub condition: Option<f64>,
+    /// The way that the last solve took.
+    pub path: Option<SolverPath>,
+    /// Unknowns to which a [`super::CondensedSolver`] condensed; none where no Schur complement was used.
+    pub condensed_unknowns: Option<usize>,
+}
