@@ -144,11 +144,11 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
                 return Err(NewtonError { why: NewtonFailure::Assembly(error), history: vec![], u });
             }
         };
-        let free = elimination.free().to_vec();
+        let (free, related) = (elimination.free().to_vec(), !elimination.only_prescribes());
         let found =
             newton_eliminating(self, elimination, u, solver, options, progress).map_err(|mut error| {
                 if let NewtonFailure::LinearSolver(source) = error.why {
-                    error.why = NewtonFailure::LinearSolver(self.named(source, &free));
+                    error.why = NewtonFailure::LinearSolver(self.named(source, &free, related));
                 }
                 error
             })?;
@@ -174,7 +174,8 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         }
         let tangent = self.tangent(&zero)?;
         let found = solve_linear(&tangent.matrix, &load, &mut elimination, solver);
-        let solution = found.map_err(|error| self.named(error, elimination.free()))?;
+        let solution =
+            found.map_err(|error| self.named(error, elimination.free(), !elimination.only_prescribes()))?;
         Ok(self.fields(&solution.solution))
     }
 
@@ -210,7 +211,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine.
-    fn named(&self, error: SolverError, free: &[usize]) -> SolverError {
+    fn named(&self, error: SolverError, free: &[usize], related: bool) -> SolverError {
         let SolverError::LinearAlgebra(LinearAlgebraError::Singular { unknown, ratio }) = error else {
             return error;
         };
@@ -218,7 +219,8 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         for (number, space) in self.system.spaces.iter().enumerate() {
             if index < space.unknowns() {
                 let components = space.components();
-                let motions = self.free_motions(number, prescribed);
+                // Motions are looked for where unknowns are prescribed or free, and nothing between.
+                let motions = if related { vec![] } else { self.free_motions(number, free) };
                 return SolverError::Undetermined {
                     field: self.system.unknown_name(number),
                     component: (components > 1).then_some(index % components),
@@ -233,13 +235,13 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.
-    fn free_motions(&self, number: usize, prescribed: &BTreeMap<usize, f64>) -> Vec<String> {
+    fn free_motions(&self, number: usize, free: &[usize]) -> Vec<String> {
         let (spaces, space) = (&self.system.spaces, &self.system.spaces[number]);
         let Some(assembled) = self.assembled.as_ref().filter(|_| space.components() == D) else {
             return vec![];
         };
         let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
-        let is_prescribed = |unknown| prescribed.contains_key(&unknown);
+        let is_prescribed = |unknown| free.binary_search(&unknown).is_err();
         // What cannot be said is left out: the error is reported in any case.
         free_motions(assembled.matrix(), offset, space.positions(), is_prescribed).unwrap_or_default()
     }
