@@ -253,7 +253,7 @@ mod tests {
         starts(PerforatedAnnulus { hole_radius: f64::NAN, ..RING }, "hole_radius = NaN is not possible");
         starts(PerforatedAnnulus { rows: usize::MAX, ..RING }, "the mesh has more nodes");
         starts(PerforatedAnnulus { shape: CellShape::Hexahedron, ..RING }, "a mesh of hexahedron cells");
-        starts(PerforatedAnnulus { degree: 3, ..RING }, "there is no Lagrange element of degree 3");
+        starts(PerforatedAnnulus { degree: 3, ..RING }, "there is no geometry of degree 3");
         // Too near to its neighbours for the row of the smallest radius.
         starts(PerforatedAnnulus { holes_around: 60, ..RING }, "hole_radius = 0.3 is not possible");
     }
