@@ -63,10 +63,18 @@ fn with_operands(node: Node, now: &dyn Fn(&Scalar) -> Scalar) -> Node {
 /// products, as (1 + a)⁴⁰ written by repeated products, would become a sum of large terms that cancel.
 const MOST_TERMS: usize = 30;
 
+/// Past this many factors one after the other a sum is left as it is. A quotient need not be simpler than its
+/// dividend: without an end a factor could be taken out that comes back.
+const MOST_FACTORS: usize = 60;
+
 /// A sum with the factor taken out that most of its terms have, and what is left of it likewise.
 fn horner(graph: &mut Graph, sum: Scalar) -> Scalar {
+    take_out(graph, sum, MOST_FACTORS)
+}
+
+fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize) -> Scalar {
     let Node::Sum { constant, terms } = graph.node(sum).clone() else { return sum };
-    if terms.len() > MOST_TERMS {
+    if terms.len() > MOST_TERMS || factors_left == 0 {
         return sum;
     }
     // A factor and whether it divides.
@@ -100,10 +108,10 @@ fn horner(graph: &mut Graph, sum: Scalar) -> Scalar {
         }
     }
     let inside = graph.sum(&inside);
-    let inside = horner(graph, inside);
+    let inside = take_out(graph, inside, factors_left - 1);
     let product = graph.product(&[(factor, if divides { -1 } else { 1 }), (inside, 1)]);
     let outside = graph.sum(&outside);
-    let outside = horner(graph, outside);
+    let outside = take_out(graph, outside, factors_left - 1);
     graph.add(product, outside)
 }
 

@@ -191,9 +191,12 @@ fn group(
         // What jumps with the unknown is no load, though its derivative is zero almost everywhere.
         let graph = &*scalariser.graph;
         let jumps = graph.reachable(&[density]).into_iter().any(|scalar| {
-            let comparison =
-                matches!(graph.node(scalar), Node::Less(..) | Node::LessEqual(..) | Node::Equal(..));
-            comparison && graph.depends(scalar, varies)
+            // An angle jumps where it is π.
+            let jumps = matches!(
+                graph.node(scalar),
+                Node::Less(..) | Node::LessEqual(..) | Node::Equal(..) | Node::Atan2(..)
+            );
+            jumps && graph.depends(scalar, varies)
         });
         let dependence = match tangent.is_empty() {
             _ if jumps => Dependence::Nonlinear,

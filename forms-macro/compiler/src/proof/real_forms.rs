@@ -15,7 +15,9 @@ fn what_jumps_is_neither_constant_nor_linear() {
         );
         read(Source::new(2, &text).emitted()).remove("f").expect("a form").residual
     };
-    for density in ["heaviside(u)", "sign(u) * h", "u + heaviside(u)", "if u > 1 { u } else { 2 + u }"] {
+    for density in
+        ["heaviside(u)", "sign(u) * h", "u + heaviside(u)", "if u > 1 { u } else { 2 + u }", "atan2(0, u)"]
+    {
         let dependence: Vec<_> = form(density).iter().map(|one| one.dependence.clone()).collect();
         assert!(dependence.iter().any(|one| one == "Nonlinear"), "{density}: {dependence:?}");
     }
