@@ -1,7 +1,6 @@
 //! Conjugate gradients with a preconditioner, for symmetric positive definite operators.
 
-use super::error::{check_finite, check_size};
-use super::krylov::{KrylovError, KrylovOptions, KrylovReport, residual};
+use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, goal, residual};
 use super::operator::{LinearOperator, Preconditioner};
 use super::vector::{add_scaled, dot_on, norm_on};
 
@@ -17,20 +16,11 @@ pub fn cg(
     x: &mut [f64],
     options: &KrylovOptions,
 ) -> Result<KrylovReport, KrylovError> {
-    let size = operator.size();
-    check_size("the right-hand side", size, b.len())?;
-    check_size("the solution", size, x.len())?;
-    check_finite("the right-hand side", b)?;
-    check_finite("the first guess", x)?;
-    let threads = options.threads;
-    let mut report = KrylovReport::default();
-    let b_norm = norm_on(threads, b);
-    if b_norm == 0.0 {
-        x.fill(0.0);
+    let (size, threads, mut report) = (operator.size(), options.threads, KrylovReport::default());
+    let Some(Goal { b_norm, target }) = goal(size, b, x, options)? else {
         report.history.push(0.0);
         return Ok(report);
-    }
-    let target = (options.tolerance * b_norm).max(options.absolute_tolerance);
+    };
     let mut r = vec![0.0; size];
     let (mut z, mut image) = (vec![0.0; size], vec![0.0; size]);
     let mut p: Vec<f64> = Vec::new();

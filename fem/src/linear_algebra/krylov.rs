@@ -1,6 +1,6 @@
 //! What the Krylov methods for symmetric operators share: when they stop, and what they report.
 
-use super::error::LinearAlgebraError;
+use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::operator::{LinearOperator, OperatorError};
 use super::vector::norm_on;
 use crate::threads::Threads;
@@ -95,6 +95,34 @@ impl KrylovError {
             | KrylovError::IndefinitePreconditioner { report, .. } => Some(report),
         }
     }
+}
+
+/// What a residual is measured by.
+pub(super) struct Goal {
+    /// ‖b‖₂.
+    pub(super) b_norm: f64,
+    /// ‖b − A x‖₂ of a solution.
+    pub(super) target: f64,
+}
+
+/// Checks the vectors. For b = 0 there is no goal, and x becomes zero.
+pub(super) fn goal(
+    size: usize,
+    b: &[f64],
+    x: &mut [f64],
+    options: &KrylovOptions,
+) -> Result<Option<Goal>, KrylovError> {
+    check_size("the right-hand side", size, b.len())?;
+    check_size("the solution", size, x.len())?;
+    check_finite("the right-hand side", b)?;
+    check_finite("the first guess", x)?;
+    let b_norm = norm_on(options.threads, b);
+    if b_norm == 0.0 {
+        x.fill(0.0);
+        return Ok(None);
+    }
+    let target = (options.tolerance * b_norm).max(options.absolute_tolerance);
+    Ok(Some(Goal { b_norm, target }))
 }
 
 /// r = b − A x; returns ‖r‖₂.

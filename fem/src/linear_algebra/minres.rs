@@ -1,9 +1,8 @@
 //! MINRES with a preconditioner, for symmetric operators that may be indefinite (Paige and Saunders 1975).
 
-use super::error::{check_finite, check_size};
-use super::krylov::{KrylovError, KrylovOptions, KrylovReport, residual};
+use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, goal, residual};
 use super::operator::{LinearOperator, Preconditioner};
-use super::vector::{add_scaled, dot_on, norm_on};
+use super::vector::{add_scaled, dot_on};
 
 /// Solves A x = b from the given x. The preconditioner must be positive definite. It minimises the residual in the norm
 /// of the preconditioner, which the history records; whether it stops is decided by ‖b − A x‖₂, computed from x.
@@ -17,20 +16,11 @@ pub fn minres(
     x: &mut [f64],
     options: &KrylovOptions,
 ) -> Result<KrylovReport, KrylovError> {
-    let size = operator.size();
-    check_size("the right-hand side", size, b.len())?;
-    check_size("the solution", size, x.len())?;
-    check_finite("the right-hand side", b)?;
-    check_finite("the first guess", x)?;
-    let threads = options.threads;
-    let mut report = KrylovReport::default();
-    let b_norm = norm_on(threads, b);
-    if b_norm == 0.0 {
-        x.fill(0.0);
+    let (size, threads, mut report) = (operator.size(), options.threads, KrylovReport::default());
+    let Some(Goal { b_norm, target }) = goal(size, b, x, options)? else {
         report.history.push(0.0);
         return Ok(report);
-    }
-    let target = (options.tolerance * b_norm).max(options.absolute_tolerance);
+    };
     let mut room = vec![0.0; size];
     let mut r_norm = residual(operator, b, x, &mut room, threads)?;
     report.relative_residual = r_norm / b_norm;

@@ -5,8 +5,8 @@
 
 use forms_core::contract::{Basis, BilinearKernel};
 
-use super::FixedTask;
 use super::batch::{FieldBuffers, FixedBatch};
+use super::{FixedTask, put_out};
 use crate::assemble::element_kernel::{Kept, recall};
 use crate::assemble::element_matrices::Ordered;
 use crate::assemble::pairs::Pairs;
@@ -69,11 +69,7 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedMatrices<
             self.task.blocks::<L>(start, filled, buffers);
             let source = &Ordered { values: &buffers.blocks, order };
             let target = &mut self.target[start * size..][..filled * size];
-            if self.add {
-                L::store_transposed::<true>(source, size, filled, target, size);
-            } else {
-                L::store_transposed::<false>(source, size, filled, target, size);
-            }
+            put_out(source, size, filled, target, self.add);
             start += filled;
         }
     }

@@ -11,8 +11,10 @@ pub(super) use matrices::FixedMatrices;
 pub(super) use tables::{FixedTables, Listed, fits};
 pub(super) use vectors::FixedVectors;
 
+use super::element_matrices::Ordered;
 use super::sizes::Sizes;
 use super::walk::Group;
+use crate::lanes::SimdLane;
 
 /// A kernel, a group and the cells to run it on.
 pub(super) struct FixedTask<'a, K, S: Sizes, const D: usize> {
@@ -20,4 +22,14 @@ pub(super) struct FixedTask<'a, K, S: Sizes, const D: usize> {
     pub group: &'a Group<D>,
     pub tables: &'a FixedTables<S, D>,
     pub listed: Listed<'a>,
+}
+
+/// Writes results of `size` numbers each, or adds them to what is there.
+#[inline(always)]
+fn put_out<L: SimdLane>(source: &Ordered<L>, size: usize, filled: usize, target: &mut [f64], add: bool) {
+    if add {
+        L::store_transposed::<true>(source, size, filled, target, size);
+    } else {
+        L::store_transposed::<false>(source, size, filled, target, size);
+    }
 }

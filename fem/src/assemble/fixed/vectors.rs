@@ -10,9 +10,9 @@
 
 use forms_core::contract::{Basis, LinearKernel};
 
-use super::FixedTask;
 use super::batch::{FieldBuffers, FixedBatch};
 use super::tables::MOST_COMPONENTS;
+use super::{FixedTask, put_out};
 use crate::assemble::element_kernel::{Kept, recall};
 use crate::assemble::element_matrices::Ordered;
 use crate::assemble::sizes::{Array, Sizes};
@@ -59,11 +59,7 @@ impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedVectors<'_,
             }
             let source = &Ordered { values: &buffers.sums, order };
             let target = &mut self.target[start * size..][..filled * size];
-            if self.add {
-                L::store_transposed::<true>(source, size, filled, target, size);
-            } else {
-                L::store_transposed::<false>(source, size, filled, target, size);
-            }
+            put_out(source, size, filled, target, self.add);
             start += filled;
         }
     }
