@@ -8,11 +8,13 @@ mod side;
 
 use forms_core::contract::{Basis, CellGeometry, Hessian, Order, PointGeometry, Requirements, Side};
 
+use self::fields::factorised;
 use self::side::{SideBuffers, SideTables};
 pub(super) use self::side::{inverse_transposed, largest_distance, surface};
 
 use super::AssemblyError;
 use super::binding::{Binding, Values};
+use super::sum_factorisation::Stages;
 use super::walk::Group;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
@@ -43,6 +45,9 @@ pub(super) struct BatchBuffers<L, const D: usize> {
     /// Coefficients of the field of each slot: node × component.
     coefficients: Vec<Vec<L>>,
     fields: Vec<L>,
+    /// Each slot's field at all points, where it is made by sum factorisation; otherwise empty.
+    at_points: Vec<Vec<L>>,
+    stages: Stages<L>,
     /// Which derivatives of each element's basis are read.
     reads: Vec<Reads>,
     /// All of this has been made for the kernel and sizes like those of the group.
@@ -55,6 +60,8 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
             sides: [SideBuffers::default(), SideBuffers::default()],
             coefficients: vec![],
             fields: vec![],
+            at_points: vec![],
+            stages: Stages::default(),
             reads: vec![],
             prepared: false,
         }
@@ -83,7 +90,9 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
             };
         }
         self.coefficients.resize_with(requirements.fields.len(), Vec::new);
-        for (slot, coefficients) in requirements.fields.iter().zip(&mut self.coefficients) {
+        self.at_points.resize_with(requirements.fields.len(), Vec::new);
+        let lists = self.coefficients.iter_mut().zip(&mut self.at_points);
+        for (slot, (coefficients, at_points)) in requirements.fields.iter().zip(lists) {
             let side = group.side(form, slot.side)?;
             let field = binding.fields[slot.field].name;
             let (element, length) = match &binding.values[slot.field] {
@@ -103,12 +112,18 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
                 }
                 _ => (None, 0),
             };
+            coefficients.resize(length, zero);
+            at_points.clear();
             if let Some(element) = element {
+                if let Some(tables) = factorised(&group.sides[side], element, slot) {
+                    let lists = if slot.order == Order::Value { 1 } else { D };
+                    at_points.resize(slot.components * lists * tables.place_of.len(), zero);
+                    continue;
+                }
                 reads[element].value |= slot.order == Order::Value;
                 reads[element].gradient |= slot.order != Order::Value; // second derivatives need the first
                 reads[element].hessian |= slot.order == Order::Hessian;
             }
-            coefficients.resize(length, zero);
         }
         let needs_facet = requirements.normal || requirements.facet_area || requirements.curvature;
         if needs_facet && group.sides[0].facet.is_none() {
@@ -218,6 +233,12 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         &self.buffers.fields
     }
 
+    /// J⁻ᵀ on the first side at the current point.
+    #[inline(always)]
+    pub fn inverse(&self) -> &[[L; D]; D] {
+        &self.buffers.sides[0].inverse
+    }
+
     /// det J and J⁻ᵀ of this side's cells, for affine cells after [`Batch::load`].
     #[inline(always)]
     pub fn affine_map(&self, side: usize) -> (L, [[L; D]; D]) {
@@ -240,6 +261,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             self.buffers.sides[side].load(&self.tables[side], self.cells, start, filled);
         }
         self.load_coefficients(requirements, start);
+        self.factorise_fields(requirements);
         self.affine = None;
         if self.tables[0].affine {
             for side in 0..sides {
@@ -339,6 +361,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             None => {
                 let jacobian = this.jacobian_at(&tables.group.geometry, q);
                 let (determinant, inverse) = inverse_transposed(&jacobian);
+                this.inverse = inverse;
                 match &tables.group.facet {
                     None => geometry.weight = geometry.weight * determinant,
                     Some((_, tangents)) => {

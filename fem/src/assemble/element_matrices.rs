@@ -14,6 +14,7 @@ use super::binding::Binding;
 use super::pairs::Pairs;
 use super::receiver::{Buffered, Deliver, Receiver};
 use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract};
+use super::sum_factorisation::{Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit};
 use super::walk::Group;
 use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
 
@@ -41,6 +42,7 @@ pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usiz
     blocks: Vec<L>,
     /// Blocks of pairs of directions, of a reference tensor.
     directions: Vec<[L; LARGEST_BLOCK]>,
+    stages: MatrixStages<L>,
     /// The reference tensor, once it is known whether there is one.
     tensor: Option<Option<ReferenceTensor>>,
 }
@@ -53,6 +55,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Default for MatrixBuffer
             trials: vec![],
             blocks: vec![],
             directions: vec![],
+            stages: MatrixStages::default(),
             tensor: None,
         }
     }
@@ -156,15 +159,17 @@ impl<const D: usize> ElementMatrices<'_, D> {
         receiver: &mut impl Receiver,
     ) -> Result<(), AssemblyError> {
         let [rows, columns] = self.nodes();
-        let MatrixBuffers { batch, tests, trials, blocks, directions, tensor } = buffers;
+        let MatrixBuffers { batch, tests, trials, blocks, directions, stages, tensor } = buffers;
         if tensor.is_none() && !range.is_empty() {
             let side = &self.group.sides[self.sides[0]];
             let weights = &self.group.weights;
             *tensor = Some(ReferenceTensor::for_kernel::<K, D>(side, self.elements, weights, self.symmetric));
         }
         let tensor = tensor.as_ref().and_then(Option::as_ref);
+        let factorised = self.factorised::<K>();
+        let arguments: &[usize] = if factorised.is_some() { &[] } else { &self.elements };
         let mut batch =
-            Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, &self.elements, batch)?;
+            Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, arguments, batch)?;
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         let size = rows * columns * entries;
         let order = &order[..size];
@@ -173,10 +178,13 @@ impl<const D: usize> ElementMatrices<'_, D> {
             let filled = L::WIDTH.min(range.end - start);
             let cell = kernel.cell(&batch.load(start, filled));
             blocks.resize(size, L::splat(0.0));
-            match tensor {
-                Some(tensor) if K::CELL_CONSTANT => {
+            match (tensor, factorised) {
+                (Some(tensor), _) if K::CELL_CONSTANT => {
                     let (determinant, inverse) = batch.affine_map(self.sides[0]);
                     contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
+                }
+                (_, Some(tables)) => {
+                    self.integrate_along_axes::<K, L>(kernel, &cell, tables, &mut batch, stages, blocks)?;
                 }
                 _ => self.integrate::<K, L>(kernel, &cell, &mut batch, tests, trials, blocks)?,
             }
@@ -186,6 +194,70 @@ impl<const D: usize> ElementMatrices<'_, D> {
             receiver.filled(start, filled, size)?;
             start += filled;
         }
+        Ok(())
+    }
+
+    /// The tables, if the form is scalar and sum factorisation takes fewer operations than sums over the points for
+    /// each pair.
+    fn factorised<K: BilinearKernel<D>>(&self) -> Option<&ProductTables> {
+        let requirements = &K::REQUIREMENTS;
+        let suited = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS == 1
+            && self.elements[0] == self.elements[1]
+            && self.sides == [0, 0]
+            && !requirements.hessian;
+        let tables = self.group.sides[0].products[self.elements[0]].as_ref().filter(|_| suited)?;
+        let count = K::OPERATIONS;
+        let (nodes, points) = (tables.node_at.len(), self.group.points());
+        let pairs = if self.symmetric { nodes * (nodes + 1) / 2 } else { nodes * nodes };
+        let derivatives = Derivatives::of_arguments(requirements);
+        let transformed = if derivatives.gradient { D * D } else { 0 };
+        let direct = points * (nodes * (count.test + count.trial + transformed) + pairs * count.pair)
+            + pairs * count.finish;
+        let asked = derivatives.count::<D>();
+        let at_point = asked * (count.test + count.trial) + asked * asked * (count.pair + count.finish);
+        let made = points * at_point + matrix_operations::<D>(tables, derivatives, self.symmetric);
+        (made < direct).then_some(tables)
+    }
+
+    /// The entries of all pairs: at each point the kernel is asked for the functions whose value, or whose derivative
+    /// along one axis of the reference cell, is one; sums over the points follow axis by axis.
+    #[inline(always)]
+    fn integrate_along_axes<K: BilinearKernel<D>, L: SimdLane>(
+        &self,
+        kernel: &K,
+        cell: &K::Cell<L>,
+        tables: &ProductTables,
+        batch: &mut Batch<L, D>,
+        stages: &mut MatrixStages<L>,
+        blocks: &mut [L],
+    ) -> Result<(), AssemblyError> {
+        let (symmetric, derivatives) = (self.symmetric, Derivatives::of_arguments(&K::REQUIREMENTS));
+        stages.prepare::<D>(tables, symmetric);
+        let zero = L::splat(0.0);
+        let hessian = [[zero; D]; D];
+        for q in 0..self.group.points() {
+            let geometry = batch.point(q)?;
+            let point = kernel.point(cell, &geometry, batch.fields());
+            let place = tables.place_of[q] as usize;
+            let inverse = batch.inverse();
+            for s in 0..=D {
+                if !derivatives.has(s) {
+                    continue;
+                }
+                let test = kernel.test(&point, &unit(inverse, s), &hessian);
+                for t in 0..=D {
+                    if !derivatives.has(t) {
+                        continue;
+                    }
+                    let trial = kernel.trial(&point, &unit(inverse, t), &hessian);
+                    let mut sum = K::zero::<L>();
+                    K::pair(&mut sum, &test, &trial);
+                    let block = kernel.finish(cell, &sum);
+                    stages.coefficients::<D>([s, t])[place] = block.as_ref()[0];
+                }
+            }
+        }
+        L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
         Ok(())
     }
 }

@@ -12,6 +12,7 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::element_matrices::Ordered;
 use super::receiver::{Buffered, Deliver, Receiver};
+use super::sum_factorisation::{Derivatives, Integration, ProductTables, Stages, axis_operations, unit};
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, SimdLane, Transposition};
 
@@ -31,11 +32,14 @@ pub(super) struct ElementVectors<'a, const D: usize> {
 pub(super) struct VectorBuffers<L, const D: usize> {
     batch: BatchBuffers<L, D>,
     sums: Vec<L>,
+    /// What meets the basis functions' values and derivatives at each point, for sum factorisation.
+    at_points: Vec<L>,
+    stages: Stages<L>,
 }
 
 impl<L: SimdLane, const D: usize> Default for VectorBuffers<L, D> {
     fn default() -> Self {
-        VectorBuffers { batch: BatchBuffers::default(), sums: vec![] }
+        VectorBuffers { batch: BatchBuffers::default(), sums: vec![], at_points: vec![], stages: Stages::default() }
     }
 }
 
@@ -81,13 +85,16 @@ impl<const D: usize> ElementVectors<'_, D> {
         let nodes = self.nodes();
         let size = nodes * components;
         let zero = L::splat(0.0);
-        let VectorBuffers { batch, sums } = buffers;
+        let VectorBuffers { batch, sums, at_points, stages } = buffers;
+        let factorised = self.factorised::<K>();
+        let own = [self.element];
+        let arguments: &[usize] = if factorised.is_some() { &[] } else { &own };
         let mut batch = Batch::<L, D>::new(
             self.binding,
             self.group,
             self.cells,
             K::REQUIREMENTS,
-            &[self.element],
+            arguments,
             batch,
         )?;
         sums.resize(size, zero);
@@ -95,6 +102,12 @@ impl<const D: usize> ElementVectors<'_, D> {
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
             let cell = kernel.cell(&batch.load(start, filled));
+            if let Some(tables) = factorised {
+                self.integrate_along_axes(kernel, &cell, tables, &mut batch, at_points, stages, sums)?;
+                self.hand_over(sums, order, start, filled, receiver)?;
+                start += filled;
+                continue;
+            }
             sums.fill(zero);
             for q in 0..self.group.points() {
                 let geometry = batch.point(q)?;
@@ -109,19 +122,87 @@ impl<const D: usize> ElementVectors<'_, D> {
                     }
                 }
             }
-            let target = receiver.room(start, filled, size);
-            match order {
-                None => {
-                    L::call(Transposition { source: &sums[..], count: size, filled, target, stride: size })
-                }
-                Some(order) => {
-                    let source = &Ordered { values: sums, order: &order[..size] };
-                    L::call(Transposition { source, count: size, filled, target, stride: size });
-                }
-            }
-            receiver.filled(start, filled, size)?;
+            self.hand_over(sums, order, start, filled, receiver)?;
             start += filled;
         }
+        Ok(())
+    }
+
+    /// Writes the vectors of a batch to the receiver.
+    #[inline(always)]
+    fn hand_over<L: SimdLane>(
+        &self,
+        sums: &[L],
+        order: Option<&[u32]>,
+        start: usize,
+        filled: usize,
+        receiver: &mut impl Receiver,
+    ) -> Result<(), AssemblyError> {
+        let size = sums.len();
+        let target = receiver.room(start, filled, size);
+        match order {
+            None => L::call(Transposition { source: sums, count: size, filled, target, stride: size }),
+            Some(order) => {
+                let source = &Ordered { values: sums, order: &order[..size] };
+                L::call(Transposition { source, count: size, filled, target, stride: size });
+            }
+        }
+        receiver.filled(start, filled, size)
+    }
+
+    /// The tables, if sum factorisation takes fewer operations than sums over the nodes at each point.
+    fn factorised<K: LinearKernel<D>>(&self) -> Option<&ProductTables> {
+        let tables = self.group.sides[self.side].products[self.element].as_ref()?;
+        let requirements = &K::REQUIREMENTS;
+        if requirements.hessian {
+            return None;
+        }
+        let (nodes, points) = (self.nodes(), self.group.points());
+        let derivatives = Derivatives::of_arguments(requirements);
+        let transformed = if derivatives.gradient { D * D } else { 0 };
+        let direct = points * nodes * (K::OPERATIONS.test + transformed);
+        let made = points * derivatives.count::<D>() * K::OPERATIONS.test
+            + K::TEST_COMPONENTS * axis_operations::<D>(tables, derivatives);
+        (made < direct).then_some(tables)
+    }
+
+    /// The sums of a batch: at each point the kernel is asked for the functions whose value, or whose derivative along
+    /// one axis of the reference cell, is one; sums over the points follow axis by axis.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn integrate_along_axes<K: LinearKernel<D>, L: SimdLane>(
+        &self,
+        kernel: &K,
+        cell: &K::Cell<L>,
+        tables: &ProductTables,
+        batch: &mut Batch<L, D>,
+        at_points: &mut Vec<L>,
+        stages: &mut Stages<L>,
+        sums: &mut [L],
+    ) -> Result<(), AssemblyError> {
+        let components = K::TEST_COMPONENTS;
+        let (zero, points) = (L::splat(0.0), self.group.points());
+        let derivatives = Derivatives::of_arguments(&K::REQUIREMENTS);
+        let lists = derivatives.count::<D>();
+        at_points.resize(components * lists * points, zero);
+        let hessian = [[zero; D]; D];
+        for q in 0..points {
+            let geometry = batch.point(q)?;
+            let flux = kernel.point(cell, &geometry, batch.fields());
+            let place = tables.place_of[q] as usize;
+            for kind in 0..=D {
+                if !derivatives.has(kind) {
+                    continue;
+                }
+                let block = kernel.test(&flux, &unit(batch.inverse(), kind), &hessian);
+                let block = &block.as_ref()[..components];
+                for component in 0..components {
+                    let list = component * lists + derivatives.place(kind);
+                    at_points[list * points + place] = block[component];
+                }
+            }
+        }
+        L::call(Integration::<L, D> { tables, derivatives, source: at_points, components, stages, sums });
         Ok(())
     }
 }

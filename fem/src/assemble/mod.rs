@@ -4,7 +4,8 @@
 //! binding   a form's data against a mesh: regions, fields, parameters checked
 //! walk      a region as groups of entities with common tables
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
-//! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor: two ways
+//! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor and
+//!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
 //! block_pattern, place_map   the positions of a matrix, and where element matrices go
 //! partition, scatter   which thread adds what, in the order of one thread
@@ -30,6 +31,7 @@ mod reference_tensor;
 mod residual;
 mod scatter;
 mod sizes;
+mod sum_factorisation;
 mod tangent;
 mod walk;
 

@@ -8,6 +8,7 @@ use forms_core::contract::{Integral, Order, Requirements, Side};
 
 use super::AssemblyError;
 use super::binding::{Binding, Entities, Tabulated};
+use super::sum_factorisation::ProductTables;
 use crate::element::Tables;
 use crate::mesh::Mesh;
 use crate::quadrature::{
@@ -36,6 +37,8 @@ pub(super) struct GroupSide<const D: usize> {
     pub geometry: Tables<D>,
     /// One table per element of the binding; of a space on facets, the traces that do not vanish.
     pub elements: Vec<Tables<D>>,
+    /// The same as products of functions along the axes, where they are, inside cells.
+    pub products: Vec<Option<ProductTables>>,
     /// Second derivatives of the geometry map's basis along the facet's tangents, for the curvature:
     /// [t₀t₀, t₀t₁, t₁t₁] at `q * nodes + i`.
     pub bending: Vec<[f64; 3]>,
@@ -148,6 +151,7 @@ impl<const D: usize> GroupSide<D> {
             facet: *facet,
             geometry: map,
             elements: elements.iter().map(|element| element.tabulate(points, local, hessians)).collect(),
+            products: elements.iter().map(|element| element.products(places)).collect(),
             bending,
             measure: Measure {
                 cell: geometry.tabulate(&rule.points),
@@ -159,6 +163,11 @@ impl<const D: usize> GroupSide<D> {
 }
 
 impl Tabulated {
+    fn products<const D: usize>(&self, places: &Places<D>) -> Option<ProductTables> {
+        let inside = places.facet.is_none() && !self.on_facets;
+        if inside { ProductTables::new(&self.element, &places.points) } else { None }
+    }
+
     fn tabulate<const D: usize>(&self, points: &[[f64; D]], facet: Option<u8>, hessians: bool) -> Tables<D> {
         let element = &self.element;
         let whole = if hessians { element.tabulate_with_hessians(points) } else { element.tabulate(points) };

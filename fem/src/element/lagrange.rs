@@ -253,16 +253,32 @@ impl Lagrange {
             let first = self.ascending(1.0 - point.iter().sum::<f64>());
             return (std::array::from_fn(|k| self.ascending(point[k])), first);
         }
-        // On the segment, the simplex of one dimension, the two factors make one.
-        let segment = |x: f64| -> Factors {
-            let (left, right) = (self.ascending(1.0 - x), self.ascending(x));
-            std::array::from_fn(|steps| {
-                let Some(rest) = self.degree.checked_sub(steps) else { return [0.0; 3] };
-                let ([a, da, dda], [b, db, ddb]) = (left[rest], right[steps]);
-                [a * b, a * db - da * b, dda * b - 2.0 * da * db + a * ddb]
-            })
-        };
-        (std::array::from_fn(|k| segment(point[k])), [[1.0, 0.0, 0.0]; MAXIMUM_DEGREE + 1])
+        (std::array::from_fn(|k| self.segment(point[k])), [[1.0, 0.0, 0.0]; MAXIMUM_DEGREE + 1])
+    }
+
+    /// The basis on the segment, the simplex of one dimension, where two factors make one.
+    fn segment(&self, x: f64) -> Factors {
+        let (left, right) = (self.ascending(1.0 - x), self.ascending(x));
+        std::array::from_fn(|steps| {
+            let Some(rest) = self.degree.checked_sub(steps) else { return [0.0; 3] };
+            let ([a, da, dda], [b, db, ddb]) = (left[rest], right[steps]);
+            [a * b, a * db - da * b, dda * b - 2.0 * da * db + a * ddb]
+        })
+    }
+
+    /// Value and derivative, at one coordinate, of the degree + 1 functions whose products are the basis functions of
+    /// quadrilaterals and hexahedra.
+    pub(crate) fn axis_factors(&self, t: f64) -> Vec<[f64; 2]> {
+        self.segment(t)[..=self.degree].iter().map(|[value, slope, _]| [*value, *slope]).collect()
+    }
+
+    /// Which of these functions is each node's factor along each axis; `None` where basis functions are no products.
+    pub(crate) fn grid_steps<const D: usize>(&self) -> Option<Vec<[usize; D]>> {
+        if self.shape.is_simplex() || self.degree == 0 || self.shape.dimension() != D {
+            return None;
+        }
+        let of_node = |steps: &Steps| std::array::from_fn(|axis| usize::from(steps[axis]));
+        Some(lattice(self.shape, self.degree).iter().map(of_node).collect())
     }
 
     /// p_n(λ) = Π_{m < n} (kλ − m)/(m + 1): 1 at λ = n/k, zero at the multiples of 1/k below.

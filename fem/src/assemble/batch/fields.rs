@@ -7,11 +7,13 @@
 use forms_core::contract::{FieldSlot, Order, Requirements, Side};
 use forms_core::source::PositionFunction;
 
-use super::{Batch, Cells};
+use super::{Batch, BatchBuffers, Cells};
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Values;
+use crate::assemble::sum_factorisation::{Derivatives, Interpolation, ProductTables, axis_operations};
+use crate::assemble::walk::GroupSide;
 use crate::history::{HistoryMismatch, Snapshot};
-use crate::lanes::{SimdLane, Starts, WIDEST};
+use crate::lanes::{SharedWork, SimdLane, Starts, WIDEST};
 
 impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     /// Whether a field is a function of position.
@@ -98,6 +100,9 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         *target = L::splat(value);
                     }
                 }
+                Values::Discrete { .. } | Values::Given { .. } if !self.buffers.at_points[index].is_empty() => {
+                    self.pick(&slot, index, q);
+                }
                 Values::Discrete { element, .. } | Values::Given { element, .. } => {
                     let nodes = self.buffers.sides[side_index(slot.side)].basis[*element].len();
                     self.interpolate(&slot, index, *element, nodes);
@@ -121,6 +126,64 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             }
         }
         Ok(())
+    }
+
+    /// Makes the fields at all points that sum factorisation makes.
+    #[inline(always)]
+    pub(super) fn factorise_fields(&mut self, requirements: &Requirements) {
+        for index in 0..requirements.fields.len() {
+            if self.buffers.at_points[index].is_empty() {
+                continue;
+            }
+            let slot = &requirements.fields[index];
+            let element = match &self.binding.values[slot.field] {
+                Values::Discrete { element, .. } | Values::Given { element, .. } => *element,
+                _ => continue,
+            };
+            let Some(tables) = &self.group.sides[0].products[element] else { continue };
+            let BatchBuffers { coefficients, at_points, stages, .. } = &mut *self.buffers;
+            Interpolation::<L, D> {
+                tables,
+                derivatives: Derivatives::of_slot(slot),
+                coefficients: &coefficients[index],
+                components: slot.components,
+                stages,
+                target: &mut at_points[index],
+            }
+            .run();
+        }
+    }
+
+    /// A field made by sum factorisation, at the q-th point.
+    #[inline(always)]
+    fn pick(&mut self, slot: &FieldSlot, index: usize, q: usize) {
+        let element = match &self.binding.values[slot.field] {
+            Values::Discrete { element, .. } | Values::Given { element, .. } => *element,
+            _ => return,
+        };
+        let Some(tables) = &self.group.sides[0].products[element] else { return };
+        let (points, place) = (tables.place_of.len(), tables.place_of[q] as usize);
+        let inverse = self.buffers.sides[0].inverse;
+        let BatchBuffers { at_points, fields, .. } = &mut *self.buffers;
+        let source = &at_points[index];
+        for component in 0..slot.components {
+            if slot.order == Order::Value {
+                fields[slot.offset + component] = source[component * points + place];
+                continue;
+            }
+            let mut slopes = [L::splat(0.0); D];
+            for axis in 0..D {
+                slopes[axis] = source[(component * D + axis) * points + place];
+            }
+            let target = &mut fields[slot.offset + component * D..][..D];
+            for i in 0..D {
+                let mut sum = inverse[i][0] * slopes[0];
+                for axis in 1..D {
+                    sum = inverse[i][axis].multiply_add(slopes[axis], sum);
+                }
+                target[i] = sum;
+            }
+        }
     }
 
     /// Σ over the nodes of coefficient × basis function, or its derivatives.
@@ -238,6 +301,24 @@ fn gather_all<L: SimdLane>(values: &[f64], places: &[usize; WIDEST], target: &mu
             }
         }
     }
+}
+
+/// The tables, if sum factorisation makes a slot's field in fewer operations than sums over the nodes at each point.
+pub(super) fn factorised<'a, const D: usize>(
+    side: &'a GroupSide<D>,
+    element: usize,
+    slot: &FieldSlot,
+) -> Option<&'a ProductTables> {
+    let tables = side.products[element].as_ref()?;
+    let (nodes, points) = (tables.node_at.len(), tables.place_of.len());
+    let (direct, at_point) = match slot.order {
+        Order::Value => (nodes, 0),
+        // The gradients of the basis may be there anyway, so that they do not count.
+        Order::Gradient => (nodes * D, D * D),
+        Order::Hessian => return None,
+    };
+    let made = axis_operations::<D>(tables, Derivatives::of_slot(slot)) + points * at_point;
+    (made < points * direct).then_some(tables)
 }
 
 fn side_index(side: Side) -> usize {
