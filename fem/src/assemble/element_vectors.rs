@@ -39,7 +39,12 @@ pub(super) struct VectorBuffers<L, const D: usize> {
 
 impl<L: SimdLane, const D: usize> Default for VectorBuffers<L, D> {
     fn default() -> Self {
-        VectorBuffers { batch: BatchBuffers::default(), sums: vec![], at_points: vec![], stages: Stages::default() }
+        VectorBuffers {
+            batch: BatchBuffers::default(),
+            sums: vec![],
+            at_points: vec![],
+            stages: Stages::default(),
+        }
     }
 }
 
@@ -89,14 +94,8 @@ impl<const D: usize> ElementVectors<'_, D> {
         let factorised = self.factorised::<K>();
         let own = [self.element];
         let arguments: &[usize] = if factorised.is_some() { &[] } else { &own };
-        let mut batch = Batch::<L, D>::new(
-            self.binding,
-            self.group,
-            self.cells,
-            K::REQUIREMENTS,
-            arguments,
-            batch,
-        )?;
+        let mut batch =
+            Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, arguments, batch)?;
         sums.resize(size, zero);
         let mut start = range.start;
         while start < range.end {

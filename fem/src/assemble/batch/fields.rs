@@ -100,7 +100,9 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         *target = L::splat(value);
                     }
                 }
-                Values::Discrete { .. } | Values::Given { .. } if !self.buffers.at_points[index].is_empty() => {
+                Values::Discrete { .. } | Values::Given { .. }
+                    if !self.buffers.at_points[index].is_empty() =>
+                {
                     self.pick(&slot, index, q);
                 }
                 Values::Discrete { element, .. } | Values::Given { element, .. } => {

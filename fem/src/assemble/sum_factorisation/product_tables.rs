@@ -36,13 +36,16 @@ impl ProductTables {
         let (n, m) = (element.degree + 1, coordinates.len());
         let factors: Vec<_> = coordinates.iter().map(|t| element.axis_factors(*t)).collect();
         let table = |order: usize, node: usize, q: usize| factors[q][node][order];
-        let by_point =
-            |order| (0..m).flat_map(|q| (0..n).map(move |a| (q, a))).map(|(q, a)| table(order, a, q)).collect();
-        let by_node =
-            |order| (0..n).flat_map(|a| (0..m).map(move |q| (q, a))).map(|(q, a)| table(order, a, q)).collect();
+        let by_point = |order| {
+            (0..m).flat_map(|q| (0..n).map(move |a| (q, a))).map(|(q, a)| table(order, a, q)).collect()
+        };
+        let by_node = |order| {
+            (0..n).flat_map(|a| (0..m).map(move |q| (q, a))).map(|(q, a)| table(order, a, q)).collect()
+        };
         let by_pair = |first: usize, second: usize, ordered: bool| {
             let pairs = (0..n).flat_map(|a| (0..n).map(move |b| (a, b))).filter(|(a, b)| !ordered || a <= b);
-            pairs.flat_map(|(a, b)| (0..m).map(move |q| (a, b, q)))
+            pairs
+                .flat_map(|(a, b)| (0..m).map(move |q| (a, b, q)))
                 .map(|(a, b, q)| table(first, a, q) * table(second, b, q))
                 .collect()
         };

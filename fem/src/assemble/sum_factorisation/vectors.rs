@@ -4,8 +4,8 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use super::{Derivatives, ProductTables};
 use super::contraction::contract;
+use super::{Derivatives, ProductTables};
 use crate::lanes::{SharedWork, SimdLane};
 
 /// Sums on their way, axis by axis: those of the value first, then those of the derivative along each axis.
