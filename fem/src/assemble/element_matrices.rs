@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use forms_core::contract::BilinearKernel;
+use forms_core::contract::{Basis, BilinearKernel};
 
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
@@ -94,25 +94,38 @@ impl<const D: usize> ElementMatrices<'_, D> {
         })
     }
 
-    /// The blocks of all pairs by the loop over points.
+    /// The factors of all test and trial functions at all points, function by function; where sums go along the axes,
+    /// of the functions whose value, or whose derivative along one axis of the reference cell, is one.
     #[inline(always)]
-    fn integrate<K: BilinearKernel<D>, L: SimdLane>(
+    fn factors<K: BilinearKernel<D>, L: SimdLane>(
         &self,
         kernel: &K,
         cell: &K::Cell<L>,
         batch: &mut Batch<L, D>,
+        factorised: Option<&ProductTables>,
         tests: &mut Vec<K::Test<L>>,
         trials: &mut Vec<K::Trial<L>>,
-        blocks: &mut [L],
     ) -> Result<(), AssemblyError> {
-        let [rows, columns] = self.nodes();
+        let zero = L::splat(0.0);
+        let derivatives = Derivatives::of_arguments(&K::REQUIREMENTS);
+        let asked = derivatives.count::<D>();
+        let [rows, columns] = if factorised.is_some() { [asked; 2] } else { self.nodes() };
         let points = self.group.points();
+        let none = &[[[zero; D]; D]; 4][..asked];
         for q in 0..points {
             let geometry = batch.point(q)?;
             let point = kernel.point(cell, &geometry, batch.fields());
-            let basis = batch.basis(self.sides[0], self.elements[0]);
-            let hessians = batch.hessians(self.sides[0], self.elements[0]);
-            let (basis, hessians) = (&basis[..rows], &hessians[..rows]);
+            let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
+            let (mut basis, mut hessians);
+            if factorised.is_some() {
+                for k in 0..asked {
+                    units[k] = unit(batch.inverse(), derivatives.kind(k));
+                }
+                (basis, hessians) = (&units[..asked], none);
+            } else {
+                basis = &batch.basis(self.sides[0], self.elements[0])[..rows];
+                hessians = &batch.hessians(self.sides[0], self.elements[0])[..rows];
+            }
             // There is no empty factor: the memory is made with the first one.
             if tests.len() != rows * points {
                 tests.clear();
@@ -122,9 +135,10 @@ impl<const D: usize> ElementMatrices<'_, D> {
             for i in 0..rows {
                 tests[i * points + q] = kernel.test(&point, &basis[i], &hessians[i]);
             }
-            let basis = batch.basis(self.sides[1], self.elements[1]);
-            let hessians = batch.hessians(self.sides[1], self.elements[1]);
-            let (basis, hessians) = (&basis[..columns], &hessians[..columns]);
+            if factorised.is_none() {
+                basis = &batch.basis(self.sides[1], self.elements[1])[..columns];
+                hessians = &batch.hessians(self.sides[1], self.elements[1])[..columns];
+            }
             if trials.len() != columns * points {
                 trials.clear();
                 trials.resize(columns * points, kernel.trial(&point, &basis[0], &hessians[0]));
@@ -134,17 +148,48 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 trials[j * points + q] = kernel.trial(&point, &basis[j], &hessians[j]);
             }
         }
-        let pairs = Pairs {
-            kernel,
-            cell,
-            tests: &tests[..rows * points],
-            trials: &trials[..columns * points],
-            nodes: [rows, columns],
-            points,
-            symmetric: self.symmetric,
-        };
-        pairs.sum(blocks);
         Ok(())
+    }
+
+    /// The blocks of all pairs, each a sum over the points.
+    #[inline(always)]
+    fn sum_pairs<K: BilinearKernel<D>, L: SimdLane>(
+        &self,
+        kernel: &K,
+        cell: &K::Cell<L>,
+        (tests, trials): (&[K::Test<L>], &[K::Trial<L>]),
+        blocks: &mut [L],
+    ) {
+        let (nodes, points, symmetric) = (self.nodes(), self.group.points(), self.symmetric);
+        Pairs { kernel, cell, tests, trials, nodes, points, symmetric }.sum(blocks);
+    }
+
+    /// The entries of all pairs, from those of the functions asked for at each point, axis by axis.
+    #[inline(always)]
+    fn sum_along_axes<K: BilinearKernel<D>, L: SimdLane>(
+        &self,
+        kernel: &K,
+        cell: &K::Cell<L>,
+        tables: &ProductTables,
+        (tests, trials): (&[K::Test<L>], &[K::Trial<L>]),
+        stages: &mut MatrixStages<L>,
+        blocks: &mut [L],
+    ) {
+        let (symmetric, derivatives) = (self.symmetric, Derivatives::of_arguments(&K::REQUIREMENTS));
+        stages.prepare::<D>(tables, symmetric);
+        let points = self.group.points();
+        let asked = derivatives.count::<D>();
+        for s in 0..asked {
+            for t in 0..asked {
+                let target = stages.coefficients::<D>([derivatives.kind(s), derivatives.kind(t)]);
+                for q in 0..points {
+                    let mut sum = K::zero::<L>();
+                    K::pair(&mut sum, &tests[s * points + q], &trials[t * points + q]);
+                    target[tables.place_of[q] as usize] = kernel.finish(cell, &sum).as_ref()[0];
+                }
+            }
+        }
+        L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
     }
 
     /// The loops. The entries of an element matrix come out in the order that [`block_order`] gives to
@@ -183,10 +228,22 @@ impl<const D: usize> ElementMatrices<'_, D> {
                     let (determinant, inverse) = batch.affine_map(self.sides[0]);
                     contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
                 }
-                (_, Some(tables)) => {
-                    self.integrate_along_axes::<K, L>(kernel, &cell, tables, &mut batch, stages, blocks)?;
+                _ => {
+                    self.factors::<K, L>(kernel, &cell, &mut batch, factorised, tests, trials)?;
+                    match factorised {
+                        Some(tables) if const { scalar::<K, D>() } => {
+                            self.sum_along_axes::<K, L>(
+                                kernel,
+                                &cell,
+                                tables,
+                                (tests, trials),
+                                stages,
+                                blocks,
+                            );
+                        }
+                        _ => self.sum_pairs::<K, L>(kernel, &cell, (tests, trials), blocks),
+                    }
                 }
-                _ => self.integrate::<K, L>(kernel, &cell, &mut batch, tests, trials, blocks)?,
             }
             let source = &Ordered { values: blocks, order };
             let target = receiver.room(start, filled, size);
@@ -197,69 +254,39 @@ impl<const D: usize> ElementMatrices<'_, D> {
         Ok(())
     }
 
-    /// The tables, if the form is scalar and sum factorisation takes fewer operations than sums over the points for
-    /// each pair.
+    /// The tables, if sums go along the axes.
     fn factorised<K: BilinearKernel<D>>(&self) -> Option<&ProductTables> {
-        let requirements = &K::REQUIREMENTS;
-        let suited = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS == 1
-            && self.elements[0] == self.elements[1]
-            && self.sides == [0, 0]
-            && !requirements.hessian;
+        let suited = self.elements[0] == self.elements[1] && self.sides == [0, 0];
         let tables = self.group.sides[0].products[self.elements[0]].as_ref().filter(|_| suited)?;
-        let count = K::OPERATIONS;
-        let (nodes, points) = (tables.node_at.len(), self.group.points());
-        let pairs = if self.symmetric { nodes * (nodes + 1) / 2 } else { nodes * nodes };
-        let derivatives = Derivatives::of_arguments(requirements);
-        let transformed = if derivatives.gradient { D * D } else { 0 };
-        let direct = points * (nodes * (count.test + count.trial + transformed) + pairs * count.pair)
-            + pairs * count.finish;
-        let asked = derivatives.count::<D>();
-        let at_point = asked * (count.test + count.trial) + asked * asked * (count.pair + count.finish);
-        let made = points * at_point + matrix_operations::<D>(tables, derivatives, self.symmetric);
-        (made < direct).then_some(tables)
+        along_axes::<K, D>(tables, self.symmetric).then_some(tables)
     }
+}
 
-    /// The entries of all pairs: at each point the kernel is asked for the functions whose value, or whose derivative
-    /// along one axis of the reference cell, is one; sums over the points follow axis by axis.
-    #[inline(always)]
-    fn integrate_along_axes<K: BilinearKernel<D>, L: SimdLane>(
-        &self,
-        kernel: &K,
-        cell: &K::Cell<L>,
-        tables: &ProductTables,
-        batch: &mut Batch<L, D>,
-        stages: &mut MatrixStages<L>,
-        blocks: &mut [L],
-    ) -> Result<(), AssemblyError> {
-        let (symmetric, derivatives) = (self.symmetric, Derivatives::of_arguments(&K::REQUIREMENTS));
-        stages.prepare::<D>(tables, symmetric);
-        let zero = L::splat(0.0);
-        let hessian = [[zero; D]; D];
-        for q in 0..self.group.points() {
-            let geometry = batch.point(q)?;
-            let point = kernel.point(cell, &geometry, batch.fields());
-            let place = tables.place_of[q] as usize;
-            let inverse = batch.inverse();
-            for s in 0..=D {
-                if !derivatives.has(s) {
-                    continue;
-                }
-                let test = kernel.test(&point, &unit(inverse, s), &hessian);
-                for t in 0..=D {
-                    if !derivatives.has(t) {
-                        continue;
-                    }
-                    let trial = kernel.trial(&point, &unit(inverse, t), &hessian);
-                    let mut sum = K::zero::<L>();
-                    K::pair(&mut sum, &test, &trial);
-                    let block = kernel.finish(cell, &sum);
-                    stages.coefficients::<D>([s, t])[place] = block.as_ref()[0];
-                }
-            }
-        }
-        L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
-        Ok(())
+/// Whether sum factorisation takes fewer operations than sums over the points for each pair. Of vector forms it does
+/// not: each of the D² entries of a block would need sums of its own for each pair of derivatives.
+pub(super) fn along_axes<K: BilinearKernel<D>, const D: usize>(
+    tables: &ProductTables,
+    symmetric: bool,
+) -> bool {
+    let requirements = &K::REQUIREMENTS;
+    if !const { scalar::<K, D>() } || requirements.hessian {
+        return false;
     }
+    let count = K::OPERATIONS;
+    let (nodes, points) = (tables.node_at.len(), tables.place_of.len());
+    let pairs = if symmetric { nodes * (nodes + 1) / 2 } else { nodes * nodes };
+    let derivatives = Derivatives::of_arguments(requirements);
+    let transformed = if derivatives.gradient { D * D } else { 0 };
+    let direct = points * (nodes * (count.test + count.trial + transformed) + pairs * count.pair)
+        + pairs * count.finish;
+    let asked = derivatives.count::<D>();
+    let at_point = asked * (count.test + count.trial) + asked * asked * (count.pair + count.finish);
+    points * at_point + matrix_operations::<D>(tables, derivatives, symmetric) < direct
+}
+
+/// Whether a block is a number.
+pub(super) const fn scalar<K: BilinearKernel<D>, const D: usize>() -> bool {
+    K::TEST_COMPONENTS * K::TRIAL_COMPONENTS == 1
 }
 
 struct Compute<'a, 'd, K, const D: usize> {

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use forms_core::contract::LinearKernel;
+use forms_core::contract::{Basis, LinearKernel};
 
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
@@ -76,7 +76,8 @@ impl<const D: usize> ElementVectors<'_, D> {
         })
     }
 
-    /// The loops. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.
+    /// The loops. Where sums go along the axes, the kernel is asked at each point for the functions whose value, or whose
+    /// derivative along one axis of the reference cell, is one. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.
     #[inline(always)]
     pub fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane>(
         &self,
@@ -97,56 +98,63 @@ impl<const D: usize> ElementVectors<'_, D> {
         let mut batch =
             Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, arguments, batch)?;
         sums.resize(size, zero);
+        let derivatives = Derivatives::of_arguments(&K::REQUIREMENTS);
+        let asked = derivatives.count::<D>();
+        if let Some(tables) = factorised {
+            at_points.resize(components * asked * tables.place_of.len(), zero);
+        }
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
             let cell = kernel.cell(&batch.load(start, filled));
-            if let Some(tables) = factorised {
-                self.integrate_along_axes(kernel, &cell, tables, &mut batch, at_points, stages, sums)?;
-                self.hand_over(sums, order, start, filled, receiver)?;
-                start += filled;
-                continue;
-            }
-            sums.fill(zero);
+            // What is added for function i and component c stands at `(i * components + c) * stride`, from `place` on.
+            let (target, stride) = match factorised {
+                Some(tables) => (&mut at_points[..], tables.place_of.len()),
+                None => (&mut sums[..], 1),
+            };
+            target.fill(zero);
             for q in 0..self.group.points() {
                 let geometry = batch.point(q)?;
                 let flux = kernel.point(&cell, &geometry, batch.fields());
-                let basis = &batch.basis(self.side, self.element)[..nodes];
-                let hessians = &batch.hessians(self.side, self.element)[..nodes];
-                for i in 0..nodes {
-                    let block = kernel.test(&flux, &basis[i], &hessians[i]);
-                    let (block, sums) = (block.as_ref(), &mut sums[i * components..][..components]);
+                let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
+                let (functions, hessians, place) = match factorised {
+                    Some(tables) => {
+                        for k in 0..asked {
+                            units[k] = unit(batch.inverse(), derivatives.kind(k));
+                        }
+                        (&units[..asked], &[[[zero; D]; D]; 4][..asked], tables.place_of[q] as usize)
+                    }
+                    None => {
+                        let basis = &batch.basis(self.side, self.element)[..nodes];
+                        (basis, &batch.hessians(self.side, self.element)[..nodes], 0)
+                    }
+                };
+                for i in 0..functions.len() {
+                    let block = kernel.test(&flux, &functions[i], &hessians[i]);
+                    let block = &block.as_ref()[..components];
                     for component in 0..components {
-                        sums[component] += block[component];
+                        target[(i * components + component) * stride + place] += block[component];
                     }
                 }
             }
-            self.hand_over(sums, order, start, filled, receiver)?;
+            if let Some(tables) = factorised {
+                let (source, sums) = (&at_points[..], &mut sums[..]);
+                L::call(Integration::<L, D> { tables, derivatives, source, components, stages, sums });
+            }
+            let target = receiver.room(start, filled, size);
+            match order {
+                None => {
+                    L::call(Transposition { source: &sums[..], count: size, filled, target, stride: size })
+                }
+                Some(order) => {
+                    let source = &Ordered { values: sums, order: &order[..size] };
+                    L::call(Transposition { source, count: size, filled, target, stride: size });
+                }
+            }
+            receiver.filled(start, filled, size)?;
             start += filled;
         }
         Ok(())
-    }
-
-    /// Writes the vectors of a batch to the receiver.
-    #[inline(always)]
-    fn hand_over<L: SimdLane>(
-        &self,
-        sums: &[L],
-        order: Option<&[u32]>,
-        start: usize,
-        filled: usize,
-        receiver: &mut impl Receiver,
-    ) -> Result<(), AssemblyError> {
-        let size = sums.len();
-        let target = receiver.room(start, filled, size);
-        match order {
-            None => L::call(Transposition { source: sums, count: size, filled, target, stride: size }),
-            Some(order) => {
-                let source = &Ordered { values: sums, order: &order[..size] };
-                L::call(Transposition { source, count: size, filled, target, stride: size });
-            }
-        }
-        receiver.filled(start, filled, size)
     }
 
     /// The tables, if sum factorisation takes fewer operations than sums over the nodes at each point.
@@ -163,46 +171,6 @@ impl<const D: usize> ElementVectors<'_, D> {
         let made = points * derivatives.count::<D>() * K::OPERATIONS.test
             + K::TEST_COMPONENTS * axis_operations::<D>(tables, derivatives);
         (made < direct).then_some(tables)
-    }
-
-    /// The sums of a batch: at each point the kernel is asked for the functions whose value, or whose derivative along
-    /// one axis of the reference cell, is one; sums over the points follow axis by axis.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn integrate_along_axes<K: LinearKernel<D>, L: SimdLane>(
-        &self,
-        kernel: &K,
-        cell: &K::Cell<L>,
-        tables: &ProductTables,
-        batch: &mut Batch<L, D>,
-        at_points: &mut Vec<L>,
-        stages: &mut Stages<L>,
-        sums: &mut [L],
-    ) -> Result<(), AssemblyError> {
-        let components = K::TEST_COMPONENTS;
-        let (zero, points) = (L::splat(0.0), self.group.points());
-        let derivatives = Derivatives::of_arguments(&K::REQUIREMENTS);
-        let lists = derivatives.count::<D>();
-        at_points.resize(components * lists * points, zero);
-        let hessian = [[zero; D]; D];
-        for q in 0..points {
-            let geometry = batch.point(q)?;
-            let flux = kernel.point(cell, &geometry, batch.fields());
-            let place = tables.place_of[q] as usize;
-            for kind in 0..=D {
-                if !derivatives.has(kind) {
-                    continue;
-                }
-                let block = kernel.test(&flux, &unit(batch.inverse(), kind), &hessian);
-                let block = &block.as_ref()[..components];
-                for component in 0..components {
-                    let list = component * lists + derivatives.place(kind);
-                    at_points[list * points + place] = block[component];
-                }
-            }
-        }
-        L::call(Integration::<L, D> { tables, derivatives, source: at_points, components, stages, sums });
-        Ok(())
     }
 }
 

@@ -10,7 +10,7 @@ use forms_core::contract::{
 use super::ElementCells;
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
-use crate::assemble::element_matrices::{ElementMatrices, MatrixBuffers};
+use crate::assemble::element_matrices::{ElementMatrices, MatrixBuffers, along_axes, scalar};
 use crate::assemble::element_vectors::{ElementVectors, VectorBuffers};
 use crate::assemble::fixed::{FixedMatrices, FixedTables, FixedTask, FixedVectors, fits};
 use crate::assemble::receiver::Direct;
@@ -54,6 +54,27 @@ impl<'a, F: Form<D>, S: Sizes, const D: usize> Run<'a, F, S, D> {
     }
 
     #[inline(always)]
+    fn fixed_matrices<K: BilinearKernel<D>>(&mut self, kernel: &K) -> Result<(), AssemblyError> {
+        let (tables, add) = (self.tables, self.index > 0);
+        let (group, fixed) = (self.group()?, self.fixed()?);
+        tables.instructions.run(FixedMatrices {
+            task: FixedTask { kernel, group, tables: fixed, listed: tables.listed_cells(self.cells) },
+            order: &tables.orders[usize::from(K::SYMMETRIC)],
+            memory: &mut self.memory[self.index],
+            target: &mut *self.target,
+            add,
+        });
+        self.index += 1;
+        Ok(())
+    }
+
+    /// Whether the loops that count their lengths do with fewer operations: those with fixed ones do not sum along axes.
+    fn sums_along_axes<K: BilinearKernel<D>>(&self) -> Result<bool, AssemblyError> {
+        let tables = self.group()?.sides[0].products[0].as_ref();
+        Ok(tables.is_some_and(|tables| along_axes::<K, D>(tables, K::SYMMETRIC)))
+    }
+
+    #[inline(always)]
     fn fixed(&self) -> Result<&'a FixedTables<S, D>, AssemblyError> {
         let facet = self.cells.facet;
         choose(&self.fixed[self.index], facet).ok_or_else(|| no_facet(self.form.name(), facet))
@@ -76,17 +97,13 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, F, S, 
     fn visit<K: BilinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         let (tables, add) = (self.tables, self.index > 0);
         let order = &tables.orders[usize::from(K::SYMMETRIC)];
-        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) } {
-            let (group, fixed) = (self.group()?, self.fixed()?);
-            tables.instructions.run(FixedMatrices {
-                task: FixedTask { kernel, group, tables: fixed, listed: tables.listed_cells(self.cells) },
-                order,
-                memory: &mut self.memory[self.index],
-                target: &mut *self.target,
-                add,
-            });
-            self.index += 1;
-            return Ok(());
+        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) && !scalar::<K, D>() } {
+            return self.fixed_matrices(kernel);
+        }
+        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) }
+            && !self.sums_along_axes::<K>()?
+        {
+            return self.fixed_matrices(kernel);
         }
         let (binding, group) = (tables.bind(self.form)?, self.group()?);
         let task = ElementMatrices {

@@ -26,16 +26,16 @@ impl Derivatives {
         Derivatives { value: slot.order == Order::Value, gradient: slot.order == Order::Gradient }
     }
 
-    /// Whether something is read, by number.
-    #[inline(always)]
-    pub fn has(&self, kind: usize) -> bool {
-        if kind == 0 { self.value } else { self.gradient }
-    }
-
     /// How many numbers are read in D dimensions.
     #[inline(always)]
     pub fn count<const D: usize>(&self) -> usize {
         usize::from(self.value) + if self.gradient { D } else { 0 }
+    }
+
+    /// What the k-th of the numbers that are read is.
+    #[inline(always)]
+    pub fn kind(&self, k: usize) -> usize {
+        if self.value { k } else { k + 1 }
     }
 
     /// The place of one of them among those that are read.

@@ -110,7 +110,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Interpolation<'_, L, D> {
 pub(in crate::assemble) struct Integration<'a, L, const D: usize> {
     pub tables: &'a ProductTables,
     pub derivatives: Derivatives,
-    /// Of each component what meets the value, if anything, then what meets the derivatives along the axes of the
+    /// What meets the value, if anything, of each component, then what meets the derivatives along the axes of the
     /// reference cell, if anything; each at all places of the grid of points.
     pub source: &'a [L],
     pub components: usize,
@@ -128,9 +128,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Integration<'_, L, D> {
         let (n, m) = (tables.nodes, tables.points);
         let points = m.pow(D as u32);
         stages.prepare(D + 1, n.max(m).pow(D as u32));
-        let lists = derivatives.count::<D>();
         for component in 0..components {
-            let own = &source[component * lists * points..][..lists * points];
             for axis in 0..D {
                 let (before, inner) = (n.pow(axis as u32), m.pow((D - 1 - axis) as u32));
                 let (from, to) = (before * m * inner, before * n * inner);
@@ -144,7 +142,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Integration<'_, L, D> {
                         continue;
                     }
                     let source = if axis == 0 {
-                        &own[derivatives.place(list) * points..][..points]
+                        &source[(derivatives.place(list) * components + component) * points..][..points]
                     } else {
                         &stages.from[list][..from]
                     };
