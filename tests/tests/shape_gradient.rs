@@ -113,7 +113,7 @@ fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>) -> (f64, Fi
                 lambda: data.lambda,
                 mu: data.mu,
                 theta: data.theta,
-                gamma0: Given::field(&Field::from_values(&cells, gamma0).unwrap()),
+                gamma0: Given::field(Field::from_values(&cells, gamma0).unwrap()),
                 obstacle_normal: data.obstacle_normal.clone(),
                 gap: data.gap.clone(),
                 body_force: data.body_force.clone(),
