@@ -29,7 +29,7 @@ pub use mixed_problem::{LinearProblemError, MixedProblem, MixedSolved};
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{
     ActivePoints, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem,
-    Tangent, newton, newton_eliminating,
+    Start, Tangent, newton, newton_eliminating,
 };
 pub use problem::{FormProblem, Solved};
 pub use solver_report::{SolverPath, SolverReport};
