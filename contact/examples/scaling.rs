@@ -20,7 +20,7 @@ use forms_fem::prelude::*;
 const ONE: &str = "--one";
 
 /// What is measured, in the order of the columns.
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 12] = [
     "n_r",
     "unknowns",
     "mesh, space, pattern (s)",
@@ -30,12 +30,14 @@ const COLUMNS: [&str; 11] = [
     "adjoint (22) (s)",
     "adjoint (21) (s)",
     "in all (s)",
+    "in all, CPU (s)",
     "Newton steps",
     "peak memory (GiB)",
 ];
 const UNKNOWNS: usize = 1;
 const IN_ALL: usize = 8;
-const MEMORY: usize = 10;
+const CPU: usize = 9;
+const MEMORY: usize = 11;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -67,8 +69,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let column = |k: usize| -> Vec<f64> { rows.iter().map(|row| row[k]).collect() };
     let (unknowns, seconds, memory) = (column(UNKNOWNS), column(IN_ALL), column(MEMORY));
     if rows.len() > 1 {
-        let (time, room) = (exponent(&unknowns, &seconds), exponent(&unknowns, &memory));
-        println!("\nTime grows like unknowns^{time:.2}, memory like unknowns^{room:.2} (least squares, all meshes).");
+        let [time, cpu, room] = [&seconds, &column(CPU), &memory].map(|values| exponent(&unknowns, values));
+        println!(
+            "\nTime grows like unknowns^{time:.2}, CPU time like unknowns^{cpu:.2}, memory like unknowns^{room:.2} \
+             (least squares, all meshes)."
+        );
     }
 
     std::fs::create_dir_all("out")?;
@@ -83,6 +88,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .x_axis("unknowns", Scale::Logarithmic)
         .y_axis("time [s], memory [GiB]", Scale::Logarithmic)
         .curve(Curve::new("time in all [s]", &unknowns, &seconds).fitted_order(count))
+        .curve(Curve::new("CPU time in all [s]", &unknowns, &column(CPU)).fitted_order(count))
         .curve(Curve::new("direct problem [s]", &unknowns, &column(3)).fitted_order(count))
         .curve(Curve::new("factorisation [s]", &unknowns, &column(5)).fitted_order(count))
         .curve(Curve::new("peak memory [GiB]", &unknowns, &memory).fitted_order(count))
@@ -100,16 +106,17 @@ fn one(radial: usize) -> Result<(), Box<dyn Error>> {
     eprintln!("  {} unknowns; mesh, space and pattern in {set_up:.1} s", problem.space.unknowns());
     let mut solver = CondensedSolver::default();
     let direct = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
-        let condensed = step.condensed_unknowns.map_or(String::new(), |count| format!(" by {count} unknowns"));
+        let condensed =
+            step.condensed_unknowns.map_or(String::new(), |count| format!(" by {count} unknowns"));
         let relative = step.relative_residual;
         eprintln!("  Newton {}{condensed}: relative residual {relative:.1e}", step.iteration);
     })?;
     let report = solver.report();
     eprintln!("  direct problem in {:.1} s; {} factorisation(s)", direct.seconds, report.factorisations);
-    eprintln!("DEBUG {:?} entries {} peak {:?}", report.orderings, report.factor_entries, peak_gibibytes());
+    let orderings: Vec<_> = report.orderings.iter().map(|candidate| candidate.name).collect();
+    eprintln!("  {} entries in the factor; orderings: {}", report.factor_entries, orderings.join(", "));
     let u = &direct.result.field;
     let consistent = problem.solve_adjoint(Adjoint::Consistent, u, &mut solver)?.seconds;
-    eprintln!("DEBUG {} {:?} {:?} {:?}", solver.report().factorisations, solver.report().condensed_unknowns, solver.report().path, peak_gibibytes());
     let discrete = problem.solve_adjoint(Adjoint::Discrete, u, &mut solver)?.seconds;
     let all = start.elapsed().as_secs_f64();
     eprintln!("  adjoint states in {consistent:.1} s and {discrete:.1} s, {all:.1} s in all");
@@ -124,6 +131,7 @@ fn one(radial: usize) -> Result<(), Box<dyn Error>> {
         consistent,
         discrete,
         all,
+        cpu_seconds().unwrap_or(f64::NAN),
         steps,
         peak_gibibytes().unwrap_or(f64::NAN),
     ];
@@ -133,7 +141,7 @@ fn one(radial: usize) -> Result<(), Box<dyn Error>> {
 
 fn shown(column: usize, value: f64) -> String {
     match column {
-        0 | UNKNOWNS | 9 => format!("{value}"),
+        0 | UNKNOWNS | 10 => format!("{value}"),
         _ => format!("{value:.2}"),
     }
 }
@@ -145,6 +153,16 @@ fn exponent(x: &[f64], y: &[f64]) -> f64 {
     let (mean_x, mean_y) = (mean(0), mean(1));
     let products: f64 = logs.iter().map(|[x, y]| (x - mean_x) * (y - mean_y)).sum();
     products / logs.iter().map(|[x, _]| (x - mean_x).powi(2)).sum::<f64>()
+}
+
+/// Seconds of all cores that this process has had, where the system says it: on a machine with other work they tell
+/// more than the clock.
+fn cpu_seconds() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // After the name in brackets: the 12th and 13th field, in hundredths of a second.
+    let fields: Vec<&str> = status.rsplit(')').next()?.split_whitespace().collect();
+    let ticks = fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?;
+    Some(ticks / 100.0)
 }
 
 /// The most memory that this process has had resident, where the system says it.

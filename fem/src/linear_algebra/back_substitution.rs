@@ -55,7 +55,8 @@ impl PartialBackSubstitution {
     /// Numbers of the factor that a solve reads.
     pub fn entries(&self, factor: &SymmetricFactor) -> usize {
         let llt = SupernodalLltRef::new(factor.supernodes(), factor.values());
-        let entries = |s: &u32| llt.supernode(*s as usize).val().nrows() * llt.supernode(*s as usize).val().ncols();
+        let entries =
+            |s: &u32| llt.supernode(*s as usize).val().nrows() * llt.supernode(*s as usize).val().ncols();
         self.supernodes.iter().map(entries).sum()
     }
 

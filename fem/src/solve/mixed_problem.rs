@@ -147,13 +147,14 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         let guess = self.guess(&u, constraints);
         let start = Start { u, guess };
         let (free, related) = (elimination.free().to_vec(), !elimination.only_prescribes());
-        let found =
-            newton_eliminating(self, elimination, start, solver, options, progress).map_err(|mut error| {
+        let found = newton_eliminating(self, elimination, start, solver, options, progress).map_err(
+            |mut error| {
                 if let NewtonFailure::LinearSolver(source) = error.why {
                     error.why = NewtonFailure::LinearSolver(self.named(source, &free, related));
                 }
                 error
-            })?;
+            },
+        )?;
         let fields = self.fields(&found.u);
         Ok(MixedSolved { fields, history: found.history, residual: found.residual })
     }
@@ -166,7 +167,8 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         let mut moved = false;
         for (space, constraints) in self.system.spaces.iter().zip(constraints) {
             for component in 0..if space.components() == D { D } else { 0 } {
-                let of_component = constraints.prescribed().iter().filter(|(unknown, _)| *unknown % D == component);
+                let of_component =
+                    constraints.prescribed().iter().filter(|(unknown, _)| *unknown % D == component);
                 let (count, sum) =
                     of_component.fold((0.0, 0.0), |(count, sum), (_, value)| (count + 1.0, sum + value));
                 if sum != 0.0 {

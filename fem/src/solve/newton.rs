@@ -1,6 +1,8 @@
-//! Undamped semismooth Newton on the free unknowns.
+//! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential where there is one.
 
 mod few;
+mod history;
+mod line_search;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,10 +11,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::elimination::Elimination;
-use super::linear_solver::{LinearSolver, SolverError};
-use few::changed_entries;
+use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
-use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
+use crate::linear_algebra::{BlockMatrix, CsrMatrix};
+use few::changed_entries;
+pub use history::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
+pub use line_search::LineSearch;
+use line_search::{check_potential, line_search};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
@@ -98,125 +103,9 @@ impl ActivePoints {
     }
 }
 
-/// When Newton's method stops.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewtonOptions {
-    /// Converged at ‖R‖₂ ≤ `relative_tolerance` × ‖R‖₂ at the start (free unknowns, prescribed values imposed).
-    pub relative_tolerance: f64,
-    /// Converged also at ‖R‖₂ ≤ `absolute_tolerance` \[unit of R\].
-    pub absolute_tolerance: f64,
-    /// Most steps.
-    pub max_iterations: usize,
-}
-
-impl Default for NewtonOptions {
-    fn default() -> Self {
-        Self { relative_tolerance: 1e-10, absolute_tolerance: 1e-300, max_iterations: 50 }
-    }
-}
-
 /// Linear systems are solved to this part of Newton's own target, so that the converged residual is at rounding
 /// level and not just below the target.
 const LINEAR_ACCURACY: f64 = 1e-4;
-
-/// One iterate in Newton's history, and the step that led to it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewtonStep {
-    /// 0 for the start.
-    pub iteration: usize,
-    /// ‖R‖₂ on free unknowns \[unit of R\].
-    pub residual: f64,
-    /// Residual divided by the residual at the start (0 if that is 0).
-    pub relative_residual: f64,
-    /// Number of active quadrature points at this iterate.
-    pub active_points: Option<usize>,
-    /// Whether the active set differs from that of the iterate before.
-    pub active_set_changed: Option<bool>,
-    /// ‖δu‖₂ of the step that led here; none at the start.
-    pub step: Option<f64>,
-    /// Krylov iterations of that step (0 for a direct solution).
-    pub linear_iterations: Option<usize>,
-    /// Unknowns of the system of that step, where it was condensed to those that the nonlinearity touches.
-    pub condensed_unknowns: Option<usize>,
-}
-
-/// The solution and how it was reached.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewtonSolution {
-    /// All unknowns, with the prescribed values.
-    pub u: Vec<f64>,
-    /// R(u) on all unknowns: the reactions on the prescribed ones, about zero on the others.
-    pub residual: Vec<f64>,
-    /// The start and each iterate.
-    pub history: Vec<NewtonStep>,
-}
-
-impl NewtonSolution {
-    /// Number of Newton steps.
-    pub fn iterations(&self) -> usize {
-        self.history.len().saturating_sub(1)
-    }
-}
-
-/// Why Newton's method failed.
-#[derive(Debug, thiserror::Error)]
-pub enum NewtonFailure<E> {
-    /// The iterations are used up.
-    #[error("no convergence within {iterations} iterations")]
-    NotConverged {
-        /// Steps made.
-        iterations: usize,
-    },
-    /// The active set and the residual of an earlier iterate came back.
-    #[error(
-        "the active set of iteration {first} came back after {period} iterations, and no residual decreased"
-    )]
-    Cycling {
-        /// Iterate that was reached again.
-        first: usize,
-        /// Steps in between.
-        period: usize,
-    },
-    /// Steps no longer change u beyond rounding, but the residual is above the tolerance. A tolerance that the
-    /// residual's own rounding allows (large stiffnesses, a small load) would have been met.
-    #[error("the residual stagnates at rounding level, above the tolerance")]
-    Stagnated,
-    /// The residual became NaN or infinite.
-    #[error("the residual is not finite")]
-    NotFinite,
-    /// The linear solver failed.
-    #[error("the linear solver failed: {0}")]
-    LinearSolver(#[source] SolverError),
-    /// Sizes disagree, or prescribed values are unfit.
-    #[error("the problem does not fit together: {0}")]
-    Mismatch(#[source] LinearAlgebraError),
-    /// Assembly of the residual, the tangent or the active set failed.
-    #[error("assembly failed: {0}")]
-    Assembly(#[source] E),
-}
-
-/// A failure of Newton's method with the history up to it.
-#[derive(thiserror::Error)]
-#[error("Newton's method failed at iteration {}: {why}", .history.len().saturating_sub(1))]
-pub struct NewtonError<E: std::error::Error> {
-    /// The reason.
-    pub why: NewtonFailure<E>,
-    /// The iterates before the failure.
-    pub history: Vec<NewtonStep>,
-    /// The last iterate.
-    pub u: Vec<f64>,
-}
-
-// A derived one would print every unknown.
-impl<E: std::error::Error> std::fmt::Debug for NewtonError<E> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("NewtonError")
-            .field("why", &self.why)
-            .field("history", &self.history)
-            .field("unknowns", &self.u.len())
-            .finish()
-    }
-}
 
 /// Solves R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. Steps are not
 /// damped. `progress` is called once per iterate. Afterwards the solver still holds the last tangent.
@@ -289,6 +178,7 @@ struct Iteration<'a> {
 #[derive(Clone, Copy, Default)]
 struct Step {
     length: Option<f64>,
+    damping: Option<f64>,
     linear_iterations: Option<usize>,
     condensed_unknowns: Option<usize>,
 }
@@ -319,7 +209,8 @@ impl Iteration<'_> {
                 let entries = changed_entries(problem, &mut elimination, &guess)?;
                 solver.expect_changed(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
             }
-            if let Some(solver) = solver.condensing()
+            if self.options.line_search == LineSearch::Off
+                && let Some(solver) = solver.condensing()
                 && self.iterate_on_few(problem, &mut elimination, linear_part, &residual, solver)?
             {
                 residual = problem.residual(&self.u).map_err(NewtonFailure::Assembly)?;
@@ -328,7 +219,11 @@ impl Iteration<'_> {
             }
         }
         while !self.finished()? {
+            let options = self.options;
             let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
+            if options.line_search == LineSearch::OnPotential {
+                check_potential(&mut elimination, &tangent.matrix)?;
+            }
             match (&linear_part, tangent.changed) {
                 (Some(linear_part), Some(changed)) => {
                     let entries = elimination.reduce_places(&tangent.matrix, changed);
@@ -349,12 +244,18 @@ impl Iteration<'_> {
             let solution =
                 solver.solve(&rest, LINEAR_ACCURACY * self.target()).map_err(NewtonFailure::LinearSolver)?;
             let step = Step {
-                length: Some(norm(&solution.solution)),
                 linear_iterations: Some(solution.iterations),
                 condensed_unknowns: solver.condensed_unknowns(),
+                ..Step::default()
             };
             let change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
-            add_scaled(&mut self.u, 1.0, &change);
+            let damping = match options.line_search {
+                LineSearch::Off => 1.0,
+                LineSearch::OnPotential => line_search(problem, &self.u, &change)?,
+            };
+            add_scaled(&mut self.u, damping, &change);
+            let step =
+                Step { damping: Some(damping), length: Some(damping * norm(&solution.solution)), ..step };
             (residual, rest) = self.look(problem, &elimination, step)?;
         }
         Ok(residual)
@@ -422,6 +323,7 @@ impl Iteration<'_> {
             active_points: active.map(|set| set.count),
             active_set_changed: active.zip(before).map(|(now, before)| now != before),
             step: step.length,
+            damping: step.damping,
             linear_iterations: step.linear_iterations,
             condensed_unknowns: step.condensed_unknowns,
         };

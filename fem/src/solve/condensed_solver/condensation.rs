@@ -8,7 +8,9 @@ use faer::prelude::Solve;
 use faer::{Mat, Par};
 
 use crate::linear_algebra::partial_solves::lower_times_transposed;
-use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError, Ordering, Restriction, SymmetricFactor};
+use crate::linear_algebra::{
+    Candidate, Chosen, CsrMatrix, Entry, LinearAlgebraError, Ordering, Restriction, SymmetricFactor,
+};
 
 /// The factor of K and its Schur complement.
 #[derive(Debug)]
@@ -115,10 +117,14 @@ pub(super) fn column(x: &Mat<f64>) -> Vec<f64> {
     (0..x.nrows()).map(|i| x[(i, 0)]).collect()
 }
 
-/// A fill-reducing order of the other unknowns, then the given ones.
-pub(super) fn order_last(matrix: &CsrMatrix, last: &[u32]) -> Result<Ordering, LinearAlgebraError> {
+/// A fill-reducing order of the other unknowns, then the given ones; and the orderings that were compared.
+pub(super) fn order_last(
+    matrix: &CsrMatrix,
+    last: &[u32],
+) -> Result<(Ordering, Vec<Candidate>), LinearAlgebraError> {
     if last.is_empty() {
-        return Ok(Ordering::default());
+        let Chosen { order, candidates } = Ordering::default().choose(matrix.pattern())?;
+        return Ok((Ordering::Given(order), candidates));
     }
     let mut is_last = vec![false; matrix.rows()];
     for unknown in last {
@@ -126,7 +132,7 @@ pub(super) fn order_last(matrix: &CsrMatrix, last: &[u32]) -> Result<Ordering, L
     }
     let others: Vec<usize> = (0..matrix.rows()).filter(|unknown| !is_last[*unknown]).collect();
     let restricted = Restriction::new(&Arc::new(matrix.pattern().into()), &others, &others)?;
-    let order = Ordering::default().elimination_order(restricted.pattern())?;
+    let Chosen { order, candidates } = Ordering::default().choose(restricted.pattern())?;
     let order = order.into_iter().map(|place| others[place as usize] as u32).chain(last.iter().copied());
-    Ok(Ordering::Given(order.collect()))
+    Ok((Ordering::Given(order.collect()), candidates))
 }

@@ -50,7 +50,12 @@ impl FewUnknowns {
     ///
     /// # Errors
     /// If the factor is not the one that the iteration began with.
-    pub fn update(&mut self, solver: &CondensedSolver, x_c: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
+    pub fn update(
+        &mut self,
+        solver: &CondensedSolver,
+        x_c: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), SolverError> {
         let condensation = factored(solver)?;
         let first = self.y.len() - x_c.len();
         self.y[first..].copy_from_slice(&condensation.shifted(x_c));

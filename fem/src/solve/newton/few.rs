@@ -85,7 +85,12 @@ impl Iteration<'_> {
             rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
             let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
             let condensed_unknowns = Some(x_c.len());
-            let step = Step { length: Some(length), linear_iterations: Some(0), condensed_unknowns };
+            let step = Step {
+                length: Some(length),
+                damping: Some(1.0),
+                linear_iterations: Some(0),
+                condensed_unknowns,
+            };
             // Rows outside of c hold; N may have got beyond c.
             self.record(norm(&rest).hypot(few.norm_outside(&nonlinear)), active, step);
             if !matches!(self.finished::<P::Error>(), Ok(false)) {
