@@ -15,7 +15,7 @@ mod few_unknowns;
 use std::sync::Arc;
 use std::time::Instant;
 
-use condensation::{Condensation, order_last};
+use condensation::Condensation;
 use faer::linalg::solvers::PartialPivLu;
 pub use few_unknowns::FewUnknowns;
 
@@ -24,7 +24,7 @@ use super::solver_report::{SolverPath, SolverReport};
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::{largest, norm};
-use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, SymmetricFactor};
+use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
 
 /// Entries of T − K below this part of the largest entry of K are rounding: coordinates of about 1000 cell diameters
 /// lose three digits in a cell's Jacobian. If they are not, refinement makes up for it.
@@ -189,9 +189,9 @@ impl CondensedSolver {
         all.sort_unstable();
         all.dedup();
         let start = Instant::now();
-        let (ordering, candidates) = order_last(linear_part, &all)?;
-        self.report.orderings = candidates;
-        let analysis = Arc::new(Analysis::new(linear_part.pattern(), &ordering)?);
+        let chosen = Ordering::default().choose_with_last(linear_part.pattern(), &all)?;
+        self.report.orderings = chosen.candidates;
+        let analysis = Arc::new(Analysis::new(linear_part.pattern(), &Ordering::Given(chosen.order))?);
         self.report.analyses += 1;
         self.report.analysis_seconds += start.elapsed().as_secs_f64();
         let count = all.len();

@@ -1,16 +1,12 @@
 //! A factor of K with some unknowns c last, and the Schur complement on them.
 
-use std::sync::Arc;
-
 use faer::linalg::solvers::PartialPivLu;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::Solve;
 use faer::{Mat, Par};
 
 use crate::linear_algebra::partial_solves::lower_times_transposed;
-use crate::linear_algebra::{
-    Candidate, Chosen, CsrMatrix, Entry, LinearAlgebraError, Ordering, Restriction, SymmetricFactor,
-};
+use crate::linear_algebra::{Entry, LinearAlgebraError, SymmetricFactor};
 
 /// The factor of K and its Schur complement.
 #[derive(Debug)]
@@ -115,24 +111,4 @@ pub(super) fn as_column(x: &[f64]) -> Mat<f64> {
 
 pub(super) fn column(x: &Mat<f64>) -> Vec<f64> {
     (0..x.nrows()).map(|i| x[(i, 0)]).collect()
-}
-
-/// A fill-reducing order of the other unknowns, then the given ones; and the orderings that were compared.
-pub(super) fn order_last(
-    matrix: &CsrMatrix,
-    last: &[u32],
-) -> Result<(Ordering, Vec<Candidate>), LinearAlgebraError> {
-    if last.is_empty() {
-        let Chosen { order, candidates } = Ordering::default().choose(matrix.pattern())?;
-        return Ok((Ordering::Given(order), candidates));
-    }
-    let mut is_last = vec![false; matrix.rows()];
-    for unknown in last {
-        is_last[*unknown as usize] = true;
-    }
-    let others: Vec<usize> = (0..matrix.rows()).filter(|unknown| !is_last[*unknown]).collect();
-    let restricted = Restriction::new(&Arc::new(matrix.pattern().into()), &others, &others)?;
-    let Chosen { order, candidates } = Ordering::default().choose(restricted.pattern())?;
-    let order = order.into_iter().map(|place| others[place as usize] as u32).chain(last.iter().copied());
-    Ok((Ordering::Given(order.collect()), candidates))
 }
