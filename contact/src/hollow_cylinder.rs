@@ -170,7 +170,7 @@ pub fn hollow_cylinder(settings: &Settings) -> Result<ContactProblem<2>, Cylinde
         gamma0: settings.gamma0_over_young * settings.young,
         extension: settings.extension,
         obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH),
+        gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH, |_| [0.0, 1.0]),
         body_force: Given::constant([0.0, 0.0]),
         traction: Given::constant([0.0, 0.0]),
         criterion_force: Given::constant(CRITERION_FORCE),

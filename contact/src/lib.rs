@@ -3,12 +3,13 @@
 //! solve them.
 //!
 //! [`operators`] are there to be imported into forms; [`nitsche`] holds the paper's equations. [`states`] solves direct → adjoint on any mesh;
-//! [`hollow_cylinder`] is the paper's experiment; [`threshold`] says when γ₀ is too small.
+//! [`shape_gradient`] differentiates the criterion by the shape; [`hollow_cylinder`] is the paper's experiment; [`threshold`] says when γ₀ is too small.
 //! Nothing here knows an element or loops over cells.
 
 pub mod hollow_cylinder;
 pub mod nitsche;
 pub mod operators;
+pub mod shape_gradient;
 pub mod states;
 pub mod threshold;
 

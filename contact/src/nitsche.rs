@@ -134,6 +134,22 @@ pub mod nitsche {
         derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
     }
 
+    /// The volume form of the shape derivative of the criterion along Θ: that of J(u) + R(u; p), the whole discrete problem
+    /// (14) in it, with u and p at fixed nodal values. With p of (21) it is the exact derivative of J_h, h_T held.
+    pub fn shape_derivative(u: State<Vector>, p: State<Vector>, Theta: State<Vector>) -> Functional {
+        derivative(criterion(u) + direct(u, p), shape, Theta)
+    }
+
+    /// `shape_derivative` as a linear form in Θ: its vector is the gradient by nodes.
+    pub fn shape_gradient(u: State<Vector>, p: State<Vector>, Theta: Test<Vector>) -> Form {
+        derivative(criterion(u) + direct(u, p), shape, Theta)
+    }
+
+    /// What the diameters h_T in γ = γ₀ / h_T contribute, per cell and unit of growth.
+    pub fn diameter_gradient(u: State<Vector>, p: State<Vector>, growth: Test<Scalar>) -> Form {
+        derivative(direct(u, p), h, growth)
+    }
+
     /// (22), with the contact zone where β_h(u) > shift.
     fn adjoint(u: Vector, p: Vector, q: Vector, shift: Scalar) -> Form {
         let slope = dot(boundary_slope(u), obstacle_normal);

@@ -62,6 +62,7 @@ pub mod language;
 pub mod linear_algebra;
 pub mod locate;
 pub mod mesh;
+pub mod movement;
 pub mod norms;
 pub mod output;
 pub mod quadrature;

@@ -142,8 +142,9 @@ where
     Measured: Measure<D>,
 {
     let components = field.space().components();
-    let exact = Source::Function { components, function: Arc::new(exact) };
-    let gradient = Source::Function { components: components * D, function: Arc::new(gradient) };
+    let exact = Source::Function { components, function: Arc::new(exact), gradient: None };
+    let gradient =
+        Source::Function { components: components * D, function: Arc::new(gradient), gradient: None };
     Measured::errors(assembler, field, exact, gradient)
 }
 
@@ -178,8 +179,8 @@ where
         Some((cell, reference)) => out.copy_from_slice(&second.gradient_in(cell, &reference)),
         None => out.fill(f64::NAN),
     };
-    let value = Source::Function { components, function: Arc::new(value) };
-    let slope = Source::Function { components: components * D, function: Arc::new(slope) };
+    let value = Source::Function { components, function: Arc::new(value), gradient: None };
+    let slope = Source::Function { components: components * D, function: Arc::new(slope), gradient: None };
     Measured::errors(assembler, reference, value, slope)
 }
 

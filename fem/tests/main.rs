@@ -15,6 +15,7 @@ mod multipliers;
 mod only_what_changes;
 mod related_unknowns;
 mod second_derivatives;
+mod shape_derivatives;
 mod threads;
 
 #[test]

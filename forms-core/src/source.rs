@@ -26,12 +26,14 @@ pub type PositionFunction<const D: usize> = Arc<dyn Fn(&[f64; D], &mut [f64]) + 
 pub enum Source<const D: usize> {
     /// The same components everywhere; the gradient is zero.
     Constant(Vec<f64>),
-    /// A function of position; it has no gradient that a kernel could read.
+    /// A function of position.
     Function {
         /// Number of scalar components.
         components: usize,
         /// The function.
         function: PositionFunction<D>,
+        /// Its gradient, `components * D` numbers, component before direction. Kernels read none without it.
+        gradient: Option<PositionFunction<D>>,
     },
     /// A field on a space of the backend.
     Discrete(FieldHandle),
@@ -66,12 +68,15 @@ impl<const D: usize> fmt::Debug for Source<D> {
 pub trait FieldValue: Copy + Send + Sync + 'static {
     /// Number of scalar components.
     const COMPONENTS: usize;
+    /// The value of its gradient in D dimensions: the direction is the last axis.
+    type Gradient<const D: usize>: FieldValue;
     /// Writes the components, row-major.
     fn write(&self, components: &mut [f64]);
 }
 
 impl FieldValue for f64 {
     const COMPONENTS: usize = 1;
+    type Gradient<const D: usize> = [f64; D];
     fn write(&self, components: &mut [f64]) {
         components[0] = *self;
     }
@@ -79,6 +84,7 @@ impl FieldValue for f64 {
 
 impl<V: FieldValue, const N: usize> FieldValue for [V; N] {
     const COMPONENTS: usize = N * V::COMPONENTS;
+    type Gradient<const D: usize> = [V::Gradient<D>; N];
     fn write(&self, components: &mut [f64]) {
         for (value, chunk) in self.iter().zip(components.chunks_mut(V::COMPONENTS)) {
             value.write(chunk);
@@ -127,7 +133,21 @@ impl<V: FieldValue, const D: usize> Given<V, D> {
     pub fn function(function: impl Fn(&[f64; D]) -> V + Send + Sync + 'static) -> Self {
         let components = V::COMPONENTS;
         let function: PositionFunction<D> = Arc::new(move |x, out| function(x).write(out));
-        Given { source: Source::Function { components, function }, value: PhantomData }
+        Given { source: Source::Function { components, function, gradient: None }, value: PhantomData }
+    }
+
+    /// A function of position with its gradient \[value/length\], which forms read as `grad(..)` of the member and
+    /// derivatives by the shape of the domain where the member is fixed in space. Of a vector field f the gradient is
+    /// `[[∂f_0/∂x_0, ∂f_0/∂x_1], [∂f_1/∂x_0, ∂f_1/∂x_1]]`. Nothing checks that it is the function's.
+    pub fn function_with_gradient(
+        function: impl Fn(&[f64; D]) -> V + Send + Sync + 'static,
+        gradient: impl Fn(&[f64; D]) -> V::Gradient<D> + Send + Sync + 'static,
+    ) -> Self {
+        let components = V::COMPONENTS;
+        let function: PositionFunction<D> = Arc::new(move |x, out| function(x).write(out));
+        let gradient: PositionFunction<D> = Arc::new(move |x, out| gradient(x).write(out));
+        let source = Source::Function { components, function, gradient: Some(gradient) };
+        Given { source, value: PhantomData }
     }
 
     /// A field on a space of the backend. The backend checks its components when the form is assembled.

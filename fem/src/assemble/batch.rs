@@ -87,8 +87,11 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
             let side = group.side(form, slot.side)?;
             let field = binding.fields[slot.field].name;
             let (element, length) = match &binding.values[slot.field] {
-                Values::Function(_) if slot.order != Order::Value => {
+                Values::Function { gradient: None, .. } if slot.order == Order::Gradient => {
                     return Err(AssemblyError::GradientOfFunction { form, field });
+                }
+                Values::Function { .. } if slot.order == Order::Hessian => {
+                    return Err(AssemblyError::HessianOfFunction { form, field });
                 }
                 Values::Discrete { element, space, .. } => {
                     group.check_support(form, field, space)?;

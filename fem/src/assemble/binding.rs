@@ -19,7 +19,10 @@ pub(super) enum Values<'a, const D: usize> {
     /// A test function: it has no values.
     Absent,
     Constant(&'a [f64]),
-    Function(&'a PositionFunction<D>),
+    Function {
+        function: &'a PositionFunction<D>,
+        gradient: Option<&'a PositionFunction<D>>,
+    },
     Discrete {
         element: usize,
         space: &'a Space<D>,
@@ -194,7 +197,9 @@ impl<'a, const D: usize> Binding<'a, D> {
                 self.check_finite(field, values)?;
                 Ok(Values::Constant(values))
             }
-            Source::Function { function, .. } => Ok(Values::Function(function)),
+            Source::Function { function, gradient, .. } => {
+                Ok(Values::Function { function, gradient: gradient.as_ref() })
+            }
             Source::History(handle) => {
                 let found = PointStorage::of(&**handle).and_then(|storage| storage.snapshot(mesh));
                 let mismatch = |source| AssemblyError::History { form: self.name, field: field.name, source };
@@ -278,7 +283,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.element.degree),
             (_, Values::Discrete { element, .. }) => self.elements[*element].element.degree,
             // A function of position is taken for a quadratic, as an interpolant on the mesh would be.
-            (_, Values::Function(_)) => 2,
+            (_, Values::Function { .. }) => 2,
             _ => 0,
         };
         self.fields.iter().zip(self.values.iter()).map(degree).collect()

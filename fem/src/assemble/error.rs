@@ -98,11 +98,21 @@ pub enum AssemblyError {
         /// Where, if it is known.
         position: Option<Vec<f64>>,
     },
-    /// A derivative of data that have none.
+    /// A gradient of data that have none.
     #[error(
-        "form `{form}` reads the gradient or second derivatives of `{field}`, which is given as a function of position; give it as a field on a space"
+        "form `{form}` reads the gradient of `{field}`, which is given as a function of position alone; give it with its gradient (`Given::function_with_gradient`) or as a field on a space"
     )]
     GradientOfFunction {
+        /// The form.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+    },
+    /// Second derivatives of data that have none.
+    #[error(
+        "form `{form}` reads the second derivatives of `{field}`, which is given as a function of position; give it as a field on a space"
+    )]
+    HessianOfFunction {
         /// The form.
         form: &'static str,
         /// The field's name in the form.

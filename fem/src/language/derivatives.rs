@@ -3,6 +3,8 @@
 //! | written | gives | meaning |
 //! | --- | --- | --- |
 //! | `derivative(form, field, direction)` | as `form` | d/dε of the form with field + ε direction at ε = 0; the field's gradient (and Hessian) moves along |
+//! | `derivative(form, shape, T)` | as `form` | d/dε of what is assembled when every point moves from x to x + ε T(x) |
+//! | `derivative(form, h, rate)` | as `form` | by the diameter of the cells, which `shape` leaves alone; `cell_volume` and `facet_area` too |
 //! | `diff(expression, name)` | the axes of the expression, then those of the name | partial derivative; a field's gradient is held fixed |
 //! | `-> Energy` | a form | its first variation is the residual, its second the tangent |
 //!
@@ -10,6 +12,25 @@
 //! It nests: `derivative(derivative(J, u, v), u, w)` is the second variation. `diff` takes any name: an argument, a data
 //! member, a `let`. With a Lagrangian density L(u, ∇u), `diff(L, u)` is ∂L/∂u and, with `let G = grad(u);`, `diff(L, G)` is ∂L/∂∇u.
 //! A name that does not occur is an error: the derivative would silently be zero.
+//!
+//! # By the shape of the domain
+//! `derivative(form, shape, T)` moves all points along a vector field T at fixed reference coordinates. It is linear in T: with
+//! `T: State<Vector>` a functional gives the derivative along T as a number, with `T: Test<Vector>` a form whose residual is the
+//! gradient by nodes. What moves, and what does not:
+//!
+//! | | rate |
+//! | --- | --- |
+//! | `dx`, `ds` | div T, and the divergence along the surface div T − n·∇T n |
+//! | `x`, `n` | T, −(I − n ⊗ n) ∇Tᵀ n |
+//! | unknowns, test functions, states, `Carried` data, history | none: they keep their values at nodes and points; ∇w changes by −∇w ∇T |
+//! | `Given` data | ∇f·T: they are fixed in space, so their gradient is read (`Given::function_with_gradient`, or a field) |
+//! | parameters, `h`, `cell_volume`, `facet_area` | none |
+//! | `curvature` | an error |
+//!
+//! If T lives in the space of the mesh's geometry ([`Space::of_geometry`](crate::space::Space::of_geometry)), it is the exact derivative of the assembled
+//! number, provided that both are assembled with one quadrature rule (`with_quadrature(Quadrature::Degree(..))`: the rule estimated for the
+//! derivative is finer than that for the form). [`Field::move_mesh`](crate::field::Field::move_mesh) moves a mesh along T, and
+//! [`Field::rate_of_diameter`](crate::field::Field::rate_of_diameter) gives the rate of h along it.
 //!
 //! The tangent of every form by its unknowns is derived without being asked for. Conventions at kinks: [`super::kinks`].
 //!
@@ -54,6 +75,26 @@
 //! number(assembler.functional(&rubber::slope(&data, &omega, &u, &w), &[]), stress[0])?;
 //! number(assembler.functional(&rubber::curvature_along(&data, &omega, &u, &w), &[]), 2.0 * (1.0 + 1.0 / (f * f)) + 3.0)?;
 //! number(assembler.functional(&rubber::by_mu(&data, &omega, &u), &[]), (f * f - 1.0) / 2.0 - f.ln())?;
+//!
+//! // By the shape of the domain: stretched along (x₀, 0), at fixed nodal values.
+//! #[forms(dimension = 2)]
+//! mod moving {
+//!     pub struct Data { pub load: Given<Scalar> }
+//!     #[cells]
+//!     pub struct Omega;
+//!     pub fn work(u: State<Scalar>) -> Functional { integral(Omega, dot(grad(u), grad(u)) / 2 - load * u) }
+//!     pub fn along(u: State<Scalar>, T: State<Vector>) -> Functional { derivative(work(u), shape, T) }
+//!     pub fn gradient(u: State<Scalar>, T: Test<Vector>) -> Form { derivative(work(u), shape, T) }
+//! }
+//! let load = Given::function_with_gradient(|x: &[f64; 2]| x[0], |_| [1.0, 0.0]);
+//! let (data, body) = (moving::Data { load }, moving::Omega::on("all"));
+//! let u = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| 2.0 * x[0])?;
+//! let movement = Field::interpolate(&Space::of_geometry(&mesh)?, |x| [x[0], 0.0])?;
+//! // On [0, s] × [0, 1] with the same nodal values ∫ |∇u|²/2 = 2/s, and u = 2x/s gives ∫ x u = 2s²/3.
+//! number(assembler.functional(&moving::along(&data, &body, &u, &movement), &[]), -2.0 - 4.0 / 3.0)?;
+//! let gradient = assembler.residual(&moving::gradient(&data, &body, &u), &[], &[movement.space()])?;
+//! let along: f64 = gradient.iter().zip(movement.values()).map(|(g, t)| g * t).sum();
+//! assert!((along + 2.0 + 4.0 / 3.0).abs() < 1e-12);
 //!
 //! // Residual of the energy in the direction w is that slope.
 //! let residual = assembler.residual(&rubber::energy(&data, &omega), &[&u], &[&space])?;

@@ -10,6 +10,7 @@ pub mod gmsh;
 mod interior;
 #[cfg(test)]
 mod measures;
+mod moved;
 mod order;
 mod perforated;
 mod quality;

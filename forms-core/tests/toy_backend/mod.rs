@@ -158,7 +158,7 @@ impl<const D: usize> Walk<'_, D> {
             }
             (_, Some(Source::Constant(values))) if slot.order == Order::Value => values[entry],
             (_, Some(Source::Constant(_))) => 0.0,
-            (_, Some(Source::Function { components, function })) if slot.order == Order::Value => {
+            (_, Some(Source::Function { components, function, .. })) if slot.order == Order::Value => {
                 let mut values = vec![0.0; *components];
                 function(&point.geometry.position, &mut values);
                 values[entry]

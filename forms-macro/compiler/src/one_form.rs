@@ -250,7 +250,7 @@ impl Entry {
     /// `name: value`, as the data struct wants it: a number or a closure stands for what it means there.
     fn assignment(&self, backend: &syn::Path) -> TokenStream {
         let Entry { name, ty, value } = self;
-        let given = matches!(word(ty), Some((kind, _)) if kind == "Given");
+        let given = matches!(word(ty), Some((kind, _)) if kind == "Given" || kind == "Carried");
         let value = match (written(value), given) {
             (Some(value), true) => quote! { #backend::contract::Given::constant(#value) },
             (Some(value), false) => value,

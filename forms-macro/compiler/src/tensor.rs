@@ -6,7 +6,7 @@
 use std::collections::{BTreeSet, HashSet};
 
 use crate::diagnostics::Place;
-use crate::parse::syntax::Comparison;
+use crate::parse::syntax::{Comparison, Entity};
 
 /// A node of an [`Arena`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -149,6 +149,11 @@ pub enum Variable {
     Parameter(usize),
     /// An intermediate result: an argument or a `let` name.
     Node(Tensor),
+    /// The shape of the domain: points move along a vector field, at fixed reference coordinates. With the entity that is
+    /// integrated over its measure moves, too, and is divided out again: (density × measure)′ / measure.
+    Shape(Option<Entity>),
+    /// A length, area or volume of the cell or facet, which moves with nothing else.
+    Size(Geometry),
 }
 
 /// Where the divisor of [`Operator::DivideOrZero`] counts as zero: its inverse, to the third power,
@@ -431,7 +436,10 @@ pub enum FieldRole {
     Unknown(usize),
     Test(usize),
     State,
+    /// Data that are fixed in space.
     Given,
+    /// Data that move with the body.
+    Carried,
     /// Known at quadrature points only: it has no gradient.
     History,
     /// The direction in which the tangent differentiates the k-th unknown.
@@ -441,7 +449,7 @@ pub enum FieldRole {
 impl FieldRole {
     /// A member of the data struct.
     pub fn is_data(self) -> bool {
-        matches!(self, FieldRole::Given | FieldRole::History)
+        matches!(self, FieldRole::Given | FieldRole::Carried | FieldRole::History)
     }
 }
 

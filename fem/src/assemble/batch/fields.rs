@@ -18,7 +18,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     #[inline(always)]
     pub(super) fn reads_functions(&self, requirements: &Requirements) -> bool {
         for slot in requirements.fields {
-            if matches!(self.binding.values[slot.field], Values::Function(_)) {
+            if matches!(self.binding.values[slot.field], Values::Function { .. }) {
                 return true;
             }
         }
@@ -108,12 +108,17 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         self.buffers.fields[slot.offset + component] = L::load(lanes);
                     }
                 }
-                Values::Function(function) => {
+                Values::Function { function, gradient } => {
+                    // Without a gradient none is asked for: `BatchBuffers::prepare`.
+                    let function = match (slot.order, gradient) {
+                        (Order::Gradient, Some(gradient)) => gradient,
+                        _ => function,
+                    };
                     let mut components = [[0.0; WIDEST]; D];
                     for axis in 0..D {
                         position[axis].store(&mut components[axis]);
                     }
-                    let lanes = self.function(&slot, function, &components)?;
+                    let lanes = self.function(&slot, count, function, &components)?;
                     for (component, lanes) in lanes.iter().enumerate() {
                         self.buffers.fields[slot.offset + component] = L::load(lanes);
                     }
@@ -198,11 +203,12 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     fn function(
         &self,
         slot: &FieldSlot,
+        count: usize,
         function: &PositionFunction<D>,
         position: &[[f64; WIDEST]; D],
     ) -> Result<Vec<[f64; WIDEST]>, AssemblyError> {
-        let mut values = vec![0.0; slot.components];
-        let mut lanes = vec![[0.0; WIDEST]; slot.components];
+        let mut values = vec![0.0; count];
+        let mut lanes = vec![[0.0; WIDEST]; count];
         for lane in 0..L::WIDTH {
             let x: [f64; D] = std::array::from_fn(|axis| position[axis][lane]);
             function(&x, &mut values);

@@ -52,6 +52,8 @@ pub enum Constant {
     SymmetricIdentity,
     Dimension,
     Pi,
+    /// The shape of the domain: no value, but `derivative` differentiates by it.
+    Shape,
 }
 
 /// Called names, with the number of their arguments and how they are written.
@@ -138,6 +140,7 @@ pub const CONSTANTS: &[(&str, Constant)] = &[
     ("dimension", Constant::Dimension),
     ("D", Constant::Dimension),
     ("PI", Constant::Pi),
+    ("shape", Constant::Shape),
 ];
 
 /// The called name, if it is built in: what it is, its number of arguments, how it is written.

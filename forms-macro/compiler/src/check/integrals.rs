@@ -1,12 +1,12 @@
 //! Integrals and their arithmetic, and the derivatives that are asked for by name.
 
 use super::Term;
-use super::builtins;
+use super::builtins::{self, Constant};
 use super::evaluate::{Evaluator, Scope, Value};
 use super::regions::check_existence;
 use crate::diagnostics::Place;
 use crate::parse::syntax::*;
-use crate::tensor::{Operator, Tensor, Variable};
+use crate::tensor::{Geometry, Operator, Tensor, Variable};
 
 impl Evaluator<'_> {
     pub(super) fn integral(
@@ -71,6 +71,9 @@ impl Evaluator<'_> {
         place: Place,
         scope: &Scope,
     ) -> Option<Value> {
+        if self.is_shape(&arguments[1]) {
+            return self.shape_derivative(arguments, place, scope);
+        }
         let form = self.evaluate(&arguments[0], scope);
         let field = self.tensor(&arguments[1], scope, "`derivative`");
         let direction = self.tensor(&arguments[2], scope, "`derivative`");
@@ -78,6 +81,17 @@ impl Evaluator<'_> {
         let variable = match self.arena.node(field).operator {
             Operator::Field { field, order: 0 } => Variable::Field(field),
             Operator::Parameter(index) => Variable::Parameter(index),
+            Operator::Geometry(size @ (Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea)) => {
+                Variable::Size(size)
+            }
+            Operator::Geometry(_) => {
+                self.diagnostics.error_with_help(
+                    arguments[1].place,
+                    "this moves with the shape of the domain, not by itself",
+                    "write `derivative(form, shape, direction)` with a vector field as direction",
+                );
+                return None;
+            }
             _ => {
                 self.diagnostics.error_with_help(
                     arguments[1].place,
@@ -126,6 +140,45 @@ impl Evaluator<'_> {
         })
     }
 
+    /// Is it the built-in name `shape`?
+    fn is_shape(&self, expression: &Expression) -> bool {
+        match &expression.kind {
+            ExpressionKind::Name(name) => builtins::constant(&name.to_string()) == Some(Constant::Shape),
+            _ => false,
+        }
+    }
+
+    /// `derivative(form, shape, direction)`: of integrals with their measures, of a value without.
+    fn shape_derivative(&mut self, arguments: &[Expression], place: Place, scope: &Scope) -> Option<Value> {
+        let form = self.evaluate(&arguments[0], scope);
+        let direction = self.tensor(&arguments[2], scope, "`derivative`");
+        let (form, direction) = (form?, direction?);
+        if self.arena.shape(direction) != [self.dimension] {
+            let message =
+                format!("the shape moves along a vector field, this is {}", self.describe(direction));
+            let help = "give a displacement of the points, `Theta: State<Vector>` or `Theta: Test<Vector>`";
+            self.diagnostics.error_with_help(arguments[2].place, message, help);
+            return None;
+        }
+        let mut gateaux = |expression: Tensor, entity: Option<Entity>| {
+            let shape = self.arena.shape(expression).to_vec();
+            let operator = Operator::Gateaux { expression, variable: Variable::Shape(entity), direction };
+            self.arena.push(operator, shape, place)
+        };
+        Some(match form {
+            Value::Tensor(value) => Value::Tensor(gateaux(value, None)),
+            Value::Form(terms) => Value::Form(
+                terms
+                    .iter()
+                    .map(|term| {
+                        let entity = self.module.regions[term.region].entity;
+                        Term { region: term.region, density: gateaux(term.density, Some(entity)) }
+                    })
+                    .collect(),
+            ),
+        })
+    }
+
     /// Does a field or parameter stand in a value, or in one of its integrals?
     fn stands_in(&self, variable: Variable, value: &Value) -> bool {
         let roots = match value {
@@ -136,6 +189,7 @@ impl Evaluator<'_> {
             match (&self.arena.node(node).operator, variable) {
                 (Operator::Field { field, .. }, Variable::Field(varied)) => *field == varied,
                 (Operator::Parameter(index), Variable::Parameter(varied)) => *index == varied,
+                (Operator::Geometry(geometry), Variable::Size(varied)) => *geometry == varied,
                 _ => false,
             }
         })

@@ -106,7 +106,11 @@ pub fn fields_of(module: &Module, function: &Function, dimension: usize) -> Vec<
     }
     for member in field_members(module) {
         let shape = member.rank.shape(dimension);
-        let role = if member.kind == MemberKind::History { FieldRole::History } else { FieldRole::Given };
+        let role = match member.kind {
+            MemberKind::History => FieldRole::History,
+            MemberKind::Carried => FieldRole::Carried,
+            _ => FieldRole::Given,
+        };
         fields.push(FieldInfo { name: member.name.to_string(), role, shape });
     }
     fields
@@ -115,7 +119,8 @@ pub fn fields_of(module: &Module, function: &Function, dimension: usize) -> Vec<
 /// The members of the data struct that are fields.
 pub fn field_members(module: &Module) -> impl Iterator<Item = &Member> {
     let members = module.data.iter().flat_map(|data| &data.members);
-    members.filter(|member| matches!(member.kind, MemberKind::Given | MemberKind::History))
+    members
+        .filter(|member| matches!(member.kind, MemberKind::Given | MemberKind::Carried | MemberKind::History))
 }
 
 fn check_function(

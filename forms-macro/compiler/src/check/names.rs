@@ -38,6 +38,14 @@ impl Evaluator<'_> {
         if let Some(constant) = builtins::constant(&text) {
             let d = self.dimension;
             let (operator, shape) = match constant {
+                Constant::Shape => {
+                    self.diagnostics.error_with_help(
+                        place,
+                        "`shape` is the shape of the domain, not a value",
+                        "write `derivative(form, shape, direction)` with a vector field as direction",
+                    );
+                    return None;
+                }
                 Constant::Geometry(geometry) => {
                     let vector = matches!(geometry, Geometry::Normal | Geometry::Position);
                     (Operator::Geometry(geometry), if vector { vec![d] } else { vec![] })

@@ -9,7 +9,7 @@ use crate::check::regions::{check_existence, check_sides};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::{Entity, Region};
-use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Geometry, Operator, Tensor, Variable};
 use rules::{Differentiation, Seed};
 
 /// A function, free of derivatives still to be taken.
@@ -42,7 +42,9 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
     let CheckedFunction { function, dimension, arena, mut fields, content } = checked;
     let names = arena.varied_nodes();
     let known = HashMap::new();
-    let mut lowering = Lowering { arena, dimension, known, names, exhausted: false, diagnostics };
+    let declared = fields.clone();
+    let mut lowering =
+        Lowering { arena, dimension, fields: declared, known, names, exhausted: false, diagnostics };
     let unknowns: Vec<(usize, usize)> = fields
         .iter()
         .enumerate()
@@ -120,6 +122,8 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
 struct Lowering<'a> {
     arena: Arena,
     dimension: usize,
+    /// As checked.
+    fields: Vec<FieldInfo>,
     known: HashMap<Tensor, Tensor>,
     /// What `diff(e, w)` differentiates by.
     names: HashSet<Tensor>,
@@ -263,20 +267,29 @@ impl Lowering<'_> {
                 directions.push(self.lower(gradient));
             }
         }
-        Differentiation::new(&mut self.arena, self.dimension, seed, directions, self.diagnostics)
-            .derive(expression)
+        let (arena, fields) = (&mut self.arena, &self.fields);
+        Differentiation::new(arena, self.dimension, seed, directions, fields, self.diagnostics)
+            .derive_with_measure(expression)
     }
 
-    /// The highest derivative in the expression of the field that is varied.
+    /// The highest derivative of the direction that the derivative of the expression reads.
     fn highest_order(&self, expression: Tensor, seed: Seed) -> usize {
-        let Seed::Toward { variable: Variable::Field(varied), .. } = seed else { return 0 };
+        let Seed::Toward { variable, .. } = seed else { return 0 };
         let orders = self.arena.reachable(&[expression]).into_iter().filter_map(|node| {
-            match self.arena.node(node).operator {
-                Operator::Field { field, order } if field == varied => Some(order),
+            match (&self.arena.node(node).operator, variable) {
+                (Operator::Field { field, order }, Variable::Field(varied)) if *field == varied => {
+                    Some(*order)
+                }
+                (Operator::Field { field, order }, Variable::Shape(_)) => {
+                    let fixed = self.fields.get(*field).is_some_and(|field| field.role == FieldRole::Given);
+                    Some(if fixed { 0 } else { *order })
+                }
+                (Operator::Geometry(Geometry::Normal), Variable::Shape(_)) => Some(1),
                 _ => None,
             }
         });
-        orders.max().unwrap_or(0)
+        let of_measure = usize::from(matches!(variable, Variable::Shape(Some(_))));
+        orders.max().unwrap_or(0).max(of_measure)
     }
 
     /// The unit tensor of a shape whose `entry`-th component (row-major) is one.

@@ -4,15 +4,16 @@
 //! is 0 everywhere; `max(a, b)` differentiates as `if a > b { a } else { b }`, `min(a, b)` as
 //! `if a > b { b } else { a }`; that of `norm(a)` at a = 0 is 0, as is that of `atan2` at the origin.
 //!
-//! The scalar functions stand in the child module `functions`.
+//! The scalar functions stand in the child module `functions`, the shape of the domain in `shape`.
 
 mod functions;
+mod shape;
 
 use std::collections::HashMap;
 
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{Arena, Geometry, Named, Operator, Tensor, Truth, Variable};
+use crate::tensor::{Arena, FieldInfo, Geometry, Named, Operator, Tensor, Truth, Variable};
 
 /// What is varied, and how.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +32,12 @@ pub struct Differentiation<'a> {
     seed: Seed,
     /// The direction of [`Seed::Toward`] and its derivatives, by order, as far as the expression reads.
     directions: Vec<Tensor>,
+    fields: &'a [FieldInfo],
     diagnostics: &'a mut Diagnostics,
-    known: HashMap<Tensor, Option<Tensor>>,
+    /// The node at hand stands inside a limit from one side of a facet.
+    restricted: bool,
+    /// Per node, and whether it stands inside such a limit.
+    known: HashMap<(Tensor, bool), Option<Tensor>>,
 }
 
 impl<'a> Differentiation<'a> {
@@ -41,18 +46,21 @@ impl<'a> Differentiation<'a> {
         dimension: usize,
         seed: Seed,
         directions: Vec<Tensor>,
+        fields: &'a [FieldInfo],
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
-        Differentiation { arena, dimension, seed, directions, diagnostics, known: HashMap::new() }
+        let (restricted, known) = (false, HashMap::new());
+        Differentiation { arena, dimension, seed, directions, fields, diagnostics, restricted, known }
     }
 
     /// The derivative; `None` if it is zero.
     pub fn derive(&mut self, tensor: Tensor) -> Option<Tensor> {
-        if let Some(known) = self.known.get(&tensor) {
+        let key = (tensor, self.restricted);
+        if let Some(known) = self.known.get(&key) {
             return *known;
         }
         let derivative = self.rule(tensor);
-        self.known.insert(tensor, derivative);
+        self.known.insert(key, derivative);
         derivative
     }
 
@@ -152,13 +160,20 @@ impl<'a> Differentiation<'a> {
             External { function, arguments, order } => self.external(tensor, function, arguments, order),
             // A limit from one side commutes with every derivative.
             Restrict(side, a) => {
-                let da = self.derive(a)?;
+                let outside = std::mem::replace(&mut self.restricted, true);
+                let da = self.derive(a);
+                self.restricted = outside;
+                let da = da?;
                 Some(self.push(Restrict(side, da), shape, tensor))
             }
             // Below: only in formulas. For kernels they are removed before a derivative is taken of what holds them.
             // d ∇e = ∇de
             Gradient(a) => {
-                let da = self.derive(a)?;
+                let da = self.derive(a);
+                if self.by_shape() {
+                    return self.gradient_as_points_move(tensor, da);
+                }
+                let da = da?;
                 Some(self.push(Gradient(da), shape, tensor))
             }
             Partial(expression, variable) => self.partial(tensor, expression, variable),
@@ -191,6 +206,10 @@ impl<'a> Differentiation<'a> {
                 matches!(self.arena.node(node).operator, Operator::Parameter(index) if index == varied)
             }
             Variable::Node(varied) => node == varied,
+            Variable::Shape(_) => true,
+            Variable::Size(varied) => {
+                matches!(self.arena.node(node).operator, Operator::Geometry(size) if size == varied)
+            }
         });
         let shape = self.arena.shape(tensor).to_vec();
         let operator = Operator::Gateaux { expression: tensor, variable, direction };
@@ -236,6 +255,9 @@ impl<'a> Differentiation<'a> {
             Seed::Toward { variable: Variable::Field(varied), .. } if varied == field => {
                 self.directions.get(order).copied()
             }
+            Seed::Toward { variable: Variable::Shape(_), .. } => {
+                self.field_as_points_move(tensor, field, order)
+            }
             Seed::Toward { .. } => None,
             Seed::Along(axis) if order < 2 => {
                 let shape = self.arena.shape(tensor).to_vec();
@@ -244,14 +266,22 @@ impl<'a> Differentiation<'a> {
                 Some(self.column(gradient, &shape, axis, tensor))
             }
             Seed::Along(_) => {
-                self.diagnostics.error_with_help(
-                    self.arena.place(tensor),
-                    "third derivatives of a field are not available",
-                    "second derivatives are the highest, `hess(u)`: for more, make a derivative an unknown of its own",
-                );
+                self.no_third_derivative(tensor);
                 None
             }
         }
+    }
+
+    fn no_third_derivative(&mut self, tensor: Tensor) {
+        self.diagnostics.error_with_help(
+            self.arena.place(tensor),
+            "third derivatives of a field are not available",
+            "second derivatives are the highest, `hess(u)`: for more, make a derivative an unknown of its own",
+        );
+    }
+
+    fn by_shape(&self) -> bool {
+        matches!(self.seed, Seed::Toward { variable: Variable::Shape(_), .. })
     }
 
     /// Fixes the last axis.
@@ -269,7 +299,16 @@ impl<'a> Differentiation<'a> {
     }
 
     fn geometry(&mut self, tensor: Tensor, geometry: Geometry) -> Option<Tensor> {
-        let Seed::Along(axis) = self.seed else { return None };
+        let axis = match self.seed {
+            Seed::Along(axis) => axis,
+            Seed::Toward { variable: Variable::Shape(_), .. } => {
+                return self.geometry_as_points_move(tensor, geometry);
+            }
+            Seed::Toward { variable: Variable::Size(varied), direction, .. } => {
+                return (varied == geometry).then_some(direction);
+            }
+            Seed::Toward { .. } => return None,
+        };
         match geometry {
             // Constant on the cell.
             Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea => None,

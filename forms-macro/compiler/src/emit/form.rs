@@ -314,7 +314,7 @@ fn has_tangent(function: &Function) -> bool {
 fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
     let number = match fields[function.field].role {
         FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,
-        FieldRole::State | FieldRole::Given | FieldRole::History => 0,
+        FieldRole::State | FieldRole::Given | FieldRole::Carried | FieldRole::History => 0,
     };
     Described { number, side: function.side }
 }
@@ -326,7 +326,7 @@ fn common_methods(function: &Function, fields: &[FieldInfo], dimension: usize) -
             FieldRole::Unknown(number) => quote! { Unknown(#number) },
             FieldRole::Test(number) => quote! { Test(#number) },
             FieldRole::State => quote! { State },
-            FieldRole::Given | FieldRole::History => quote! { Given },
+            FieldRole::Given | FieldRole::Carried | FieldRole::History => quote! { Given },
             FieldRole::Trial(number) if has_tangent(function) => quote! { Direction(#number) },
             FieldRole::Trial(_) => return None,
         };

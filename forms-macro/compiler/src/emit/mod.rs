@@ -100,7 +100,7 @@ fn emit_member(member: &Member) -> TokenStream {
     let value = value_type(*rank);
     let ty = match kind {
         MemberKind::Param => value,
-        MemberKind::Given => quote! { contract::Given<#value, D> },
+        MemberKind::Given | MemberKind::Carried => quote! { contract::Given<#value, D> },
         MemberKind::History => quote! { contract::History<#value, D> },
         MemberKind::Table => quote! { contract::Table },
     };

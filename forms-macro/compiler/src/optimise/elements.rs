@@ -46,7 +46,7 @@ impl StandardElement {
     /// element's degree, given fields and geometry of degree one.
     pub fn points(&self, degree: &Degree, fields: &[FieldInfo], entity: Entity) -> usize {
         let of_field = |field: usize| match fields[field].role {
-            FieldRole::Given | FieldRole::History => 1,
+            FieldRole::Given | FieldRole::Carried | FieldRole::History => 1,
             _ => self.degree,
         };
         let sums = degree.0.iter().map(|sum| {

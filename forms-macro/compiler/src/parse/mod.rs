@@ -120,6 +120,7 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
             let kind = match outer.to_string().as_str() {
                 "Param" => Some(MemberKind::Param),
                 "Given" => Some(MemberKind::Given),
+                "Carried" => Some(MemberKind::Carried),
                 "Table" => Some(MemberKind::Table),
                 "History" => Some(MemberKind::History),
                 _ => None,
@@ -141,7 +142,7 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
             diagnostics.error_with_help(
                 Place::of(&field.ty),
                 format!("`{name}` has a type that is not known here"),
-                "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>`, `Given<Tensor>`, `Table`, or `History<..>` as `Given<..>`",
+                "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>`, `Given<Tensor>`, `Table`, or `Carried<..>`, `History<..>` as `Given<..>`",
             );
             return None;
         }
@@ -155,6 +156,7 @@ fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
     let kind = match &text {
         text if text.contains("Table") => MemberKind::Table,
         text if text.contains("Hist") => MemberKind::History,
+        text if text.contains("Carr") => MemberKind::Carried,
         text if text.contains("Given") => MemberKind::Given,
         _ => MemberKind::Param,
     };

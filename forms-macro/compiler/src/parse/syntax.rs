@@ -72,8 +72,10 @@ pub struct Member {
 pub enum MemberKind {
     /// Constant over the mesh.
     Param,
-    /// A field, or a function of x.
+    /// A field, or a function of x, fixed in space.
     Given,
+    /// A field, or a function of x, that moves with the body.
+    Carried,
     /// A function of one scalar given by data points: it is called.
     Table,
     /// Values at quadrature points.

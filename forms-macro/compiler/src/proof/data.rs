@@ -34,6 +34,14 @@ impl Random {
         (0..count).map(|_| self.number()).collect()
     }
 
+    /// What moves with the shape relies on the length of a normal.
+    fn unit_vector(&mut self, dimension: usize) -> Vec<f64> {
+        let mut vector = self.numbers(dimension);
+        let length = vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        vector.iter_mut().for_each(|entry| *entry /= length);
+        vector
+    }
+
     /// A field with symmetric higher derivatives.
     pub fn jet(&mut self, components: usize, dimension: usize) -> Jet {
         let mut jet: Jet =
@@ -80,7 +88,7 @@ pub fn points(
     let parameters: Vec<Vec<f64>> = members
         .map(|member| match member.kind {
             MemberKind::Param => random.numbers(member.rank.shape(dimension).iter().product()),
-            MemberKind::Given | MemberKind::History | MemberKind::Table => vec![],
+            MemberKind::Given | MemberKind::Carried | MemberKind::History | MemberKind::Table => vec![],
         })
         .collect();
     let facet_area = random.positive();
@@ -95,7 +103,7 @@ pub fn points(
                 fields: [fields(), fields()],
                 parameters: parameters.clone(),
                 position: random.numbers(dimension),
-                normal: random.numbers(dimension),
+                normal: random.unit_vector(dimension),
                 curvature: random.number(),
                 diameter,
                 cell_volume,

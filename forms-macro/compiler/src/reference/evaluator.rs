@@ -23,17 +23,22 @@ pub struct Condition {
 /// The numbers that stand for the symbols of a form. Moving them by an infinitesimal is how a
 /// derivative is taken.
 #[derive(Clone)]
-struct Surroundings {
+pub(super) struct Surroundings {
     /// Per side, field and order of derivative.
-    fields: [Vec<Vec<Vec<Number>>>; 2],
+    pub fields: [Vec<Vec<Vec<Number>>>; 2],
     /// From which side the expression at hand is seen.
     side: Side,
     parameters: Vec<Vec<Number>>,
-    position: Vec<Number>,
+    /// Per side, from which the same point may move elsewhere.
+    pub position: [Vec<Number>; 2],
+    /// Per side, as this side's outward normal.
+    pub normal: [Vec<Number>; 2],
+    /// Diameter, cell volume and facet area, per side.
+    sizes: [[Number; 3]; 2],
     /// What is added to the value of intermediate results.
     added: HashMap<Tensor, Vec<Number>>,
     /// Number of infinitesimals in use.
-    level: usize,
+    pub level: usize,
 }
 
 /// A field moves on one side of a facet: its index, the side, where to.
@@ -42,11 +47,11 @@ pub type Move<'a> = (usize, Side, &'a Jet);
 /// What is known already, per node and side.
 type Known = HashMap<(Tensor, Side), Vec<Number>>;
 
-const SIDES: [Side; 2] = [Side::This, Side::Other];
+pub(super) const SIDES: [Side; 2] = [Side::This, Side::Other];
 
 /// Evaluates one function at one point.
 pub struct Evaluator<'a> {
-    checked: &'a CheckedFunction,
+    pub(super) checked: &'a CheckedFunction,
     point: &'a Point,
     condition: Cell<Condition>,
 }
@@ -110,7 +115,12 @@ impl<'a> Evaluator<'a> {
             fields: [0, 1].map(|side| self.point.fields[side].iter().map(jet).collect()),
             side: Side::This,
             parameters: self.point.parameters.iter().map(numbers).collect(),
-            position: numbers(&self.point.position),
+            position: [(); 2].map(|()| numbers(&self.point.position)),
+            normal: [(); 2].map(|()| numbers(&self.point.normal)),
+            sizes: [0, 1].map(|side| {
+                let point = self.point;
+                [point.diameter[side], point.cell_volume[side], point.facet_area].map(Number::real)
+            }),
             added: HashMap::new(),
             level: 0,
         }
@@ -325,11 +335,18 @@ impl<'a> Evaluator<'a> {
             Gateaux { expression, variable, direction } => {
                 let orders = match variable {
                     Variable::Field(field) => self.order(*expression, *field).unwrap_or(0),
+                    Variable::Shape(_) => self.orders_of_shape(*expression),
                     _ => 0,
                 };
                 let direction =
                     SIDES.map(|side| self.jet(*direction, orders, &Surroundings { side, ..around.clone() }));
-                self.slope(*expression, &self.moved(around, *variable, &direction), around.level)
+                let moved = self.moved(around, *variable, &direction);
+                let Variable::Shape(Some(entity)) = variable else {
+                    return self.slope(*expression, &moved, around.level);
+                };
+                let measure = self.measure(*entity, around, &direction);
+                let integrand = self.walk(*expression, &moved);
+                integrand.iter().map(|entry| entry.times(&measure).slope(around.level)).collect()
             }
             // An operator that is new: add its meaning here.
             other => panic!("the reference evaluator has no rule for {other:?}"),
@@ -337,19 +354,18 @@ impl<'a> Evaluator<'a> {
     }
 
     fn geometry(&self, geometry: Geometry, around: &Surroundings) -> Vec<Number> {
-        let real = |value: f64| vec![Number::real(value)];
         // The outward normal of the other cell is the opposite one.
         let (side, sign) = match around.side {
             Side::This => (0, 1.0),
             Side::Other => (1, -1.0),
         };
         match geometry {
-            Geometry::Diameter => real(self.point.diameter[side]),
-            Geometry::CellVolume => real(self.point.cell_volume[side]),
-            Geometry::FacetArea => real(self.point.facet_area),
-            Geometry::Curvature => real(sign * self.point.curvature),
-            Geometry::Normal => self.point.normal.iter().flat_map(|entry| real(sign * entry)).collect(),
-            Geometry::Position => around.position.clone(),
+            Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea => {
+                vec![around.sizes[side][place_of_size(geometry)].clone()]
+            }
+            Geometry::Curvature => vec![Number::real(sign * self.point.curvature)],
+            Geometry::Normal => around.normal[side].iter().map(|entry| entry.scaled(sign)).collect(),
+            Geometry::Position => around.position[side].clone(),
         }
     }
 
@@ -397,7 +413,9 @@ impl<'a> Evaluator<'a> {
                 }
             }
         }
-        shifted.position[axis] = around.position[axis].moved(&Number::real(1.0), level);
+        for (position, before) in shifted.position.iter_mut().zip(&around.position) {
+            position[axis] = before[axis].moved(&Number::real(1.0), level);
+        }
         shifted.level += 1;
         shifted
     }
@@ -454,21 +472,37 @@ impl<'a> Evaluator<'a> {
                 let zero = vec![Number::real(0.0); direction.len()];
                 shift(moved.added.entry(node).or_insert(zero), direction);
             }
+            Variable::Size(size) => {
+                for (sizes, direction) in moved.sizes.iter_mut().zip(directions) {
+                    let number = &mut sizes[place_of_size(size)];
+                    *number = number.moved(&direction[0][0], level);
+                }
+            }
+            Variable::Shape(_) => return self.after_points_moved(around, directions),
         }
         moved
     }
 
     /// The highest derivative of a field that an expression reads; `None` if it reads nothing of it.
     fn order(&self, expression: Tensor, varied: usize) -> Option<usize> {
+        self.order_of(expression, &|field| field == varied)
+    }
+
+    /// The highest derivative of some fields that an expression reads.
+    pub(super) fn order_of(&self, expression: Tensor, varied: &dyn Fn(usize) -> bool) -> Option<usize> {
         let mut orders: HashMap<Tensor, Option<usize>> = HashMap::new();
         // Operands come first.
         for node in self.checked.arena.reachable(&[expression]) {
             let operator = &self.checked.arena.node(node).operator;
             let order = match operator {
-                Operator::Field { field, order } if *field == varied => Some(*order),
+                Operator::Field { field, order } if varied(*field) => Some(*order),
                 Operator::Gradient(a) => orders[a].map(|order| order + 1),
                 Operator::Gateaux { expression, variable: Variable::Field(field), direction } => {
                     let further = self.order(*expression, *field).unwrap_or(0);
+                    orders[expression].max(orders[direction].map(|order| order + further))
+                }
+                Operator::Gateaux { expression, variable: Variable::Shape(_), direction } => {
+                    let further = self.orders_of_shape(*expression);
                     orders[expression].max(orders[direction].map(|order| order + further))
                 }
                 _ => operator.operands().iter().filter_map(|operand| orders[operand]).max(),
@@ -476,5 +510,14 @@ impl<'a> Evaluator<'a> {
             orders.insert(node, order);
         }
         orders[&expression]
+    }
+}
+
+/// Among [`Surroundings::sizes`].
+fn place_of_size(size: Geometry) -> usize {
+    match size {
+        Geometry::Diameter => 0,
+        Geometry::CellVolume => 1,
+        _ => 2,
     }
 }

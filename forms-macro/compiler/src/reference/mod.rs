@@ -7,6 +7,7 @@
 mod evaluator;
 mod functions;
 mod matrices;
+mod moving_points;
 mod number;
 mod point;
 

@@ -128,5 +128,9 @@ fn derivatives_in_space_and_by_variables() {
     near("diff(s * dot(grad(s), grad(s)), s)", 1.5 * 1.5 + 4.0);
     near("{ let w = s * s; diff(w * w * s, w) }", 2.0 * 0.64 * 0.8);
     near("{ let F = I + grad(u); inner(diff(det(F), F), cof(F)) }", 0.6 * 0.6 + 0.3 * 0.3 + 0.2 * 0.2 + 1.21);
+    // At fixed reference coordinates ∇s moves by −∇uᵀ∇s, x by u, and s not at all.
+    near("derivative(grad(s)[0], shape, u)", -(1.5 * 0.1 + -2.0 * 0.3));
+    near("derivative(s * x[1], shape, u)", 0.8 * -0.25);
+    near("derivative(h * h * s, h, a)", 2.0 * 0.5 * 2.5 * 0.8);
     near("if s > 0.5 { max(s, a) } else { sqrt(-s) }", 2.5);
 }

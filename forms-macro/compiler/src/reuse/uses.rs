@@ -91,6 +91,7 @@ fn is_vocabulary(name: &str) -> bool {
         "Table",
         "History",
         "Given",
+        "Carried",
         "Unknown",
         "Test",
         "State",

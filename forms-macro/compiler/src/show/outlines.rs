@@ -107,10 +107,10 @@ impl<'a> Outlines<'a> {
         fields: &[FieldInfo],
     ) -> Option<Option<Tensor>> {
         let mut value = self.carry_out(arena, value, fields)?;
-        // A function knows the data by itself: they vary inside it.
+        // A function knows data and geometry by itself: they vary inside it.
         let data = match variable {
             Variable::Field(field) => fields[field].role.is_data(),
-            Variable::Parameter(_) => true,
+            Variable::Parameter(_) | Variable::Shape(_) | Variable::Size(_) => true,
             Variable::Node(_) => false,
         };
         if data {
@@ -126,8 +126,8 @@ impl<'a> Outlines<'a> {
         let seed = Seed::Toward { variable, direction, with_gradient: true };
         let mut diagnostics = Diagnostics::default();
         let mut differentiation =
-            Differentiation::new(arena, self.dimension, seed, directions, &mut diagnostics);
-        Some(differentiation.derive(value))
+            Differentiation::new(arena, self.dimension, seed, directions, fields, &mut diagnostics);
+        Some(differentiation.derive_with_measure(value))
     }
 
     /// The expression with each `derivative(..)` carried out and simplified. `None` after a mistake.

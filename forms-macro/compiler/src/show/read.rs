@@ -81,6 +81,8 @@ impl Reader<'_> {
                     Variable::Field(field) => self.field(*field),
                     Variable::Parameter(index) => self.parameter(*index),
                     Variable::Node(node) => self.read(*node),
+                    Variable::Size(size) => geometry(*size),
+                    Variable::Shape(_) => Formula::word("shape"),
                 };
                 let partial = |one| Box::new(Formula::Prefix("∂", Box::new(one)));
                 Formula::Fraction(partial(self.read(*expression)), partial(by))

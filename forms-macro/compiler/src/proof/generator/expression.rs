@@ -106,6 +106,8 @@ impl Writer<'_, '_> {
             *result == shape
                 && only.is_none_or(|only| only == dimension)
                 && derivatives(text) <= limits.order
+                // A direction gets the sides of what it varies, and may not have its own.
+                && !(limits.sideless && text.starts_with("derivative("))
                 && known(text)
         };
         let templates: Vec<&str> = list.iter().filter(fits).map(|template| template.2).collect();

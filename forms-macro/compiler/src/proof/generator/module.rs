@@ -12,8 +12,8 @@ pub fn module(list: &[u32], dimension: usize) -> String {
     let (mut data, mut members) = (String::new(), Vec::new());
     for index in 0..choices.below(4) {
         let shape = *choices.one_of(&Shape::FIELDS);
-        let given = choices.below(2) == 1;
-        let (letter, ty) = if given { ("g", "Given") } else { ("p", "Param") };
+        let (letter, ty) = *choices.one_of(&[("p", "Param"), ("g", "Given"), ("c", "Carried")]);
+        let given = ty != "Param";
         let text = format!("{letter}{index}");
         data += &format!("        pub {text}: {ty}<{}>,\n", shape.name());
         members.push(Name { text, shape, field: given, variable: true, order: 0, smooth: true });
@@ -117,7 +117,15 @@ fn integrals(writer: &mut Writer, order: usize) -> String {
         };
         let limits = Limits { size: 14, order, smooth: false, facets, sideless, test };
         let density = writer.expression(Shape::Scalar, limits);
-        let integral = format!("integral({region}, {density})");
+        let mut integral = format!("integral({region}, {density})");
+        // The measure moves, too; all that stands in the integral must have a derivative by the shape.
+        if writer.choices.below(4) == 1 && order >= 1 {
+            let smooth = Limits { size: 8, order: order - 1, smooth: true, facets: false, sideless, test };
+            let theta = Limits { size: 4, sideless: false, test: None, ..smooth };
+            let density = writer.expression(Shape::Scalar, smooth);
+            let theta = writer.expression(Shape::Vector, theta);
+            integral = format!("derivative(integral({region}, {density}), shape, {theta})");
+        }
         let parameters = writer.names.iter().filter(|name| !name.field && name.shape == Shape::Scalar);
         let parameter = parameters.map(|name| name.text.clone()).next().unwrap_or("3".into());
         sum += &match (index, writer.choices.below(4)) {

@@ -145,6 +145,12 @@ pub const FREE: &[Template] = &[
     (T, None, "hess({s\"})"),
     (T, None, "grad({t'})[{i}]"),
     (T, None, "hess({v\"})[{i}]"),
+    // By the shape of the domain and by sizes.
+    (S, None, "derivative({s'}, shape, {v'})"),
+    (V, None, "derivative({v'}, shape, {v'})"),
+    (T, None, "derivative(grad({v\"}), shape, {v\"})"),
+    (S, None, "derivative(h * {s}, h, {s})"),
+    (S, None, "derivative({s} / cell_volume, cell_volume, {s})"),
 ];
 
 /// Linear in the test function.
@@ -167,6 +173,9 @@ pub const LINEAR: &[Template] = &[
     (S, None, "if {c} { {S} } else { 0 }"),
     (S, None, "div({V'})"),
     (S, None, "div(grad({S\"}))"),
+    (S, None, "derivative({S'}, shape, {v'})"),
+    (S, None, "derivative({s'}, shape, {V'})"),
+    (S, None, "derivative({S} * h, h, {s})"),
     (S, Some(2), "cross({V}, {v})"),
     (S, Some(2), "curl({V'})"),
     (V, None, "{V} + {V}"),
