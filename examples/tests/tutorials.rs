@@ -74,14 +74,3 @@ fn multiplier_contact_gives_the_force_of_nitsche_and_the_pressure_of_hertz() {
 fn thermoelasticity_gives_the_hoop_stress_of_the_hot_pipe() {
     run(env!("CARGO_BIN_EXE_10_thermoelasticity"), "10_thermoelasticity.png");
 }
-
-#[test]
-fn a_ball_gives_the_pressure_of_hertz() {
-    let printed = run(env!("CARGO_BIN_EXE_hertz_ball"), "hertz_ball.png");
-    assert!(printed.contains("from Hertz"), "{printed}");
-}
-
-#[test]
-fn a_block_on_a_ball_gives_the_pressure_of_hertz() {
-    run(env!("CARGO_BIN_EXE_block_on_sphere"), "block_on_sphere.png");
-}
