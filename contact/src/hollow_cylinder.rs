@@ -158,8 +158,19 @@ pub fn hollow_cylinder(settings: &Settings) -> Result<ContactProblem<2>, Cylinde
     let mut mesh = annulus(INNER_RADIUS, OUTER_RADIUS, settings.radial, around, CellShape::Quadrilateral, 2)?;
     mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0)?;
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    let mesh = Arc::new(mesh);
-    let space = Space::vector(&mesh, 2)?;
+    hollow_cylinder_on(&Arc::new(mesh), settings)
+}
+
+/// The experiment on another mesh with the regions of [`hollow_cylinder`]'s, as on that mesh after it has moved.
+///
+/// # Errors
+/// A setting without meaning, a region that is not there.
+pub fn hollow_cylinder_on(
+    mesh: &Arc<Mesh<2>>,
+    settings: &Settings,
+) -> Result<ContactProblem<2>, CylinderError> {
+    settings.check()?;
+    let space = Space::vector(mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("inner", |_| IMPOSED_DISPLACEMENT)?;
     let (lambda, mu) = settings.lame();
@@ -176,7 +187,7 @@ pub fn hollow_cylinder(settings: &Settings) -> Result<ContactProblem<2>, Cylinde
         criterion_force: Given::constant(CRITERION_FORCE),
         criterion_weight: Given::constant(0.0),
     };
-    let assembler = Assembler::new(&mesh)
+    let assembler = Assembler::new(mesh)
         .with_quadrature(Quadrature::Degree(settings.degree))
         .with_threads(settings.threads);
     Ok(ContactProblem::new(assembler, &space, data, Regions::new("outer", CONTACT), constraints)?)

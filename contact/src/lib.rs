@@ -3,9 +3,10 @@
 //! solve them.
 //!
 //! [`operators`] are there to be imported into forms; [`nitsche`] holds the paper's equations. [`states`] solves direct → adjoint on any mesh;
-//! [`shape_gradient`] differentiates the criterion by the shape; [`hollow_cylinder`] is the paper's experiment; [`threshold`] says when γ₀ is too small.
+//! [`shape_gradient`] differentiates the criterion by the shape, as the volume form of the discrete problem; [`boundary_form`] is the paper's form on the boundary; [`hollow_cylinder`] is the paper's experiment; [`threshold`] says when γ₀ is too small.
 //! Nothing here knows an element or loops over cells.
 
+pub mod boundary_form;
 pub mod hollow_cylinder;
 pub mod nitsche;
 pub mod operators;

@@ -106,19 +106,19 @@ pub mod nitsche {
 
     /// M(u) = F·u.
     #[doc(alias = "M")]
-    fn cell_criterion(w: Vector) -> Scalar {
+    pub fn cell_criterion(w: Vector) -> Scalar {
         dot(criterion_force, w)
     }
 
     /// N(u) = ½ c |u|².
     #[doc(alias = "N")]
-    fn boundary_criterion(w: Vector) -> Scalar {
+    pub fn boundary_criterion(w: Vector) -> Scalar {
         criterion_weight / 2 * dot(w, w)
     }
 
     /// N′(u).
     #[doc(alias = "N_prime")]
-    fn boundary_slope(w: Vector) -> Vector {
+    pub fn boundary_slope(w: Vector) -> Vector {
         diff(boundary_criterion(w), w)
     }
 

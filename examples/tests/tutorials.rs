@@ -74,3 +74,9 @@ fn multiplier_contact_gives_the_force_of_nitsche_and_the_pressure_of_hertz() {
 fn thermoelasticity_gives_the_hoop_stress_of_the_hot_pipe() {
     run(env!("CARGO_BIN_EXE_10_thermoelasticity"), "10_thermoelasticity.png");
 }
+
+#[test]
+fn shape_derivative_is_that_of_a_section_that_grows() {
+    let printed = run(env!("CARGO_BIN_EXE_11_shape_derivative"), "11_shape_derivative.png");
+    assert!(printed.contains("remainder"), "{printed}");
+}

@@ -141,6 +141,19 @@ impl<const D: usize> Field<D> {
         Ok(Field::of_known(space, values))
     }
 
+    /// This field plus a factor times another one on the same space.
+    ///
+    /// # Errors
+    /// [`FieldError::Length`] when the other has another number of coefficients, [`FieldError::NotFinite`].
+    pub fn plus(&self, factor: f64, other: &Field<D>) -> Result<Self, FieldError> {
+        let (unknowns, length) = (self.values().len(), other.values().len());
+        if unknowns != length {
+            return Err(FieldError::Length { unknowns, length });
+        }
+        let values = self.values().iter().zip(other.values()).map(|(a, b)| a + factor * b).collect();
+        Field::from_values(&self.space, values)
+    }
+
     /// The field with coefficients of the right number.
     pub(crate) fn of_known(space: &Arc<Space<D>>, values: Vec<f64>) -> Self {
         let coefficients = Arc::new(Coefficients { values, finite: OnceLock::new() });

@@ -69,6 +69,7 @@ pub mod quadrature;
 pub mod solve;
 pub mod space;
 pub mod threads;
+pub mod verification;
 
 pub use forms_core::contract;
 pub use forms_core::forms;

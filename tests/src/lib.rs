@@ -1,12 +1,11 @@
 //! What the whole-system tests share: the reader of the reference files, small distorted bodies, the
-//! contact forms evaluated by plain loops, the check of adjoint forms, Taylor tests.
+//! contact forms evaluated by plain loops, the check of adjoint forms.
 
 pub mod adjoint_form;
 pub mod bodies;
 pub mod contact_by_loops;
 pub mod dense;
 pub mod reference_file;
-pub mod taylor;
 
 /// The page of translations, whose blocks in our notation are compiled here (`cargo test --doc`).
 #[doc = include_str!("../../docs/coming_from.md")]

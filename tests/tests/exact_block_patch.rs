@@ -150,3 +150,95 @@ fn plane_strain_in_three_dimensions() {
         }
     }
 }
+
+/// Half the energy a(u, u) as a criterion. Its derivative by u is a(u, ·): the adjoint state needs no other form.
+#[forms(dimension = 2)]
+mod stored {
+    pub use forms_contact::forms::{direct, elasticity};
+
+    pub struct Data {
+        pub lambda: Param,
+        pub mu: Param,
+        pub theta: Param,
+        pub gamma0: Param,
+        pub obstacle_normal: Given<Vector>,
+        pub gap: Given<Scalar>,
+        pub body_force: Given<Vector>,
+        pub traction: Given<Vector>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct GammaN;
+    #[facets]
+    pub struct GammaC;
+
+    pub fn energy(u: State<Vector>) -> Functional {
+        elasticity(u, u) / 2
+    }
+    /// (21).
+    pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(energy(u), u, q)
+    }
+    pub fn gradient(u: State<Vector>, p: State<Vector>, Theta: Test<Vector>) -> Form {
+        derivative(energy(u) + direct(u, p), shape, Theta)
+    }
+}
+
+/// J = ½ E′δ²w/H: ∂J/∂H = −J/H and ∂J/∂w = J/w, to rounding, by moving all points with the top or the right side.
+#[test]
+fn the_shape_gradient_of_the_block_is_exact() {
+    for (shape, degree) in [(CellShape::Triangle, 1), (CellShape::Triangle, 2), (CellShape::Quadrilateral, 1)]
+    {
+        for theta in THETAS {
+            let mesh = Arc::new(rectangle([0.0, 0.0], [WIDTH, HEIGHT], [5, 3], shape, 1).unwrap());
+            let space = Space::vector(&mesh, degree).unwrap();
+            let mut constraints = Constraints::new(&space);
+            constraints.fix_component("top", 1, |_| -PRESSED).unwrap();
+            constraints.fix_component("left", 0, |_| 0.0).unwrap();
+            let data = stored::Data {
+                lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
+                mu: YOUNG / (2.0 * (1.0 + POISSON)),
+                theta,
+                gamma0: 20.0 * YOUNG,
+                obstacle_normal: Given::constant([0.0, -1.0]),
+                gap: Given::function_with_gradient(|x: &[f64; 2]| x[1], |_| [0.0, 1.0]),
+                body_force: Given::constant([0.0; 2]),
+                traction: Given::constant([0.0; 2]),
+            };
+            let (omega, gamma_n) = (stored::Omega::on("all"), stored::GammaN::on("right"));
+            let gamma_c = stored::GammaC::on("bottom");
+            let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
+            let direct = stored::direct(&data, &omega, &gamma_n, &gamma_c);
+            let mut solver = TangentSolver::default();
+            let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
+            let u = FormProblem::new(&direct, &assembler, &space)
+                .unwrap()
+                .solve(&Field::zero(&space), &constraints, &mut solver, &options, &mut |_| ())
+                .unwrap()
+                .field;
+            let adjoint = stored::adjoint(&data, &omega, &gamma_c, &u);
+            let p = FormProblem::new(&adjoint, &assembler, &space)
+                .unwrap()
+                .solve_affine(&constraints.homogeneous(), &mut solver)
+                .unwrap();
+            let movements = Space::of_geometry(&mesh).unwrap();
+            let form = stored::gradient(&data, &omega, &gamma_n, &gamma_c, &u, &p);
+            let gradient = assembler.residual(&form, &[], &[&movements]).unwrap();
+            let energy = 0.5 * PLANE_MODULUS * PRESSED.powi(2) * WIDTH / HEIGHT;
+            for (axis, length, exact) in [(1, HEIGHT, -energy / HEIGHT), (0, WIDTH, energy / WIDTH)] {
+                // All points move in proportion, or those near the moving side alone.
+                for power in [1, 4] {
+                    let movement = |x: &[f64; 2]| {
+                        let mut by = [0.0; 2];
+                        by[axis] = (x[axis] / length).powi(power);
+                        by
+                    };
+                    let movement = Field::interpolate(&movements, movement).unwrap();
+                    let found: f64 = gradient.iter().zip(movement.values()).map(|(g, t)| g * t).sum();
+                    relative(found, exact, &format!("{shape:?} k={degree} θ={theta}, axis {axis}"));
+                }
+            }
+        }
+    }
+}

@@ -2,10 +2,10 @@
 
 use forms_contact::forms;
 use forms_fem::prelude::*;
+use forms_fem::verification;
 use forms_tests::adjoint_form::check_adjoint;
 use forms_tests::bodies::{Body, data, plane_bodies, solid_bodies, wave};
 use forms_tests::contact_by_loops::ByLoops;
-use forms_tests::taylor::assert_second_order;
 
 fn against_loops<const D: usize>(body: &Body<D>)
 where
@@ -40,13 +40,15 @@ where
         let lagrangian = |step: f64| {
             let u = body.moved(step, &direction);
             let criterion = assembler.functional(&body.criterion(&data(theta), &u), &[]).unwrap();
-            vec![criterion + product(&assembler.residual(&direct, &[&u], &[space]).unwrap(), p.values())]
+            let work = product(&assembler.residual(&direct, &[&u], &[space])?, p.values());
+            Ok::<_, AssemblyError>(verification::Sample::from(criterion + work))
         };
         let form = body.discrete_adjoint(&data(theta));
         let derivative = assembler.residual(&form, &[&p], &[space]).unwrap();
         let slope = product(&derivative, direction.values());
         let first = body.step_without_switch(theta, &direction);
-        let order = assert_second_order(&label, first, lagrangian, &[slope]);
+        let report = verification::taylor(first, &[slope], lagrangian).unwrap();
+        let order = report.second_order().unwrap();
         println!("{label}: order {order:.4}");
     }
 }

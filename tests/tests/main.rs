@@ -33,6 +33,7 @@ mod imported_operators;
 mod loaded_adjoint;
 mod operators_page;
 mod separate_crate;
+mod shape_gradient;
 mod threshold;
 
 #[test]

@@ -1,0 +1,98 @@
+//! Tutorial 11: the derivative of a number by the shape of the domain. A bar is twisted; where must its section grow to
+//! become stiffer?
+//!
+//! With −Δu = 1 and u = 0 on the outline, J = ∫ u is proportional to the torsional rigidity (Prandtl). Scaled by s the
+//! section has s⁴ J, so the derivative along x is 4 J: exact for the discrete problem, too.
+//!
+//! Run it with `cargo run --release --bin 11_shape_derivative`.
+
+use std::error::Error;
+
+use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::prelude::*;
+use forms_fem::verification;
+
+#[forms]
+mod bar {
+    #[cells]
+    pub struct Section;
+    #[facets]
+    pub struct Outline;
+
+    pub fn twist(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Section, dot(grad(u), grad(v)) - v)
+    }
+    pub fn rigidity(u: State<Scalar>) -> Functional {
+        integral(Section, u)
+    }
+
+    /// What the constraint costs: the adjoint state p, whose form is a derivative.
+    pub fn adjoint(u: State<Scalar>, p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
+        derivative(rigidity(u) + twist(u, p), u, q)
+    }
+
+    /// The derivative of the rigidity along a movement Θ of all points, u solved for anew: the outline and everything
+    /// inside move, u and p keep their values at the nodes.
+    pub fn along(u: State<Scalar>, p: State<Scalar>, Theta: State<Vector>) -> Functional {
+        derivative(rigidity(u) + twist(u, p), shape, Theta)
+    }
+
+    /// The movement that stiffens most, measured by ∫ |∇G|² + ∫_outline |G|²/10: its equation has that derivative as load.
+    pub fn steepest(u: State<Scalar>, p: State<Scalar>, G: Unknown<Vector>, Theta: Test<Vector>) -> Form {
+        integral(Section, inner(grad(G), grad(Theta))) + integral(Outline, dot(G, Theta)) / 10
+            - derivative(rigidity(u) + twist(u, p), shape, Theta)
+    }
+}
+
+/// J on a mesh, with its state.
+fn rigidity(mesh: &Arc<Mesh<2>>) -> Result<(f64, Field<2>), Box<dyn Error>> {
+    let space = Space::scalar(mesh, 2)?;
+    let mut held = Constraints::new(&space);
+    held.fix("boundary", |_| 0.0)?;
+    let (assembler, section) = (Assembler::new(mesh), bar::Section::on("all"));
+    let form = bar::twist(&section);
+    let u =
+        FormProblem::new(&form, &assembler, &space)?.solve_affine(&held, &mut TangentSolver::default())?;
+    Ok((assembler.functional(&bar::rigidity(&section, &u), &[])?, u))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mesh = Arc::new(rectangle([-1.0, -0.5], [1.0, 0.5], [24, 12], CellShape::Triangle, 1)?);
+    let (value, u) = rigidity(&mesh)?;
+    let (assembler, section) = (Assembler::new(&mesh), bar::Section::on("all"));
+    let mut held = Constraints::new(u.space());
+    held.fix("boundary", |_| 0.0)?;
+    let adjoint = bar::adjoint(&section, &u);
+    let p = FormProblem::new(&adjoint, &assembler, u.space())?
+        .solve_affine(&held, &mut TangentSolver::default())?;
+
+    // Points move in the space of the mesh's geometry.
+    let movements = Space::of_geometry(&mesh)?;
+    let growth = Field::interpolate(&movements, |x| *x)?;
+    let derivative = assembler.functional(&bar::along(&section, &u, &p, &growth), &[])?;
+    println!("J = {value:.9}, derivative along x = {derivative:.9}, 4 J = {:.9}", 4.0 * value);
+
+    // Is it the derivative of what the program computes? A Taylor test along some other movement says so.
+    let wave = Field::interpolate(&movements, |x| [(2.0 * x[1]).sin(), x[0] * x[1] + 0.3 * x[0]])?;
+    let slope = assembler.functional(&bar::along(&section, &u, &p, &wave), &[])?;
+    let report = verification::shape(&wave, 0.1, slope, |moved| {
+        let (value, _) = rigidity(moved)?;
+        Ok::<_, Box<dyn Error>>(value.into())
+    })?;
+    println!("{report}");
+    report.second_order()?;
+
+    let outline = bar::Outline::on("boundary");
+    let steepest = bar::steepest(&section, &outline, &u, &p);
+    let steepest = FormProblem::new(&steepest, &assembler, &movements)?
+        .solve_affine(&Constraints::new(&movements), &mut TangentSolver::default())?;
+    std::fs::create_dir_all("out")?;
+    FieldMap::of(&u, Shown::Component(0), "u")
+        .arrows(&steepest, "where the section must grow", "")
+        .write_png("out/11_shape_derivative.png")?;
+
+    assert!((derivative - 4.0 * value).abs() < 1e-11 * value, "{derivative} is not four times {value}");
+    let along_steepest = assembler.functional(&bar::along(&section, &u, &p, &steepest), &[])?;
+    assert!(along_steepest > 0.0, "the rigidity falls along the steepest movement");
+    Ok(())
+}

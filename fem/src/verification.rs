@@ -1,0 +1,324 @@
+//! Taylor tests of derivatives: f(t) − f(0) − t f′(0) falls with t² if f′(0) is right, and with t if it is not.
+//!
+//! A form's tangent is tested by [`tangent`], a derivative of a number that is computed anew for each step (through an
+//! adjoint state, by a parameter or by data) by [`taylor`], one by the shape of the domain by [`shape`]. Where a form has
+//! kinks the expansion holds only as long as no quadrature point crosses one. A test is told which points are "on"
+//! ([`Assembler::active_set`]), halves its step until they are those of the start, and its report says where they were not.
+//!
+//! ```
+//! use forms_fem::prelude::*;
+//! use forms_fem::verification;
+//!
+//! #[forms(dimension = 2)]
+//! mod spring {
+//!     #[cells]
+//!     pub struct Omega;
+//!     pub fn stored(u: Unknown<Scalar>) -> Energy {
+//!         integral(Omega, dot(grad(u), grad(u)) / 2 + exp(u) + pos_part(u - 1) * u)
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?);
+//! let space = Space::scalar(&mesh, 2)?;
+//! let u = Field::interpolate(&space, |x| 1.5 * x[0] + x[1] * x[1])?;
+//! let direction = Field::interpolate(&space, |x| (3.0 * x[0] - x[1]).sin())?;
+//! let form = spring::stored(&spring::Omega::on("all"));
+//!
+//! let report = verification::tangent(&Assembler::new(&mesh), &form, &[&u], &[&direction], 1.0)?;
+//! println!("{report}"); // steps, remainders, orders, and where the active set was another one
+//! assert!(report.second_order()? > 1.9);
+//! assert!(!report.steps[0].same_active_set); // a step of 1 carries points over the kink
+//! # Ok(())
+//! # }
+//! ```
+
+use std::fmt;
+use std::sync::Arc;
+
+use forms_core::contract::Form;
+use thiserror::Error;
+
+use crate::assemble::{Assembler, AssemblyError};
+use crate::field::{Field, FieldError};
+use crate::mesh::Mesh;
+use crate::movement::MovementError;
+
+/// Steps with the active set of the start that a test takes, each half of the one before.
+const STEPS: usize = 7;
+/// Halvings until the active set must be that of the start.
+const MOST_HALVINGS: usize = 30;
+/// Remainders below this part of what they are differences of are rounding.
+const ROUNDING: f64 = 1e-12;
+/// The lowest order that passes for two.
+const LOWEST_ORDER: f64 = 1.9;
+/// So many of the smallest steps are judged: at large ones terms of higher order matter, too.
+const JUDGED: usize = 3;
+
+/// What a test is given at a step: a number or a vector, and which switches are on there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// f(t): one entry for a number, all entries of a vector.
+    pub value: Vec<f64>,
+    /// The switches per quadrature point, as [`Assembler::active_set`] gives them; `None` without kinks.
+    pub active_set: Option<Vec<u32>>,
+}
+
+impl From<f64> for Sample {
+    fn from(value: f64) -> Self {
+        vec![value].into()
+    }
+}
+
+impl From<Vec<f64>> for Sample {
+    fn from(value: Vec<f64>) -> Self {
+        Sample { value, active_set: None }
+    }
+}
+
+/// One step of a test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaylorStep {
+    /// t.
+    pub step: f64,
+    /// ‖f(t) − f(0) − t f′(0)‖₂.
+    pub remainder: f64,
+    /// log₂ of the remainder before over this one; none at the first step, and none across a change of the active set.
+    pub order: Option<f64>,
+    /// Whether the active set is that of the start.
+    pub same_active_set: bool,
+}
+
+/// A whole test. It prints as a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaylorReport {
+    /// The steps, each half of the one before.
+    pub steps: Vec<TaylorStep>,
+    /// The remainder \[unit of f\] below which it is rounding.
+    pub rounding: f64,
+}
+
+/// Why a test shows nothing, or shows a mistake. Each holds the report.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TaylorFailure {
+    /// The remainder falls too slowly: the derivative is wrong, or a kink was crossed that the test was not told of.
+    #[error(
+        "the remainder falls with the order {lowest:.3} instead of 2: the derivative is not that of the function\n{report}"
+    )]
+    Order {
+        /// The lowest order.
+        lowest: f64,
+        /// The test.
+        report: TaylorReport,
+    },
+    /// The function is affine along this direction, or the steps too small.
+    #[error(
+        "the remainder is rounding: the function is affine along this direction, or the steps are too small, and the test says nothing of its order\n{report}"
+    )]
+    Rounding {
+        /// The test.
+        report: TaylorReport,
+    },
+    /// The active set changes at every step.
+    #[error(
+        "the active set is another one at every step: the state lies on a kink, or the first step is much too large\n{report}"
+    )]
+    ActiveSet {
+        /// The test.
+        report: TaylorReport,
+    },
+    /// A remainder is no number.
+    #[error("a remainder is not finite\n{report}")]
+    NotFinite {
+        /// The test.
+        report: TaylorReport,
+    },
+}
+
+impl TaylorReport {
+    /// The lowest order of the remainder over the three smallest steps that keep the active set and are not rounding, if it
+    /// is near enough to two (above 1.9).
+    ///
+    /// # Errors
+    /// [`TaylorFailure`]: a lower order, or a test that shows nothing.
+    pub fn second_order(&self) -> Result<f64, TaylorFailure> {
+        let report = || self.clone();
+        if self.steps.iter().any(|step| !step.remainder.is_finite()) {
+            return Err(TaylorFailure::NotFinite { report: report() });
+        }
+        if !self.steps.iter().any(|step| step.same_active_set) {
+            return Err(TaylorFailure::ActiveSet { report: report() });
+        }
+        let telling = self.steps.iter().filter(|step| step.remainder > self.rounding);
+        match telling.filter_map(|step| step.order).rev().take(JUDGED).reduce(f64::min) {
+            None => Err(TaylorFailure::Rounding { report: report() }),
+            Some(lowest) if lowest > LOWEST_ORDER => Ok(lowest),
+            Some(lowest) => Err(TaylorFailure::Order { lowest, report: report() }),
+        }
+    }
+
+    /// Whether all remainders are rounding: so it is, with the right derivative, for a function that is affine.
+    pub fn is_affine(&self) -> bool {
+        self.steps.iter().filter(|step| step.same_active_set).all(|step| step.remainder <= self.rounding)
+    }
+}
+
+impl fmt::Display for TaylorReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{:>12}  {:>12}  {:>7}", "step", "remainder", "order")?;
+        for TaylorStep { step, remainder, order, same_active_set } in &self.steps {
+            let order = order.map_or_else(|| "-".to_owned(), |order| format!("{order:.3}"));
+            write!(f, "{step:>12.3e}  {remainder:>12.3e}  {order:>7}")?;
+            if !same_active_set {
+                write!(f, "  another active set")?;
+            } else if *remainder <= self.rounding {
+                write!(f, "  rounding")?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+/// Tests f′(0), given as `derivative`, of a number or vector f(t) that the caller computes: the criterion after a
+/// parameter or a datum has changed by t and the state has been solved for anew, or anything else. Steps begin with
+/// `first` and are halved until the active set is that of the start, then six times more.
+///
+/// # Errors
+/// Those of `value`.
+pub fn taylor<E>(
+    first: f64,
+    derivative: &[f64],
+    mut value: impl FnMut(f64) -> Result<Sample, E>,
+) -> Result<TaylorReport, E> {
+    let start = value(0.0)?;
+    let scale = start.value.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let slope = derivative.iter().map(|slope| slope * slope).sum::<f64>().sqrt();
+    let mut report = TaylorReport { steps: Vec::new(), rounding: ROUNDING * scale.max(first.abs() * slope) };
+    let (mut step, mut kept) = (first, 0);
+    while kept < STEPS && (kept > 0 || report.steps.len() < MOST_HALVINGS) {
+        let moved = value(step)?;
+        let fits = moved.value.len() == start.value.len() && derivative.len() == start.value.len();
+        let parts = moved.value.iter().zip(&start.value).zip(derivative);
+        let square: f64 = parts.map(|((moved, start), slope)| (moved - start - step * slope).powi(2)).sum();
+        let remainder = if fits { square.sqrt() } else { f64::NAN };
+        let same_active_set = moved.active_set == start.active_set;
+        let before = report.steps.last().filter(|before| before.same_active_set && same_active_set);
+        let order = before.map(|before| (before.remainder / remainder).log2());
+        report.steps.push(TaylorStep { step, remainder, order, same_active_set });
+        kept = if same_active_set { kept + 1 } else { 0 };
+        if report.steps.len() > MOST_HALVINGS + STEPS {
+            break;
+        }
+        step *= 0.5;
+    }
+    Ok(report)
+}
+
+/// Why a test could not be carried out.
+#[derive(Debug, Error)]
+pub enum VerificationError {
+    /// Data that do not fit.
+    #[error(transparent)]
+    Assembly(#[from] AssemblyError),
+    /// A direction that does not fit, or a state that is not finite.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The number of directions is not that of the unknowns.
+    #[error("{unknowns} unknowns were given, but {directions} directions")]
+    Directions {
+        /// Unknowns given.
+        unknowns: usize,
+        /// Directions given.
+        directions: usize,
+    },
+}
+
+/// Tests the tangent of a form: its residual along directions of its unknowns, one for each.
+///
+/// # Errors
+/// What does not fit, by name.
+pub fn tangent<F: Form<D>, const D: usize>(
+    assembler: &Assembler<D>,
+    form: &F,
+    unknowns: &[&Field<D>],
+    directions: &[&Field<D>],
+    first: f64,
+) -> Result<TaylorReport, VerificationError> {
+    if unknowns.len() != directions.len() {
+        let (unknowns, directions) = (unknowns.len(), directions.len());
+        return Err(VerificationError::Directions { unknowns, directions });
+    }
+    let spaces: Vec<_> = unknowns.iter().map(|unknown| unknown.space()).collect();
+    let derivative = assembler.action(form, unknowns, directions, &spaces)?;
+    taylor(first, &derivative, |step| {
+        let moved = unknowns.iter().zip(directions).map(|(unknown, direction)| unknown.plus(step, direction));
+        let moved = moved.collect::<Result<Vec<_>, FieldError>>()?;
+        let moved: Vec<&Field<D>> = moved.iter().collect();
+        let active_set = assembler.active_set(form, &moved)?;
+        Ok(Sample { value: assembler.residual(form, &moved, &spaces)?, active_set })
+    })
+}
+
+/// Tests a derivative by the shape of the domain along a movement: `value` computes the number on a mesh that has moved,
+/// of which spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`.
+///
+/// # Errors
+/// Those of `value`; a movement that turns a cell inside out at the first step, by the cell's number.
+pub fn shape<E: From<MovementError>, const D: usize>(
+    movement: &Field<D>,
+    first: f64,
+    derivative: f64,
+    mut value: impl FnMut(&Arc<Mesh<D>>) -> Result<Sample, E>,
+) -> Result<TaylorReport, E> {
+    taylor(first, &[derivative], |step| match step == 0.0 {
+        true => value(movement.space().mesh()),
+        false => value(&movement.move_mesh(step)?),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn test(derivative: f64, value: impl Fn(f64) -> Sample) -> TaylorReport {
+        taylor(0.5, &[derivative], |step| Ok::<_, AssemblyError>(value(step)))
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    #[test]
+    fn right_and_wrong_derivatives_are_told_apart() {
+        let exponential = |step: f64| step.exp().into();
+        assert!(test(1.0, exponential).second_order().is_ok_and(|order| (order - 2.0).abs() < 0.05));
+        let wrong = test(1.5, exponential).second_order();
+        assert!(
+            matches!(wrong, Err(TaylorFailure::Order { lowest, .. }) if (lowest - 1.0).abs() < 0.2),
+            "{wrong:?}"
+        );
+        let affine = test(3.0, |step| (2.0 + 3.0 * step).into());
+        assert!(affine.is_affine() && matches!(affine.second_order(), Err(TaylorFailure::Rounding { .. })));
+        let message = test(1.0, |step| (1.0 / step.min(0.3 - step)).sqrt().into()).second_order();
+        assert!(matches!(message, Err(TaylorFailure::NotFinite { .. })));
+        // A vector of another length than the derivative.
+        assert!(test(1.0, |_| vec![1.0, 2.0].into()).second_order().is_err());
+    }
+
+    #[test]
+    fn steps_across_a_kink_are_named_and_left_out() {
+        // f = x² + [x − 0.2]₊ at x = 0: right below the kink, wrong for who does not know of it.
+        let kinked = |step: f64| step * step + (step - 0.2).max(0.0);
+        let told =
+            |step: f64| Sample { value: vec![kinked(step)], active_set: Some(vec![u32::from(step > 0.2)]) };
+        let report = test(0.0, told);
+        let same: Vec<bool> = report.steps.iter().map(|step| step.same_active_set).collect();
+        assert_eq!(same[..3], [false, false, true]);
+        assert_eq!(report.steps[2].order, None);
+        assert!(report.second_order().is_ok_and(|order| (order - 2.0).abs() < 1e-9));
+        assert!(report.to_string().lines().nth(1).is_some_and(|line| line.ends_with("another active set")));
+        // On the kink every step has another set.
+        let on_it =
+            |step: f64| Sample { value: vec![step.abs()], active_set: Some(vec![u32::from(step > 0.0)]) };
+        let failure = test(0.0, on_it).second_order();
+        assert!(matches!(failure, Err(TaylorFailure::ActiveSet { .. })), "{failure:?}");
+    }
+}

@@ -1,0 +1,216 @@
+//! The volume form of the shape derivative with (21) against central differences of J_h, the direct problem solved anew
+//! on each moved mesh: on free, loaded, clamped and contact boundary, with u_D depending on x, for both conventions of h_T.
+
+use forms_contact::forms;
+use forms_contact::shape_gradient::Diameters;
+use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_fem::movement::MovementError;
+use forms_fem::prelude::*;
+use forms_fem::verification::{self, Sample};
+
+/// (14) with γ₀ as a number per cell that moves with the body: γ₀ h/h₀ for the γ₀ of a frozen h₀.
+#[forms(dimension = 2)]
+mod frozen {
+    pub use forms_contact::forms::direct;
+
+    pub struct Data {
+        pub lambda: Param,
+        pub mu: Param,
+        pub theta: Param,
+        pub gamma0: Carried<Scalar>,
+        pub obstacle_normal: Given<Vector>,
+        pub gap: Given<Scalar>,
+        pub body_force: Given<Vector>,
+        pub traction: Given<Vector>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct GammaN;
+    #[facets]
+    pub struct GammaC;
+}
+
+/// Far above the threshold of θ = 1, near which everything bends sharply.
+const GAMMA0: f64 = 8000.0;
+/// Steps that are small beside cells of size 0.5, and move no point across the edge of the contact zone.
+const STEP: f64 = 4e-4;
+
+fn imposed(x: &[f64; 2]) -> [f64; 2] {
+    [0.01 * x[1], -0.15 + 0.02 * x[0] + 0.01 * x[0] * x[1]]
+}
+
+fn imposed_slope(x: &[f64; 2]) -> [[f64; 2]; 2] {
+    [[0.0, 0.01], [0.02 + 0.01 * x[1], 0.01 * x[0]]]
+}
+
+fn data(theta: f64) -> forms::Data<2> {
+    forms::Data {
+        lambda: 57.0,
+        mu: 38.0,
+        theta,
+        gamma0: GAMMA0,
+        extension: 0.0,
+        obstacle_normal: Given::function_with_gradient(
+            |x| [(0.05 * x[0]).sin(), -(0.05 * x[0]).cos()],
+            |x| [[0.05 * (0.05 * x[0]).cos(), 0.0], [0.05 * (0.05 * x[0]).sin(), 0.0]],
+        ),
+        gap: Given::function_with_gradient(|x| x[1] + 3.0 + 0.02 * x[0] * x[0], |x| [0.04 * x[0], 1.0]),
+        body_force: Given::function_with_gradient(
+            |x| [0.1 * x[1], -0.2 * x[0] * x[0]],
+            |x| [[0.0, 0.1], [-0.4 * x[0], 0.0]],
+        ),
+        traction: Given::function_with_gradient(
+            |x| [0.3 * x[0], 0.2 * x[0] * x[1]],
+            |x| [[0.3, 0.0], [0.2 * x[1], 0.2 * x[0]]],
+        ),
+        criterion_force: Given::function_with_gradient(
+            |x| [x[1], -1.0 + 0.1 * x[0]],
+            |_| [[0.0, 1.0], [0.1, 0.0]],
+        ),
+        criterion_weight: Given::function_with_gradient(|x| 2.0 + x[0], |_| [1.0, 0.0]),
+    }
+}
+
+/// A ring twisted a little, so that the diagonals of its cells differ: where two are equally long h_T has a kink. It is held inside, loaded on a part of the upper half of its outside, in contact below.
+fn ring(shape: CellShape, degree: usize) -> Arc<Mesh<2>> {
+    let mut mesh = annulus(2.0, 3.0, 2, 24, shape, degree).unwrap();
+    mesh.name_facets("below", "outer", |centre| centre[1] < 0.0).unwrap();
+    mesh.name_facets("loaded", "outer", |centre| centre[1] > 0.0 && centre[0] > 0.0).unwrap();
+    let twisted = mesh.nodes().iter().map(|[x, y]| {
+        let (sine, cosine) = (0.1 * (x.hypot(*y) - 2.0)).sin_cos();
+        [cosine * x - sine * y, sine * x + cosine * y]
+    });
+    Arc::new(mesh.with_nodes(twisted.collect()).unwrap())
+}
+
+fn problem(mesh: &Arc<Mesh<2>>, theta: f64) -> ContactProblem<2> {
+    let space = Space::vector(mesh, 2).unwrap();
+    let mut constraints = Constraints::new(&space);
+    constraints.fix("inner", imposed).unwrap();
+    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
+    ContactProblem::new(assembler, &space, data(theta), Regions::new("loaded", "below"), constraints).unwrap()
+}
+
+fn options() -> NewtonOptions {
+    NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() }
+}
+
+/// J_h and which points are in contact, with diameters as they are, or as they were on another mesh.
+fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>) -> (f64, Field<2>, Option<Vec<u32>>) {
+    let ContactProblem { assembler, space, data, regions, constraints, .. } = problem;
+    let mut solver = TangentSolver::default();
+    let u = match before {
+        None => problem.solve_direct(&mut solver, &options(), &mut |_| ()).unwrap().result.field,
+        Some(before) => {
+            let cells = Space::discontinuous_scalar(space.mesh(), 0).unwrap();
+            let mut gamma0 = vec![0.0; cells.unknowns()];
+            for cell in 0..before.cell_count() {
+                gamma0[cells.cell_nodes(cell)[0] as usize] =
+                    GAMMA0 * space.mesh().diameter(cell) / before.diameter(cell);
+            }
+            let data = frozen::Data {
+                lambda: data.lambda,
+                mu: data.mu,
+                theta: data.theta,
+                gamma0: Given::field(Field::from_values(&cells, gamma0).unwrap()),
+                obstacle_normal: data.obstacle_normal.clone(),
+                gap: data.gap.clone(),
+                body_force: data.body_force.clone(),
+                traction: data.traction.clone(),
+            };
+            let (omega, gamma_n) = (frozen::Omega::on("all"), frozen::GammaN::on("loaded"));
+            let form = frozen::direct(&data, &omega, &gamma_n, &frozen::GammaC::on("below"));
+            let mut problem = FormProblem::new(&form, assembler, space).unwrap();
+            problem
+                .solve(&Field::zero(space), constraints, &mut solver, &options(), &mut |_| ())
+                .unwrap()
+                .field
+        }
+    };
+    let criterion = forms::criterion(data, &regions.omega, &regions.boundary, &u);
+    let active = assembler.active_set(&problem.direct_form(), &[&u]).unwrap();
+    (assembler.functional(&criterion, &[]).unwrap(), u, active)
+}
+
+/// A movement of the points near a place of the boundary, radially and around.
+fn near(mesh: &Arc<Mesh<2>>, centre: [f64; 2]) -> Field<2> {
+    let movement = |x: &[f64; 2]| {
+        let square: f64 = x.iter().zip(centre).map(|(x, c)| (x - c) * (x - c)).sum();
+        let weight = (1.0 - square / 0.8).max(0.0);
+        [weight * (0.5 * x[0] - 0.2 * x[1]), weight * (0.5 * x[1] + 0.3 * x[0] * x[0])]
+    };
+    Field::interpolate(&Space::of_geometry(mesh).unwrap(), movement).unwrap()
+}
+
+const PIECES: [(&str, [f64; 2]); 4] =
+    [("free", [-2.1, 2.1]), ("loaded", [2.1, 2.1]), ("clamped", [-2.0, 0.0]), ("contact", [0.3, -3.0])];
+
+#[test]
+fn with_the_discrete_adjoint_it_is_the_derivative_of_the_discrete_criterion() {
+    for (shape, degree) in [(CellShape::Quadrilateral, 2), (CellShape::Triangle, 1)] {
+        let mesh = ring(shape, degree);
+        for theta in [-1.0, 0.0, 1.0] {
+            let here = problem(&mesh, theta);
+            let (_, u, active) = solve(&here, None);
+            let in_contact =
+                active.as_ref().map_or(0, |points| points.iter().filter(|point| **point > 0).count());
+            assert!(in_contact > 3, "{in_contact} points in contact");
+            let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
+            for (diameters, before) in [(Diameters::Frozen, Some(&mesh)), (Diameters::Moving, None)] {
+                let gradient = here.shape_gradient(&u, &p, diameters, Some(&imposed_slope)).unwrap();
+                let kept = here.shape_gradient(&u, &p, diameters, None).unwrap();
+                for (piece, centre) in PIECES {
+                    let label = format!("{shape:?}, θ = {theta}, {diameters:?}, {piece}");
+                    let along = near(&mesh, centre);
+                    let found = gradient.along(&along).unwrap();
+                    let moved = |step: f64| {
+                        let (criterion, _, points) =
+                            solve(&problem(&along.move_mesh(step).unwrap(), theta), before);
+                        assert_eq!(points, active, "{label}: another active set at the step {step}");
+                        criterion
+                    };
+                    let central = |step: f64| (moved(step) - moved(-step)) / (2.0 * step);
+                    // Of fourth order, from two steps.
+                    let difference = (4.0 * central(STEP) - central(2.0 * STEP)) / 3.0;
+                    let relative = (found - difference).abs() / difference.abs();
+                    println!("{label}: {found:.6e}, differences {difference:.6e}, relative {relative:.1e}");
+                    assert!(relative < 1e-7, "{label}: {found} against {difference} ({relative:.1e})");
+                    let report = verification::shape(&along, 64.0 * STEP, found, |mesh| {
+                        let (criterion, _, active_set) = solve(&problem(mesh, theta), before);
+                        Ok::<_, MovementError>(Sample { value: vec![criterion], active_set })
+                    });
+                    let report = report.unwrap();
+                    report.second_order().unwrap_or_else(|failure| panic!("{label}: {failure}"));
+                    // Imposed values that are kept matter where the clamped boundary moves, and only there.
+                    let missing = (kept.along(&along).unwrap() - found).abs() / found.abs();
+                    assert_eq!(missing > 1e-6, piece == "clamped", "{label}: {missing:e}");
+                }
+            }
+        }
+    }
+}
+
+/// With h_T frozen and moving the derivatives differ, by what γ contributes on the contact boundary.
+#[test]
+fn diameters_matter_on_the_contact_boundary() {
+    let mesh = ring(CellShape::Quadrilateral, 2);
+    let here = problem(&mesh, 0.0);
+    let (_, u, _) = solve(&here, None);
+    let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
+    let [frozen, moving] = [Diameters::Frozen, Diameters::Moving]
+        .map(|diameters| here.shape_gradient(&u, &p, diameters, None).unwrap());
+    for (piece, centre) in PIECES {
+        let along = near(&mesh, centre);
+        let (a, b) = (frozen.along(&along).unwrap(), moving.along(&along).unwrap());
+        assert_eq!((a - b).abs() > 1e-9 * a.abs(), piece == "contact", "{piece}: {a} and {b}");
+    }
+    // A movement on another mesh, and data without a gradient.
+    let other = near(&ring(CellShape::Quadrilateral, 2), [0.0, 3.0]);
+    let message = frozen.along(&other).unwrap_err().to_string();
+    assert!(message.ends_with("it lives on another space"), "{message}");
+    let mut here = here;
+    here.data.gap = Given::function(|x: &[f64; 2]| x[1] + 3.0);
+    let message = here.shape_gradient(&u, &p, Diameters::Frozen, None).unwrap_err().to_string();
+    assert!(message.starts_with("form `shape_gradient` reads the gradient of `gap`"), "{message}");
+}
