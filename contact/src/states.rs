@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use forms_fem::assemble::BlockPattern;
 use forms_fem::prelude::*;
-use forms_fem::solve::{LinearProblemError, Solved};
+use forms_fem::solve::{LineSearch, LinearProblemError, LoadPath, LoadStepError, LoadSteps, Solved};
 
 use crate::forms;
 
@@ -47,6 +47,24 @@ pub struct ContactProblem<const D: usize> {
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
     pattern: Arc<BlockPattern<D>>,
+}
+
+/// The way of [`ContactProblem::solve_direct_through`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThetaPath {
+    /// The θ of the first problem.
+    pub from: f64,
+    /// Equal steps from there to the problem's own θ.
+    pub steps: usize,
+    /// For the first problem; on its potential only where `from` is 1.
+    pub line_search: LineSearch,
+}
+
+impl Default for ThetaPath {
+    /// From θ = 1, by a line search on the potential, in two steps.
+    fn default() -> Self {
+        ThetaPath { from: 1.0, steps: 2, line_search: LineSearch::OnPotential }
+    }
 }
 
 /// The paper's three adjoint states.
@@ -108,13 +126,73 @@ impl<const D: usize> ContactProblem<D> {
     where
         forms::direct::Form<D>: Form<D>,
     {
+        self.solve_direct_from(&Field::zero(&self.space), solver, options, progress)
+    }
+
+    /// Solves (14) from another start, on which u_D is imposed.
+    ///
+    /// # Errors
+    /// As [`ContactProblem::solve_direct`], and if the start is not a field of the problem's space.
+    pub fn solve_direct_from(
+        &self,
+        first: &Field<D>,
+        solver: &mut dyn LinearSolver,
+        options: &NewtonOptions,
+        progress: &mut dyn FnMut(&NewtonStep),
+    ) -> Result<Timed<Solved<D>>, NewtonError<AssemblyError>>
+    where
+        forms::direct::Form<D>: Form<D>,
+    {
         let start = Instant::now();
         let form = self.direct_form();
         let mut problem = FormProblem::with_pattern(&form, &self.assembler, &self.space, &self.pattern);
-        let zero = Field::zero(&self.space);
-        let result = problem.solve(&zero, &self.constraints, solver, options, progress)?;
+        let result = problem.solve(first, &self.constraints, solver, options, progress)?;
         let assembly_seconds = problem.assembly_seconds();
         Ok(Timed { result, assembly_seconds, seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Solves (14) for hard starts: first at another θ (1 has a potential, so that a line search may help), then at
+    /// values between it and the problem's own θ, each from the solution before. A step that fails is halved.
+    ///
+    /// # Errors
+    /// The θ that could not be reached, the last solution, and why Newton's method failed.
+    pub fn solve_direct_through(
+        &self,
+        path: ThetaPath,
+        solver: &mut dyn LinearSolver,
+        options: &NewtonOptions,
+        progress: &mut dyn FnMut(f64, &NewtonStep),
+    ) -> Result<LoadPath<Field<D>>, Box<LoadStepError<Field<D>, NewtonError<AssemblyError>>>>
+    where
+        forms::direct::Form<D>: Form<D>,
+    {
+        let ThetaPath { from, steps, line_search } = path;
+        let mut problem = self.clone();
+        let mut solve_at = |theta: f64, line_search, first: &Field<D>| {
+            problem.data.theta = theta;
+            let options = NewtonOptions { line_search, ..options.clone() };
+            let solved =
+                problem.solve_direct_from(first, solver, &options, &mut |step| progress(theta, step));
+            solved.map(|solved| solved.result.field)
+        };
+        let zero = Field::zero(&self.space);
+        let first = match solve_at(from, line_search, &zero) {
+            Ok(first) => first,
+            Err(why) => {
+                let (state, steps) = (zero, vec![]);
+                return Err(Box::new(LoadStepError { factor: from, state, failed: from, why, steps }));
+            }
+        };
+        let to = self.data.theta;
+        if from == to {
+            return Ok(LoadPath { state: first, steps: vec![] });
+        }
+        let count = steps.max(1);
+        let thetas = (1..=count).map(|k| from + (to - from) * k as f64 / count as f64);
+        let smallest_increment = (to - from).abs() / (1024.0 * count as f64);
+        let steps = LoadSteps { start: from, factors: thetas.collect(), smallest_increment };
+        let one = |theta: f64, before: &Field<D>| solve_at(theta, LineSearch::Off, before);
+        steps.run(first, one, |_| (), |_| ()).map_err(Box::new)
     }
 
     /// Solves for an adjoint state at the displacement u; it vanishes on Γ_D. A solver that has solved the

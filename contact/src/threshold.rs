@@ -13,8 +13,34 @@ use crate::states::ContactProblem;
 /// Eigenvalues of ∫_T σ:ε below this part of the largest belong to rigid motions.
 const RIGID: f64 = 1e-10;
 
-/// The γ₀ \[stress\] at which s = 1 on the worst contact cell; zero for θ = −1, which has no threshold.
-/// `contact_cells` names the cells that own the facets of Γ_C.
+/// What Nitsche's method asks of γ₀ on a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Threshold {
+    /// The γ₀ \[stress\] at which s = 1 on the worst contact cell; zero for θ = −1, which has no threshold.
+    pub required: f64,
+    /// The problem's γ₀.
+    pub gamma0: f64,
+    /// The problem's θ.
+    pub theta: f64,
+    /// The mean of the worst cell's vertices; none for θ = −1.
+    pub worst: Option<Vec<f64>>,
+}
+
+impl Threshold {
+    /// A warning that names both values and the worst cell, where γ₀ is not above the threshold.
+    pub fn warning(&self) -> Option<String> {
+        let Threshold { required, gamma0, theta, worst } = self;
+        (gamma0 <= required).then(|| {
+            format!(
+                "gamma0 = {gamma0} is below the threshold of Nitsche's method: at theta = {theta} the contact cell at \
+                 {:?} asks for more than {required:.6}; the results cannot be relied on",
+                worst.as_deref().unwrap_or_default()
+            )
+        })
+    }
+}
+
+/// The γ₀ \[stress\] of [`threshold`] at which s = 1 on the worst contact cell.
 ///
 /// # Errors
 /// Data that do not fit.
@@ -26,9 +52,26 @@ where
     forms::normal_stress_product::Form<D>: Form<D>,
     forms::elasticity::Form<D>: Form<D>,
 {
-    let factor = (1.0 + problem.data.theta).powi(2) / 4.0;
+    Ok(threshold(problem, contact_cells)?.required)
+}
+
+/// The threshold of γ₀. `contact_cells` names the cells that own the facets of Γ_C; the products ∫_F σ_n σ_n of a
+/// cell's facets add up, since all of them have its γ.
+///
+/// # Errors
+/// Data that do not fit.
+pub fn threshold<const D: usize>(
+    problem: &ContactProblem<D>,
+    contact_cells: &str,
+) -> Result<Threshold, AssemblyError>
+where
+    forms::normal_stress_product::Form<D>: Form<D>,
+    forms::elasticity::Form<D>: Form<D>,
+{
+    let (gamma0, theta) = (problem.data.gamma0, problem.data.theta);
+    let factor = (1.0 + theta).powi(2) / 4.0;
     if factor == 0.0 {
-        return Ok(0.0);
+        return Ok(Threshold { required: 0.0, gamma0, theta, worst: None });
     }
     let zero = Field::zero(&problem.space);
     let (unknowns, tests) = ([&zero], [&problem.space]);
@@ -52,14 +95,18 @@ where
             }
         }
     }
-    let mut largest = 0.0_f64;
+    let mesh = problem.space.mesh();
+    let mut found = Threshold { required: 0.0, gamma0, theta, worst: None };
     for (cell, stress) in stresses {
         if let Some(energy) = energies.get(&cell) {
-            let eigenvalue = largest_eigenvalue(stress, energy.clone());
-            largest = largest.max(factor * eigenvalue * problem.space.mesh().diameter(cell as usize));
+            let required = factor * largest_eigenvalue(stress, energy.clone()) * mesh.diameter(cell as usize);
+            if required > found.required {
+                found.required = required;
+                found.worst = Some(mesh.cell_centre(cell as usize).to_vec());
+            }
         }
     }
-    Ok(largest)
+    Ok(found)
 }
 
 /// The largest λ of S v = λ A v over the complement of A's kernel.

@@ -92,6 +92,10 @@ pub struct Iterate {
     pub step: Option<f64>,
     /// Krylov iterations of that step; 0 for a direct solution.
     pub linear_iterations: Option<usize>,
+    /// The part of the Newton step that was taken; 1 without a line search.
+    pub damping: Option<f64>,
+    /// Unknowns of the system of that step, where it was condensed to those that the contact touches.
+    pub condensed_unknowns: Option<usize>,
 }
 
 /// u of (14) and p of (22) at a point.
@@ -224,6 +228,8 @@ impl From<&NewtonStep> for Iterate {
             active_set_changed: step.active_set_changed,
             step: step.step,
             linear_iterations: step.linear_iterations,
+            damping: step.damping,
+            condensed_unknowns: step.condensed_unknowns,
         }
     }
 }

@@ -60,5 +60,10 @@ impl Reporter {
 
 fn line(step: &NewtonStep) -> String {
     let active = step.active_points.map_or(String::new(), |count| format!(", {count} active points"));
-    format!("Newton {}: relative residual {:.2e}{active}", step.iteration, step.relative_residual)
+    let condensed = match (step.condensed_unknowns, step.linear_iterations) {
+        (Some(count), _) => format!(", condensed to {count} unknowns"),
+        (None, Some(iterations)) if iterations > 0 => format!(", {iterations} Krylov iterations"),
+        _ => String::new(),
+    };
+    format!("Newton {}: relative residual {:.2e}{active}{condensed}", step.iteration, step.relative_residual)
 }

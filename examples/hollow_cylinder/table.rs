@@ -28,6 +28,11 @@ pub fn of(measured: &Measurements) -> String {
     table.row("threads", &settings.threads.to_string());
     table.heading("Newton's method");
     table.text.push_str(&newton_history(&measured.newton_history));
+    if let Some(path) = &measured.solver.path {
+        let condensed = measured.solver.condensed_unknowns;
+        let unknowns = condensed.map_or(String::new(), |count| format!(": {count} of {}", measured.unknowns));
+        table.row("linear systems", &format!("{path}{unknowns}"));
+    }
     table.heading("Results");
     table.number("J", measured.criterion);
     table.norms("u of (14)", measured.u_l2, measured.u_h1);

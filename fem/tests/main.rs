@@ -2,6 +2,7 @@
 
 mod action;
 mod assembly;
+mod bad_input;
 mod fixed_sizes;
 mod gmsh;
 mod gmsh_errors;

@@ -43,6 +43,24 @@ impl BlockGraph {
         Ok(BlockGraph { begins, pointers, neighbours })
     }
 
+    /// The graph of some blocks, ascending, which are numbered anew.
+    pub(super) fn restricted(&self, kept: &[u32]) -> Self {
+        let mut new = vec![u32::MAX; self.blocks()];
+        for (number, &block) in kept.iter().enumerate() {
+            new[block as usize] = number as u32;
+        }
+        let (mut begins, mut pointers, mut neighbours) = (vec![0], vec![0_u32], Vec::new());
+        for &block in kept {
+            let near = self.row(block as usize).iter().map(|other| new[*other as usize]);
+            neighbours.extend(near.filter(|other| *other != u32::MAX));
+            // At most as many as in the whole graph, which have been counted.
+            pointers.push(neighbours.len() as u32);
+            let size = self.begins[block as usize + 1] - self.begins[block as usize];
+            begins.push(begins[begins.len() - 1] + size);
+        }
+        BlockGraph { begins, pointers, neighbours }
+    }
+
     /// Number of blocks.
     pub(super) fn blocks(&self) -> usize {
         self.pointers.len() - 1

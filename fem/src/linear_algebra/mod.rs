@@ -8,6 +8,7 @@
 //! [`Preconditioner`], of which [`Multigrid`] is the one for large systems in space.
 
 pub mod analysis;
+pub mod back_substitution;
 mod block_graph;
 pub mod block_matrix;
 pub mod block_product;
@@ -34,6 +35,7 @@ pub mod symbolic;
 pub mod vector;
 
 pub use analysis::Analysis;
+pub use back_substitution::PartialBackSubstitution;
 pub use block_matrix::BlockMatrix;
 pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 pub use cg::cg;

@@ -139,7 +139,6 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
 
     /// The residual at u.
     pub fn residual(&self, assembled: &mut Assembled, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
         let mut residual = assembled.load.clone();
         if assembled.linear {
             assembled.restore();
@@ -148,9 +147,13 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
             product.map_err(|why| self.misfit(why))?;
             add_scaled(&mut residual, 1.0, &linear);
         }
-        let nonlinear = self.assembler.residual_of(self.form, &views, &spaces, Parts::NONLINEAR)?;
-        add_scaled(&mut residual, 1.0, &nonlinear);
+        add_scaled(&mut residual, 1.0, &self.nonlinear_residual(u)?);
         Ok(residual)
+    }
+
+    /// The residual of the nonlinear integrals at u.
+    pub fn nonlinear_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        self.assembler.residual_of(self.form, &self.views(u)?, &self.spaces.each_ref(), Parts::NONLINEAR)
     }
 
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.

@@ -9,24 +9,26 @@
 //! Where c grows, K is factored anew with the larger c; where that does not pay or K is not positive
 //! definite, a [`TangentSolver`] takes over.
 
+mod condensation;
+mod few_unknowns;
+
 use std::sync::Arc;
 use std::time::Instant;
 
-use faer::Mat;
+use condensation::Condensation;
 use faer::linalg::solvers::PartialPivLu;
-use faer::prelude::Solve;
+pub use few_unknowns::FewUnknowns;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::solver_report::{SolverPath, SolverReport};
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
-use crate::linear_algebra::partial_solves::lower_times_transposed;
+use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::{largest, norm};
-use crate::linear_algebra::{
-    Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, Restriction, SymmetricFactor,
-};
+use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
 
-/// Entries of T − K below this part of the largest entry of K are rounding.
-const ROUNDING: f64 = 1e-13;
+/// Entries of T − K below this part of the largest entry of K are rounding: coordinates of about 1000 cell diameters
+/// lose three digits in a cell's Jacobian. If they are not, refinement makes up for it.
+const ROUNDING: f64 = 1e-12;
 
 /// A dense LU may cost as many multiplications as this many per stored number of the sparse factor:
 /// about what the Krylov iterations it replaces would cost.
@@ -36,6 +38,12 @@ const DENSE_COST: f64 = 400.0;
 const ACCURATE: f64 = 1e-15;
 /// Largest relative residual of an accepted solution.
 const ACCEPTED: f64 = 1e-11;
+/// Largest backward error ‖b − T x‖∞ / (‖T‖∞ ‖x‖∞ + ‖b‖∞) of one with a larger relative residual: a small load on a
+/// fine mesh is a small difference of large products, (L/h)² of them.
+const BACKWARD: f64 = 1e-14;
+
+/// A factor with a pivot below this part of its scale is asked whether K is singular.
+const DOUBTFUL: f64 = 1e-9;
 
 /// Most steps of iterative refinement.
 const REFINEMENTS: usize = 4;
@@ -46,6 +54,8 @@ pub struct CondensedSolver {
     fallback: TangentSolver,
     linear_part: Option<LinearPart>,
     condensation: Option<Condensation>,
+    /// Unknowns that coming matrices are expected to change.
+    expected: Vec<u32>,
     /// K could not be factored: do not try again.
     refused: bool,
     current: Option<Current>,
@@ -57,18 +67,6 @@ pub struct CondensedSolver {
 struct LinearPart {
     matrix: Arc<CsrMatrix>,
     largest: f64,
-}
-
-/// The factor of K and its Schur complement.
-#[derive(Debug)]
-struct Condensation {
-    factor: SymmetricFactor,
-    /// The condensed unknowns, in elimination order.
-    unknowns: Vec<u32>,
-    /// Place of each unknown among them.
-    places: Vec<Option<u32>>,
-    lower: Mat<f64>,
-    schur: Mat<f64>,
 }
 
 /// The matrix of the next solves.
@@ -136,14 +134,15 @@ impl CondensedSolver {
         }
     }
 
-    /// The entries of T − K; `None` when they do not share a pattern.
+    /// The entries of T − K that are more than rounding; `None` when T and K do not share a pattern.
     fn difference(&self, matrix: &CsrMatrix) -> Option<Vec<Entry>> {
-        let linear_part = &self.linear_part.as_ref().filter(|part| part.matrix.same_pattern(matrix))?.matrix;
+        let LinearPart { matrix: linear_part, largest } =
+            self.linear_part.as_ref().filter(|part| part.matrix.same_pattern(matrix))?;
         let mut entries = Vec::new();
         for row in 0..matrix.rows() {
             let (columns, values) = matrix.row(row);
             for ((column, value), base) in columns.iter().zip(values).zip(linear_part.row(row).1) {
-                if value != base {
+                if (value - base).abs() > ROUNDING * largest {
                     entries.push(Entry { row: row as u32, column: *column, value: value - base });
                 }
             }
@@ -151,31 +150,23 @@ impl CondensedSolver {
         Some(entries)
     }
 
+    /// Additions that are more than rounding.
+    fn changes(&self, additions: &[Entry]) -> Vec<Entry> {
+        let largest = self.linear_part.as_ref().map_or(0.0, |part| part.largest);
+        additions.iter().filter(|entry| entry.value.abs() > ROUNDING * largest).copied().collect()
+    }
+
     /// Takes T = K + `additions`, which is also given as a `matrix` that is convenient for products.
     fn condense(&mut self, additions: &[Entry], matrix: Sum) -> Result<(), SolverError> {
-        let largest = self.linear_part.as_ref().map_or(0.0, |part| part.largest);
-        let changes: Vec<Entry> =
-            additions.iter().filter(|entry| entry.value.abs() > ROUNDING * largest).copied().collect();
-        let mut touched: Vec<u32> = changes.iter().flat_map(|entry| [entry.row, entry.column]).collect();
-        touched.sort_unstable();
-        touched.dedup();
+        let changes = self.changes(additions);
+        let touched = unknowns_of(&changes);
         if !self.condense_to(&touched)? {
             return self.fall_back(matrix.to_matrix()?);
         }
         let Some(condensation) = &self.condensation else { return self.fall_back(matrix.to_matrix()?) };
-        let dense = (!changes.is_empty()).then(|| {
-            let start = Instant::now();
-            let mut system = condensation.schur.clone();
-            for Entry { row, column, value } in changes {
-                let place = |unknown: u32| condensation.places[unknown as usize];
-                if let (Some(row), Some(column)) = (place(row), place(column)) {
-                    system[(row as usize, column as usize)] += value;
-                }
-            }
-            let factor = system.partial_piv_lu();
-            self.report.factorisation_seconds += start.elapsed().as_secs_f64();
-            factor
-        });
+        let start = Instant::now();
+        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes));
+        self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         self.current = Some(Current::Condensed { matrix, dense });
         Ok(())
     }
@@ -188,27 +179,38 @@ impl CondensedSolver {
         }
         let Some(LinearPart { matrix: linear_part, .. }) = &self.linear_part else { return Ok(false) };
         if let Some(known) = &self.condensation
-            && touched.iter().all(|unknown| known.places[*unknown as usize].is_some())
+            && known.holds(touched)
         {
             return Ok(true);
         }
-        let earlier = self.condensation.take().map(|known| known.unknowns).unwrap_or_default();
-        let mut all = [touched, &earlier[..]].concat();
+        let earlier = self.condensation.take().map(|known| known.unknowns().to_vec()).unwrap_or_default();
+        let expected = std::mem::take(&mut self.expected);
+        let mut all = [touched, &earlier[..], &expected].concat();
         all.sort_unstable();
         all.dedup();
         let start = Instant::now();
-        let ordering = order_last(linear_part, &all)?;
-        let analysis = Arc::new(Analysis::new(linear_part.pattern(), &ordering)?);
+        let chosen = Ordering::default().choose_with_last(linear_part.pattern(), &all)?;
+        self.report.orderings = chosen.candidates;
+        let analysis = Arc::new(Analysis::new(linear_part.pattern(), &Ordering::Given(chosen.order))?);
         self.report.analyses += 1;
         self.report.analysis_seconds += start.elapsed().as_secs_f64();
         let count = all.len();
         if (count as f64).powi(3) * 2.0 / 3.0 > DENSE_COST * analysis.factor_entries() as f64 {
-            return Ok(false);
+            // What was expected was too much. Without it, it may be worth it.
+            return if expected.is_empty() { Ok(false) } else { self.condense_to(touched) };
         }
         let start = Instant::now();
         let factor = SymmetricFactor::cholesky(&analysis, linear_part, Vec::new());
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         let factor = match factor {
+            // Rounding may hide a singular K; the fallback names it, or finds that changes make up for it.
+            Ok(factor)
+                if factor.smallest_pivot_ratio() < DOUBTFUL
+                    && check_regular(linear_part, |y| factor.solve_in_place(y)).is_err() =>
+            {
+                self.refused = true;
+                return Ok(false);
+            }
             Ok(factor) => factor,
             Err(LinearAlgebraError::NotPositiveDefinite { .. } | LinearAlgebraError::Singular { .. }) => {
                 self.refused = true;
@@ -219,15 +221,7 @@ impl CondensedSolver {
         self.report.factorisations += 1;
         self.report.factor_entries = analysis.factor_entries();
         self.report.condensed_unknowns = Some(count);
-        let order = analysis.elimination_order();
-        let unknowns = order[order.len() - count..].to_vec();
-        let mut places = vec![None; order.len()];
-        for (place, unknown) in unknowns.iter().enumerate() {
-            places[*unknown as usize] = Some(place as u32);
-        }
-        let lower = factor.trailing_block(count);
-        let schur = lower_times_transposed(&lower);
-        self.condensation = Some(Condensation { factor, unknowns, places, lower, schur });
+        self.condensation = Some(Condensation::new(factor, count));
         Ok(true)
     }
 
@@ -276,7 +270,9 @@ impl CondensedSolver {
             }
         }
         self.report.solve_seconds += start.elapsed().as_secs_f64();
-        if relative_residual <= ACCEPTED {
+        let accepted = relative_residual <= ACCEPTED
+            || largest(&rest) <= BACKWARD * (matrix.base.row_sum_norm() * largest(&x) + largest(b));
+        if accepted {
             self.report.solves += 1;
             self.report.path = Some(SolverPath::Condensed);
             self.report.iterations.push(0);
@@ -289,48 +285,34 @@ impl CondensedSolver {
     }
 }
 
+/// What entries of T add to those of K.
+pub(super) fn additions(linear_part: &CsrMatrix, entries: &[Entry]) -> Result<Vec<Entry>, SolverError> {
+    let mut additions = Vec::with_capacity(entries.len());
+    for Entry { row, column, value } in entries.iter().copied() {
+        if !value.is_finite() {
+            let (row, column) = (row as usize, column as usize);
+            return Err(LinearAlgebraError::EntryNotFinite { row, column, value }.into());
+        }
+        let place = linear_part.find_stored(row, column)?;
+        let value = value - linear_part.values()[place];
+        if value != 0.0 {
+            additions.push(Entry { row, column, value });
+        }
+    }
+    Ok(additions)
+}
+
+/// Rows and columns of entries, ascending.
+fn unknowns_of(entries: &[Entry]) -> Vec<u32> {
+    let mut unknowns: Vec<u32> = entries.iter().flat_map(|entry| [entry.row, entry.column]).collect();
+    unknowns.sort_unstable();
+    unknowns.dedup();
+    unknowns
+}
+
 fn residual(matrix: &Sum, x: &[f64], b: &[f64], transposed: bool) -> Result<Vec<f64>, SolverError> {
     let product = matrix.multiply(x, transposed)?;
     Ok(b.iter().zip(product).map(|(b, product)| b - product).collect())
-}
-
-/// A fill-reducing order of the other unknowns, then the given ones.
-fn order_last(matrix: &CsrMatrix, last: &[u32]) -> Result<Ordering, LinearAlgebraError> {
-    if last.is_empty() {
-        return Ok(Ordering::default());
-    }
-    let mut is_last = vec![false; matrix.rows()];
-    for unknown in last {
-        is_last[*unknown as usize] = true;
-    }
-    let others: Vec<usize> = (0..matrix.rows()).filter(|unknown| !is_last[*unknown]).collect();
-    let restricted = Restriction::new(&Arc::new(matrix.pattern().into()), &others, &others)?;
-    let order = Ordering::default().elimination_order(restricted.pattern())?;
-    let order = order.into_iter().map(|place| others[place as usize] as u32).chain(last.iter().copied());
-    Ok(Ordering::Given(order.collect()))
-}
-
-impl Condensation {
-    fn solve(
-        &self,
-        b: &[f64],
-        dense: Option<&PartialPivLu<f64>>,
-        transposed: bool,
-    ) -> Result<Vec<f64>, LinearAlgebraError> {
-        let mut y = self.factor.solve_lower(b)?;
-        if let Some(dense) = dense {
-            let count = self.unknowns.len();
-            let first = y.len() - count;
-            let condensed = Mat::from_fn(count, 1, |i, _| y[first + i]);
-            let load = &self.lower * condensed;
-            let solution = if transposed { dense.solve_transpose(&load) } else { dense.solve(&load) };
-            let shifted = self.lower.transpose() * solution;
-            for i in 0..count {
-                y[first + i] = shifted[(i, 0)];
-            }
-        }
-        self.factor.solve_upper(y)
-    }
 }
 
 impl LinearSolver for CondensedSolver {
@@ -343,6 +325,7 @@ impl LinearSolver for CondensedSolver {
             return Ok(());
         }
         (self.condensation, self.current, self.refused) = (None, None, false);
+        self.expected.clear();
         // An unsymmetric linear part has no Cholesky factor.
         self.refused = !linear_part.is_symmetric(1e-12)?;
         let largest = largest(linear_part.values());
@@ -353,9 +336,13 @@ impl LinearSolver for CondensedSolver {
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
         self.current = None;
         matrix.check_finite()?;
-        match self.difference(&matrix) {
-            None => self.fall_back(matrix),
-            Some(additions) => self.condense(&additions, Sum { base: Arc::new(matrix), additions: vec![] }),
+        match (self.difference(&matrix), &self.linear_part) {
+            (Some(additions), Some(known)) => {
+                // One copy of the pattern is enough.
+                let matrix = CsrMatrix::from_pattern(known.matrix.pattern(), matrix.into_values())?;
+                self.condense(&additions, Sum { base: Arc::new(matrix), additions: vec![] })
+            }
+            _ => self.fall_back(matrix),
         }
     }
 
@@ -365,19 +352,24 @@ impl LinearSolver for CondensedSolver {
             return self.set_matrix(linear_part.with_entries(entries)?);
         }
         self.current = None;
-        let mut additions = Vec::with_capacity(entries.len());
-        for Entry { row, column, value } in entries.iter().copied() {
-            if !value.is_finite() {
-                let (row, column) = (row as usize, column as usize);
-                return Err(LinearAlgebraError::EntryNotFinite { row, column, value }.into());
-            }
-            let place = linear_part.find_stored(row, column)?;
-            let value = value - linear_part.values()[place];
-            if value != 0.0 {
-                additions.push(Entry { row, column, value });
-            }
-        }
+        let additions = additions(linear_part, entries)?;
         self.condense(&additions.clone(), Sum { base: linear_part.clone(), additions })
+    }
+
+    fn expect_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
+        self.expected = unknowns_of(&self.changes(&additions(linear_part, entries)?));
+        Ok(())
+    }
+
+    fn condensed_unknowns(&self) -> Option<usize> {
+        match &self.current {
+            Some(Current::Condensed { .. }) => self.report.condensed_unknowns,
+            _ => None,
+        }
+    }
+
+    fn condensing(&mut self) -> Option<&mut CondensedSolver> {
+        (self.linear_part.is_some() && !self.refused).then_some(self)
     }
 
     fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {

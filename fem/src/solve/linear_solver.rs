@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::condensed_solver::CondensedSolver;
 use crate::linear_algebra::{CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError};
 
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
@@ -29,6 +30,29 @@ pub trait LinearSolver {
     /// As [`LinearSolver::set_matrix`], and if the linear part does not store an entry.
     fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
         self.set_matrix(linear_part.with_entries(entries)?)
+    }
+
+    /// Tells which entries of the linear part the coming matrices are likely to change, by those of one of them. It
+    /// may be wrong; it may save a factorisation.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::set_changed`].
+    fn expect_changed(
+        &mut self,
+        _linear_part: &Arc<CsrMatrix>,
+        _entries: &[Entry],
+    ) -> Result<(), SolverError> {
+        Ok(())
+    }
+
+    /// The solver itself, if it can let Newton's method iterate on the few unknowns that matrices change.
+    fn condensing(&mut self) -> Option<&mut CondensedSolver> {
+        None
+    }
+
+    /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
+    fn condensed_unknowns(&self) -> Option<usize> {
+        None
     }
 
     /// Solves A x = b. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would

@@ -12,7 +12,7 @@ use forms_core::contract::Form;
 use super::assembled_once::{Assembled, System};
 use super::{
     ActivePoints, Elimination, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep,
-    NonlinearProblem, Tangent, newton_eliminating, solve_linear,
+    NonlinearProblem, Start, Tangent, newton_eliminating, solve_linear,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
@@ -144,16 +144,42 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
                 return Err(NewtonError { why: NewtonFailure::Assembly(error), history: vec![], u });
             }
         };
+        let guess = self.guess(&u, constraints);
+        let start = Start { u, guess };
         let (free, related) = (elimination.free().to_vec(), !elimination.only_prescribes());
-        let found =
-            newton_eliminating(self, elimination, u, solver, options, progress).map_err(|mut error| {
+        let found = newton_eliminating(self, elimination, start, solver, options, progress).map_err(
+            |mut error| {
                 if let NewtonFailure::LinearSolver(source) = error.why {
                     error.why = NewtonFailure::LinearSolver(self.named(source, &free, related));
                 }
                 error
-            })?;
+            },
+        )?;
         let fields = self.fields(&found.u);
         Ok(MixedSolved { fields, history: found.history, residual: found.residual })
+    }
+
+    /// Where the first iterates may be: each vector field on the mesh moved by 1.05 times the mean of its prescribed
+    /// values, for a body that is moved at one side follows nearly as it is. None where nothing is moved.
+    fn guess(&self, u: &[f64], constraints: [&Constraints<D>; N]) -> Option<Vec<f64>> {
+        let mut guess = u.to_vec();
+        let mut offset = 0;
+        let mut moved = false;
+        for (space, constraints) in self.system.spaces.iter().zip(constraints) {
+            for component in 0..if space.components() == D { D } else { 0 } {
+                let of_component =
+                    constraints.prescribed().iter().filter(|(unknown, _)| *unknown % D == component);
+                let (count, sum) =
+                    of_component.fold((0.0, 0.0), |(count, sum), (_, value)| (count + 1.0, sum + value));
+                if sum != 0.0 {
+                    let values = guess[offset..offset + space.unknowns()].iter_mut();
+                    values.skip(component).step_by(D).for_each(|value| *value += 1.05 * sum / count);
+                    moved = true;
+                }
+            }
+            offset += space.unknowns();
+        }
+        moved.then_some(guess)
     }
 
     /// Solves a form that is affine in its unknowns: one assembly, one linear system. The solver keeps the
@@ -303,6 +329,14 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for MixedProbl
 
     fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
         Ok(self.ready()?.1.linear_part())
+    }
+
+    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
+        let (system, _) = self.ready()?;
+        let start = Instant::now();
+        let residual = system.nonlinear_residual(u);
+        self.seconds += start.elapsed().as_secs_f64();
+        residual.map(Some)
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {

@@ -1,4 +1,8 @@
-//! Undamped semismooth Newton on the free unknowns.
+//! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential where there is one.
+
+mod few;
+mod history;
+mod line_search;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -7,9 +11,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::elimination::Elimination;
-use super::linear_solver::{LinearSolver, SolverError};
+use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
-use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
+use crate::linear_algebra::{BlockMatrix, CsrMatrix};
+use few::changed_entries;
+pub use history::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
+pub use line_search::LineSearch;
+use line_search::{check_potential, line_search};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
@@ -35,6 +43,15 @@ pub trait NonlinearProblem {
     /// # Errors
     /// If assembly fails.
     fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, Self::Error> {
+        Ok(None)
+    }
+
+    /// What R(u) has beyond an affine function with the linear part for its matrix, if the problem knows it. It reads
+    /// the unknowns alone in whose rows or columns some tangent differs from the linear part.
+    ///
+    /// # Errors
+    /// If assembly fails.
+    fn nonlinear_residual(&mut self, _u: &[f64]) -> Result<Option<Vec<f64>>, Self::Error> {
         Ok(None)
     }
 
@@ -86,123 +103,9 @@ impl ActivePoints {
     }
 }
 
-/// When Newton's method stops.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewtonOptions {
-    /// Converged at ‖R‖₂ ≤ `relative_tolerance` × ‖R‖₂ at the start (free unknowns, prescribed values imposed).
-    pub relative_tolerance: f64,
-    /// Converged also at ‖R‖₂ ≤ `absolute_tolerance` \[unit of R\].
-    pub absolute_tolerance: f64,
-    /// Most steps.
-    pub max_iterations: usize,
-}
-
-impl Default for NewtonOptions {
-    fn default() -> Self {
-        Self { relative_tolerance: 1e-10, absolute_tolerance: 1e-300, max_iterations: 50 }
-    }
-}
-
 /// Linear systems are solved to this part of Newton's own target, so that the converged residual is at rounding
 /// level and not just below the target.
 const LINEAR_ACCURACY: f64 = 1e-4;
-
-/// One iterate in Newton's history, and the step that led to it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewtonStep {
-    /// 0 for the start.
-    pub iteration: usize,
-    /// ‖R‖₂ on free unknowns \[unit of R\].
-    pub residual: f64,
-    /// Residual divided by the residual at the start (0 if that is 0).
-    pub relative_residual: f64,
-    /// Number of active quadrature points at this iterate.
-    pub active_points: Option<usize>,
-    /// Whether the active set differs from that of the iterate before.
-    pub active_set_changed: Option<bool>,
-    /// ‖δu‖₂ of the step that led here; none at the start.
-    pub step: Option<f64>,
-    /// Krylov iterations of that step (0 for a direct solution).
-    pub linear_iterations: Option<usize>,
-}
-
-/// The solution and how it was reached.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewtonSolution {
-    /// All unknowns, with the prescribed values.
-    pub u: Vec<f64>,
-    /// R(u) on all unknowns: the reactions on the prescribed ones, about zero on the others.
-    pub residual: Vec<f64>,
-    /// The start and each iterate.
-    pub history: Vec<NewtonStep>,
-}
-
-impl NewtonSolution {
-    /// Number of Newton steps.
-    pub fn iterations(&self) -> usize {
-        self.history.len().saturating_sub(1)
-    }
-}
-
-/// Why Newton's method failed.
-#[derive(Debug, thiserror::Error)]
-pub enum NewtonFailure<E> {
-    /// The iterations are used up.
-    #[error("no convergence within {iterations} iterations")]
-    NotConverged {
-        /// Steps made.
-        iterations: usize,
-    },
-    /// The active set and the residual of an earlier iterate came back.
-    #[error(
-        "the active set of iteration {first} came back after {period} iterations, and no residual decreased"
-    )]
-    Cycling {
-        /// Iterate that was reached again.
-        first: usize,
-        /// Steps in between.
-        period: usize,
-    },
-    /// Steps no longer change u beyond rounding, but the residual is above the tolerance. A tolerance that the
-    /// residual's own rounding allows (large stiffnesses, a small load) would have been met.
-    #[error("the residual stagnates at rounding level, above the tolerance")]
-    Stagnated,
-    /// The residual became NaN or infinite.
-    #[error("the residual is not finite")]
-    NotFinite,
-    /// The linear solver failed.
-    #[error("the linear solver failed: {0}")]
-    LinearSolver(#[source] SolverError),
-    /// Sizes disagree, or prescribed values are unfit.
-    #[error("the problem does not fit together: {0}")]
-    Mismatch(#[source] LinearAlgebraError),
-    /// Assembly of the residual, the tangent or the active set failed.
-    #[error("assembly failed: {0}")]
-    Assembly(#[source] E),
-}
-
-/// A failure of Newton's method with the history up to it.
-#[derive(thiserror::Error)]
-#[error("Newton's method failed at iteration {}: {why}", .history.len().saturating_sub(1))]
-pub struct NewtonError<E: std::error::Error> {
-    /// The reason.
-    pub why: NewtonFailure<E>,
-    /// The iterates before the failure.
-    pub history: Vec<NewtonStep>,
-    /// The last iterate.
-    pub u: Vec<f64>,
-}
-
-// A derived one would print every unknown.
-impl<E: std::error::Error> std::fmt::Debug for NewtonError<E> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("NewtonError")
-            .field("why", &self.why)
-            .field("history", &self.history)
-            .field("unknowns", &self.u.len())
-            .finish()
-    }
-}
 
 /// Solves R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. Steps are not
 /// damped. `progress` is called once per iterate. Afterwards the solver still holds the last tangent.
@@ -217,13 +120,28 @@ pub fn newton<P: NonlinearProblem>(
     options: &NewtonOptions,
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError<P::Error>> {
-    let mut iteration = Iteration { u: start, history: Vec::new(), active: Vec::new() };
-    let run = Elimination::new(iteration.u.len(), prescribed)
-        .map_err(NewtonFailure::Mismatch)
-        .and_then(|elimination| iteration.run(problem, elimination, solver, options, progress));
-    match run {
-        Ok(residual) => Ok(NewtonSolution { u: iteration.u, residual, history: iteration.history }),
-        Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u }),
+    match Elimination::new(start.len(), prescribed) {
+        Ok(elimination) => {
+            newton_eliminating(problem, elimination, Start::at(start), solver, options, progress)
+        }
+        Err(why) => Err(NewtonError { why: NewtonFailure::Mismatch(why), history: vec![], u: start }),
+    }
+}
+
+/// Where Newton's method starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// The first iterate, before the prescribed values are imposed.
+    pub u: Vec<f64>,
+    /// A guess at the iterates to come. A solver that condenses learns from the tangent there which unknowns the
+    /// nonlinearity may touch; a wrong guess costs time and nothing else.
+    pub guess: Option<Vec<f64>>,
+}
+
+impl Start {
+    /// This start, without a guess.
+    pub fn at(u: Vec<f64>) -> Self {
+        Start { u, guess: None }
     }
 }
 
@@ -234,33 +152,44 @@ pub fn newton<P: NonlinearProblem>(
 pub fn newton_eliminating<P: NonlinearProblem>(
     problem: &mut P,
     elimination: Elimination,
-    start: Vec<f64>,
+    start: Start,
     solver: &mut dyn LinearSolver,
     options: &NewtonOptions,
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError<P::Error>> {
-    let mut iteration = Iteration { u: start, history: Vec::new(), active: Vec::new() };
-    match iteration.run(problem, elimination, solver, options, progress) {
+    let Start { u, guess } = start;
+    let mut iteration = Iteration { u, history: Vec::new(), active: Vec::new(), options, progress };
+    match iteration.run(problem, elimination, guess, solver) {
         Ok(residual) => Ok(NewtonSolution { u: iteration.u, residual, history: iteration.history }),
         Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u }),
     }
 }
 
 /// The state of the iteration.
-struct Iteration {
+struct Iteration<'a> {
     u: Vec<f64>,
     history: Vec<NewtonStep>,
     active: Vec<Option<ActivePoints>>,
+    options: &'a NewtonOptions,
+    progress: &'a mut dyn FnMut(&NewtonStep),
 }
 
-impl Iteration {
+/// How an iterate was reached.
+#[derive(Clone, Copy, Default)]
+struct Step {
+    length: Option<f64>,
+    damping: Option<f64>,
+    linear_iterations: Option<usize>,
+    condensed_unknowns: Option<usize>,
+}
+
+impl Iteration<'_> {
     fn run<P: NonlinearProblem>(
         &mut self,
         problem: &mut P,
         mut elimination: Elimination,
+        guess: Option<Vec<f64>>,
         solver: &mut dyn LinearSolver,
-        options: &NewtonOptions,
-        progress: &mut dyn FnMut(&NewtonStep),
     ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
         elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
         let mut linear_part = None;
@@ -272,35 +201,29 @@ impl Iteration {
             solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
             linear_part = Some(reduced);
         }
-        let mut step = None;
-        let mut linear_iterations = None;
-        loop {
-            let residual = problem.residual(&self.u).map_err(NewtonFailure::Assembly)?;
-            let mut rest = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
-            let residual_norm = norm(&rest);
-            let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
-            self.record(residual_norm, active, step, linear_iterations);
-            if let Some(last) = self.history.last() {
-                progress(last);
+        let (mut residual, mut rest) = self.look(problem, &elimination, Step::default())?;
+        if !self.finished()?
+            && let Some(linear_part) = &linear_part
+        {
+            if let Some(guess) = guess {
+                let entries = changed_entries(problem, &mut elimination, &guess)?;
+                solver.expect_changed(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
             }
-            if !residual_norm.is_finite() {
-                return Err(NewtonFailure::NotFinite);
+            if self.options.line_search == LineSearch::Off
+                && let Some(solver) = solver.condensing()
+                && self.iterate_on_few(problem, &mut elimination, linear_part, &residual, solver)?
+            {
+                residual = problem.residual(&self.u).map_err(NewtonFailure::Assembly)?;
+                rest = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
+                self.judge_again(norm(&rest));
             }
-            let target = options.relative_tolerance * self.history[0].residual;
-            if residual_norm <= target.max(options.absolute_tolerance) {
-                return Ok(residual);
-            }
-            if let Some((first, period)) = self.cycle() {
-                return Err(NewtonFailure::Cycling { first, period });
-            }
-            if self.stagnates() {
-                return Err(NewtonFailure::Stagnated);
-            }
-            let iterations = self.history.len() - 1;
-            if iterations >= options.max_iterations {
-                return Err(NewtonFailure::NotConverged { iterations });
-            }
+        }
+        while !self.finished()? {
+            let options = self.options;
             let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
+            if options.line_search == LineSearch::OnPotential {
+                check_potential(&mut elimination, &tangent.matrix)?;
+            }
             match (&linear_part, tangent.changed) {
                 (Some(linear_part), Some(changed)) => {
                     let entries = elimination.reduce_places(&tangent.matrix, changed);
@@ -319,33 +242,93 @@ impl Iteration {
                 *value = -*value;
             }
             let solution =
-                solver.solve(&rest, LINEAR_ACCURACY * target).map_err(NewtonFailure::LinearSolver)?;
-            step = Some(norm(&solution.solution));
-            linear_iterations = Some(solution.iterations);
+                solver.solve(&rest, LINEAR_ACCURACY * self.target()).map_err(NewtonFailure::LinearSolver)?;
+            let step = Step {
+                linear_iterations: Some(solution.iterations),
+                condensed_unknowns: solver.condensed_unknowns(),
+                ..Step::default()
+            };
             let change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
-            add_scaled(&mut self.u, 1.0, &change);
+            let damping = match options.line_search {
+                LineSearch::Off => 1.0,
+                LineSearch::OnPotential => line_search(problem, &self.u, &change)?,
+            };
+            add_scaled(&mut self.u, damping, &change);
+            let step =
+                Step { damping: Some(damping), length: Some(damping * norm(&solution.solution)), ..step };
+            (residual, rest) = self.look(problem, &elimination, step)?;
+        }
+        Ok(residual)
+    }
+
+    /// The residual at the current iterate, on all unknowns and on the free ones; the iterate enters the history.
+    fn look<P: NonlinearProblem>(
+        &mut self,
+        problem: &mut P,
+        elimination: &Elimination,
+        step: Step,
+    ) -> Result<(Vec<f64>, Vec<f64>), NewtonFailure<P::Error>> {
+        let residual = problem.residual(&self.u).map_err(NewtonFailure::Assembly)?;
+        let rest = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
+        let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
+        self.record(norm(&rest), active, step);
+        Ok((residual, rest))
+    }
+
+    /// The residual that counts as zero.
+    fn target(&self) -> f64 {
+        let first = self.history.first().map_or(0.0, |start| start.residual);
+        (self.options.relative_tolerance * first).max(self.options.absolute_tolerance)
+    }
+
+    /// Whether the last iterate is the solution; an error if there is no sense in going on.
+    fn finished<E>(&self) -> Result<bool, NewtonFailure<E>> {
+        let Some(last) = self.history.last() else { return Ok(false) };
+        if !last.residual.is_finite() {
+            return Err(NewtonFailure::NotFinite);
+        }
+        if last.residual <= self.target() {
+            return Ok(true);
+        }
+        if let Some((first, period)) = self.cycle() {
+            return Err(NewtonFailure::Cycling { first, period });
+        }
+        if self.stagnates() {
+            return Err(NewtonFailure::Stagnated);
+        }
+        let iterations = self.history.len() - 1;
+        if iterations >= self.options.max_iterations {
+            return Err(NewtonFailure::NotConverged { iterations });
+        }
+        Ok(false)
+    }
+
+    /// The last iterate was judged by its condensed residual; this is the whole one.
+    fn judge_again(&mut self, residual: f64) {
+        let first = self.history.first().map_or(residual, |start| start.residual);
+        if let Some(last) = self.history.last_mut() {
+            last.residual = residual;
+            last.relative_residual = if residual == 0.0 { 0.0 } else { residual / first };
         }
     }
 
-    fn record(
-        &mut self,
-        residual: f64,
-        active: Option<ActivePoints>,
-        step: Option<f64>,
-        linear_iterations: Option<usize>,
-    ) {
+    fn record(&mut self, residual: f64, active: Option<ActivePoints>, step: Step) {
         let first = self.history.first().map_or(residual, |start| start.residual);
         let before = self.active.last().copied().flatten();
-        self.history.push(NewtonStep {
+        self.active.push(active);
+        let step = NewtonStep {
             iteration: self.history.len(),
             residual,
             relative_residual: if residual == 0.0 { 0.0 } else { residual / first },
             active_points: active.map(|set| set.count),
             active_set_changed: active.zip(before).map(|(now, before)| now != before),
-            step,
-            linear_iterations,
-        });
-        self.active.push(active);
+            step: step.length,
+            damping: step.damping,
+            linear_iterations: step.linear_iterations,
+            condensed_unknowns: step.condensed_unknowns,
+        };
+        (self.progress)(&step);
+        self.history.push(step);
     }
 
     /// Whether the last step was lost in rounding and the residual did not fall.

@@ -121,6 +121,10 @@ impl<F: Form<D>, const D: usize> NonlinearProblem for FormProblem<'_, F, D> {
         self.whole.linear_part()
     }
 
+    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
+        self.whole.nonlinear_residual(u)
+    }
+
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
         self.whole.active_points(u)
     }

@@ -3,7 +3,8 @@
 use std::convert::Infallible;
 
 use super::*;
-use crate::solve::{TangentSolver, TangentSolverOptions};
+use crate::linear_algebra::LinearAlgebraError;
+use crate::solve::{SolverError, TangentSolver, TangentSolverOptions};
 
 /// −u'' = f on (0, 1) with an elastic bed below ψ. With p_i = [u_i − ψ]₋,
 /// R_i = (2 u_i − u_{i−1} − u_{i+1}) / h − h f − h k p_i + h c p_{i−1}; the drag c makes it unsymmetric.
@@ -203,4 +204,33 @@ fn failures_are_told_apart() {
             ..
         }))
     ));
+}
+
+#[test]
+fn a_line_search_makes_a_hard_start_converge() {
+    // R = arctan u has the convex potential u arctan u − ½ ln(1 + u²); whole steps from 3 overshoot more and more.
+    let arctan = |u: f64| (u.atan(), 1.0 / (1.0 + u * u));
+    assert!(scalar(arctan, 3.0).is_err());
+    let searching = |line_search| NewtonOptions { line_search, ..NewtonOptions::default() };
+    let mut solver = TangentSolver::default();
+    let (none, options) = (BTreeMap::new(), searching(LineSearch::OnPotential));
+    let mut seen = |_: &NewtonStep| ();
+    let found = newton(&mut Scalar(arctan), &none, vec![3.0], &mut solver, &options, &mut seen).unwrap();
+    assert!(found.u[0].abs() < 1e-9);
+    assert!(found.history[1].damping.unwrap() < 1.0);
+    assert_eq!(found.history[found.iterations()].damping, Some(1.0));
+    // Where whole steps serve, nothing changes.
+    let n = 64;
+    let mut membrane = Membrane { n, f: -8.0, stiffness: 1e6, drag: 0.0, obstacle: -0.25 };
+    let runs = [LineSearch::Off, LineSearch::OnPotential].map(|line_search| {
+        let options = searching(line_search);
+        newton(&mut membrane, &ends(n), vec![0.0; n + 1], &mut solver, &options, &mut seen).unwrap()
+    });
+    assert!(runs[0].u.iter().zip(&runs[1].u).all(|(a, b)| (a - b).abs() < 1e-11));
+    // Drag has no potential.
+    membrane.drag = 1e3;
+    let error =
+        newton(&mut membrane, &ends(n), vec![-1.0; n + 1], &mut solver, &options, &mut seen).unwrap_err();
+    assert!(matches!(error.why, NewtonFailure::NoPotential { .. }), "{error}");
+    assert!(error.to_string().contains("theta = 1"));
 }

@@ -1,0 +1,123 @@
+//! Newton's iteration where the nonlinearity lives on few unknowns: the same iterates as on all unknowns, but
+//! between the first and the last one only what the nonlinearity reads and touches is computed.
+
+use std::sync::Arc;
+
+use super::{Iteration, NewtonFailure, NonlinearProblem, Step};
+use crate::linear_algebra::vector::{add_scaled, norm};
+use crate::linear_algebra::{CsrMatrix, Entry};
+use crate::solve::condensed_solver::{CondensedSolver, FewUnknowns, additions};
+use crate::solve::elimination::Elimination;
+use crate::solve::linear_solver::SolverError;
+
+type Outcome<T, P> = Result<T, NewtonFailure<<P as NonlinearProblem>::Error>>;
+
+/// The entries of the tangent at u, reduced, at the places where it may differ from the linear part.
+pub(super) fn changed_entries<P: NonlinearProblem>(
+    problem: &mut P,
+    elimination: &mut Elimination,
+    u: &[f64],
+) -> Outcome<Vec<Entry>, P> {
+    let tangent = problem.tangent(u).map_err(NewtonFailure::Assembly)?;
+    let places = tangent.changed.unwrap_or_default();
+    elimination.reduce_places(&tangent.matrix, places).map_err(NewtonFailure::Mismatch)
+}
+
+impl Iteration<'_> {
+    /// Iterates from the first iterate, whose residual is given, as long as it converges and the solver condenses.
+    /// Afterwards u is the last iterate of the history on all unknowns. False: nothing was done.
+    pub(super) fn iterate_on_few<P: NonlinearProblem>(
+        &mut self,
+        problem: &mut P,
+        elimination: &mut Elimination,
+        linear_part: &Arc<CsrMatrix>,
+        residual: &[f64],
+        solver: &mut CondensedSolver,
+    ) -> Outcome<bool, P> {
+        let Some(nonlinear) = problem.nonlinear_residual(&self.u).map_err(NewtonFailure::Assembly)? else {
+            return Ok(false);
+        };
+        let mut nonlinear = elimination.reduce(&nonlinear).map_err(NewtonFailure::Mismatch)?;
+        // R(u₀ + x) = K x + N(u₀ + x) − b.
+        let mut b = elimination.reduce(residual).map_err(NewtonFailure::Mismatch)?;
+        b.iter_mut().zip(&nonlinear).for_each(|(b, n)| *b = n - *b);
+        let mut entries = changed_entries(problem, elimination, &self.u)?;
+        let mut watched: Vec<u32> = entries.iter().flat_map(|entry| [entry.row, entry.column]).collect();
+        watched.sort_unstable();
+        watched.dedup();
+        let start: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
+        // The increment since u₀, up to date in the watched unknowns.
+        let mut x = vec![0.0; b.len()];
+        let mut known: Option<(FewUnknowns, Vec<f64>)> = None;
+        let failed = NewtonFailure::LinearSolver;
+        loop {
+            let touched: Vec<u32> = (0..x.len() as u32).filter(|i| nonlinear[*i as usize] != 0.0).collect();
+            let added = additions(linear_part, &entries).map_err(failed)?;
+            let holds = known.as_ref().is_some_and(|(few, _)| solver.holds_as(few, &added, &touched));
+            if !holds {
+                // The iterate is completed with the factor that it belongs to.
+                if let Some((few, x_c)) = known.take() {
+                    self.complete(elimination, &start, &few.finish(solver, &x_c).map_err(failed)?)?;
+                    let full = elimination.free().iter().map(|unknown| self.u[*unknown]);
+                    x = full.zip(&start).map(|(u, start)| u - start).collect();
+                }
+                if !solver.hold(&added, &touched).map_err(failed)? {
+                    return Ok(self.history.len() > 1);
+                }
+                let few = solver.few_unknowns(&b, &watched).map_err(failed)?;
+                let x_c = few.condensed(&x);
+                known = Some((few, x_c));
+            }
+            let Some((few, x_c)) = &mut known else { return Ok(false) };
+            let mut rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
+            let step = solver.few_step(linear_part, added, &rest).map_err(failed)?;
+            add_scaled(x_c, 1.0, &step);
+            few.update(solver, x_c, &mut x).map_err(failed)?;
+            let mut length = 0.0_f64;
+            for &i in &watched {
+                let (i, unknown) = (i as usize, elimination.free()[i as usize]);
+                let value = start[i] + x[i];
+                length = length.hypot(value - self.u[unknown]);
+                self.u[unknown] = value;
+            }
+            let found = problem.nonlinear_residual(&self.u).map_err(NewtonFailure::Assembly)?;
+            nonlinear = elimination.reduce(&found.unwrap_or_default()).map_err(NewtonFailure::Mismatch)?;
+            rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
+            let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
+            let condensed_unknowns = Some(x_c.len());
+            let step = Step {
+                length: Some(length),
+                damping: Some(1.0),
+                linear_iterations: Some(0),
+                condensed_unknowns,
+            };
+            // Rows outside of c hold; N may have got beyond c.
+            self.record(norm(&rest).hypot(few.norm_outside(&nonlinear)), active, step);
+            if !matches!(self.finished::<P::Error>(), Ok(false)) {
+                break;
+            }
+            entries = changed_entries(problem, elimination, &self.u)?;
+        }
+        if let Some((few, x_c)) = known {
+            self.complete(elimination, &start, &few.finish(solver, &x_c).map_err(failed)?)?;
+        }
+        Ok(true)
+    }
+
+    /// u = u₀ + x on the free unknowns.
+    fn complete<E>(
+        &mut self,
+        elimination: &Elimination,
+        start: &[f64],
+        x: &[f64],
+    ) -> Result<(), NewtonFailure<E>> {
+        if let Some(unknown) = x.iter().position(|value| !value.is_finite()) {
+            let singular = crate::linear_algebra::LinearAlgebraError::Singular { unknown, ratio: 0.0 };
+            return Err(NewtonFailure::LinearSolver(SolverError::LinearAlgebra(singular)));
+        }
+        for ((unknown, start), x) in elimination.free().iter().zip(start).zip(x) {
+            self.u[*unknown] = start + x;
+        }
+        Ok(())
+    }
+}
