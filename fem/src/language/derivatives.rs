@@ -87,12 +87,12 @@
 //!     pub fn gradient(u: State<Scalar>, T: Test<Vector>) -> Form { derivative(work(u), shape, T) }
 //! }
 //! let load = Given::function_with_gradient(|x: &[f64; 2]| x[0], |_| [1.0, 0.0]);
-//! let (data, body) = (moving::Data { load }, moving::Omega::on("all"));
-//! let u = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| 2.0 * x[0])?;
+//! let (loaded, body) = (moving::Data { load }, moving::Omega::on("all"));
+//! let height = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| 2.0 * x[0])?;
 //! let movement = Field::interpolate(&Space::of_geometry(&mesh)?, |x| [x[0], 0.0])?;
 //! // On [0, s] × [0, 1] with the same nodal values ∫ |∇u|²/2 = 2/s, and u = 2x/s gives ∫ x u = 2s²/3.
-//! number(assembler.functional(&moving::along(&data, &body, &u, &movement), &[]), -2.0 - 4.0 / 3.0)?;
-//! let gradient = assembler.residual(&moving::gradient(&data, &body, &u), &[], &[movement.space()])?;
+//! number(assembler.functional(&moving::along(&loaded, &body, &height, &movement), &[]), -2.0 - 4.0 / 3.0)?;
+//! let gradient = assembler.residual(&moving::gradient(&loaded, &body, &height), &[], &[movement.space()])?;
 //! let along: f64 = gradient.iter().zip(movement.values()).map(|(g, t)| g * t).sum();
 //! assert!((along + 2.0 + 4.0 / 3.0).abs() < 1e-12);
 //!
