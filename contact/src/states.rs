@@ -67,6 +67,9 @@ impl Default for ThetaPath {
     }
 }
 
+/// The θ that was not reached, with the last solution.
+pub type ThetaPathError<const D: usize> = Box<LoadStepError<Field<D>, NewtonError<AssemblyError>>>;
+
 /// The paper's three adjoint states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Adjoint {
@@ -162,7 +165,7 @@ impl<const D: usize> ContactProblem<D> {
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(f64, &NewtonStep),
-    ) -> Result<LoadPath<Field<D>>, Box<LoadStepError<Field<D>, NewtonError<AssemblyError>>>>
+    ) -> Result<LoadPath<Field<D>>, ThetaPathError<D>>
     where
         forms::direct::Form<D>: Form<D>,
     {

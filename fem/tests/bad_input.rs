@@ -85,6 +85,8 @@ fn solvers(constraints: &Constraints<3>) -> Vec<(&'static str, bool, Box<dyn Lin
     ]
 }
 
+type Outcome = Result<Field<3>, NewtonError<AssemblyError>>;
+
 struct Case {
     name: &'static str,
     held: bool,
@@ -106,7 +108,7 @@ const GOOD: Case = Case {
     says: &[],
 };
 
-fn solve(case: &Case, which: usize) -> Option<(&'static str, Result<Field<3>, NewtonError<AssemblyError>>)> {
+fn solve(case: &Case, which: usize) -> Option<(&'static str, Outcome)> {
     let mut mesh = cuboid([0.0; 3], [1.0; 3], [3; 3], CellShape::Tetrahedron, 1).unwrap();
     mesh.name_facets("low part", "bottom", |centre| centre[0] < 0.5).unwrap();
     let mesh = Arc::new(mesh);
@@ -135,7 +137,7 @@ fn solve(case: &Case, which: usize) -> Option<(&'static str, Result<Field<3>, Ne
     Some((name, found.map(|solved| solved.field)))
 }
 
-fn each(case: &Case, mut check: impl FnMut(&str, Result<Field<3>, NewtonError<AssemblyError>>)) {
+fn each(case: &Case, mut check: impl FnMut(&str, Outcome)) {
     let mut which = 0;
     while let Some((name, found)) = solve(case, which) {
         check(&format!("{} by {name}", case.name), found);

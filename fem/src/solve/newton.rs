@@ -174,6 +174,9 @@ struct Iteration<'a> {
     progress: &'a mut dyn FnMut(&NewtonStep),
 }
 
+/// The residual on all unknowns, and on the free ones.
+type Residuals = (Vec<f64>, Vec<f64>);
+
 /// How an iterate was reached.
 #[derive(Clone, Copy, Default)]
 struct Step {
@@ -267,7 +270,7 @@ impl Iteration<'_> {
         problem: &mut P,
         elimination: &Elimination,
         step: Step,
-    ) -> Result<(Vec<f64>, Vec<f64>), NewtonFailure<P::Error>> {
+    ) -> Result<Residuals, NewtonFailure<P::Error>> {
         let residual = problem.residual(&self.u).map_err(NewtonFailure::Assembly)?;
         let rest = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
         let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
