@@ -85,7 +85,7 @@ macro_rules! check {
         let scalars = Space::scalar(mesh, degree).unwrap();
         let vectors = Space::vector(mesh, degree).unwrap();
         let (u, w) = (wave(&scalars, 0.3), wave(&vectors, 0.002));
-        let data = Data { wind: [0.4; $D].into(), load: Given::field(&u), body: Given::field(&w) };
+        let data = Data { wind: [0.4; $D], load: Given::field(&u), body: Given::field(&w) };
         let omega = &Omega::on("all");
         let transport = transport(&data, omega);
         let poisson = poisson(&data, omega);
@@ -136,7 +136,7 @@ fn element_kernels_sum_along_axes_too() {
     let size = element.nodes();
     let coordinates: Vec<f64> = mesh.cell(0).iter().flat_map(|node| mesh.nodes()[*node as usize]).collect();
     let [along, direct] = rules::<3>(CellShape::Hexahedron, 4).map(|rule| {
-        let data = Data { wind: [0.4; 3].into(), load: 0.0.into(), body: [0.0; 3].into() };
+        let data = Data { wind: [0.4; 3], load: 0.0.into(), body: [0.0; 3].into() };
         let layout = ElementLayout {
             geometry: Lagrange::new(CellShape::Hexahedron, 1).unwrap(),
             element,

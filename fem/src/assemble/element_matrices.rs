@@ -151,33 +151,18 @@ impl<const D: usize> ElementMatrices<'_, D> {
         Ok(())
     }
 
-    /// The blocks of all pairs, each a sum over the points.
-    #[inline(always)]
-    fn sum_pairs<K: BilinearKernel<D>, L: SimdLane>(
-        &self,
-        kernel: &K,
-        cell: &K::Cell<L>,
-        (tests, trials): (&[K::Test<L>], &[K::Trial<L>]),
-        blocks: &mut [L],
-    ) {
-        let (nodes, points, symmetric) = (self.nodes(), self.group.points(), self.symmetric);
-        Pairs { kernel, cell, tests, trials, nodes, points, symmetric }.sum(blocks);
-    }
-
     /// The entries of all pairs, from those of the functions asked for at each point, axis by axis.
     #[inline(always)]
     fn sum_along_axes<K: BilinearKernel<D>, L: SimdLane>(
         &self,
-        kernel: &K,
-        cell: &K::Cell<L>,
+        factors: &Pairs<K, L, D>,
         tables: &ProductTables,
-        (tests, trials): (&[K::Test<L>], &[K::Trial<L>]),
         stages: &mut MatrixStages<L>,
         blocks: &mut [L],
     ) {
         let (symmetric, derivatives) = (self.symmetric, Derivatives::of_arguments(&K::REQUIREMENTS));
         stages.prepare::<D>(tables, symmetric);
-        let points = self.group.points();
+        let &Pairs { kernel, cell, tests, trials, points, .. } = factors;
         let asked = derivatives.count::<D>();
         for s in 0..asked {
             for t in 0..asked {
@@ -230,18 +215,13 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 }
                 _ => {
                     self.factors::<K, L>(kernel, &cell, &mut batch, factorised, tests, trials)?;
+                    let (nodes, points, symmetric) = ([rows, columns], self.group.points(), self.symmetric);
+                    let pairs = Pairs { kernel, cell: &cell, tests, trials, nodes, points, symmetric };
                     match factorised {
                         Some(tables) if const { scalar::<K, D>() } => {
-                            self.sum_along_axes::<K, L>(
-                                kernel,
-                                &cell,
-                                tables,
-                                (tests, trials),
-                                stages,
-                                blocks,
-                            );
+                            self.sum_along_axes(&pairs, tables, stages, blocks);
                         }
-                        _ => self.sum_pairs::<K, L>(kernel, &cell, (tests, trials), blocks),
+                        _ => pairs.sum(blocks),
                     }
                 }
             }
