@@ -103,7 +103,7 @@ pub enum NewtonFailure<E> {
          method that means theta = 1"
     )]
     NoPotential {
-        /// [`CsrMatrix::asymmetry`] of the tangent.
+        /// [`BlockMatrix::asymmetry`](crate::linear_algebra::BlockMatrix::asymmetry) of the tangent.
         asymmetry: f64,
     },
     /// No step along a descent direction, however short, lowers the potential.
