@@ -99,7 +99,7 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// The unit of length at the axes; millimetres unless another one is given.
+    /// The unit of length at the axes; millimetres unless another one is given, none if it is empty.
     pub fn length_unit(mut self, unit: &str) -> Self {
         self.unit = Some(unit.into());
         self

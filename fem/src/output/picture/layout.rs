@@ -31,7 +31,11 @@ impl Layout<'_> {
     /// The page and the frame for the body.
     pub fn begin(&self) -> Result<(Drawing, Frame), PictureError> {
         let [low, high] = self.window;
-        let label = |name: &str| self.unit.map_or(String::new(), |unit| format!("{name} [{unit}]"));
+        let label = |name: &str| match self.unit {
+            None => String::new(),
+            Some("") => name.to_owned(),
+            Some(unit) => format!("{name} [{unit}]"),
+        };
         let x = Axis::new(&label("x"), Scale::Linear, [low[0], high[0]])?;
         let y = Axis::new(&label("y"), Scale::Linear, [low[1], high[1]])?;
         let scale = (self.largest[0] / (high[0] - low[0])).min(self.largest[1] / (high[1] - low[1]));
