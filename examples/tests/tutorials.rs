@@ -80,3 +80,14 @@ fn shape_derivative_is_that_of_a_section_that_grows() {
     let printed = run(env!("CARGO_BIN_EXE_11_shape_derivative"), "11_shape_derivative.png");
     assert!(printed.contains("remainder"), "{printed}");
 }
+
+#[test]
+fn a_ball_gives_the_pressure_of_hertz() {
+    let printed = run(env!("CARGO_BIN_EXE_hertz_ball"), "hertz_ball.png");
+    assert!(printed.contains("from Hertz"), "{printed}");
+}
+
+#[test]
+fn a_block_on_a_ball_gives_the_pressure_of_hertz() {
+    run(env!("CARGO_BIN_EXE_block_on_sphere"), "block_on_sphere.png");
+}

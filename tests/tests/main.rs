@@ -16,6 +16,7 @@ mod cylinder_against_getfem;
 mod exact_adjoint_transition;
 mod exact_block_patch;
 mod exact_hertz_line;
+mod exact_hertz_sphere;
 mod exact_scalar_signorini;
 mod exact_signorini_transition;
 mod exact_smooth_adjoint;
@@ -27,6 +28,7 @@ mod form_discrete_adjoint;
 mod form_elasticity;
 mod form_extended_adjoint;
 mod form_lengths;
+mod gamma0_sweep;
 mod half_plane;
 mod identities;
 mod imported_operators;
@@ -34,6 +36,7 @@ mod loaded_adjoint;
 mod operators_page;
 mod separate_crate;
 mod shape_gradient;
+mod solver_paths;
 mod threshold;
 
 #[test]

@@ -1,0 +1,154 @@
+//! Contact in space: a ball is pressed onto a rigid flat. A quarter of it is enough.
+//!
+//! Hertz (1882): the radius of contact a with a³ = 3PR/4E′, E′ = E/(1−ν²), the pressure p0 √(1 − r²/a²) with
+//! p0 = 3P/(2πa²). The mesh has curved hexahedra whose lower faces lie on the ball.
+//!
+//! Run it with `cargo run --release --bin hertz_ball`.
+
+use std::error::Error;
+
+use forms_contact::forms;
+use forms_contact::states::{ContactProblem, Regions};
+use forms_contact::threshold::threshold;
+use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
+use forms_fem::prelude::*;
+
+const YOUNG: f64 = 200.0; // MPa
+const POISSON: f64 = 0.3;
+const RADIUS: f64 = 8.0; // mm
+const WIDTH: f64 = 5.0; // mm, of the quarter
+const PUSH: f64 = 0.125; // mm
+const DIVISIONS: usize = 10; // cells in each direction
+
+/// Three fifths of the cells lie within 0.15 of the way, of equal size; the others grow.
+fn graded(t: f64) -> f64 {
+    let (near, slope) = (0.6, 0.25);
+    let rest = (1.0 - slope) / (1.0_f64 - near).powi(3);
+    slope * t + rest * (t - near).max(0.0).powi(3)
+}
+
+/// The lower boundary, on the ball around the origin.
+fn surface(x: f64, y: f64) -> f64 {
+    -(RADIUS * RADIUS - x * x - y * y).sqrt()
+}
+
+/// The body: from the lower boundary up to the height of the ball's centre.
+fn body([s, t, w]: [f64; 3]) -> [f64; 3] {
+    let (x, y) = (WIDTH * graded(s), WIDTH * graded(t));
+    [x, y, surface(x, y) * (1.0 - graded(w))]
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let obstacle = [[0.0, -RADIUS], [WIDTH, -RADIUS]];
+    let mut mesh = forms_fem::mesh::structured([DIVISIONS; 3], CellShape::Hexahedron, 2, body)?;
+    mesh.name_facets("contact", "bottom", |centre| centre[0].max(centre[1]) < 1.3)?;
+    mesh.name_cells_of_facets("contact cells", "contact")?;
+    let mesh = Arc::new(mesh);
+    let space = Space::vector(&mesh, 2)?;
+    let mut constraints = Constraints::new(&space);
+    constraints.fix_component("left", 0, |_| 0.0)?;
+    constraints.fix_component("front", 1, |_| 0.0)?;
+    constraints.fix_component("top", 2, |_| -PUSH)?;
+
+    let data = forms::Data {
+        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
+        mu: YOUNG / (2.0 * (1.0 + POISSON)),
+        theta: -1.0,
+        gamma0: 10.0 * YOUNG,
+        extension: 0.0,
+        obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
+        gap: Given::function(|x: &[f64; 3]| x[2] + RADIUS),
+        body_force: Given::constant([0.0; 3]),
+        traction: Given::constant([0.0; 3]),
+        criterion_force: Given::constant([0.0; 3]),
+        criterion_weight: Given::constant(0.0),
+    };
+    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
+    let problem =
+        ContactProblem::new(assembler, &space, data, Regions::new("right", "contact"), constraints)?;
+    // θ = −1 is stable for every γ₀; other variants would be warned about here.
+    if let Some(warning) = threshold(&problem, "contact cells")?.warning() {
+        eprintln!("warning: {warning}");
+    }
+    let mut solver = CondensedSolver::default();
+    let solved = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
+        let active = step.active_points.unwrap_or(0);
+        println!("Newton {}: residual {:.2e}, {active} active points", step.iteration, step.residual);
+    })?;
+    let u = solved.result.field;
+    let report = solver.report();
+    if let (Some(path), Some(count)) = (report.path, report.condensed_unknowns) {
+        println!("{} unknowns, {path}, {count} of them", space.unknowns());
+    }
+
+    // Hertz: a³ = 3PR/4E′, p = p0 √(1 − r²/a²).
+    let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
+    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[])?;
+    let a = (3.0 * force * RADIUS * (1.0 - POISSON * POISSON) / (4.0 * YOUNG)).cbrt();
+    let p0 = 3.0 * force / (2.0 * std::f64::consts::PI * a * a);
+    let hertz = |r: f64| p0 * (1.0 - r * r / (a * a)).max(0.0).sqrt();
+    let pressure = forms::contact_pressure(data, &u);
+    let points = assembler.at_quadrature_points(&pressure, Entity::Facets, "contact", 8)?;
+    let (mut difference, mut whole) = (0.0, 0.0);
+    for ((x, weight), value) in points.positions.iter().zip(&points.weights).zip(&points.values) {
+        let r = x[0].hypot(x[1]);
+        difference += weight * (value[0] - hertz(r)).powi(2);
+        whole += weight * hertz(r).powi(2);
+    }
+    let error = (difference / whole).sqrt();
+    println!("force {force:.4} N, Hertz: radius of contact {a:.4} mm, pressure {p0:.3} MPa in the middle");
+    println!("pressure profile: {:.2} % from Hertz in the L² norm", 100.0 * error);
+
+    std::fs::create_dir_all("out")?;
+    // Along the x axis, at the nodes.
+    let scalars = Space::scalar(&mesh, 2)?;
+    let on_body = assembler.at_facet_nodes(&pressure, "contact", &scalars)?;
+    let along = scalars
+        .positions()
+        .iter()
+        .enumerate()
+        .filter(|(_, [x, y, z])| *y == 0.0 && (z - surface(*x, 0.0)).abs() < 1e-9 && *x < 1.2 * a);
+    let mut samples: Vec<[f64; 2]> = along.map(|(node, x)| [x[0], on_body.at_node(node)[0]]).collect();
+    samples.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let [radii, values] = [0, 1].map(|k| samples.iter().map(|sample| sample[k]).collect::<Vec<_>>());
+    let line: Vec<f64> = (0..=200).map(|k| 1.2 * a * f64::from(k) / 200.0).collect();
+    LinePlot::new()
+        .title("A ball on a rigid flat")
+        .x_axis("distance from the axis [mm]", Scale::Linear)
+        .y_axis("contact pressure [MPa]", Scale::Linear)
+        .curve(Curve::new("Hertz", &line, &line.iter().map(|r| hertz(*r)).collect::<Vec<_>>()))
+        .curve(Curve::new("computed, at nodes", &radii, &values).dashed())
+        .write_png("out/hertz_ball.png")?;
+
+    // Seen from below: the pressure on the deformed surface's plan.
+    let flat = |[s, t]: [f64; 2]| [WIDTH * graded(s), WIDTH * graded(t)];
+    let plan = Arc::new(forms_fem::mesh::structured([DIVISIONS; 2], CellShape::Quadrilateral, 2, flat)?);
+    let plan_space = Space::scalar(&plan, 2)?;
+    let below = plan_space.positions().iter().map(|x| on_body.evaluate(&[x[0], x[1], surface(x[0], x[1])]));
+    let below = below.collect::<Result<Vec<_>, _>>()?.concat();
+    let below = Field::from_values(&plan_space, below)?;
+    FieldMap::of(&below, Shown::Component(0), "contact pressure [MPa]")
+        .title("Contact pressure from below, a quarter")
+        .window([0.0, 1.4], [0.0, 1.4])
+        .write_png("out/hertz_ball_surface.png")?;
+
+    // The plane of symmetry y = 0, deformed, each displacement as large as it is.
+    let section = |[s, w]: [f64; 2]| {
+        let [x, _, z] = body([s, 0.0, w]);
+        [x, z]
+    };
+    let section =
+        Arc::new(forms_fem::mesh::structured([DIVISIONS; 2], CellShape::Quadrilateral, 2, section)?);
+    let section_space = Space::vector(&section, 2)?;
+    let cut = section_space.positions().iter().map(|x| u.evaluate(&[x[0], 0.0, x[1]]).map(|u| [u[0], u[2]]));
+    let cut = Field::from_values(&section_space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;
+    FieldMap::of(&cut, Shown::Component(1), "u_{z} [mm]")
+        .title("The plane y = 0")
+        .deformed(&cut, 1.0)
+        .undeformed_outline("before")
+        .line(&obstacle, "flat", Colour::BLACK)
+        .write_png("out/hertz_ball_section.png")?;
+
+    assert!(error < 0.02, "the pressure profile is {error} from Hertz");
+    Ok(())
+}
