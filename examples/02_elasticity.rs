@@ -85,7 +85,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("hoop stress     {hoop:.3} MPa    Lamé {exact_hoop:.3} MPa");
 
     std::fs::create_dir_all("out")?;
-    FieldMap::of(&u, Shown::Magnitude, "|u| [mm]").deformed(&u, 100.0).write_png("out/02_elasticity.png")?;
+    FieldMap::of(&u, Shown::Magnitude, "|u| [mm]")
+        .length_unit("mm")
+        .deformed(&u, 100.0)
+        .write_png("out/02_elasticity.png")?;
 
     assert!((opening - exact_opening).abs() < 1e-4 * exact_opening, "u_r = {opening}");
     assert!((hoop - exact_hoop).abs() < 5e-3 * exact_hoop, "hoop stress {hoop}");

@@ -96,6 +96,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     std::fs::create_dir_all("out")?;
     FieldMap::of(&solved.field, Shown::Magnitude, "|u| [mm]")
+        .length_unit("mm")
         .deformed(&solved.field, 1.0)
         .undeformed_outline("before")
         .line(&[[-0.2, -GAP], [WIDTH + 0.2, -GAP]], "table", Colour::BLACK)

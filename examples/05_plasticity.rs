@@ -228,6 +228,7 @@ fn plate() -> Result<(), Box<dyn Error>> {
     println!("largest plastic strain {largest:.4}");
     assert!(largest > 1e-3, "it flows at the clamp");
     FieldMap::of(&amounts, Shown::Component(0), "plastic strain")
+        .length_unit("mm")
         .deformed(&path.state, 1.0)
         .write_png("out/05_plasticity.png")?;
     Ok(())

@@ -89,7 +89,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all("out")?;
     FieldMap::of(&u, Shown::Component(0), "u")
         .arrows(&steepest, "where the section must grow", "")
-        .length_unit("")
         .write_png("out/11_shape_derivative.png")?;
 
     assert!((derivative - 4.0 * value).abs() < 1e-11 * value, "{derivative} is not four times {value}");

@@ -137,6 +137,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let below = below.collect::<Result<Vec<_>, _>>()?.concat();
     let below = Field::from_values(&plan_space, below)?;
     FieldMap::of(&below, Shown::Component(0), "contact pressure [MPa]")
+        .length_unit("mm")
         .title("Contact pressure from below, a quarter")
         .window([0.0, 1.4], [0.0, 1.4])
         .write_png("out/block_on_sphere_surface.png")?;
@@ -152,6 +153,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cut = section_space.positions().iter().map(|x| u.evaluate(&[x[0], 0.0, x[1]]).map(|u| [u[0], u[2]]));
     let cut = Field::from_values(&section_space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;
     FieldMap::of(&cut, Shown::Component(1), "u_{z} [mm]")
+        .length_unit("mm")
         .title("The plane y = 0")
         .deformed(&cut, 1.0)
         .undeformed_outline("before")

@@ -1,7 +1,9 @@
 //! Constraints of a space: unknowns that are prescribed, and unknowns that are given by others.
 
 mod equations;
+mod mean_value;
 mod periodic;
+mod rigid_body;
 mod sliding;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -15,7 +17,8 @@ use thiserror::Error;
 use crate::mesh::MeshError;
 use crate::space::{Family, Space};
 
-/// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding, periodic conditions).
+/// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding,
+/// periodic conditions, rigid bodies, mean values).
 /// Solvers eliminate both: u = C y + d with the free unknowns y; residuals become Cᵀ R, tangents Cᵀ K C.
 #[derive(Clone, Debug)]
 pub struct Constraints<const D: usize> {
@@ -146,6 +149,42 @@ pub enum ConstraintsError {
         position: Vec<f64>,
         /// Distance between its image and the nearest node \[length\].
         distance: f64,
+    },
+    /// A sum of no unknowns, or of too many.
+    #[error("{name}: {count} unknowns are related; one at least and {most} at most can be")]
+    Terms {
+        /// The condition.
+        name: String,
+        /// Unknowns in it.
+        count: usize,
+        /// The largest number.
+        most: usize,
+    },
+    /// No such unknown.
+    #[error("{name}: there is no unknown {unknown}; the space has {count} (numbered from 0)")]
+    Unknown {
+        /// The condition.
+        name: String,
+        /// The unknown asked for.
+        unknown: usize,
+        /// Unknowns of the space.
+        count: usize,
+    },
+    /// A coefficient or value of a sum is NaN or infinite.
+    #[error("{name}: a coefficient or the value is not finite: {number}")]
+    SumNotFinite {
+        /// The condition.
+        name: String,
+        /// The number.
+        number: f64,
+    },
+    /// The basis functions could not be integrated.
+    #[error("{place}: {why}")]
+    Integral {
+        /// The condition.
+        place: String,
+        /// What assembly said.
+        why: String,
     },
 }
 

@@ -15,6 +15,17 @@ use crate::space::Space;
 mod squared {
     #[cells]
     pub struct Omega;
+    #[facets]
+    pub struct Gamma;
+
+    /// ∫_Ω φ_i
+    pub fn basis_over_cells(v: Test<Scalar>) -> Form {
+        integral(Omega, v)
+    }
+    /// ∫_Γ φ_i
+    pub fn basis_over_facets(v: Test<Scalar>) -> Form {
+        integral(Gamma, v)
+    }
 
     /// ∫ |w|²
     pub fn scalar_l2(w: State<Scalar>) -> Functional {
@@ -230,6 +241,11 @@ pub trait Measure<const D: usize> {
         exact: Source<D>,
         gradient: Source<D>,
     ) -> Result<Norms, AssemblyError>;
+    /// The integral of each scalar basis function of a space over a region of cells, or else of facets.
+    ///
+    /// # Errors
+    /// An unknown region.
+    fn basis_integrals(space: &Arc<Space<D>>, region: &str) -> Result<Vec<f64>, AssemblyError>;
     /// The scalar mass matrix.
     ///
     /// # Errors
@@ -296,6 +312,20 @@ macro_rules! measure_in {
                     ),
                 };
                 Ok(Norms::from_squares(l2, seminorm))
+            }
+
+            fn basis_integrals(
+                space: &Arc<Space<$dimension>>,
+                region: &str,
+            ) -> Result<Vec<f64>, AssemblyError> {
+                let (nodes, assembler) = (space.scalar_nodes(), Assembler::new(space.mesh()));
+                if space.mesh().cell_region(region).is_ok() {
+                    let form = squared::basis_over_cells(&squared::Omega::on(region));
+                    assembler.residual(&form, &[], &[&nodes])
+                } else {
+                    let form = squared::basis_over_facets(&squared::Gamma::on(region));
+                    assembler.residual(&form, &[], &[&nodes])
+                }
             }
 
             fn mass(

@@ -19,6 +19,10 @@ mod bodies {
     pub fn elasticity(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, 2 * inner(eps(u), eps(v)) + div(u) * div(v)) - integral(Loaded, dot(load, v))
     }
+    /// Without lateral contraction.
+    pub fn slender(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, 2 * inner(eps(u), eps(v))) - integral(Loaded, dot(load, v))
+    }
     pub fn poisson(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, dot(grad(u), grad(v)) - source * v)
     }
@@ -190,4 +194,145 @@ fn mistakes_name_the_node_and_both_conditions() {
     assert!(zero.starts_with("region \"top\": the normal at ["), "{zero}");
     let options = MultigridSolverOptions::default();
     assert!(MultigridSolver::new(&constraints, options).is_err());
+}
+
+/// The block [0, 2] × [0, 1] stands on rollers at its left side; its right side is a rigid plate.
+fn plate(space: &Arc<Space<2>>) -> Constraints<2> {
+    let mut plate = Constraints::new(space);
+    plate.fix_component("left", 0, |_| 0.0).unwrap();
+    plate.fix_node(space.nearest_node(&[0.0, 0.0]).unwrap(), 1, 0.0).unwrap();
+    plate.rigid_body("right").unwrap();
+    plate
+}
+
+fn solve_with_plate(mesh: &Arc<Mesh<2>>, degree: usize, load: Given<[f64; 2], 2>) -> Field<2> {
+    let space = Space::vector(mesh, degree).unwrap();
+    let (data, assembler) = (bodies::Data { load, source: 0.0.into() }, Assembler::new(mesh));
+    let form = bodies::slender(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
+    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    problem.solve_affine(&plate(&space), &mut TangentSolver::default()).unwrap()
+}
+
+// Without lateral contraction (lambda = 0, E = 2 mu = 2) the plate stays plane by itself: pulled by a force F its block has
+// u = (F x / E, 0), bent by a moment M it has u = M/(E I) (x (y - 1/2), -x^2/2), I = 1/12. Tractions of any shape with this
+// force and moment give the same.
+#[test]
+fn a_rigid_plate_feels_the_force_and_the_moment_alone() {
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], shape, 1).unwrap());
+        let compare = |u: &Field<2>, exact: &dyn Fn(&[f64; 2]) -> [f64; 2]| {
+            for (node, x) in u.space().positions().iter().enumerate() {
+                let (found, exact) = (u.at_node(node), exact(x));
+                assert!((0..2).all(|k| (found[k] - exact[k]).abs() < 1e-11), "{x:?}: {found:?} {exact:?}");
+            }
+        };
+        let pulled = |x: &[f64; 2]| [0.35 * x[0], 0.0];
+        compare(&solve_with_plate(&mesh, 2, [0.7, 0.0].into()), &pulled);
+        // 0.7 in all, symmetric about the middle: without moment.
+        let uneven = Given::function(|x: &[f64; 2]| [0.7 * 12.0 * (x[1] - 0.5).powi(2), 0.0]);
+        compare(&solve_with_plate(&mesh, 2, uneven), &pulled);
+        // M = 1/12: M / (E I) = 1/2.
+        let bent = |x: &[f64; 2]| [0.5 * x[0] * (x[1] - 0.5), -0.25 * x[0] * x[0]];
+        let linear = Given::function(|x: &[f64; 2]| [x[1] - 0.5, 0.0]);
+        compare(&solve_with_plate(&mesh, 2, linear), &bent);
+        // 20/3 ∫ (y - 1/2)^4 = 1/12.
+        let cubic = Given::function(|x: &[f64; 2]| [20.0 / 3.0 * (x[1] - 0.5).powi(3), 0.0]);
+        compare(&solve_with_plate(&mesh, 2, cubic), &bent);
+    }
+}
+
+#[test]
+fn a_rigid_face_in_space_keeps_distances_to_first_order() {
+    let mesh =
+        Arc::new(forms_fem::mesh::cuboid([0.0; 3], [1.0; 3], [2; 3], CellShape::Hexahedron, 1).unwrap());
+    let space = Space::vector(&mesh, 2).unwrap();
+    let mut constraints = Constraints::new(&space);
+    constraints.rigid_body("top").unwrap();
+    let on_top = space.nodes_on("top").unwrap();
+    assert_eq!(constraints.relations().len(), 3 * on_top.len() - 6);
+    let mut values: Vec<f64> = (0..space.unknowns()).map(|k| (0.7 * k as f64).sin()).collect();
+    constraints.apply(&mut values);
+    for a in &on_top {
+        for b in &on_top {
+            let [x, y] = [a, b].map(|node| space.positions()[*node as usize]);
+            let stretch: f64 = (0..3)
+                .map(|k| (x[k] - y[k]) * (values[*a as usize * 3 + k] - values[*b as usize * 3 + k]))
+                .sum();
+            assert!(stretch.abs() < 1e-12, "{stretch}");
+        }
+    }
+}
+
+// -Δu = cos(πx) with insulated sides has u = cos(πx)/π² + c. The mean over the square, or over its left side, gives c.
+#[test]
+fn a_mean_value_fixes_what_an_insulated_body_leaves_open() {
+    let pi = std::f64::consts::PI;
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1).unwrap());
+    let space = Space::scalar(&mesh, 3).unwrap();
+    let source = Given::function(move |x: &[f64; 2]| (pi * x[0]).cos());
+    let data = bodies::Data { load: [0.0; 2].into(), source };
+    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
+    let form = bodies::poisson(&data, &bodies::Omega::on("all"));
+    for (region, constant) in [("all", 2.0), ("left", 2.0 - 1.0 / (pi * pi))] {
+        let mut constraints = Constraints::new(&space);
+        constraints.mean_value(region, 0, 2.0).unwrap();
+        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+        let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+        for (node, x) in space.positions().iter().enumerate() {
+            let exact = (pi * x[0]).cos() / (pi * pi) + constant;
+            assert!((u.at_node(node)[0] - exact).abs() < 2e-6, "{region}: {:?} {exact}", u.at_node(node));
+        }
+    }
+    let mut constraints = Constraints::new(&space);
+    let message =
+        |outcome: Result<(), forms_fem::constraints::ConstraintsError>| outcome.unwrap_err().to_string();
+    assert!(message(constraints.mean_value("lid", 0, 0.0)).contains("lid"));
+    assert!(message(constraints.mean_value("all", 1, 0.0)).contains("there is no component 1"));
+    let not_finite = message(constraints.mean_value("left", 0, f64::NAN));
+    assert_eq!(
+        not_finite,
+        "the mean value over region \"left\": a coefficient or the value is not finite: NaN"
+    );
+    assert!(message(constraints.sum("the sum", &[], 0.0)).starts_with("the sum: 0 unknowns are related"));
+    assert!(message(constraints.sum("the sum", &[(100_000, 1.0)], 0.0)).contains("no unknown 100000"));
+    constraints.fix("left", |_| 1.0).unwrap();
+    let contradiction = message(constraints.mean_value("left", 0, 2.0));
+    assert!(
+        contradiction.starts_with("the mean value over region \"left\" contradicts region \"left\""),
+        "{contradiction}"
+    );
+}
+
+/// The adjoint problem is the transposed one on the free unknowns: it gives the derivative by the load.
+#[test]
+fn adjoint_states_of_a_rigid_body_give_the_derivative_by_the_load() {
+    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Triangle, 1).unwrap());
+    let load = |t: f64| Given::function(move |x: &[f64; 2]| [t * x[1], 0.3]);
+    let states = [0.5, 1.5].map(|t| solve_with_plate(&mesh, 2, load(t)));
+    let space = states[0].space();
+    // J = Σ c_k u_k.
+    let criterion: Vec<f64> = (0..space.unknowns()).map(|k| (1.3 * k as f64).cos()).collect();
+    let value = |u: &Field<2>| u.values().iter().zip(&criterion).map(|(u, c)| u * c).sum::<f64>();
+    let assembler = Assembler::new(&mesh);
+    let residual = |t: f64| {
+        let data = bodies::Data { load: load(t), source: 0.0.into() };
+        let form = bodies::slender(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
+        let zero = Field::zero(space);
+        (
+            assembler.residual(&form, &[&zero], &[space]).unwrap(),
+            assembler.tangent(&form, &[&zero], &[space]).unwrap(),
+        )
+    };
+    let (constraints, (start, tangent)) = (plate(space), residual(0.0));
+    let mut elimination = Elimination::new(space.unknowns(), constraints.prescribed())
+        .and_then(|elimination| elimination.with_relations(constraints.relations().clone()))
+        .unwrap();
+    let solver = &mut TangentSolver::default();
+    let adjoint =
+        forms_fem::solve::solve_linear_transposed(&tangent.into(), &criterion, &mut elimination, solver)
+            .unwrap();
+    let derivative: f64 =
+        residual(1.0).0.iter().zip(&start).zip(&adjoint.solution).map(|((r, s), p)| -(r - s) * p).sum();
+    let difference = value(&states[1]) - value(&states[0]);
+    assert!((derivative - difference).abs() < 1e-10 * difference.abs(), "{derivative} {difference}");
 }

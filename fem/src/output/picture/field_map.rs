@@ -74,7 +74,7 @@ impl<'a> FieldMap<'a> {
             label: label.into(),
             displacement: None,
             title: String::new(),
-            unit: Some("mm".into()),
+            unit: Some(String::new()),
             colours: ColourMap::default(),
             levels: None,
             range: None,
@@ -99,7 +99,7 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// The unit of length at the axes; millimetres unless another one is given, none if it is empty.
+    /// The unit of length at the axes; none unless one is given.
     pub fn length_unit(mut self, unit: &str) -> Self {
         self.unit = Some(unit.into());
         self

@@ -32,7 +32,7 @@ impl<'a> MeshDrawing<'a> {
             regions: Vec::new(),
             cells: Vec::new(),
             title: String::new(),
-            unit: Some("mm".into()),
+            unit: Some(String::new()),
             window: None,
             largest: [300.0, 300.0],
         }
@@ -82,7 +82,7 @@ impl<'a> MeshDrawing<'a> {
         self
     }
 
-    /// The unit of length at the axes; millimetres unless another one is given.
+    /// The unit of length at the axes; none unless one is given.
     pub fn length_unit(mut self, unit: &str) -> Self {
         self.unit = Some(unit.into());
         self

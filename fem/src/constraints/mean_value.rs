@@ -1,0 +1,60 @@
+//! Linear conditions on many unknowns at once: a mean value, or any sum that is prescribed.
+
+use super::{Constraints, ConstraintsError};
+use crate::norms::{Measure, Measured};
+
+/// A condition makes the unknowns it relates depend on each other: with more of them than this the tangent would be a
+/// dense matrix that no solver is made for.
+const MOST: usize = 4096;
+
+impl<const D: usize> Constraints<D> {
+    /// Prescribes the mean of one component (counted from 0, row-major) over a region of cells or facets:
+    /// ∫_ω u_c = value · |ω|. One unknown is given by all others there, which so get to know each other: the tangent
+    /// has a dense block of the size of the region.
+    ///
+    /// # Errors
+    /// An unknown region, a component that the space does not have, a value that is not finite, more than 4096
+    /// unknowns, or a contradiction to earlier conditions.
+    pub fn mean_value(&mut self, region: &str, component: usize, value: f64) -> Result<(), ConstraintsError>
+    where
+        Measured: Measure<D>,
+    {
+        let place = format!("the mean value over region \"{region}\"");
+        let components = self.check_component(&place, component)?;
+        self.nodes_on(region, &place)?;
+        let weights = Measured::basis_integrals(&self.space, region)
+            .map_err(|error| ConstraintsError::Integral { place: place.clone(), why: error.to_string() })?;
+        let size: f64 = weights.iter().sum();
+        let terms: Vec<(usize, f64)> = weights
+            .iter()
+            .enumerate()
+            .filter(|(_, weight)| **weight != 0.0)
+            .map(|(node, weight)| (node * components + component, weight / size))
+            .collect();
+        self.sum(&place, &terms, value)
+    }
+
+    /// Prescribes a sum: Σ coefficient × unknown = `value`, with unknowns by their numbers. `name` is what messages call
+    /// it.
+    ///
+    /// # Errors
+    /// No term, an unknown that the space does not have, a number that is not finite, more than 4096 terms, or a
+    /// contradiction to earlier conditions.
+    pub fn sum(&mut self, name: &str, terms: &[(usize, f64)], value: f64) -> Result<(), ConstraintsError> {
+        let (name, size) = (name.to_owned(), self.space.unknowns());
+        if terms.is_empty() || terms.len() > MOST {
+            return Err(ConstraintsError::Terms { name, count: terms.len(), most: MOST });
+        }
+        if let Some(&(unknown, _)) = terms.iter().find(|(unknown, _)| *unknown >= size) {
+            return Err(ConstraintsError::Unknown { name, unknown, count: size });
+        }
+        let numbers = terms.iter().map(|(_, coefficient)| *coefficient).chain([value]);
+        if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
+            return Err(ConstraintsError::SumNotFinite { name, number });
+        }
+        let mut changed = self.clone();
+        changed.add_equation(&name, terms, value)?;
+        *self = changed;
+        Ok(())
+    }
+}
