@@ -26,6 +26,7 @@ mod functional;
 mod pairs;
 mod partition;
 mod place_map;
+mod positive_parts;
 mod receiver;
 mod reference_tensor;
 mod residual;
@@ -44,6 +45,7 @@ pub use derived::{FacetSample, PointValues};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
+pub use positive_parts::PositivePart;
 pub use sizes::{Counted, Fixed, Sizes};
 pub use tangent::ElementMatrix;
 

@@ -2,6 +2,7 @@
 
 mod facet;
 mod gauss;
+pub(crate) mod sign_changes;
 mod simplex;
 #[cfg(test)]
 mod tests;

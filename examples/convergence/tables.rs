@@ -1,0 +1,120 @@
+//! The numbers: a summary as Markdown, and a CSV file beside each figure.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use forms_fem::output::picture::Curve;
+use forms_fem::output::write_whole;
+
+use crate::Outcome;
+use crate::study::{Relative, Study, ZoneErrors, envelope};
+
+/// The slope of log y over log x by least squares; none with fewer than three points.
+pub fn order(x: &[f64], y: &[f64]) -> Option<f64> {
+    (x.len() > 2).then(|| Curve::new("", x, y).order(x.len())).flatten()
+}
+
+/// ω: the slope of an upper envelope of a length over many meshes; none where it is zero on too many.
+pub fn omega(zones: &[ZoneErrors], length: impl Fn(&ZoneErrors) -> f64) -> Option<f64> {
+    let (h, lengths): (Vec<f64>, Vec<f64>) = envelope(zones, length).into_iter().unzip();
+    order(&h, &lengths)
+}
+
+/// The three lengths of the contact zone, with their names.
+pub const LENGTHS: [(&str, fn(&ZoneErrors) -> f64); 3] = [
+    ("|Γ^h_C,a ∩ Γ_C,i|", |zone| zone.gained),
+    ("|Γ_C,a ∩ Γ^h_C,i|", |zone| zone.lost),
+    ("sum", |zone| zone.gained + zone.lost),
+];
+
+/// What is printed: errors by mesh with their fitted orders, and what can be said of the contact zone.
+pub fn summary(study: &Study) -> String {
+    let mut text = format!("## θ = {}, reference n_r = {}\n\n", study.theta, study.reference);
+    let quantities = study.quantities();
+    let names: Vec<&str> = quantities.iter().map(|(name, _)| name.as_str()).collect();
+    let _ = writeln!(text, "| n_r | h (cm) | {} |", names.join(" | "));
+    let _ = writeln!(text, "|{}", " --: |".repeat(2 + names.len()));
+    for (k, row) in study.errors.iter().enumerate() {
+        let cells: Vec<String> =
+            quantities.iter().map(|(_, errors)| format!("{:.3e}", errors[k].h1)).collect();
+        let _ = writeln!(text, "| {} | {:.4} | {} |", row.radial, row.h, cells.join(" | "));
+    }
+    let kinds: [(&str, fn(Relative) -> f64); 3] = [
+        ("order", |error| error.h1),
+        ("order, semi-norm", |error| error.seminorm),
+        ("order, squared ratio as printed", Relative::printed),
+    ];
+    for (name, value) in kinds {
+        let orders = quantities.iter().map(|(_, errors)| {
+            let values: Vec<f64> = errors.iter().map(|error| value(*error)).collect();
+            order(&study.widths(), &values).map_or("-".to_owned(), |order| format!("{order:.2}"))
+        });
+        let _ = writeln!(text, "| {name} | | {} |", orders.collect::<Vec<_>>().join(" | "));
+    }
+    let _ = writeln!(text, "\nContact zone of the reference: {:.4} cm.", study.reference_zone.length());
+    for (name, length) in LENGTHS {
+        let zero = study.zones.iter().filter(|zone| length(zone) == 0.0).count();
+        let largest = study.zones.iter().map(length).fold(0.0, f64::max);
+        let slope = omega(&study.zones, length)
+            .map_or("no slope can be fitted".to_owned(), |omega| format!("slope of its envelope {omega:.2}"));
+        let count = study.zones.len();
+        let _ =
+            writeln!(text, "{name}: zero on {zero} of {count} meshes, at most {largest:.2e} cm, {slope}.");
+    }
+    text
+}
+
+/// Writes a CSV file for each figure and returns their paths.
+pub fn write_all(study: &Study, directory: &Path) -> Outcome<Vec<PathBuf>> {
+    let quantities = study.quantities();
+    let named =
+        |kept: &dyn Fn(&str) -> bool| quantities.iter().filter(|(name, _)| kept(name)).collect::<Vec<_>>();
+    let files = [
+        ("figure_3_left", errors(study, &named(&|name| name == "u_h (14)" || name == "p_h (22)"))),
+        ("figure_3_right", zones(study)),
+        ("figure_4_right", errors(study, &named(&|name| name == "p_h (22)" || name.contains("(41)")))),
+        ("figure_5", errors(study, &named(&|name| !name.contains("(41)")))),
+    ];
+    let mut paths = Vec::new();
+    for (name, text) in files {
+        let path = directory.join(file_name(name, study.theta, "csv"));
+        write_whole(&path, |file| file.write_all(text.as_bytes()))?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+/// The name of a figure's file.
+pub fn file_name(figure: &str, theta: f64, ending: &str) -> String {
+    format!("{figure}_theta_{theta}.{ending}")
+}
+
+/// Errors by mesh, one line each: full norm, semi-norm and the squared ratio of each quantity.
+fn errors(study: &Study, quantities: &[&(String, Vec<Relative>)]) -> String {
+    let mut text = "n_r,h [cm]".to_owned();
+    for (name, _) in quantities {
+        let _ = write!(text, ",\"{name}: H1\",\"{name}: H1 semi-norm\",\"{name}: H1 squared, as printed\"");
+    }
+    text.push('\n');
+    for (k, row) in study.errors.iter().enumerate() {
+        let _ = write!(text, "{},{}", row.radial, row.h);
+        for (_, errors) in quantities {
+            let error = errors[k];
+            let _ = write!(text, ",{:e},{:e},{:e}", error.h1, error.seminorm, error.printed());
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Lengths by mesh \[cm\].
+fn zones(study: &Study) -> String {
+    let names: Vec<String> = LENGTHS.iter().map(|(name, _)| format!("\"{name} [cm]\"")).collect();
+    let mut text = format!("n_r,h [cm],{}\n", names.join(","));
+    for zone in &study.zones {
+        let lengths: Vec<String> = LENGTHS.iter().map(|(_, length)| format!("{:e}", length(zone))).collect();
+        let _ = writeln!(text, "{},{},{}", zone.radial, zone.h, lengths.join(","));
+    }
+    text
+}
