@@ -17,6 +17,7 @@ mod positive_parts;
 mod related_unknowns;
 mod second_derivatives;
 mod shape_derivatives;
+mod split_facets;
 mod sum_factorisation;
 mod threads;
 

@@ -32,6 +32,7 @@ mod reference_tensor;
 mod residual;
 mod scatter;
 mod sizes;
+mod split_facets;
 mod sum_factorisation;
 mod tangent;
 mod walk;

@@ -36,23 +36,60 @@ impl Assembler<2> {
         region: &str,
         degree: usize,
     ) -> Result<Vec<PositivePart>, AssemblyError> {
-        let components: usize = expression.shape().iter().product();
-        if components != 1 {
-            let (form, field) = (expression.name(), "a scalar");
-            return Err(AssemblyError::Components { form, field, expected: 1, found: components });
+        let facets = self.facet_zeros(expression, region, degree)?;
+        let mut parameters = vec![0.0, 1.0];
+        parameters.extend(facets.iter().flat_map(|facet| facet.zeros.iter().copied()));
+        let places: Vec<[f64; 2]> = parameters.iter().map(|s| [*s, 0.0]).collect();
+        let ends = self.along_facets(expression, region, &places)?;
+        let (mut parts, mut used) = (Vec::new(), 2);
+        for (index, FacetZeros { facet, zeros, along }) in facets.iter().enumerate() {
+            let mine = used..used + zeros.len();
+            used = mine.end;
+            let places: Vec<usize> = [0].into_iter().chain(mine).chain([1]).collect();
+            for pair in places.windows(2) {
+                let parameters = [pair[0], pair[1]].map(|place| parameters[place]);
+                if along.at(0.5 * (parameters[0] + parameters[1])) > 0.0 {
+                    let position = |place: usize| ends[index * ends.len() / facets.len() + place].position;
+                    let positions = [pair[0], pair[1]].map(position);
+                    parts.push(PositivePart { facet: *facet, parameters, positions });
+                }
+            }
         }
-        let at = |parameters: &[f64]| -> Result<Vec<FacetSample<2>>, AssemblyError> {
+        Ok(parts)
+    }
+}
+
+/// The zeros of a scalar along a facet.
+pub(super) struct FacetZeros {
+    pub facet: Facet,
+    /// Ascending, inside (0, 1).
+    pub zeros: Vec<f64>,
+    /// The scalar, interpolated.
+    pub along: Polynomial,
+}
+
+impl<const D: usize> Assembler<D> {
+    /// The zeros of a scalar along each facet of a plane mesh's region.
+    pub(super) fn facet_zeros<E: Expression<D>>(
+        &self,
+        expression: &E,
+        region: &str,
+        degree: usize,
+    ) -> Result<Vec<FacetZeros>, AssemblyError> {
+        self.expect_scalar(expression)?;
+        let at = |parameters: &[f64]| -> Result<Vec<FacetSample<D>>, AssemblyError> {
             let places: Vec<[f64; 2]> = parameters.iter().map(|s| [*s, 0.0]).collect();
             self.along_facets(expression, region, &places)
         };
         let nodes = samples(degree);
-        let sampled = at(&nodes)?;
-        let facets: Vec<Polynomial> = sampled
-            .chunks(nodes.len())
-            .map(|facet| Polynomial::through(&facet.iter().map(|sample| sample.value[0]).collect::<Vec<_>>()))
-            .collect();
-        let mut zeros: Vec<Zero> =
-            facets.iter().enumerate().flat_map(|(k, facet)| Zero::all(k, facet)).collect();
+        let mut facets = Vec::new();
+        let mut zeros = Vec::new();
+        for (index, sampled) in at(&nodes)?.chunks(nodes.len()).enumerate() {
+            let values: Vec<f64> = sampled.iter().map(|sample| sample.value[0]).collect();
+            let along = Polynomial::through(&values);
+            zeros.extend(Zero::all(index, &along));
+            facets.push(FacetZeros { facet: sampled[0].facet, zeros: vec![], along });
+        }
         // All zeros of all facets at once: there are few of them.
         for _ in 0..CORRECTIONS {
             let parameters: Vec<f64> = zeros.iter().map(|zero| zero.at).collect();
@@ -64,23 +101,20 @@ impl Assembler<2> {
                 zero.correct(values[zero.facet * parameters.len() + k].value[0]);
             }
         }
-        let mut parameters = vec![0.0, 1.0];
-        parameters.extend(zeros.iter().map(|zero| zero.at));
-        let ends = at(&parameters)?;
-        let mut parts = Vec::new();
-        for (index, polynomial) in facets.iter().enumerate() {
-            let mine = zeros.iter().enumerate().filter(|(_, zero)| zero.facet == index).map(|(k, _)| k + 2);
-            let places: Vec<usize> = [0].into_iter().chain(mine).chain([1]).collect();
-            for pair in places.windows(2) {
-                let bounds = [pair[0], pair[1]].map(|place| &ends[index * parameters.len() + place]);
-                let parameters = [pair[0], pair[1]].map(|place| parameters[place]);
-                if polynomial.at(0.5 * (parameters[0] + parameters[1])) > 0.0 {
-                    let positions = bounds.map(|sample| sample.position);
-                    parts.push(PositivePart { facet: bounds[0].facet, parameters, positions });
-                }
+        for zero in zeros {
+            facets[zero.facet].zeros.push(zero.at);
+        }
+        Ok(facets)
+    }
+
+    pub(super) fn expect_scalar<E: Expression<D>>(&self, expression: &E) -> Result<(), AssemblyError> {
+        match expression.shape().iter().product() {
+            1 => Ok(()),
+            found => {
+                let (form, field) = (expression.name(), "a scalar");
+                Err(AssemblyError::Components { form, field, expected: 1, found })
             }
         }
-        Ok(parts)
     }
 }
 
