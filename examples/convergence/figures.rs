@@ -6,8 +6,8 @@ use forms_contact::hollow_cylinder::OUTER_RADIUS;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Marker, Panel, Picture, Scale};
 
 use crate::Outcome;
-use crate::study::{Relative, Study, envelope};
-use crate::tables::{LENGTHS, file_name};
+use crate::study::{MeshErrors, Relative, Study, envelope};
+use crate::tables::{LENGTHS, file_name, omega, signed};
 
 /// Half of the width of the window about an end of the contact zone, in cells of the mesh that is shown.
 const WINDOW: f64 = 6.0;
@@ -36,7 +36,7 @@ pub fn write_all(study: &Study, directory: &Path) -> Outcome<Vec<PathBuf>> {
 /// Axes for errors over h.
 fn error_plot(study: &Study, title: &str) -> LinePlot {
     LinePlot::new()
-        .title(&format!("{title}, θ = {}", study.theta))
+        .title(&format!("{title}, θ = {}", signed(study.theta)))
         .x_axis("h [cm]", Scale::Logarithmic)
         .y_axis("relative H^{1} error (ratio of norms)", Scale::Logarithmic)
         .grid()
@@ -85,12 +85,12 @@ fn discrete_adjoint(study: &Study) -> LinePlot {
 
 /// Both lengths over h, their zeros at the foot of the plot, and the envelope of their sum.
 fn contact_zone(study: &Study) -> LinePlot {
-    let positive = |k: usize| study.zones.iter().map(LENGTHS[k].1).filter(|length| *length > 0.0);
+    let positive = |k: usize| study.whole.zones.iter().map(LENGTHS[k].1).filter(|length| *length > 0.0);
     let smallest = positive(0).chain(positive(1)).fold(f64::INFINITY, f64::min);
     // Logarithmic axes have no zero: it gets a line below everything else.
     let foot = if smallest.is_finite() { smallest / 4.0 } else { 1.0 };
     let mut plot = LinePlot::new()
-        .title(&format!("Contact zone against n_{{r}} = {}, θ = {}", study.reference, study.theta))
+        .title(&format!("Contact zone against n_{{r}} = {}, θ = {}", study.reference, signed(study.theta)))
         .x_axis("h [cm]", Scale::Logarithmic)
         .y_axis("length [cm]", Scale::Logarithmic)
         .grid()
@@ -108,17 +108,22 @@ fn contact_zone(study: &Study) -> LinePlot {
             .unzip();
         plot = plot.curve(Curve::new(names[k], &h, &lengths).marker(marker).without_line());
     }
-    let (h, lengths): (Vec<f64>, Vec<f64>) = envelope(&study.zones, LENGTHS[2].1).into_iter().unzip();
-    if h.len() > 2 {
+    let (h, lengths): (Vec<f64>, Vec<f64>) = envelope(&study.whole.zones, LENGTHS[2].1).into_iter().unzip();
+    if omega(&study.whole.zones, LENGTHS[2].1).is_some() {
         let name = "envelope of their sum";
         plot = plot.curve(Curve::new(name, &h, &lengths).fitted_order(h.len()).without_markers());
     }
     plot
 }
 
+fn finest(study: &Study) -> Outcome<&MeshErrors> {
+    Ok(study.whole.errors.last().ok_or("no mesh was compared")?)
+}
+
 /// |p_h − p_ref| on the finest of the meshes: the whole body, and about the right end of the contact zone.
 fn error_map(study: &Study) -> Outcome<Panel> {
-    let (p, reference) = (&study.consistent, &study.reference_consistent);
+    let (finest, reference) = (finest(study)?, &study.reference_consistent);
+    let p = &finest.adjoint;
     let mesh = p.space().mesh();
     let locator = reference.space().locator();
     let difference = |cell: usize, point: &[f64; 2]| {
@@ -138,9 +143,11 @@ fn error_map(study: &Study) -> Outcome<Panel> {
     };
     let end = study.reference_zone.parts.last().map_or(0.0, |part| part[1]) / OUTER_RADIUS;
     let [x, y] = [OUTER_RADIUS * end.sin(), -OUTER_RADIUS * end.cos()];
-    let half = WINDOW * study.errors.last().map_or(1.0, |row| row.h);
-    let zoom = map("About an end of the contact zone").window([x - half, x + half], [y - half, y + half]);
-    let radial = study.errors.last().map_or(0, |row| row.radial);
-    let whole = map(&format!("n_{{r}} = {radial} against {}, θ = {}", study.reference, study.theta));
+    let half = WINDOW * finest.h;
+    // More of the body than of what lies below it.
+    let zoom = map("About an end of the contact zone")
+        .window([x - half, x + half], [y - 0.5 * half, y + 1.5 * half]);
+    let whole =
+        map(&format!("n_{{r}} = {} against {}, θ = {}", finest.radial, study.reference, signed(study.theta)));
     Ok(Panel::new(2).picture(&whole)?.picture(&zoom)?)
 }

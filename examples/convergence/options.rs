@@ -32,6 +32,9 @@ pub struct Options {
     /// Values of C in xi = C sqrt(h) of the extended-Neumann adjoint (41) [MPa/sqrt(cm)]
     #[arg(long, value_name = "C", num_args = 1.., default_values_t = [0.1, 1.0, 10.0])]
     pub extension: Vec<f64>,
+    /// Also solves with contact facets split at the zeros of beta_h, and tells what that changes
+    #[arg(long)]
+    pub split: bool,
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,

@@ -14,19 +14,23 @@ pub struct Direct {
     pub u: Field<2>,
     /// Where β_h > 0.
     pub zone: ContactZone,
+    /// Newton steps.
+    pub steps: usize,
     solver: CondensedSolver,
 }
 
 impl Direct {
-    /// Solves (14).
-    pub fn solve(settings: &Settings) -> Result<Direct, CylinderError> {
+    /// Solves (14), with the facets of Γ_C split at the zeros of β_h or whole.
+    pub fn solve(settings: &Settings, split: bool) -> Result<Direct, CylinderError> {
         let problem = hollow_cylinder(settings)?;
+        let problem = if split { problem.with_split_facets() } else { problem };
         let options = TangentSolverOptions { threads: settings.threads, ..TangentSolverOptions::default() };
         let mut solver = CondensedSolver::new(options);
         let direct = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ());
-        let u = direct.map_err(Box::new)?.result.field;
+        let found = direct.map_err(Box::new)?.result;
+        let (u, steps) = (found.field, found.history.len() - 1);
         let zone = ContactZone::of(&problem, &u)?;
-        Ok(Direct { problem, u, zone, solver })
+        Ok(Direct { problem, u, zone, steps, solver })
     }
 
     /// Solves for an adjoint state.

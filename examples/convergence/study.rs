@@ -22,16 +22,23 @@ pub struct Study {
     pub reference: usize,
     /// The values of C in (41).
     pub extensions: Vec<f64>,
-    /// By mesh, the coarsest first.
-    pub errors: Vec<MeshErrors>,
-    /// Contact zones by mesh, the coarsest first.
-    pub zones: Vec<ZoneErrors>,
-    /// The reference's contact zone.
+    /// With whole contact facets.
+    pub whole: Series,
+    /// With contact facets split at the zeros of β_h, if that was asked for.
+    pub split: Option<Series>,
+    /// The reference's contact zone; its facets are whole.
     pub reference_zone: ContactZone,
-    /// p_h of (22) on the finest of the meshes.
-    pub consistent: Field<2>,
     /// p of (22) on the reference mesh.
     pub reference_consistent: Field<2>,
+}
+
+/// What was measured on the meshes, the coarsest first.
+#[derive(Default)]
+pub struct Series {
+    /// On the meshes whose cells divide into the reference's.
+    pub errors: Vec<MeshErrors>,
+    /// On all meshes.
+    pub zones: Vec<ZoneErrors>,
 }
 
 /// Errors on a mesh. u is compared with u, every adjoint state with p of (22) on the reference mesh.
@@ -48,6 +55,8 @@ pub struct MeshErrors {
     pub discrete: Relative,
     /// p_h of (41), by C.
     pub extended: Vec<Relative>,
+    /// p_h of (22) itself.
+    pub adjoint: Field<2>,
 }
 
 /// ‖reference − coarse‖ / ‖reference‖, a ratio of norms.
@@ -70,7 +79,7 @@ impl Relative {
     }
 }
 
-/// How far the contact zone of a mesh is off.
+/// How far the contact zone of a mesh is off, and what it cost.
 pub struct ZoneErrors {
     /// n_r.
     pub radial: usize,
@@ -80,62 +89,97 @@ pub struct ZoneErrors {
     pub gained: f64,
     /// |Γ_C,a ∩ Γ^h_C,i|: in contact on the reference mesh, not here.
     pub lost: f64,
+    /// Newton steps.
+    pub steps: usize,
 }
 
 /// Solves on all meshes.
 pub fn run(options: &Options, theta: f64) -> Outcome<Study> {
-    let meshes = options.meshes();
-    let reporter = Reporter::new(1 + options.meshes_of_zones().count());
+    let ways = if options.split { vec![false, true] } else { vec![false] };
+    let reporter = Reporter::new(1 + ways.len() * options.meshes_of_zones().count());
     reporter.step(&format!("theta = {theta}: reference, n_r = {}", options.reference));
-    let mut fine = Direct::solve(&options.settings(options.reference, theta))?;
-    let reference_consistent = fine.adjoint(Adjoint::Consistent)?;
-    // The factor is large, and no longer needed.
-    let Direct { problem, u: reference_u, zone: reference_zone, .. } = fine;
-    let assembler = problem.assembler.with_quadrature(Quadrature::Degree(DEGREE));
-    let sizes = [norms(&assembler, &reference_u)?, norms(&assembler, &reference_consistent)?];
-    let (mut errors, mut zones, mut finest) = (Vec::new(), Vec::new(), None);
+    let reference = Reference::solve(options, theta)?;
+    let mut all = [Series::default(), Series::default()];
     for radial in options.meshes_of_zones() {
-        reporter.step(&format!("theta = {theta}: n_r = {radial}"));
-        let mut coarse = Direct::solve(&options.settings(radial, theta))?;
-        let h = (OUTER_RADIUS - INNER_RADIUS) / radial as f64;
-        let (gained, lost) = (coarse.zone.outside(&reference_zone), reference_zone.outside(&coarse.zone));
-        zones.push(ZoneErrors { radial, h, gained, lost });
-        if !meshes.contains(&radial) {
-            continue;
+        for &split in &ways {
+            let way = if split { ", split facets" } else { "" };
+            reporter.step(&format!("theta = {theta}: n_r = {radial}{way}"));
+            let mut coarse = Direct::solve(&options.settings(radial, theta), split)?;
+            let series = &mut all[usize::from(split)];
+            series.zones.push(reference.zone_errors(radial, &coarse));
+            if options.meshes().contains(&radial) {
+                series.errors.push(reference.errors(radial, &mut coarse, &options.extension)?);
+            }
         }
-        let comparison = Comparison::new(&assembler, &coarse.problem.space, DEGREE)?;
-        let adjoint = |p: &Field<2>| -> Result<Relative, AssemblyError> {
-            Ok(Relative::new(comparison.errors(&reference_consistent, p)?, sizes[1]))
-        };
-        let consistent = coarse.adjoint(Adjoint::Consistent)?;
-        let extended = |c: &f64| -> Outcome<Relative> { Ok(adjoint(&coarse.extended(*c)?)?) };
-        let extended = options.extension.iter().map(extended).collect::<Outcome<Vec<_>>>()?;
-        errors.push(MeshErrors {
-            radial,
-            h,
-            direct: Relative::new(comparison.errors(&reference_u, &coarse.u)?, sizes[0]),
-            consistent: adjoint(&consistent)?,
-            discrete: adjoint(&coarse.adjoint(Adjoint::Discrete)?)?,
-            extended,
-        });
-        finest = Some(consistent);
     }
+    let [whole, split] = all;
     Ok(Study {
         theta,
         reference: options.reference,
         extensions: options.extension.clone(),
-        errors,
-        zones,
-        reference_zone,
-        consistent: finest.ok_or("no mesh was compared")?,
-        reference_consistent,
+        whole,
+        split: options.split.then_some(split),
+        reference_zone: reference.zone,
+        reference_consistent: reference.consistent,
     })
 }
 
+/// What the meshes are compared with.
+struct Reference {
+    /// Of the reference mesh, with the rule of the comparison.
+    assembler: Assembler<2>,
+    u: Field<2>,
+    consistent: Field<2>,
+    zone: ContactZone,
+    /// Norms of u and of p.
+    norms: [Norms; 2],
+}
+
+impl Reference {
+    fn solve(options: &Options, theta: f64) -> Outcome<Reference> {
+        let mut fine = Direct::solve(&options.settings(options.reference, theta), false)?;
+        let consistent = fine.adjoint(Adjoint::Consistent)?;
+        // The factor is large, and no longer needed.
+        let Direct { problem, u, zone, .. } = fine;
+        let assembler = problem.assembler.with_quadrature(Quadrature::Degree(DEGREE));
+        let norms = [norms(&assembler, &u)?, norms(&assembler, &consistent)?];
+        Ok(Reference { assembler, u, consistent, zone, norms })
+    }
+
+    fn zone_errors(&self, radial: usize, coarse: &Direct) -> ZoneErrors {
+        let (gained, lost) = (coarse.zone.outside(&self.zone), self.zone.outside(&coarse.zone));
+        ZoneErrors { radial, h: width(radial), gained, lost, steps: coarse.steps }
+    }
+
+    fn errors(&self, radial: usize, coarse: &mut Direct, extensions: &[f64]) -> Outcome<MeshErrors> {
+        let comparison = Comparison::new(&self.assembler, &coarse.problem.space, DEGREE)?;
+        let compared = |p: &Field<2>| -> Outcome<Relative> {
+            Ok(Relative::new(comparison.errors(&self.consistent, p)?, self.norms[1]))
+        };
+        let adjoint = coarse.adjoint(Adjoint::Consistent)?;
+        let extended = extensions.iter().map(|c| compared(&coarse.extended(*c)?));
+        Ok(MeshErrors {
+            radial,
+            h: width(radial),
+            extended: extended.collect::<Outcome<Vec<_>>>()?,
+            direct: Relative::new(comparison.errors(&self.u, &coarse.u)?, self.norms[0]),
+            consistent: compared(&adjoint)?,
+            discrete: compared(&coarse.adjoint(Adjoint::Discrete)?)?,
+            adjoint,
+        })
+    }
+}
+
+/// The thickness of a cell.
+fn width(radial: usize) -> f64 {
+    (OUTER_RADIUS - INNER_RADIUS) / radial as f64
+}
+
 impl Study {
-    /// The quantities whose errors are measured, in the order of the tables, with their names.
+    /// The quantities whose errors are measured with whole facets, in the order of the tables, with their names.
     pub fn quantities(&self) -> Vec<(String, Vec<Relative>)> {
-        let of = |pick: &dyn Fn(&MeshErrors) -> Relative| self.errors.iter().map(pick).collect::<Vec<_>>();
+        let rows = &self.whole.errors;
+        let of = |pick: &dyn Fn(&MeshErrors) -> Relative| rows.iter().map(pick).collect::<Vec<_>>();
         let mut all = vec![
             ("u_h (14)".to_owned(), of(&|row| row.direct)),
             ("p_h (22)".to_owned(), of(&|row| row.consistent)),
@@ -149,7 +193,7 @@ impl Study {
 
     /// h of the meshes whose errors are measured.
     pub fn widths(&self) -> Vec<f64> {
-        self.errors.iter().map(|row| row.h).collect()
+        self.whole.errors.iter().map(|row| row.h).collect()
     }
 }
 

@@ -22,13 +22,17 @@ impl<const D: usize> Assembler<D> {
     /// cut along a straight line: exact where the scalar is affine on the facet.
     ///
     /// # Errors
-    /// As [`Assembler::along_facets`], and a function that is no scalar.
+    /// As [`Assembler::along_facets`], a region of interior facets, and a function that is no scalar.
     pub fn split_at_zeros<E: Expression<D>>(
         &self,
         expression: &E,
         region: &str,
         resolution: usize,
     ) -> Result<Self, AssemblyError> {
+        // An interior facet has two sides, and no single owner whose pieces it could have.
+        let missing =
+            |source| AssemblyError::Region { form: expression.name(), symbol: "split facets", source };
+        self.mesh.facet_region(region).map_err(missing)?;
         let (whole, mut split) = match &self.quadrature {
             Quadrature::Split { whole, facets } => (whole.clone(), SplitFacets::clone(facets)),
             other => (Box::new(other.clone()), SplitFacets::default()),
