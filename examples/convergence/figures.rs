@@ -99,6 +99,7 @@ fn contact_zone(study: &Study) -> LinePlot {
     let names = ["|Γ^{h}_{C,a} ∩ Γ_{C,i}|", "|Γ_{C,a} ∩ Γ^{h}_{C,i}|"];
     for (k, marker) in [Marker::Circle, Marker::Square].into_iter().enumerate() {
         let (h, lengths): (Vec<f64>, Vec<f64>) = study
+            .whole
             .zones
             .iter()
             .map(|zone| match LENGTHS[k].1(zone) {
