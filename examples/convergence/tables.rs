@@ -10,9 +10,9 @@ use forms_fem::output::write_whole;
 use crate::Outcome;
 use crate::study::{Relative, Series, Study, ZoneErrors, envelope};
 
-/// The slope of log y over log x by least squares; none with fewer than three points.
+/// The slope of log y over log x by least squares.
 pub fn order(x: &[f64], y: &[f64]) -> Option<f64> {
-    (x.len() > 2).then(|| Curve::new("", x, y).order(x.len())).flatten()
+    Curve::new("", x, y).order(x.len())
 }
 
 /// ω: the slope of an upper envelope of a length over many meshes; none where the length is zero on most of them.
