@@ -17,6 +17,8 @@ mod problem;
 mod rotations;
 mod smoothing;
 mod volume;
+#[cfg(test)]
+mod tests;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use descent::{Descent, DescentOptions, Optimised, Report};
@@ -26,4 +28,4 @@ pub use inner_product::{InnerProduct, movement_product};
 pub use problem::{Derivatives, ShapeProblem, Values};
 pub use rotations::Rotations;
 pub use smoothing::smoothed;
-pub use volume::{Volume, measured_volume};
+pub use volume::{Volume, measured_volume, volume_form};

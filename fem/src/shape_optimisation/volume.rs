@@ -12,7 +12,7 @@ use crate::space::Space;
 
 /// Forms of the volume.
 #[forms(crate = crate)]
-pub mod volume {
+pub mod volume_form {
     /// The body.
     #[cells]
     pub struct Omega;
@@ -33,9 +33,9 @@ pub mod volume {
 /// As [`Assembler::functional`].
 pub fn measured_volume<const D: usize>(mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
 where
-    volume::measure::Form<D>: Functional<D>,
+    volume_form::measure::Form<D>: Functional<D>,
 {
-    exact(mesh).functional(&volume::measure(&volume::Omega::on(EVERYWHERE)), &[])
+    exact(mesh).functional(&volume_form::measure(&volume_form::Omega::on(EVERYWHERE)), &[])
 }
 
 /// det J of cells of degree k has degree k D in each direction, at most.
@@ -57,7 +57,7 @@ impl Volume {
     /// As [`measured_volume`].
     pub fn value<const D: usize>(&self, mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
     where
-        volume::measure::Form<D>: Functional<D>,
+        volume_form::measure::Form<D>: Functional<D>,
     {
         Ok((measured_volume(mesh)? - self.target) / self.target)
     }
@@ -68,9 +68,9 @@ impl Volume {
     /// As [`Assembler::residual`].
     pub fn derivative<const D: usize>(&self, movements: &Arc<Space<D>>) -> Result<Vec<f64>, AssemblyError>
     where
-        volume::gradient::Form<D>: Form<D>,
+        volume_form::gradient::Form<D>: Form<D>,
     {
-        let form = volume::gradient(&volume::Omega::on(EVERYWHERE));
+        let form = volume_form::gradient(&volume_form::Omega::on(EVERYWHERE));
         let values = exact(movements.mesh()).residual(&form, &[], &[movements])?;
         Ok(values.into_iter().map(|value| value / self.target).collect())
     }
