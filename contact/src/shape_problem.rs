@@ -2,7 +2,9 @@
 
 use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;
-use forms_fem::shape_optimisation::{Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, volume_form};
+use forms_fem::shape_optimisation::{
+    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, volume_form,
+};
 
 use crate::boundary_form::boundary_form;
 use crate::forms;
@@ -87,9 +89,10 @@ impl<F> ContactShape<F> {
     pub fn check(&self) -> Result<(), Failure> {
         if self.criterion == Criterion::Paper {
             return match (self.adjoint, self.gradient) {
-                (Adjoint::Consistent | Adjoint::Extended, GradientForm::Volume) => {
-                    Err("the volume form is the derivative of the discrete problem: it needs the adjoint (21)".into())
-                }
+                (Adjoint::Consistent | Adjoint::Extended, GradientForm::Volume) => Err(
+                    "the volume form is the derivative of the discrete problem: it needs the adjoint (21)"
+                        .into(),
+                ),
                 _ => Ok(()),
             };
         }
@@ -100,7 +103,10 @@ impl<F> ContactShape<F> {
     }
 
     /// The form's data with the weights of the load, of p² and of p.
-    fn weighted<const D: usize>(problem: &ContactProblem<D>, weights: [f64; 3]) -> load_and_pressure::Data<D> {
+    fn weighted<const D: usize>(
+        problem: &ContactProblem<D>,
+        weights: [f64; 3],
+    ) -> load_and_pressure::Data<D> {
         let (data, [load, square, linear]) = (&problem.data, weights);
         load_and_pressure::Data {
             lambda: data.lambda,
@@ -117,9 +123,7 @@ impl<F> ContactShape<F> {
         }
     }
 
-    fn regions(
-        &self,
-    ) -> (load_and_pressure::Omega, load_and_pressure::GammaN, load_and_pressure::GammaC) {
+    fn regions(&self) -> (load_and_pressure::Omega, load_and_pressure::GammaN, load_and_pressure::GammaC) {
         (
             load_and_pressure::Omega::on(forms_fem::mesh::EVERYWHERE),
             load_and_pressure::GammaN::on(self.gamma_n.clone()),
@@ -248,7 +252,9 @@ where
                 let force = self.functional(&problem, &u, [0.0, 0.0, 1.0])?;
                 let square = self.functional(&problem, &u, [0.0, 1.0, 0.0])?;
                 if force <= 0.0 {
-                    return Err("nothing touches the obstacle: there is no contact pressure to even out".into());
+                    return Err(
+                        "nothing touches the obstacle: there is no contact pressure to even out".into()
+                    );
                 }
                 pressure = Some([force, square]);
                 criterion += over * square / (force * force);

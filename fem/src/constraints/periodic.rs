@@ -90,7 +90,9 @@ impl<const D: usize> Constraints<D> {
     ) -> Result<Vec<usize>, ConstraintsError> {
         let coincident = Coincident::new(targets);
         let found = nodes.iter().zip(images).map(|(&node, image)| {
-            coincident.find(image).ok_or_else(|| self.without_partner(from, to, node, distance(targets, image)))
+            coincident
+                .find(image)
+                .ok_or_else(|| self.without_partner(from, to, node, distance(targets, image)))
         });
         found.collect()
     }

@@ -104,10 +104,23 @@ mod tests {
 
     fn checkpoint() -> Checkpoint {
         // Numbers whose decimals are hard to read exactly.
-        let nodes = vec![0.1 + 0.2, -0.0, f64::MIN_POSITIVE, 5e-324, 9007199254740993.0, 1.0 / 3.0, 2.2250738585072011e-308];
+        let nodes = vec![
+            0.1 + 0.2,
+            -0.0,
+            f64::MIN_POSITIVE,
+            5e-324,
+            9007199254740993.0,
+            1.0 / 3.0,
+            2.2250738585072011e-308,
+        ];
         let step = Step { factor: 1e-17, trials: 2, longest_move: 0.7, multiplier: -1.1, gradient_norm: 3.3 };
         let row = Row { criterion: 0.3, constraint: None, quality: 0.9, smoothed: false, step: Some(step) };
-        let state = DescentState { nodes, step: Some(0.1), history: vec![row], finish: Some(Finish::NoStep("why".into())) };
+        let state = DescentState {
+            nodes,
+            step: Some(0.1),
+            history: vec![row],
+            finish: Some(Finish::NoStep("why".into())),
+        };
         Checkpoint { settings: json!({ "holes": 24, "radius": 2.5 }), state }
     }
 

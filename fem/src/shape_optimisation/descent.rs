@@ -277,8 +277,7 @@ where
     ) -> Result<Direction, ShapeOptimisationError> {
         let iteration = state.iterations();
         let of_problem = |source| ShapeOptimisationError::Problem { iteration, source };
-        let mut derivatives =
-            self.problem.derivatives(movements, &mut values.state).map_err(of_problem)?;
+        let mut derivatives = self.problem.derivatives(movements, &mut values.state).map_err(of_problem)?;
         let unknowns = movements.unknowns();
         check_length("the criterion", &derivatives.criterion, unknowns)?;
         let mut held = Constraints::new(movements);
@@ -302,9 +301,10 @@ where
         let mut found = found.into_iter();
         let movement = found.next().unwrap_or_default();
         let gradient = found.next().unwrap_or_default();
-        let constraint = values.constraint.zip(derivatives.constraint.as_ref()).map(|(value, derivative)| {
-            Constrained { value, derivative, movement: &gradient }
-        });
+        let constraint = values
+            .constraint
+            .zip(derivatives.constraint.as_ref())
+            .map(|(value, derivative)| Constrained { value, derivative, movement: &gradient });
         let longest_move = self.options.longest_move;
         Ok(Direction::new(&derivatives.criterion, movement, constraint, penalty, longest_move, D))
     }

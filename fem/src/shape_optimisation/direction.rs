@@ -125,7 +125,8 @@ mod tests {
         let (derivative, by) = ([1.0, 2.0], [0.0, 1.0]);
         for (penalty, factor) in [(1.0, 0.5), (1e6, 0.5), (3.0, 10.0)] {
             let constrained = Constrained { value: 0.5, derivative: &by, movement: &by };
-            let direction = Direction::new(&derivative, derivative.to_vec(), Some(constrained), penalty, 9.0, 2);
+            let direction =
+                Direction::new(&derivative, derivative.to_vec(), Some(constrained), penalty, 9.0, 2);
             assert_eq!((direction.multiplier, direction.norm), (-2.0, 1.0));
             // (1/τ + r b bᵀ) d = −(derivative of L).
             let of_lagrangian = [1.0, 2.0 - 2.0 + penalty * 0.5];

@@ -5,26 +5,35 @@
 //! The way of a step: the derivatives become movements of the whole body in an [`InnerProduct`], with parts of the boundary
 //! held; [`Rotations`] keep a pattern of cells the same around a ring; a `Direction` joins the descent of the criterion
 //! with the return to the constraint; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. What it
-//! needs to go on is a [`DescentState`], which a [`Checkpoint`] writes to the last bit.
+//! needs to go on is a [`DescentState`], which a [`Checkpoint`] writes to the last bit,
+//! in the directory of a [`Logbook`] beside the history and every n-th shape.
 
 mod checkpoint;
 mod descent;
 mod direction;
+mod distance;
 mod error;
 mod history;
 mod inner_product;
+mod logbook;
+#[cfg(feature = "pictures")]
+mod pictures;
 mod problem;
 mod rotations;
 mod smoothing;
-mod volume;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use descent::{Descent, DescentOptions, Optimised, Report};
+pub use distance::{BoundaryDistance, boundary_distance};
 pub use error::{Failure, ShapeOptimisationError};
 pub use history::{DescentState, Finish, Row, Step};
 pub use inner_product::{InnerProduct, movement_product};
+pub use logbook::Logbook;
+#[cfg(feature = "pictures")]
+pub use pictures::{history_picture, strip};
 pub use problem::{Derivatives, ShapeProblem, Values};
 pub use rotations::Rotations;
 pub use smoothing::smoothed;

@@ -23,11 +23,8 @@ pub trait ShapeProblem<const D: usize> {
     ///
     /// # Errors
     /// Why there are none.
-    fn derivatives(
-        &self,
-        movements: &Arc<Space<D>>,
-        state: &mut Self::State,
-    ) -> Result<Derivatives, Failure>;
+    fn derivatives(&self, movements: &Arc<Space<D>>, state: &mut Self::State)
+    -> Result<Derivatives, Failure>;
 
     /// Holds what must not move.
     ///

@@ -23,11 +23,7 @@ impl<const D: usize> Rotations<D> {
     ///
     /// # Errors
     /// [`ShapeOptimisationError::NotPeriodic`] names the node without an image; n = 0.
-    pub fn new(
-        movements: &Space<D>,
-        centre: [f64; D],
-        count: usize,
-    ) -> Result<Self, ShapeOptimisationError> {
+    pub fn new(movements: &Space<D>, centre: [f64; D], count: usize) -> Result<Self, ShapeOptimisationError> {
         if count == 0 {
             let (name, why) = ("sectors", "there is at least one");
             return Err(ShapeOptimisationError::Option { name, value: 0.0, why });

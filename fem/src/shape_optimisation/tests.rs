@@ -192,7 +192,8 @@ fn what_goes_wrong_is_told() {
     assert_eq!(run(&problem(&initial), strict, None).unwrap().state.finish, Some(Finish::MeshQuality));
     // No solution at the start; options without meaning; a state of another mesh.
     let nowhere = Isoperimetric { no_farther_than: 0.0, ..problem(&initial) };
-    let message = |result: Result<Optimised<(), 2>, ShapeOptimisationError>| result.err().unwrap().to_string();
+    let message =
+        |result: Result<Optimised<(), 2>, ShapeOptimisationError>| result.err().unwrap().to_string();
     assert_eq!(message(run(&nowhere, options(), None)), "iteration 0: too far to the right");
     let meaningless = DescentOptions { penalty: 0.0, ..options() };
     assert_eq!(
