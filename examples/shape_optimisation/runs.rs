@@ -5,8 +5,7 @@ use std::io::IsTerminal;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use forms_contact::shape_problem::{ContactState, Criterion};
-use forms_contact::states::Adjoint;
+use forms_contact::shape_problem::{ContactShape, ContactState, Criterion};
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
     Descent, DescentState, Finish, Logbook, Report, Rotations, ShapeProblem,
@@ -15,7 +14,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::Outcome;
 use crate::options::Options;
-use crate::ring;
+use crate::ring::ProblemOn;
 
 /// A finished run.
 pub struct Run {
@@ -43,15 +42,11 @@ impl Run {
         initial: &Arc<Mesh<2>>,
         name: &'static str,
         number: &'static str,
-        criterion: Criterion,
-        adjoint: Adjoint,
+        problem: &ContactShape<ProblemOn>,
+        pattern: Option<Rotations<2>>,
     ) -> Outcome<Run> {
         let clock = Instant::now();
-        let problem = ring::shape_problem(initial, criterion, adjoint)?;
-        let movements = Space::of_geometry(initial)?;
-        let pattern = Some(Rotations::new(&movements, [0.0; 2], options.holes)?);
-        let descent =
-            Descent { problem: &problem, initial: initial.clone(), options: options.descent(), pattern };
+        let descent = Descent { problem, initial: initial.clone(), options: options.descent(), pattern };
         let logbook = Logbook::new(options.out.join(name), options.settings(name)?, options.every)?;
         if options.anew {
             logbook.forget()?;
@@ -69,11 +64,11 @@ impl Run {
         progress.finish();
         let start = problem.solve(initial)?.state;
         let end = best.values.state;
-        let adjoints = match criterion {
+        let adjoints = match problem.criterion {
             Criterion::Paper => {
                 let solve = |state: &ContactState<2>| -> Outcome<Field<2>> {
                     let mut solver = TangentSolver::default();
-                    Ok(state.problem.solve_adjoint(adjoint, &state.u, &mut solver)?.result)
+                    Ok(state.problem.solve_adjoint(problem.adjoint, &state.u, &mut solver)?.result)
                 };
                 Some([solve(&start)?, solve(&end)?])
             }

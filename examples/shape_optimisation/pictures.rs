@@ -1,5 +1,6 @@
 //! Pictures: the figure, the holes laid over each other, the contact pressure, the way of each run.
 
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,7 +12,8 @@ use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{history_picture, strip};
 
 use crate::Outcome;
-use crate::options::{Goal, Options};
+use crate::cantilever;
+use crate::options::{Case, Options};
 use crate::runs::Run;
 
 /// Samples per facet of curves and outlines.
@@ -25,42 +27,41 @@ pub fn write_all(options: &Options, initial: &Arc<Mesh<2>>, runs: &[Run]) -> Out
         files.push(path);
         Ok(())
     };
-    let window = some_sectors(options);
-    let label = match options.criterion {
-        Goal::Paper => "∫ F·u [N cm^{3}]",
-        Goal::Pressure => "L ∫p^{2}/(∫p)^{2}",
-    };
+    let window = window(options);
+    let (name, label) = (options.case.name(), options.case.label());
     for run in runs {
         let directory = run.logbook.directory();
         write(directory.join("history.png"), history_picture(&run.state, label)?.draw()?)?;
         let shapes = run.logbook.shapes(initial, &run.state)?;
         write(directory.join("shapes.png"), strip(&shapes, 4, Some(window))?.draw()?)?;
     }
-    let name = match options.criterion {
-        Goal::Paper => "figure_6",
-        Goal::Pressure => "even_pressure",
-    };
     write(options.out.join(format!("{name}.png")), figure(runs)?)?;
-    write(options.out.join(format!("{name}_holes.png")), holes(initial, runs, window)?)?;
+    if options.case != Case::Cantilever {
+        write(options.out.join(format!("{name}_holes.png")), holes(initial, runs, window)?)?;
+    }
     write(options.out.join(format!("{name}_pressure.png")), pressures(runs)?)?;
     Ok(files)
 }
 
-/// A window on the three holes at the bottom.
-fn some_sectors(options: &Options) -> [[f64; 2]; 2] {
-    let half = (1.6 * std::f64::consts::TAU / options.holes as f64).sin() * OUTER_RADIUS;
+/// The three holes at the bottom; all of the cantilever.
+fn window(options: &Options) -> [[f64; 2]; 2] {
+    if options.case == Case::Cantilever {
+        let [length, height] = cantilever::SIZE;
+        return [[-1.0, length + 1.0], [-0.5 * height, 1.5 * height]];
+    }
+    let half = (1.6 * TAU / options.holes as f64).sin() * OUTER_RADIUS;
     [[-half, half], [-OUTER_RADIUS - 0.5, -0.94 * INNER_RADIUS]]
 }
 
-/// The round holes and each best shape, with the adjoint states; without them the von Mises stress.
+/// The initial and each best shape, with the adjoint states; without them the von Mises stress.
 fn figure(runs: &[Run]) -> Outcome<Drawing> {
     let mut panel = Panel::new(runs.len() + 1).letters();
     let Some(first) = runs.first() else { return Err("no run".into()) };
     let all: Vec<&Field<2>> = runs.iter().filter_map(|run| run.adjoints.as_ref()).flatten().collect();
     if all.is_empty() {
-        let mut stresses = vec![("round holes".to_owned(), von_mises(&first.start)?)];
+        let mut stresses = vec![("initial shape".to_owned(), von_mises(&first.start)?)];
         for run in runs {
-            stresses.push((format!("best shape, {}", run.number), von_mises(&run.end)?));
+            stresses.push((format!("optimal shape with {}", run.number), von_mises(&run.end)?));
         }
         let range = largest(stresses.iter().map(|(_, stress)| stress));
         for (title, stress) in &stresses {
@@ -155,17 +156,20 @@ fn pressures(runs: &[Run]) -> Outcome<Drawing> {
     for run in runs {
         curves.push((format!("optimal with {}", run.number), pressure(&run.end)?));
     }
-    let touched = curves.iter().flat_map(|(_, curve)| curve).filter(|[_, p]| *p > 0.0);
-    let half = 1.3 * touched.map(|[x, _]| x.abs()).fold(0.0, f64::max).max(1.0);
+    let touched = || curves.iter().flat_map(|(_, curve)| curve).filter(|[_, p]| *p > 0.0).map(|[x, _]| *x);
+    let (first, last) =
+        (touched().fold(f64::INFINITY, f64::min), touched().fold(f64::NEG_INFINITY, f64::max));
+    let margin = 0.15 * (last - first).max(1.0);
+    let [low, high] = [first - margin, last + margin];
     let mut plot = LinePlot::new()
         .x_axis("x [cm]", Scale::Linear)
         .y_axis("contact pressure [MPa]", Scale::Linear)
-        .x_range(-half, half)
+        .x_range(low, high)
         .size(420.0, 260.0)
         .grid();
     for (number, (name, curve)) in curves.iter().enumerate() {
         let (x, y): (Vec<f64>, Vec<f64>) =
-            curve.iter().filter(|[x, _]| x.abs() <= half).map(|[x, p]| (*x, *p)).unzip();
+            curve.iter().filter(|[x, _]| (low..=high).contains(x)).map(|[x, p]| (*x, *p)).unzip();
         let curve = Curve::new(name, &x, &y).without_markers();
         plot = plot.curve(if number > 1 { curve.dashed() } else { curve });
     }

@@ -6,15 +6,16 @@ use clap::{Parser, ValueEnum};
 use forms_fem::shape_optimisation::DescentOptions;
 use serde_json::{Value, json};
 
-/// The paper's Figure 6: a ring with a periodic pattern of holes is pressed on the ground; the holes, free boundaries, move
-/// until the criterion is least at the same volume. Once with the adjoint (22) in the boundary form, once with (21) in the
-/// volume form.
+/// Shapes that optimise under contact: free boundaries move until a criterion is least at the same volume.
 ///
 /// Lengths are in cm, stresses in MPa. A run that was stopped goes on from its last step.
 #[derive(Clone, Debug, Parser)]
-#[command(version, name = "ring_with_holes")]
+#[command(version, name = "shape_optimisation")]
 pub struct Options {
-    /// Holes around
+    /// What is optimised
+    #[arg(value_enum, default_value_t = Case::Figure6)]
+    pub case: Case,
+    /// Holes around the ring
     #[arg(long, value_name = "N", default_value_t = 24)]
     pub holes: usize,
     /// Rows of holes
@@ -23,20 +24,17 @@ pub struct Options {
     /// Radius of a hole [cm]
     #[arg(long, value_name = "R", default_value_t = 2.0)]
     pub hole_radius: f64,
-    /// Cells along a side of a sector, a quarter of a hole
+    /// Cells along a side of a sector of the ring, a quarter of a hole; a tenth of the cantilever's length
     #[arg(long, value_name = "N", default_value_t = 4)]
     pub cells_per_side: usize,
     /// Cells between a hole and the sides of its sector
     #[arg(long, value_name = "N", default_value_t = 4)]
     pub layers: usize,
-    /// What is to become small
-    #[arg(long, value_enum, default_value_t = Goal::Paper)]
-    pub criterion: Goal,
     /// Steps, at most
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub steps: usize,
     /// The longest way of a node in a step [cm]
-    #[arg(long, value_name = "L", default_value_t = 0.15)]
+    #[arg(long, value_name = "L", default_value_t = 0.2)]
     pub longest_move: f64,
     /// The derivative, relative to the first, at which a shape is called optimal
     #[arg(long, value_name = "T", default_value_t = 1e-3)]
@@ -48,17 +46,41 @@ pub struct Options {
     #[arg(long)]
     pub anew: bool,
     /// Directory of all results; made where it does not exist
-    #[arg(long, value_name = "DIR", default_value = "out/ring_with_holes")]
+    #[arg(long, value_name = "DIR", default_value = "out/shape_optimisation")]
     pub out: PathBuf,
 }
 
-/// What is to become small.
+/// What is optimised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Goal {
-    /// ∫ F·u with F = (0, −1 N), the paper's; with (22) and with (21)
-    Paper,
-    /// How uneven the contact pressure p is, L ∫p²/(∫p)²; with (21)
-    Pressure,
+pub enum Case {
+    /// The paper's Figure 6: a pressed ring with holes, ∫ F·u with F = (0, −1 N), once with the adjoint (22) in the
+    /// boundary form and once with (21) in the volume form
+    #[value(name = "figure-6")]
+    Figure6,
+    /// The same ring: how uneven the contact pressure p is, L ∫p²/(∫p)², with (21)
+    EvenPressure,
+    /// A cantilever that rests on a support: the work of its load, with (21)
+    Cantilever,
+}
+
+impl Case {
+    /// The name of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Case::Figure6 => "figure_6",
+            Case::EvenPressure => "even_pressure",
+            Case::Cantilever => "cantilever",
+        }
+    }
+
+    /// The criterion as the label of an axis.
+    pub fn label(self) -> &'static str {
+        match self {
+            Case::Figure6 => "∫ F·u [N cm^{3}]",
+            Case::EvenPressure => "L ∫p^{2}/(∫p)^{2}",
+            Case::Cantilever => "work of the load [MPa cm^{2}]",
+        }
+    }
 }
 
 impl Options {
@@ -78,11 +100,12 @@ impl Options {
             descent.remove("iterations");
         }
         Ok(json!({
+            "case": self.case.name(),
             "run": run,
             "holes": self.holes,
             "rows": self.rows,
-            "hole_radius": self.hole_radius,
-            "cells_per_side": self.cells_per_side,
+            "hole radius": self.hole_radius,
+            "cells per side": self.cells_per_side,
             "layers": self.layers,
             "descent": descent,
         }))
