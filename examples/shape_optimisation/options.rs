@@ -95,19 +95,20 @@ impl Options {
 
     /// All that a result depends on. The number of steps does not change the steps.
     pub fn settings(&self, run: &str) -> Result<Value, serde_json::Error> {
-        let mut descent = serde_json::to_value(self.descent())?;
-        if let Some(descent) = descent.as_object_mut() {
-            descent.remove("iterations");
-        }
-        Ok(json!({
+        let mut settings = json!({
             "case": self.case.name(),
             "run": run,
             "holes": self.holes,
             "rows": self.rows,
-            "hole radius": self.hole_radius,
-            "cells per side": self.cells_per_side,
+            "hole_radius": self.hole_radius,
+            "cells_per_side": self.cells_per_side,
             "layers": self.layers,
-            "descent": descent,
-        }))
+        });
+        if let (Some(all), Value::Object(descent)) =
+            (settings.as_object_mut(), serde_json::to_value(self.descent())?)
+        {
+            all.extend(descent.into_iter().filter(|(name, _)| name != "iterations"));
+        }
+        Ok(settings)
     }
 }
