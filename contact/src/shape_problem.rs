@@ -3,7 +3,8 @@
 use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
-    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, volume_form,
+    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, outline, outline_derivative,
+    outline_form, volume_form,
 };
 
 use crate::boundary_form::boundary_form;
@@ -59,6 +60,8 @@ pub struct ContactShape<F> {
     pub volume: VolumeRule,
     /// Γ_m, without load and contact.
     pub moving: String,
+    /// What a unit of Γ_m's length (area) adds to the criterion: it keeps boundaries from becoming rough.
+    pub outline_price: f64,
     /// Boundaries that stay.
     pub fixed: Vec<String>,
     /// Γ_N.
@@ -73,6 +76,8 @@ pub struct ContactState<const D: usize> {
     pub problem: ContactProblem<D>,
     /// u_h of (14).
     pub u: Field<D>,
+    /// The criterion alone, without what volume and outline cost.
+    pub criterion: f64,
     /// ∫p, the resultant of the contact pressure, and ∫p²; none for criteria that do not ask for them.
     pub pressure: Option<[f64; 2]>,
     solver: CondensedSolver,
@@ -231,6 +236,8 @@ where
     load_and_pressure::diameter_gradient::Form<D>: Form<D>,
     volume_form::measure::Form<D>: Functional<D>,
     volume_form::gradient::Form<D>: Form<D>,
+    outline_form::measure::Form<D>: Functional<D>,
+    outline_form::gradient::Form<D>: Form<D>,
 {
     type State = ContactState<D>;
 
@@ -260,6 +267,8 @@ where
                 criterion += over * square / (force * force);
             }
         }
+        let alone = criterion;
+        criterion += self.outline_price * outline(mesh, &self.moving)?;
         let constraint = match self.volume {
             VolumeRule::Constraint(volume) => Some(volume.value(mesh)?),
             VolumeRule::Price(price) => {
@@ -267,7 +276,8 @@ where
                 None
             }
         };
-        Ok(Values { criterion, constraint, state: ContactState { problem, u, pressure, solver } })
+        let state = ContactState { problem, u, criterion: alone, pressure, solver };
+        Ok(Values { criterion, constraint, state })
     }
 
     fn derivatives(
@@ -285,6 +295,7 @@ where
             }
             _ => self.gradient_of(movements, state, [1.0, 0.0, 0.0])?,
         };
+        add(&mut criterion, self.outline_price, &outline_derivative(movements, &self.moving)?);
         let constraint = match self.volume {
             VolumeRule::Constraint(volume) => Some(volume.derivative(movements)?),
             VolumeRule::Price(price) => {

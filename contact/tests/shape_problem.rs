@@ -56,6 +56,7 @@ fn shape(
         gradient,
         volume,
         moving: "holes".into(),
+        outline_price: 0.2,
         fixed: vec!["inner".into(), "outer".into()],
         gamma_n: "above".into(),
         gamma_c: CONTACT.into(),

@@ -31,6 +31,11 @@ pub fn mesh(options: &Options) -> Outcome<Arc<Mesh<2>>> {
     let mut mesh = rectangle([0.0; 2], SIZE, cells, CellShape::Quadrilateral, 2)?;
     let above_support = |x: &[f64; 2]| x[0] > SUPPORT[0] * SIZE[0] && x[0] < SUPPORT[1] * SIZE[0];
     mesh.name_facets("contact", "bottom", above_support)?;
+    // Γ_m: the top, and the bottom but for the support.
+    let mut free = mesh.facet_region("top")?.to_vec();
+    let support = mesh.facet_region("contact")?;
+    free.extend(mesh.facet_region("bottom")?.iter().filter(|facet| !support.contains(facet)));
+    mesh.name_listed_facets("free", &free)?;
     Ok(Arc::new(mesh))
 }
 
@@ -63,7 +68,8 @@ pub fn shape_problem(initial: &Arc<Mesh<2>>) -> Outcome<ContactShape<ProblemOn>>
         adjoint: Adjoint::Discrete,
         gradient: GradientForm::Volume,
         volume: VolumeRule::Constraint(Volume { target: measured_volume(initial)? }),
-        moving: "top".into(),
+        moving: "free".into(),
+        outline_price: 0.0,
         fixed: vec!["left".into(), "right".into(), "contact".into()],
         gamma_n: "right".into(),
         gamma_c: "contact".into(),

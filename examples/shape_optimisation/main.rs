@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use forms_contact::shape_problem::Criterion;
 use forms_contact::states::Adjoint;
-use forms_fem::shape_optimisation::{Rotations, boundary_distance};
+use forms_fem::shape_optimisation::{Rotations, ShapeProblem, boundary_distance, outline};
 use forms_fem::space::Space;
 
 use options::{Case, Options};
@@ -36,7 +36,7 @@ fn run(options: &Options) -> Outcome<()> {
         Case::Cantilever => cantilever::mesh(options)?,
         _ => ring::mesh(options)?,
     };
-    let problems = match options.case {
+    let mut problems = match options.case {
         Case::Figure6 => vec![
             ("adjoint_22", "(22)", ring::shape_problem(&initial, Criterion::Paper, Adjoint::Consistent)?),
             ("adjoint_21", "(21)", ring::shape_problem(&initial, Criterion::Paper, Adjoint::Discrete)?),
@@ -47,6 +47,10 @@ fn run(options: &Options) -> Outcome<()> {
         }
         Case::Cantilever => vec![("cantilever", "(21)", cantilever::shape_problem(&initial)?)],
     };
+    for (.., problem) in &mut problems {
+        let criterion = problem.solve(&initial)?.criterion.abs();
+        problem.outline_price = options.outline_price * criterion / outline(&initial, &problem.moving)?;
+    }
     let pattern = match options.case {
         Case::Cantilever => None,
         _ => Some(Rotations::new(&*Space::of_geometry(&initial)?, [0.0; 2], options.holes)?),

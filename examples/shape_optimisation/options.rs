@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
-use forms_fem::shape_optimisation::DescentOptions;
+use forms_fem::shape_optimisation::{DescentOptions, InnerProduct};
 use serde_json::{Value, json};
 
 /// Shapes that optimise under contact: free boundaries move until a criterion is least at the same volume.
@@ -30,6 +30,13 @@ pub struct Options {
     /// Cells between a hole and the sides of its sector
     #[arg(long, value_name = "N", default_value_t = 4)]
     pub layers: usize,
+    /// What the moving boundary costs as it is at first, in units of the criterion: its length has a price, which
+    /// keeps it smooth
+    #[arg(long, value_name = "P", default_value_t = 0.05)]
+    pub outline_price: f64,
+    /// Waves of the moving boundary that are shorter than this move less [cm]
+    #[arg(long, value_name = "L", default_value_t = 2.0)]
+    pub smoothing: f64,
     /// Steps, at most
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub steps: usize,
@@ -86,8 +93,10 @@ impl Case {
 impl Options {
     /// How the descent goes.
     pub fn descent(&self) -> DescentOptions {
+        let inner_product = InnerProduct { outline: self.smoothing, ..InnerProduct::elasticity(0.0) };
         DescentOptions {
             iterations: self.steps,
+            inner_product,
             gradient_tolerance: self.gradient_tolerance,
             ..DescentOptions::new(self.longest_move)
         }
@@ -103,6 +112,7 @@ impl Options {
             "hole_radius": self.hole_radius,
             "cells_per_side": self.cells_per_side,
             "layers": self.layers,
+            "outline_price": self.outline_price,
         });
         if let (Some(all), Value::Object(descent)) =
             (settings.as_object_mut(), serde_json::to_value(self.descent())?)

@@ -57,6 +57,7 @@ pub fn shape_problem(
         gradient,
         volume: VolumeRule::Constraint(Volume { target: measured_volume(initial)? }),
         moving: "holes".into(),
+        outline_price: 0.0,
         fixed: vec!["inner".into(), "outer".into()],
         gamma_n: "outer".into(),
         gamma_c: CONTACT.into(),

@@ -85,8 +85,8 @@ pub fn table(runs: &[Run]) -> String {
         "{:<8}{:>14}{:>14}{:>10}{:>12}{:>10}{:>7}{:>9}  why it stopped\n",
         "adjoint", "J at first", "J at last", "change", "volume off", "quality", "steps", "seconds"
     );
-    for Run { number, state, seconds, .. } in runs {
-        let (Some(first), Some(last)) = (state.history.first(), state.history.last()) else { continue };
+    for Run { number, state, seconds, start, end, .. } in runs {
+        let Some(last) = state.history.last() else { continue };
         let finish = match &state.finish {
             Some(Finish::Converged) => "the derivative vanishes",
             Some(Finish::Stalled) => "hardly any decrease",
@@ -99,9 +99,9 @@ pub fn table(runs: &[Run]) -> String {
         let _ = writeln!(
             text,
             "{number:<8}{:>14.6}{:>14.6}{:>9.2}%{:>12.1e}{:>10.3}{:>7}{seconds:>9.1}  {finish}",
-            first.criterion,
-            last.criterion,
-            100.0 * (last.criterion / first.criterion - 1.0),
+            start.criterion,
+            end.criterion,
+            100.0 * (end.criterion / start.criterion - 1.0),
             last.constraint.unwrap_or(0.0),
             last.quality,
             state.iterations()

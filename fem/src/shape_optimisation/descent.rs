@@ -21,6 +21,8 @@ use crate::space::Space;
 const STALLED_STEPS: usize = 5;
 /// Halvings of a step before it is given up.
 const MOST_TRIALS: usize = 25;
+/// The factor of a step, relative to the largest so far, below which it is given up: what ends there does not go on.
+const SMALLEST_FACTOR: f64 = 1e-4;
 
 /// What may be chosen about a descent. Lengths are the mesh's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,7 +61,7 @@ impl DescentOptions {
             longest_move,
             sufficient_decrease: 1e-4,
             penalty: 10.0,
-            constraint_tolerance: 1e-4,
+            constraint_tolerance: 5e-4,
             gradient_tolerance: 1e-3,
             decrease_tolerance: 1e-6,
             smooth_below: 0.3,
@@ -239,8 +241,15 @@ where
         let wanted = state.step.or_else(|| factor_for(options.first_move)).unwrap_or(0.0);
         let mut factor = wanted.min(most.unwrap_or(wanted));
         let before = direction.lagrangian(shape.values.criterion, shape.values.constraint);
-        let (mut why, mut is_quality) = (String::new(), false);
+        // Ever shorter steps end before any is tried: where cells have come to their limit, it is they.
+        let mut why = "steps have become too short".to_owned();
+        let mut is_quality = shape.quality < 1.05 * options.least_quality;
+        let taken = state.history.iter().filter_map(|row| row.step.as_ref()).map(|step| step.factor);
+        let smallest = SMALLEST_FACTOR * taken.fold(0.0, f64::max);
         for trials in 1..=MOST_TRIALS {
+            if factor < smallest {
+                break;
+            }
             let movement = direction.movement(factor);
             let allowed = before + options.sufficient_decrease * direction.slope(factor);
             is_quality = false;

@@ -11,7 +11,7 @@ use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::forms;
 use crate::linear_algebra::BlockMatrix;
-use crate::mesh::EVERYWHERE;
+use crate::mesh::{BOUNDARY, EVERYWHERE};
 use crate::solve::{Elimination, TangentSolver, solve_linear};
 use crate::space::Space;
 
@@ -28,12 +28,22 @@ pub mod movement_product {
         pub shear: Param,
         /// Of the dilations.
         pub dilation: Param,
+        /// Of the gradients along the boundary.
+        pub outline: Param,
     }
     /// The body.
     #[cells]
     pub struct Omega;
+    /// Its boundary.
+    #[facets]
+    pub struct Boundary;
 
-    /// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ.
+    /// ∇_Γ w: the gradient along the boundary.
+    fn along_boundary(w: Vector) -> Tensor {
+        grad(w) - outer(grad(w) * n, n)
+    }
+
+    /// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ + ∫_∂Ω outline ∇_Γ G:∇_Γ Θ.
     pub fn product(G: Unknown<Vector>, Theta: Test<Vector>) -> Form {
         integral(
             Omega,
@@ -41,11 +51,12 @@ pub mod movement_product {
                 + slope * inner(grad(G), grad(Theta))
                 + 2 * shear * inner(eps(G), eps(Theta))
                 + dilation * div(G) * div(Theta),
-        )
+        ) + integral(Boundary, outline * inner(along_boundary(G), along_boundary(Theta)))
     }
 }
 
-/// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ over the body.
+/// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ over the body, and ∫ outline ∇_Γ G:∇_Γ Θ over its
+/// boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InnerProduct {
     /// Weight of the values \[1/length²\], beside the others.
@@ -56,19 +67,21 @@ pub struct InnerProduct {
     pub shear: f64,
     /// Weight of the dilations: Lamé's first parameter.
     pub dilation: f64,
+    /// Weight of the gradients along the boundary \[length\], beside the others: waves that are shorter than this move less.
+    pub outline: f64,
 }
 
 impl InnerProduct {
     /// H¹: ∇G:∇Θ + G·Θ/ℓ². Movements of the boundary reach about ℓ into the body.
     pub fn h1(length: f64) -> Self {
-        InnerProduct { value: 1.0 / (length * length), slope: 1.0, shear: 0.0, dilation: 0.0 }
+        InnerProduct { value: 1.0 / (length * length), slope: 1.0, shear: 0.0, dilation: 0.0, outline: 0.0 }
     }
 
     /// That of an elastic body with Young's modulus 1 and a Poisson's ratio in (−1, 1/2): keeps cells in shape better.
     pub fn elasticity(poisson: f64) -> Self {
         let shear = 0.5 / (1.0 + poisson);
         let dilation = poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
-        InnerProduct { value: 0.0, slope: 0.0, shear, dilation }
+        InnerProduct { value: 0.0, slope: 0.0, shear, dilation, outline: 0.0 }
     }
 
     /// For each functional g the movement G with ⟨G, Θ⟩ = g\[Θ\] for all Θ that `held` admits: of all movements as long as
@@ -90,8 +103,11 @@ impl InnerProduct {
             slope: self.slope,
             shear: self.shear,
             dilation: self.dilation,
+            outline: self.outline,
         };
-        let form = movement_product::product(&data, &movement_product::Omega::on(EVERYWHERE));
+        let (omega, boundary) =
+            (movement_product::Omega::on(EVERYWHERE), movement_product::Boundary::on(BOUNDARY));
+        let form = movement_product::product(&data, &omega, &boundary);
         let pattern = BlockPattern::for_form(&form, &[movements], &[movements])?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         let zero = Field::zero(movements);

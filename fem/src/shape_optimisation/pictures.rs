@@ -51,7 +51,7 @@ pub fn strip(
     let mut panel = Panel::new(columns);
     for (number, mesh) in shapes {
         let mut drawing =
-            MeshDrawing::new(mesh).title(&format!("step {number}")).size(150.0, 150.0).without_axes();
+            MeshDrawing::new(mesh).title(&format!("step {number}")).size(220.0, 220.0).without_axes();
         if let Some([x, y]) = window {
             drawing = drawing.window(x, y);
         }
