@@ -3,6 +3,7 @@
 //! Results do not depend on it, to the last bit: work is cut into pieces whose sums are formed in a fixed order.
 
 use std::num::NonZeroUsize;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -42,8 +43,27 @@ impl Threads {
         if self == Threads::ONE || tasks.len() < 2 {
             return tasks.into_iter().map(work).collect();
         }
-        tasks.into_par_iter().with_max_len(1).map(work).collect()
+        let (tasks, results): (Vec<_>, Vec<_>) =
+            tasks.into_iter().map(|task| (Mutex::new(Some(task)), Mutex::new(None))).unzip();
+        on_threads(tasks.len(), &|number| {
+            let task = tasks[number].lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(task) = task {
+                let result = work(task);
+                *results[number].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            }
+        });
+        // Each number was called once, or its panic has come here.
+        results
+            .into_iter()
+            .filter_map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner))
+            .collect()
     }
+}
+
+/// Calls `work` with each number below `count`, each as a task of its own. Not generic: what rayon needs is compiled
+/// once and not for every kernel.
+fn on_threads(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().with_max_len(1).for_each(work);
 }
 
 impl Default for Threads {

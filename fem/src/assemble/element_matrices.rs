@@ -13,7 +13,7 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::pairs::Pairs;
 use super::receiver::{Buffered, Deliver, Receiver};
-use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract};
+use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract, suits};
 use super::sum_factorisation::{Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit};
 use super::walk::Group;
 use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
@@ -209,7 +209,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
             let cell = kernel.cell(&batch.load(start, filled));
             blocks.resize(size, L::splat(0.0));
             match (tensor, factorised) {
-                (Some(tensor), _) if K::CELL_CONSTANT => {
+                (Some(tensor), _) if const { suits::<K, D>() } => {
                     let (determinant, inverse) = batch.affine_map(self.sides[0]);
                     contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
                 }

@@ -9,7 +9,6 @@ use super::binding::Binding;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::field::{Field, FieldView, views};
-use crate::lanes::{SimdLane, WIDEST};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
@@ -79,14 +78,17 @@ impl<const D: usize> ExpressionVisitor<D> for DensityVisitor<'_, D> {
         kernel: &K,
     ) -> Result<(), AssemblyError> {
         let form = self.walk.binding.name;
-        let chunks = self.walk.chunks::<K, f64, f64>(integral, kernel, |total, value, weight, x| {
-            let contribution = value[0] * weight;
-            if !contribution.is_finite() {
-                return Err(AssemblyError::ValueNotFinite { form, position: x.to_vec() });
-            }
-            *total += contribution;
-            Ok(())
-        })?;
+        let each: EachPoint<D> =
+            &|batch, points, range, receive| each_point(batch, points, range, kernel, receive);
+        let chunks =
+            self.walk.chunks(integral, &K::REQUIREMENTS, each, &|total: &mut f64, value, weight, x| {
+                let contribution = value[0] * weight;
+                if !contribution.is_finite() {
+                    return Err(AssemblyError::ValueNotFinite { form, position: x.to_vec() });
+                }
+                *total += contribution;
+                Ok(())
+            })?;
         self.sum += chunks.into_iter().sum::<f64>();
         Ok(())
     }
@@ -105,12 +107,15 @@ impl<const D: usize> ExpressionVisitor<D> for SwitchVisitor<'_, D> {
         integral: &Integral,
         kernel: &K,
     ) -> Result<(), AssemblyError> {
-        let chunks = self.walk.chunks::<K, f64, Vec<u32>>(integral, kernel, |found, value, _, _| {
-            // More than 32 kinks at a point share the last bit.
-            let bits = value.iter().enumerate().filter(|(_, value)| **value > 0.0);
-            found.push(bits.fold(0, |bits, (index, _)| bits | 1 << index.min(31)));
-            Ok(())
-        })?;
+        let each: EachPoint<D> =
+            &|batch, points, range, receive| each_point(batch, points, range, kernel, receive);
+        let chunks =
+            self.walk.chunks(integral, &K::REQUIREMENTS, each, &|found: &mut Vec<u32>, value, _, _| {
+                // More than 32 kinks at a point share the last bit.
+                let bits = value.iter().enumerate().filter(|(_, value)| **value > 0.0);
+                found.push(bits.fold(0, |bits, (index, _)| bits | 1 << index.min(31)));
+                Ok(())
+            })?;
         self.found.get_or_insert_default().extend(chunks.into_iter().flatten());
         Ok(())
     }
@@ -130,28 +135,30 @@ struct PointWalk<'a, const D: usize> {
 impl<const D: usize> PointWalk<'_, D> {
     /// Calls `receive(result of the chunk, value, weight, position)` at every quadrature point of an integral's
     /// region, and gives the results of all chunks in their order.
-    fn chunks<K: ExpressionKernel<D>, L: SimdLane, R: Default + Send>(
+    fn chunks<R: Default + Send>(
         &self,
         integral: &Integral,
-        kernel: &K,
-        receive: impl Fn(&mut R, &[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + Send + Sync,
+        requirements: &Requirements,
+        each_point: EachPoint<D>,
+        receive: &Receive<R, D>,
     ) -> Result<Vec<R>, AssemblyError> {
         let mut results = Vec::new();
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
             let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
             let parts = self.threads.count().min(chunks).max(1);
             let parts = (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect();
             let done = self.threads.run(parts, |chunks: Range<usize>| {
-                let located = Requirements { position: true, ..K::REQUIREMENTS };
+                let located = Requirements { position: true, ..*requirements };
                 let (cells, mut buffers) = (Cells::Mesh(self.binding.mesh), BatchBuffers::default());
-                let mut batch = Batch::<L, D>::new(self.binding, &group, cells, located, &[], &mut buffers)?;
+                let mut batch =
+                    Batch::<f64, D>::new(self.binding, &group, cells, located, &[], &mut buffers)?;
                 let mut results = Vec::with_capacity(chunks.len());
                 for chunk in chunks {
                     let range = chunk * CHUNK..entities.min((chunk + 1) * CHUNK);
                     let mut result = R::default();
-                    let receive =
+                    let mut receive =
                         |value: &[f64], weight, x: &[f64; D]| receive(&mut result, value, weight, x);
-                    each_point(&mut batch, group.points(), range, kernel, receive)?;
+                    each_point(&mut batch, group.points(), range, &mut receive)?;
                     results.push(result);
                 }
                 Ok(results)
@@ -164,34 +171,36 @@ impl<const D: usize> PointWalk<'_, D> {
     }
 }
 
-/// Calls `receive(value, weight, position)` at every quadrature point of some of a group's entities.
-fn each_point<K: ExpressionKernel<D>, L: SimdLane, const D: usize>(
-    batch: &mut Batch<L, D>,
+/// Takes a chunk's result so far, and the value, weight and position of a quadrature point.
+type Receive<'a, R, const D: usize> =
+    dyn Fn(&mut R, &[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + Sync + 'a;
+
+/// Takes the value, weight and position of a quadrature point.
+type ReceivePoint<'a, const D: usize> = dyn FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + 'a;
+
+/// [`each_point`] of a kernel whose type is forgotten: what surrounds the loops over points is compiled once and not
+/// for every kernel.
+type EachPoint<'a, const D: usize> = &'a (
+        dyn Fn(&mut Batch<f64, D>, usize, Range<usize>, &mut ReceivePoint<D>) -> Result<(), AssemblyError>
+            + Sync
+    );
+
+/// Calls `receive(value, weight, position)` at every quadrature point of some of a group's entities, one after the
+/// other.
+fn each_point<K: ExpressionKernel<D>, const D: usize>(
+    batch: &mut Batch<f64, D>,
     points: usize,
     range: Range<usize>,
     kernel: &K,
-    mut receive: impl FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError>,
+    receive: &mut ReceivePoint<D>,
 ) -> Result<(), AssemblyError> {
     let count: usize = K::SHAPE.iter().product();
-    let mut lanes = vec![[0.0; WIDEST]; count + 1 + D];
-    let mut value = vec![0.0; count];
-    for start in range.clone().step_by(L::WIDTH) {
-        let filled = L::WIDTH.min(range.end - start);
-        let cell = kernel.cell(&batch.load(start, filled));
+    for entity in range {
+        let cell = kernel.cell(&batch.load(entity, 1));
         for q in 0..points {
             let geometry = batch.point(q)?;
-            let values = kernel.evaluate(&cell, &geometry, batch.fields());
-            let all = values.as_ref().iter().chain([&geometry.weight]).chain(&geometry.position);
-            for (lanes, entry) in lanes.iter_mut().zip(all) {
-                entry.store(lanes);
-            }
-            for lane in 0..batch.cells(0).len() {
-                for (value, lanes) in value.iter_mut().zip(&lanes) {
-                    *value = lanes[lane];
-                }
-                let x: [f64; D] = std::array::from_fn(|axis| lanes[count + 1 + axis][lane]);
-                receive(&value, lanes[count][lane], &x)?;
-            }
+            let value = kernel.evaluate(&cell, &geometry, batch.fields());
+            receive(&value.as_ref()[..count], geometry.weight, &geometry.position)?;
         }
     }
     Ok(())

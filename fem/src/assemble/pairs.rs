@@ -26,7 +26,8 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
     #[inline(always)]
     pub fn sum(&self, blocks: &mut [L]) {
         // Each factor that is loaded serves several pairs, as many as there are registers for accumulators.
-        match size_of::<K::Accumulator<L>>() / size_of::<L>() {
+        // A constant block: only the tile that is used is compiled.
+        match const { size_of::<K::Accumulator<L>>() / size_of::<L>() } {
             0 | 1 => self.sweep::<4, 4>(blocks),
             2..=4 => self.sweep::<1, 4>(blocks),
             5..=9 => self.sweep::<2, 1>(blocks),
@@ -45,23 +46,29 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
                 self.tile::<ROWS, COLUMNS>(i, j, blocks);
                 j += COLUMNS;
             }
-            while COLUMNS > 1 && j < columns {
-                self.tile::<ROWS, 1>(i, j, blocks);
-                j += 1;
+            if const { COLUMNS > 1 } {
+                while j < columns {
+                    self.tile::<ROWS, 1>(i, j, blocks);
+                    j += 1;
+                }
             }
             i += ROWS;
         }
-        while ROWS > 1 && i < rows {
-            let mut j = if self.symmetric { i } else { 0 };
-            while j + COLUMNS <= columns {
-                self.tile::<1, COLUMNS>(i, j, blocks);
-                j += COLUMNS;
+        if const { ROWS > 1 } {
+            while i < rows {
+                let mut j = if self.symmetric { i } else { 0 };
+                while j + COLUMNS <= columns {
+                    self.tile::<1, COLUMNS>(i, j, blocks);
+                    j += COLUMNS;
+                }
+                if const { COLUMNS > 1 } {
+                    while j < columns {
+                        self.tile::<1, 1>(i, j, blocks);
+                        j += 1;
+                    }
+                }
+                i += 1;
             }
-            while COLUMNS > 1 && j < columns {
-                self.tile::<1, 1>(i, j, blocks);
-                j += 1;
-            }
-            i += 1;
         }
     }
 

@@ -10,13 +10,18 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
+use forms_core::contract::{Basis, BilinearKernel, Operations, PointGeometry, Requirements};
 
 use super::walk::GroupSide;
 use crate::lanes::SimdLane;
 
 /// Entries of a block, at most, for which sums are kept in registers.
 pub(super) const LARGEST_BLOCK: usize = 16;
+
+/// Whether a kernel allows for a reference tensor on some cell.
+pub(super) const fn suits<K: BilinearKernel<D>, const D: usize>() -> bool {
+    K::CELL_CONSTANT && !K::REQUIREMENTS.hessian && K::TEST_COMPONENTS * K::TRIAL_COMPONENTS <= LARGEST_BLOCK
+}
 
 /// R, for the pairs of nodes that are computed.
 pub(super) struct ReferenceTensor {
@@ -38,21 +43,28 @@ impl ReferenceTensor {
         weights: &[f64],
         symmetric: bool,
     ) -> Option<Self> {
-        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
-        let requirements = K::REQUIREMENTS;
-        let suited = K::CELL_CONSTANT
-            && side.facet.is_none()
-            && side.geometry.nodes == D + 1
-            && !requirements.hessian
-            && entries <= LARGEST_BLOCK;
-        if !suited {
+        if !const { suits::<K, D>() } {
             return None;
         }
-        let tensor = Self::new(side, elements, weights, symmetric, &requirements);
-        let [rows, columns] = [0, 1].map(|k| side.elements[elements[k]].nodes);
-        let count = K::OPERATIONS;
-        let pairs = tensor.lengths.len();
         let nonzero = K::NONZERO.iter().filter(|nonzero| **nonzero).count();
+        Self::if_cheaper(side, elements, weights, symmetric, &K::REQUIREMENTS, &K::OPERATIONS, nonzero)
+    }
+
+    fn if_cheaper<const D: usize>(
+        side: &GroupSide<D>,
+        elements: [usize; 2],
+        weights: &[f64],
+        symmetric: bool,
+        requirements: &Requirements,
+        count: &Operations,
+        nonzero: usize,
+    ) -> Option<Self> {
+        if side.facet.is_some() || side.geometry.nodes != D + 1 {
+            return None;
+        }
+        let tensor = Self::new(side, elements, weights, symmetric, requirements);
+        let [rows, columns] = [0, 1].map(|k| side.elements[elements[k]].nodes);
+        let pairs = tensor.lengths.len();
         let per_point =
             count.point + rows * (count.test + D * D) + columns * count.trial + pairs * count.pair;
         let loops = weights.len() * per_point + pairs * count.finish;
@@ -161,7 +173,8 @@ pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
     directions: &mut Vec<[L; LARGEST_BLOCK]>,
     blocks: &mut [L],
 ) {
-    match K::TEST_COMPONENTS * K::TRIAL_COMPONENTS {
+    // A constant block: only the case that is used is compiled.
+    match const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS } {
         1 => contract_blocks::<K, L, 1, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
         4 => contract_blocks::<K, L, 4, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
         9 => contract_blocks::<K, L, 9, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),

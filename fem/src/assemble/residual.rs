@@ -1,12 +1,14 @@
 //! Residual vectors: R(u; φ_i e_a) for every test basis function.
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Role};
+use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirements, Role};
 
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_vectors::ElementVectors;
+use super::receiver::Deliver;
 use super::scatter::{GroupNodes, VectorScatter};
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
@@ -109,32 +111,41 @@ impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
         if !self.parts.contain(integral.dependence) {
             return Ok(());
         }
-        self.integrate(integral, kernel)
+        let set = self.set;
+        let compute: Compute<D> = &|task, entities, deliver| task.compute(kernel, set, entities, deliver);
+        self.integrate(integral, &K::REQUIREMENTS, K::TEST_COMPONENTS, compute)
     }
 }
 
+/// Computes element vectors by a kernel whose type is forgotten: what surrounds the loops over cells is compiled once
+/// and not for every kernel.
+type Compute<'a, const D: usize> =
+    &'a (dyn Fn(&ElementVectors<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
+
 impl<const D: usize> VectorVisitor<'_, D> {
-    fn integrate<K: LinearKernel<D>>(
+    fn integrate(
         &mut self,
         integral: &Integral,
-        kernel: &K,
+        requirements: &Requirements,
+        components: usize,
+        compute: Compute<D>,
     ) -> Result<(), AssemblyError> {
         let space = self.tests[integral.test];
         let offset = self.offsets[integral.test];
         let name = self.binding.name_of(Role::Test(integral.test));
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
             group.check_support(self.binding.name, name, space)?;
             let side = group.side(self.binding.name, integral.test_side)?;
             let element = self.elements[integral.test];
             let cells = Cells::Mesh(self.binding.mesh);
             let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };
             let tests = GroupNodes::new(space, &group.sides[side]);
-            let scatter = VectorScatter { tests, components: K::TEST_COMPONENTS, nodes: task.nodes() };
+            let scatter = VectorScatter { tests, components, nodes: task.nodes() };
             let values = &mut self.vector[offset..offset + space.unknowns()];
             let partition = scatter.tests.partition(self.threads);
             let parts = scatter.parts(&partition, values);
             let done = self.threads.run(parts, |(entities, mut part)| {
-                task.compute(kernel, self.set, entities, &mut |first, vectors| {
+                compute(&task, entities, &mut |first, vectors| {
                     scatter.add(first, vectors, &mut part);
                     Ok(())
                 })?;

@@ -1,12 +1,14 @@
 //! Tangent matrices: ∂R/∂u applied to every trial basis function, tested with every test basis function.
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
+use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requirements, Role, Side};
 
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_matrices::ElementMatrices;
+use super::receiver::Deliver;
 use super::scatter::{GroupNodes, MatrixScatter};
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
@@ -202,16 +204,40 @@ impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
         if !self.parts.contain(integral.dependence) {
             return Ok(());
         }
-        self.integrate(integral, kernel)
+        let set = self.set;
+        self.integrate(
+            integral,
+            Block {
+                requirements: &K::REQUIREMENTS,
+                components: [K::TEST_COMPONENTS, K::TRIAL_COMPONENTS],
+                symmetric: K::SYMMETRIC,
+            },
+            &|task, entities, deliver| task.compute(kernel, set, entities, deliver),
+        )
     }
 }
 
+/// What is known of a kernel's blocks when the kernel's type is forgotten.
+struct Block<'a> {
+    requirements: &'a Requirements,
+    /// Rows and columns.
+    components: [usize; 2],
+    symmetric: bool,
+}
+
+/// Computes element matrices by a kernel whose type is forgotten: what surrounds the loops over cells is compiled once
+/// and not for every kernel.
+type Compute<'a, const D: usize> =
+    &'a (dyn Fn(&ElementMatrices<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
+
 impl<const D: usize> TangentVisitor<'_, D> {
-    fn integrate<K: BilinearKernel<D>>(
+    fn integrate(
         &mut self,
         integral: &Integral,
-        kernel: &K,
+        kernel: Block,
+        compute: Compute<D>,
     ) -> Result<(), AssemblyError> {
+        let [height, width] = kernel.components;
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
         let form = self.binding.name;
         let names = [
@@ -220,7 +246,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
         ];
         // Half of the pairs suffice when test and trial nodes are the same.
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, &K::REQUIREMENTS)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, kernel.requirements)? {
             group.check_support(form, names[0], test)?;
             group.check_support(form, names[1], trial)?;
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
@@ -230,25 +256,17 @@ impl<const D: usize> TangentVisitor<'_, D> {
                 cells: Cells::Mesh(self.binding.mesh),
                 sides,
                 elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
-                symmetric: K::SYMMETRIC && same_nodes,
+                symmetric: kernel.symmetric && same_nodes,
             };
             let nodes = task.nodes();
-            let size = nodes[0] * nodes[1] * K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+            let size = nodes[0] * nodes[1] * height * width;
             match &mut self.target {
-                Target::Elements(found) => {
-                    task.compute(kernel, self.set, 0..group.entities(), &mut |first, matrices| {
-                        for (number, matrix) in matrices.chunks_exact(size).enumerate() {
-                            found.push(element_matrix(
-                                integral,
-                                &group,
-                                first + number,
-                                (test, trial),
-                                matrix,
-                            ));
-                        }
-                        Ok(())
-                    })?
-                }
+                Target::Elements(found) => compute(&task, 0..group.entities(), &mut |first, matrices| {
+                    for (number, matrix) in matrices.chunks_exact(size).enumerate() {
+                        found.push(element_matrix(integral, &group, first + number, (test, trial), matrix));
+                    }
+                    Ok(())
+                })?,
                 Target::Matrix { pattern, values, written } => {
                     let at = |space, side: usize| GroupNodes::new(space, &group.sides[side]);
                     let blocks = pattern.sparsity().pair(integral.test, integral.trial);
@@ -258,7 +276,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
                         tests: at(test, sides[0]),
                         trials: at(trial, sides[1]),
                         blocks,
-                        block: K::TEST_COMPONENTS * K::TRIAL_COMPONENTS,
+                        block: height * width,
                         map: pattern.map(integral.test, integral.trial).filter(|_| one_sided),
                         nodes,
                     };
@@ -268,7 +286,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     let parts = scatter.parts(&partition, values, *written);
                     let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
                     let done = self.threads.run(parts, |(entities, mut part)| {
-                        task.compute(kernel, self.set, entities, &mut |first, matrices| {
+                        compute(&task, entities, &mut |first, matrices| {
                             scatter.add(self.set, first, matrices, &mut part).ok_or_else(missing)
                         })?;
                         Ok(scatter.finish(part))

@@ -10,7 +10,7 @@ use super::{FixedTask, put_out};
 use crate::assemble::element_kernel::{Kept, recall};
 use crate::assemble::element_matrices::Ordered;
 use crate::assemble::pairs::Pairs;
-use crate::assemble::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract};
+use crate::assemble::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract, suits};
 use crate::assemble::sizes::{Array, Sizes};
 use crate::lanes::{LaneWork, SimdLane};
 
@@ -93,7 +93,7 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
             fields,
         );
         let cell = kernel.cell(&batch.cell_geometry(requirements));
-        if K::CELL_CONSTANT
+        if const { suits::<K, D>() }
             && let Some(Some(tensor)) = tensor
         {
             let place = batch.place(0);
@@ -103,7 +103,7 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
         let zero = L::splat(0.0);
         let hessian = [[zero; D]; D];
         let mut basis = S::Nodes::filled(Basis { value: zero, gradient: [zero; D] });
-        if points == 1 {
+        if const { <S::Points<f64> as Array<f64>>::LENGTH == 1 } {
             let place = batch.place(0);
             let geometry = batch.point(requirements, 0, &place, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
