@@ -32,7 +32,7 @@ pub struct Options {
     pub layers: usize,
     /// What the moving boundary costs as it is at first, in units of the criterion: its length has a price, which
     /// keeps it smooth
-    #[arg(long, value_name = "P", default_value_t = 0.05)]
+    #[arg(long, value_name = "P", default_value_t = 0.8)]
     pub outline_price: f64,
     /// Waves of the moving boundary that are shorter than this move less [cm]
     #[arg(long, value_name = "L", default_value_t = 2.0)]
