@@ -11,7 +11,7 @@ use crate::boundary_form::boundary_form;
 use crate::forms;
 use crate::load_and_pressure::load_and_pressure;
 use crate::shape_gradient::Diameters;
-use crate::states::{Adjoint, ContactProblem};
+use crate::states::{Adjoint, ContactProblem, ThetaPath};
 
 /// What is to become small.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,9 +82,6 @@ pub struct ContactState<const D: usize> {
     pub pressure: Option<[f64; 2]>,
     solver: CondensedSolver,
 }
-
-/// Newton's method is carried to rounding: Armijo's rule compares small differences.
-const NEWTON_TOLERANCE: f64 = 1e-12;
 
 impl<F> ContactShape<F> {
     /// Whether criterion, adjoint state and formula go together.
@@ -245,8 +242,15 @@ where
         self.check()?;
         let problem = (self.problem)(mesh)?;
         let mut solver = CondensedSolver::default();
-        let options = NewtonOptions { relative_tolerance: NEWTON_TOLERANCE, ..NewtonOptions::default() };
-        let u = problem.solve_direct(&mut solver, &options, &mut |_| ())?.result.field;
+        let options = NewtonOptions::default();
+        let u = match problem.solve_direct(&mut solver, &options, &mut |_| ()) {
+            Ok(solved) => solved.result.field,
+            // A hard start: by way of the variant that has a potential.
+            Err(_) => {
+                let path = ThetaPath::default();
+                problem.solve_direct_through(path, &mut solver, &options, &mut |_, _| ())?.state
+            }
+        };
         let (mut criterion, mut pressure) = (0.0, None);
         match self.criterion {
             Criterion::Paper => {

@@ -49,7 +49,7 @@ fn run(options: &Options) -> Outcome<()> {
     };
     for (.., problem) in &mut problems {
         let criterion = problem.solve(&initial)?.criterion.abs();
-        problem.outline_price = options.outline_price * criterion / outline(&initial, &problem.moving)?;
+        problem.outline_price = options.outline_price() * criterion / outline(&initial, &problem.moving)?;
     }
     let pattern = match options.case {
         Case::Cantilever => None,

@@ -302,7 +302,11 @@ where
             }
             functionals.push(constraint);
         }
-        let mut found = self.options.inner_product.represent(&held, &functionals)?;
+        let product = &self.options.inner_product;
+        let mut found = product.represent(&held, &functionals)?;
+        for movement in &mut found {
+            *movement = product.extend(movements, movement)?;
+        }
         if let Some(pattern) = &self.pattern {
             // The inner product keeps the pattern, but for rounding, which would add up.
             found.iter_mut().try_for_each(|movement| pattern.average(movement))?;

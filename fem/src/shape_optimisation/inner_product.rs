@@ -121,4 +121,32 @@ impl InnerProduct {
         };
         functionals.iter().map(solve).collect()
     }
+
+    /// The movement with the same values on the boundary and the least norm: of all movements that give the body this shape
+    /// the one that takes its inside along most smoothly. What represents a functional, extended so, represents it among
+    /// these: inner nodes do not go where the discretisation's error makes a criterion smaller.
+    ///
+    /// # Errors
+    /// As [`InnerProduct::represent`].
+    pub fn extend<const D: usize>(
+        &self,
+        movements: &Arc<Space<D>>,
+        movement: &[f64],
+    ) -> Result<Vec<f64>, ShapeOptimisationError>
+    where
+        movement_product::product::Form<D>: Form<D>,
+    {
+        let mut held = Constraints::new(movements);
+        for node in movements.nodes_on(BOUNDARY)? {
+            for component in 0..D {
+                let unknown = node as usize * D + component;
+                held.fix_node(node as usize, component, movement.get(unknown).copied().unwrap_or(0.0))?;
+            }
+        }
+        if held.prescribed().len() == movements.unknowns() {
+            return Ok(movement.to_vec());
+        }
+        let nothing = vec![0.0; movements.unknowns()];
+        Ok(self.represent(&held, &[&nothing])?.into_iter().flatten().collect())
+    }
 }

@@ -6,8 +6,7 @@ use forms_core::contract::Form;
 
 use super::error::ShapeOptimisationError;
 use super::inner_product::{InnerProduct, movement_product};
-use crate::constraints::Constraints;
-use crate::mesh::{BOUNDARY, Mesh};
+use crate::mesh::Mesh;
 use crate::space::Space;
 
 /// The mesh with its inner nodes where one smooth movement takes those of the initial mesh, which takes the initial
@@ -25,16 +24,11 @@ where
 {
     let movements = Space::of_geometry(initial)?;
     let here = Space::of_geometry(present)?;
-    let mut held = Constraints::new(&movements);
-    for node in movements.nodes_on(BOUNDARY)? {
-        let node = node as usize;
-        for component in 0..D {
-            let by = here.positions()[node][component] - movements.positions()[node][component];
-            held.fix_node(node, component, by)?;
-        }
-    }
-    let nothing = vec![0.0; movements.unknowns()];
-    let moved: Vec<f64> = product.represent(&held, &[&nothing])?.into_iter().flatten().collect();
+    let by = here.positions().iter().zip(movements.positions()).flat_map(|(here, there)| {
+        let by: [f64; D] = std::array::from_fn(|k| here[k] - there[k]);
+        by
+    });
+    let moved = product.extend(&movements, &by.collect::<Vec<f64>>())?;
     let mut nodes = initial.nodes().to_vec();
     for cell in 0..initial.cell_count() {
         for (&node, &own) in initial.cell(cell).iter().zip(movements.cell_nodes(cell)) {
