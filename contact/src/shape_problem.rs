@@ -145,7 +145,9 @@ impl<F> ContactShape<F> {
     {
         let (omega, gamma_n, gamma_c) = self.regions();
         let data = Self::weighted(problem, weights);
-        problem.assembler.functional(&load_and_pressure::criterion(&data, &omega, &gamma_n, &gamma_c, u), &[])
+        problem
+            .assembler_at(u)?
+            .functional(&load_and_pressure::criterion(&data, &omega, &gamma_n, &gamma_c, u), &[])
     }
 
     /// The derivative of load ℓ(u) + ∫ (square p² + linear p), with its adjoint state solved for.
@@ -164,14 +166,15 @@ impl<F> ContactShape<F> {
         let u: &Field<D> = u;
         let (omega, gamma_n, gamma_c) = self.regions();
         let data = Self::weighted(problem, weights);
+        let assembler = problem.assembler_at(u)?;
         let form = load_and_pressure::adjoint(&data, &omega, &gamma_n, &gamma_c, u);
-        let p = FormProblem::new(&form, &problem.assembler, &problem.space)?
+        let p = FormProblem::new(&form, &assembler, &problem.space)?
             .solve_affine(&problem.constraints.homogeneous(), solver)?;
         let form = load_and_pressure::shape_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
-        let mut gradient = problem.assembler.residual(&form, &[], &[movements])?;
+        let mut gradient = assembler.residual(&form, &[], &[movements])?;
         let form = load_and_pressure::diameter_gradient(&data, &gamma_c, u, &p);
         let cells = Space::discontinuous_scalar(movements.mesh(), 0)?;
-        let per_cell = problem.assembler.residual(&form, &[], &[&cells])?;
+        let per_cell = assembler.residual(&form, &[], &[&cells])?;
         add(&mut gradient, 1.0, &diameters_to_movements(movements, &per_cell)?);
         Ok(gradient)
     }
