@@ -73,6 +73,11 @@ pub mod boundary_form {
         integral(Free, dot(Theta, n) * (explicit(u) + energy(u, p)))
     }
 
+    /// `on_free` as a linear form in Θ: its vector is the gradient by nodes.
+    pub fn gradient_on_free(u: State<Vector>, p: State<Vector>, Theta: Test<Vector>) -> Form {
+        integral(Free, dot(Theta, n) * (explicit(u) + energy(u, p)))
+    }
+
     /// (11) on a loaded boundary.
     pub fn on_loaded(u: State<Vector>, p: State<Vector>, Theta: State<Vector>) -> Functional {
         integral(

@@ -78,6 +78,11 @@ pub mod nitsche {
         -nitsche_pressure(w)
     }
 
+    /// β_h − ξ, ξ = C √h_T: positive in the contact zone of (41).
+    pub fn extended_indicator(w: Vector) -> Scalar {
+        contact_indicator(w) - extension * sqrt(h)
+    }
+
     /// \[σ_n(w) − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
     pub fn contact_pressure(w: Vector) -> Scalar {
         neg_part(nitsche_pressure(w))

@@ -93,7 +93,7 @@ impl<const D: usize> ContactProblem<D> {
         forms::diameter_gradient::Form<D>: Form<D>,
         forms::discrete_adjoint::Form<D>: Form<D>,
     {
-        let (assembler, regions) = (&self.assembler, &self.regions);
+        let (assembler, regions) = (&self.assembler_at(u)?, &self.regions);
         let movements = Space::of_geometry(assembler.mesh())?;
         let form = forms::shape_gradient(
             &self.data,
@@ -131,7 +131,7 @@ impl<const D: usize> ContactProblem<D> {
         let regions = &self.regions;
         let form =
             forms::discrete_adjoint(&self.data, &regions.omega, &regions.gamma_c, &regions.boundary, u);
-        let reaction = self.assembler.residual(&form, &[p], &[&self.space])?;
+        let reaction = self.assembler_at(u)?.residual(&form, &[p], &[&self.space])?;
         let mut by_axis = vec![vec![0.0; self.space.node_count()]; D];
         for &unknown in self.constraints.prescribed().keys() {
             let (node, component) = (unknown / D, unknown % D);

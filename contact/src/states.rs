@@ -47,7 +47,24 @@ pub struct ContactProblem<const D: usize> {
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
     pattern: Arc<BlockPattern<D>>,
+    split: Option<SplitAt<D>>,
 }
+
+/// Who assembles the integrals over Γ_C at a displacement, its facets split at the zeros of a contact zone's indicator.
+type SplitAt<const D: usize> = fn(&ContactProblem<D>, &Field<D>, Zone) -> Result<Assembler<D>, AssemblyError>;
+
+/// The contact zone of (14), (21) and (22), or that of (41).
+#[derive(Clone, Copy)]
+enum Zone {
+    /// β_h > 0.
+    Touching,
+    /// β_h > ξ.
+    Extended,
+}
+
+/// How finely β_h is looked at along a facet before the facet is split: the degree of its interpolation in the plane, where
+/// on straight facets of degree k it has degree k; triangles along an edge in space.
+const RESOLUTION: usize = 8;
 
 /// The way of [`ContactProblem::solve_direct_through`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +124,45 @@ impl<const D: usize> ContactProblem<D> {
         let pattern = BlockPattern::new(&[space], &[space])
             .map_err(|source| AssemblyError::LinearAlgebra { form: "direct", source })?;
         let (space, pattern) = (space.clone(), Arc::new(pattern));
-        Ok(ContactProblem { assembler, space, data, regions, constraints, pattern })
+        Ok(ContactProblem { assembler, space, data, regions, constraints, pattern, split: None })
+    }
+
+    /// The same with the facets of Γ_C split at the zeros of β_h of each iterate, so that \[·\]₋ and H(β_h) are integrated as
+    /// exactly as what is smooth: an attribute of the integrals over Γ_C, for all states and the shape gradient. The
+    /// integrand of (14) vanishes where a facet is split, so that its tangent, (21) and the shape derivative need no
+    /// further term. Newton's method then stops on the residual, not on an active set.
+    pub fn with_split_facets(mut self) -> Self
+    where
+        forms::contact_indicator::Form<D>: Expression<D>,
+        forms::extended_indicator::Form<D>: Expression<D>,
+    {
+        self.split = Some(|problem, u, zone| {
+            let (assembler, region) = (&problem.assembler, &problem.regions.gamma_c.0.name);
+            match zone {
+                Zone::Touching => {
+                    let indicator = forms::contact_indicator(&problem.data, u);
+                    assembler.split_at_zeros(&indicator, region, RESOLUTION)
+                }
+                Zone::Extended => {
+                    let indicator = forms::extended_indicator(&problem.data, u);
+                    assembler.split_at_zeros(&indicator, region, RESOLUTION)
+                }
+            }
+        });
+        self
+    }
+
+    /// Who assembles what reads β_h of a displacement, as ∫ H(β_h): [`ContactProblem::assembler`], with facets of Γ_C split
+    /// if that was asked for.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn assembler_at(&self, u: &Field<D>) -> Result<Assembler<D>, AssemblyError> {
+        self.assembler_of(u, Zone::Touching)
+    }
+
+    fn assembler_of(&self, u: &Field<D>, zone: Zone) -> Result<Assembler<D>, AssemblyError> {
+        self.split.map_or_else(|| Ok(self.assembler.clone()), |split| split(self, u, zone))
     }
 
     /// The direct problem (14) as a form.
@@ -149,6 +204,9 @@ impl<const D: usize> ContactProblem<D> {
         let start = Instant::now();
         let form = self.direct_form();
         let mut problem = FormProblem::with_pattern(&form, &self.assembler, &self.space, &self.pattern);
+        if self.split.is_some() {
+            problem = problem.with_assembler_at(|u| self.assembler_at(u));
+        }
         let result = problem.solve(first, &self.constraints, solver, options, progress)?;
         let assembly_seconds = problem.assembly_seconds();
         Ok(Timed { result, assembly_seconds, seconds: start.elapsed().as_secs_f64() })
@@ -217,13 +275,16 @@ impl<const D: usize> ContactProblem<D> {
         let Regions { omega, gamma_n: _, gamma_c, boundary } = &self.regions;
         match adjoint {
             Adjoint::Discrete => {
-                self.solve_affine(&forms::discrete_adjoint(&self.data, omega, gamma_c, boundary, u), solver)
+                let form = forms::discrete_adjoint(&self.data, omega, gamma_c, boundary, u);
+                self.solve_affine(&form, &self.assembler_at(u)?, solver)
             }
             Adjoint::Consistent => {
-                self.solve_affine(&forms::consistent_adjoint(&self.data, omega, gamma_c, boundary, u), solver)
+                let form = forms::consistent_adjoint(&self.data, omega, gamma_c, boundary, u);
+                self.solve_affine(&form, &self.assembler_at(u)?, solver)
             }
             Adjoint::Extended => {
-                self.solve_affine(&forms::extended_adjoint(&self.data, omega, gamma_c, boundary, u), solver)
+                let form = forms::extended_adjoint(&self.data, omega, gamma_c, boundary, u);
+                self.solve_affine(&form, &self.assembler_of(u, Zone::Extended)?, solver)
             }
         }
     }
@@ -231,10 +292,11 @@ impl<const D: usize> ContactProblem<D> {
     fn solve_affine<F: Form<D>>(
         &self,
         form: &F,
+        assembler: &Assembler<D>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Timed<Field<D>>, LinearProblemError> {
         let start = Instant::now();
-        let mut problem = FormProblem::with_pattern(form, &self.assembler, &self.space, &self.pattern);
+        let mut problem = FormProblem::with_pattern(form, assembler, &self.space, &self.pattern);
         let result = problem.solve_affine(&self.constraints.homogeneous(), solver)?;
         let assembly_seconds = problem.assembly_seconds();
         Ok(Timed { result, assembly_seconds, seconds: start.elapsed().as_secs_f64() })

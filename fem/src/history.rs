@@ -302,6 +302,14 @@ impl From<QuadratureError> for MadeError {
 /// What messages call a history that is being made.
 const NEW: &str = "new history";
 
+/// The same as an error of the assembler.
+fn not_made(why: MadeError) -> AssemblyError {
+    match why {
+        MadeError::Mesh(source) => AssemblyError::Region { form: NEW, symbol: "of it", source },
+        MadeError::Quadrature(source) => AssemblyError::Quadrature { form: NEW, source },
+    }
+}
+
 impl<const D: usize> Assembler<D> {
     /// A history with the same value at all quadrature points of a cell or facet region. Where the assembler
     /// takes the compiler's estimate, its rule is that of `degree`; the integrals that read it take this rule.
@@ -320,11 +328,24 @@ impl<const D: usize> Assembler<D> {
         if !components.iter().all(|value| value.is_finite()) {
             return Err(AssemblyError::NotFinite { form: NEW, field: "the initial value", position: None });
         }
-        match PointStorage::new(self, entity, region, degree, &components) {
-            Ok(storage) => Ok(History::from_handle(Arc::new(storage))),
-            Err(MadeError::Mesh(source)) => Err(AssemblyError::Region { form: NEW, symbol: "of it", source }),
-            Err(MadeError::Quadrature(source)) => Err(AssemblyError::Quadrature { form: NEW, source }),
-        }
+        let storage = PointStorage::new(self, entity, region, degree, &components).map_err(not_made)?;
+        Ok(History::from_handle(Arc::new(storage)))
+    }
+
+    /// Known values at the quadrature points of all cells, `values[(cell * points + point) * components + component]`,
+    /// for the forms of this assembler to read.
+    pub(crate) fn known_at_points(
+        &self,
+        degree: usize,
+        components: usize,
+        values: Vec<f64>,
+    ) -> Result<Source<D>, AssemblyError> {
+        let everywhere = crate::mesh::EVERYWHERE;
+        let zeros = vec![0.0; components];
+        let storage = PointStorage::new(self, Entity::Cells, everywhere, degree, &zeros).map_err(not_made)?;
+        storage.write(values);
+        storage.commit();
+        Ok(Source::History(Arc::new(storage)))
     }
 
     /// Evaluates a function of a forms module at the points of a history and keeps the values aside, until

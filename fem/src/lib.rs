@@ -53,6 +53,7 @@
 extern crate self as forms_fem;
 
 pub mod assemble;
+mod coincident;
 pub mod constraints;
 pub mod element;
 pub mod field;
@@ -66,6 +67,7 @@ pub mod movement;
 pub mod norms;
 pub mod output;
 pub mod quadrature;
+pub mod shape_optimisation;
 pub mod solve;
 pub mod space;
 pub mod threads;

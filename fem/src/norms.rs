@@ -1,5 +1,7 @@
 //! Norms of fields, errors against exact solutions and between meshes; each stated as a form.
 
+mod between_meshes;
+
 use std::sync::Arc;
 
 use forms_core::contract::Source;
@@ -10,6 +12,8 @@ use crate::forms;
 use crate::linear_algebra::CsrMatrix;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
+
+pub use between_meshes::{Comparison, errors_between};
 
 #[forms(crate = crate)]
 mod squared {
@@ -157,42 +161,6 @@ where
     let gradient =
         Source::Function { components: components * D, function: Arc::new(gradient), gradient: None };
     Measured::errors(assembler, field, exact, gradient)
-}
-
-/// The norms of reference − coarse, integrated on the reference's mesh. Where the coarse mesh's curved
-/// boundary deviates from the reference's, the coarse field is extrapolated from its nearest cell.
-///
-/// # Errors
-/// A reference point too far from the coarse mesh, fields of different rank, a value that is not finite.
-pub fn errors_between<const D: usize>(
-    assembler: &Assembler<D>,
-    reference: &Field<D>,
-    coarse: &Field<D>,
-) -> Result<Norms, AssemblyError>
-where
-    Measured: Measure<D>,
-{
-    let components = coarse.space().components();
-    // The gap between a chord-like quadratic and the circle is far below a tenth of a cell.
-    let mesh = coarse.space().mesh();
-    let tolerance = 0.1 * (0..mesh.cell_count()).map(|cell| mesh.diameter(cell)).fold(0.0, f64::max);
-    let nearest = move |field: &Field<D>, x: &[f64; D]| {
-        let found = field.space().locator().find_nearest(x, tolerance)?;
-        Some((found.cell, found.reference))
-    };
-    let (first, second) = (coarse.clone(), coarse.clone());
-    // A point that is not found becomes NaN, which assembly reports with its position.
-    let value = move |x: &[f64; D], out: &mut [f64]| match nearest(&first, x) {
-        Some((cell, reference)) => out.copy_from_slice(&first.evaluate_in(cell, &reference)),
-        None => out.fill(f64::NAN),
-    };
-    let slope = move |x: &[f64; D], out: &mut [f64]| match nearest(&second, x) {
-        Some((cell, reference)) => out.copy_from_slice(&second.gradient_in(cell, &reference)),
-        None => out.fill(f64::NAN),
-    };
-    let value = Source::Function { components, function: Arc::new(value), gradient: None };
-    let slope = Source::Function { components: components * D, function: Arc::new(slope), gradient: None };
-    Measured::errors(assembler, reference, value, slope)
 }
 
 /// The scalar mass matrix of a space's element (one unknown per node).

@@ -13,9 +13,11 @@ mod interior_facets;
 mod mixed;
 mod multipliers;
 mod only_what_changes;
+mod positive_parts;
 mod related_unknowns;
 mod second_derivatives;
 mod shape_derivatives;
+mod split_facets;
 mod sum_factorisation;
 mod threads;
 

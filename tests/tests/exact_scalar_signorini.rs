@@ -24,9 +24,14 @@ mod membrane {
         dot(grad(w), n)
     }
 
+    /// ∂_n u − γ u: contact where positive.
+    pub fn indicator(w: Scalar) -> Scalar {
+        slope(w) - gamma() * w
+    }
+
     /// \[∂_n u − γ u\]₊: the obstacle's reaction.
     pub fn reaction(w: Scalar) -> Scalar {
-        pos_part(slope(w) - gamma() * w)
+        pos_part(indicator(w))
     }
 
     pub fn signorini(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
@@ -113,4 +118,72 @@ fn degree_1() {
 #[test]
 fn degree_2() {
     check(2, 1.42..1.58);
+}
+
+/// Odd divisions: the transition at x = 0 lies in the middle of a facet.
+#[test]
+fn split_facets_follow_the_transition_inside_a_facet() {
+    let divisions = [9, 17, 33, 65];
+    let mut h1 = [vec![], vec![]];
+    for divisions in divisions {
+        let mesh = domain(CellShape::Triangle, divisions);
+        let space = Space::scalar(&mesh, 2).unwrap();
+        let mut constraints = Constraints::new(&space);
+        for side in ["left", "right", "top"] {
+            constraints.fix(side, exact).unwrap();
+        }
+        let whole = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
+        let data = membrane::Data { theta: -1.0, gamma0: 30.0 };
+        let form = membrane::signorini(&data, &membrane::Omega::on("all"), &membrane::Obstacle::on("bottom"));
+        let split = |u: &Field<2>| whole.split_at_zeros(&membrane::indicator(&data, u), "bottom", 2);
+        for (errors_of, splits) in h1.iter_mut().zip([false, true]) {
+            let mut problem = FormProblem::new(&form, &whole, &space).unwrap();
+            if splits {
+                problem = problem.with_assembler_at(split);
+            }
+            let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
+            let start = Field::zero(&space);
+            let found = problem.solve(&start, &constraints, &mut solver, &options, &mut |_| ()).unwrap();
+            let u = found.field;
+            let value = |x: &[f64; 2], out: &mut [f64]| out[0] = exact(x);
+            let slope = |x: &[f64; 2], out: &mut [f64]| out.copy_from_slice(&gradient(x));
+            errors_of.push(errors(&whole, &u, value, slope).unwrap().h1);
+            if !splits {
+                continue;
+            }
+            assert!(found.history.iter().all(|step| step.active_points.is_none()));
+            assert!(found.history.len() < 15, "{:?}", found.history);
+            // One zero, in the facet about x = 0; a rule whose pieces meet there says the same on every facet.
+            let parts = whole.positive_parts(&membrane::indicator(&data, &u), "bottom", 2).unwrap();
+            let inside = |s: &&f64| **s > 0.0 && **s < 1.0;
+            let zeros: Vec<f64> = parts
+                .iter()
+                .flat_map(|part| part.parameters.iter().filter(inside).copied().collect::<Vec<_>>())
+                .collect();
+            assert_eq!(zeros.len(), 1, "{parts:?}");
+            let gauss = forms_fem::quadrature::facet_reference_rule(CellShape::Triangle, 8).unwrap();
+            let pieces = [[0.0, zeros[0]], [zeros[0], 1.0]];
+            let facet: Vec<(f64, f64)> = pieces
+                .iter()
+                .flat_map(|[a, b]| {
+                    let points = gauss.points.iter().zip(&gauss.weights);
+                    points.map(move |(point, weight)| (a + (b - a) * point[0], (b - a) * weight))
+                })
+                .collect();
+            let cell = forms_fem::quadrature::cell_rule(CellShape::Triangle, 8).unwrap();
+            let facet = QuadratureRule::on_segment(&facet);
+            let explicit = whole.clone().with_quadrature(Quadrature::Explicit { cell, facet });
+            let residual = |assembler: &Assembler<2>| assembler.residual(&form, &[&u], &[&space]).unwrap();
+            let (by_split, by_explicit) = (residual(&split(&u).unwrap()), residual(&explicit));
+            let difference =
+                |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(difference(&by_split, &by_explicit) < 1e-13, "{}", difference(&by_split, &by_explicit));
+            assert!(difference(&by_split, &residual(&whole)) > 1e-9);
+        }
+    }
+    for (errors, splits) in h1.iter().zip([false, true]) {
+        let order = order(&divisions, errors);
+        println!("split = {splits}: H¹ {} order {order:.3}", digits(errors));
+        assert!((1.4..1.6).contains(&order), "split = {splits}: {order}");
+    }
 }

@@ -10,7 +10,7 @@ use super::AssemblyError;
 use super::binding::{Binding, Entities, Tabulated};
 use super::sum_factorisation::ProductTables;
 use crate::element::Tables;
-use crate::mesh::Mesh;
+use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{
     FacetRule, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule, map_to_corners,
 };
@@ -198,7 +198,8 @@ pub(super) fn groups<const D: usize>(
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
     let shape = mesh.shape();
-    let degree = match binding.history_degree(requirements, quadrature)? {
+    let history = binding.history_degree(requirements, quadrature)?;
+    let degree = match history {
         Some((_, degree)) => degree,
         None => (integral.degree)(degrees, mesh.degree(), shape.is_simplex()),
     };
@@ -217,8 +218,25 @@ pub(super) fn groups<const D: usize>(
         }
         facets => {
             let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
-            let groups = facet_groups(binding, &place, &facets, &rule, hessians)?;
-            Ok(groups.into_iter().map(|(group, _)| group).collect())
+            let grouped = |facets: &Entities, rule: &QuadratureRule<2>| {
+                let groups = facet_groups(binding, &place, facets, rule, hessians)?;
+                Ok(groups.into_iter().map(|(group, _)| group).collect::<Vec<_>>())
+            };
+            // A history has values at the points of the whole facet.
+            let (Entities::Facets(listed), Quadrature::Split { facets: split, .. }, None) =
+                (&facets, quadrature, history)
+            else {
+                return grouped(&facets, &rule);
+            };
+            let (cut, whole): (Vec<Facet>, Vec<Facet>) =
+                listed.iter().partition(|facet| split.pieces(**facet).is_some());
+            let mut groups = grouped(&Entities::Facets(&whole), &rule)?;
+            for facet in &cut {
+                let pieces = split.pieces(*facet).unwrap_or_default();
+                let rule = quadrature.rule_on_pieces(shape, degree, pieces).map_err(failed)?;
+                groups.extend(grouped(&Entities::Facets(std::slice::from_ref(facet)), &rule)?);
+            }
+            Ok(groups)
         }
     }
 }

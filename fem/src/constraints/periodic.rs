@@ -1,8 +1,7 @@
 //! Periodic conditions: the values on one region are those on another, carried over by a rigid motion.
 
-use std::collections::HashMap;
-
 use super::{Constraints, ConstraintsError};
+use crate::coincident::{Coincident, distance};
 
 /// x ↦ R x + t with a rotation (or reflection) R.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,9 +34,6 @@ impl<const D: usize> RigidMap<D> {
 fn times<const D: usize>(matrix: &[[f64; D]; D], x: &[f64; D]) -> [f64; D] {
     matrix.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum())
 }
-
-/// Nodes match within this part of the regions' extent.
-const TOLERANCE: f64 = 1e-8;
 
 impl<const D: usize> Constraints<D> {
     /// u at the image of each node of `from`, which must be a node of `to`, equals u at the node; vectors of D
@@ -92,31 +88,11 @@ impl<const D: usize> Constraints<D> {
         images: &[[f64; D]],
         targets: &[[f64; D]],
     ) -> Result<Vec<usize>, ConstraintsError> {
-        let extent = (0..D).fold(0.0_f64, |extent, k| {
-            let (low, high) = targets
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[k]), high.max(x[k])));
-            extent.max(high - low)
-        });
-        let tolerance = TOLERANCE * if extent > 0.0 { extent } else { 1.0 };
-        // Boxes of the size of the tolerance: a partner is in the image's box or one beside it.
-        let box_of = |x: &[f64; D]| -> [i64; D] { x.map(|x| (x / tolerance).floor() as i64) };
-        let boxes: HashMap<[i64; D], usize> =
-            targets.iter().enumerate().map(|(index, x)| (box_of(x), index)).collect();
-        let find = |image: &[f64; D]| {
-            let own = box_of(image);
-            (0..3_usize.pow(D as u32)).find_map(|number| {
-                let near = std::array::from_fn(|k| {
-                    own[k].saturating_add((number / 3_usize.pow(k as u32) % 3) as i64 - 1)
-                });
-                boxes
-                    .get(&near)
-                    .copied()
-                    .filter(|&index| distance(&targets[index..=index], image) <= tolerance)
-            })
-        };
+        let coincident = Coincident::new(targets);
         let found = nodes.iter().zip(images).map(|(&node, image)| {
-            find(image).ok_or_else(|| self.without_partner(from, to, node, distance(targets, image)))
+            coincident
+                .find(image)
+                .ok_or_else(|| self.without_partner(from, to, node, distance(targets, image)))
         });
         found.collect()
     }
@@ -126,10 +102,4 @@ impl<const D: usize> Constraints<D> {
         let (region, other, node) = (region.to_owned(), other.to_owned(), node as usize);
         ConstraintsError::NoPartner { region, other, node, position, distance }
     }
-}
-
-/// To the nearest of some points.
-fn distance<const D: usize>(points: &[[f64; D]], x: &[f64; D]) -> f64 {
-    let square = |y: &[f64; D]| -> f64 { x.iter().zip(y).map(|(x, y)| (x - y) * (x - y)).sum() };
-    points.iter().map(square).fold(f64::INFINITY, f64::min).sqrt()
 }

@@ -2,13 +2,18 @@
 
 mod facet;
 mod gauss;
+pub(crate) mod sign_changes;
 mod simplex;
+mod split_facets;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use facet::map_to_corners;
 pub use facet::{FacetRule, facet_reference_rule, facet_rule, map_to_facet};
 pub use gauss::gauss_jacobi;
+pub use split_facets::{Piece, SplitFacets};
+
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -44,6 +49,13 @@ pub enum Quadrature<const D: usize> {
         /// ([`QuadratureRule::on_segment`]).
         facet: QuadratureRule<2>,
     },
+    /// Another choice, with some facets in pieces (`Assembler::split_at_zeros`).
+    Split {
+        /// On cells, on facets that are whole, and on each piece.
+        whole: Box<Quadrature<D>>,
+        /// The facets that are cut.
+        facets: Arc<SplitFacets>,
+    },
 }
 
 /// Why a quadrature rule does not exist or is not accepted.
@@ -71,6 +83,11 @@ pub enum QuadratureError {
         /// The local number asked for.
         local: usize,
     },
+    /// Triangles are asked for where squares were given.
+    #[error(
+        "an explicit rule on the square says nothing about the triangles of a split facet; choose a degree"
+    )]
+    Pieces,
     /// Not as many weights as points.
     #[error("the explicit {entity} rule has {points} points and {weights} weights")]
     Length {
@@ -176,10 +193,11 @@ impl<const D: usize> Quadrature<D> {
                 cell.validate("cell", shape.name(), |point| shape.contains(point, ROUND_OFF))?;
                 Ok(cell.clone())
             }
+            Quadrature::Split { whole, .. } => whole.cell_rule(shape, estimated),
         }
     }
 
-    /// The rule on a local facet; `estimated` is the degree that [`Quadrature::Estimated`] stands for.
+    /// The rule on a local facet that is whole; `estimated` is the degree that [`Quadrature::Estimated`] stands for.
     ///
     /// # Errors
     /// Any [`QuadratureError`].
@@ -192,7 +210,7 @@ impl<const D: usize> Quadrature<D> {
         map_to_facet(shape, local, &self.facet_reference_rule(shape, estimated)?)
     }
 
-    /// The rule on the facet's own reference cell, before it is mapped to a facet.
+    /// The rule on the own reference cell of a facet that is whole, before it is mapped to a facet.
     ///
     /// # Errors
     /// A degree that is too high, or points and weights that are not accepted.
@@ -219,6 +237,7 @@ impl<const D: usize> Quadrature<D> {
                 facet.validate("facet", reference, inside)?;
                 Ok(facet.clone())
             }
+            Quadrature::Split { whole, .. } => whole.facet_reference_rule(shape, estimated),
         }
     }
 }

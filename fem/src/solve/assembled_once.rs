@@ -1,5 +1,6 @@
 //! A form on its spaces with what no iterate changes assembled once, and one tangent that is updated in place.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -16,9 +17,15 @@ use crate::space::Space;
 pub(super) struct System<'a, F, const D: usize, const N: usize> {
     pub form: &'a F,
     pub assembler: &'a Assembler<D>,
+    /// Who assembles the nonlinear integrals at an iterate, where that depends on the iterate.
+    pub assembler_at: Option<AssemblerAt<'a, D>>,
     pub spaces: [Arc<Space<D>>; N],
     pub pattern: Arc<BlockPattern<D>>,
 }
+
+/// The assembler for the nonlinear integrals at given unknowns.
+pub(super) type AssemblerAt<'a, const D: usize> =
+    Box<dyn Fn(&[Field<D>]) -> Result<Assembler<D>, AssemblyError> + 'a>;
 
 /// What no iterate changes, and the matrix.
 pub(super) struct Assembled {
@@ -99,6 +106,24 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
         }))
     }
 
+    /// The fields of a vector over all unknowns.
+    pub fn fields(&self, u: &[f64]) -> [Field<D>; N] {
+        let mut offset = 0;
+        self.spaces.each_ref().map(|space| {
+            let values = u[offset..offset + space.unknowns()].to_vec();
+            offset += space.unknowns();
+            Field::of_known(space, values)
+        })
+    }
+
+    /// Who assembles the nonlinear integrals at u.
+    fn assembler_at(&self, u: &[f64]) -> Result<Cow<'_, Assembler<D>>, AssemblyError> {
+        match &self.assembler_at {
+            Some(choose) => Ok(Cow::Owned(choose(&self.fields(u))?)),
+            None => Ok(Cow::Borrowed(self.assembler)),
+        }
+    }
+
     fn misfit(&self, source: LinearAlgebraError) -> AssemblyError {
         AssemblyError::LinearAlgebra { form: self.form.name(), source }
     }
@@ -153,7 +178,8 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
 
     /// The residual of the nonlinear integrals at u.
     pub fn nonlinear_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        self.assembler.residual_of(self.form, &self.views(u)?, &self.spaces.each_ref(), Parts::NONLINEAR)
+        let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
+        self.assembler_at(u)?.residual_of(self.form, &views, &spaces, Parts::NONLINEAR)
     }
 
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
@@ -169,13 +195,13 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
             }
             view.finite = true;
         }
-        let spaces = self.spaces.each_ref();
+        let (assembler, spaces) = (self.assembler_at(u)?, self.spaces.each_ref());
         let overwrites = !assembled.linear && assembled.changes_everywhere();
         if !overwrites {
             assembled.restore();
         }
         assembled.updated = true;
         let (form, pattern, matrix) = (self.form, &self.pattern, &mut assembled.matrix);
-        self.assembler.tangent_of(form, &views, &spaces, Parts::NONLINEAR, pattern, matrix, !overwrites)
+        assembler.tangent_of(form, &views, &spaces, Parts::NONLINEAR, pattern, matrix, !overwrites)
     }
 }

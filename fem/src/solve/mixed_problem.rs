@@ -106,8 +106,19 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         pattern: &Arc<BlockPattern<D>>,
     ) -> Self {
         let (spaces, pattern) = (spaces.map(Arc::clone), pattern.clone());
-        let system = System { form, assembler, spaces, pattern };
+        let system = System { form, assembler, assembler_at: None, spaces, pattern };
         MixedProblem { system, assembled: None, seconds: 0.0 }
+    }
+
+    /// Lets the iterate choose who assembles the nonlinear integrals, as when facets are split where a scalar of the
+    /// iterate changes its sign ([`Assembler::split_at_zeros`]). Newton's method then stops on the residual alone: there is
+    /// no active set of fixed points. What no iterate changes is assembled as before.
+    pub fn with_assembler_at(
+        mut self,
+        choose: impl Fn(&[Field<D>]) -> Result<Assembler<D>, AssemblyError> + 'a,
+    ) -> Self {
+        self.system.assembler_at = Some(Box::new(choose));
+        self
     }
 
     /// The matrix pattern, for other forms on the same spaces.
@@ -155,7 +166,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
                 error
             },
         )?;
-        let fields = self.fields(&found.u);
+        let fields = self.system.fields(&found.u);
         Ok(MixedSolved { fields, history: found.history, residual: found.residual })
     }
 
@@ -202,7 +213,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         let found = solve_linear(&tangent.matrix, &load, &mut elimination, solver);
         let solution =
             found.map_err(|error| self.named(error, elimination.free(), !elimination.only_prescribes()))?;
-        Ok(self.fields(&solution.solution))
+        Ok(self.system.fields(&solution.solution))
     }
 
     /// The constraints of all spaces as those of the whole vector.
@@ -272,15 +283,6 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         free_motions(assembled.matrix(), offset, space.positions(), is_prescribed).unwrap_or_default()
     }
 
-    fn fields(&self, u: &[f64]) -> [Field<D>; N] {
-        let mut offset = 0;
-        self.system.spaces.each_ref().map(|space| {
-            let values = u[offset..offset + space.unknowns()].to_vec();
-            offset += space.unknowns();
-            Field::of_known(space, values)
-        })
-    }
-
     /// The system, with what no iterate changes assembled.
     fn ready(&mut self) -> Result<(&System<'a, F, D, N>, &mut Assembled), AssemblyError> {
         let commits = commits(self.system.form.inputs());
@@ -340,6 +342,9 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for MixedProbl
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
+        if self.system.assembler_at.is_some() {
+            return Ok(None);
+        }
         let start = Instant::now();
         let set = self.system.assembler.active_set_of(self.system.form, &self.system.views(u)?)?;
         self.seconds += start.elapsed().as_secs_f64();

@@ -55,6 +55,14 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
         FormProblem { whole: MixedProblem::with_pattern(form, assembler, [space], pattern) }
     }
 
+    /// Lets the iterate choose who assembles the nonlinear integrals; see [`MixedProblem::with_assembler_at`].
+    pub fn with_assembler_at(
+        self,
+        choose: impl Fn(&Field<D>) -> Result<Assembler<D>, AssemblyError> + 'a,
+    ) -> Self {
+        FormProblem { whole: self.whole.with_assembler_at(move |fields| choose(&fields[0])) }
+    }
+
     /// The matrix pattern, for other forms on the same space.
     pub fn pattern(&self) -> &Arc<BlockPattern<D>> {
         self.whole.pattern()

@@ -64,6 +64,7 @@ pub struct Curve {
     pub(super) colour: Option<Colour>,
     pub(super) marker: Option<Option<Marker>>,
     pub(super) dashes: Vec<f64>,
+    pub(super) line: bool,
     order_over: Option<usize>,
     pub(super) triangles: Vec<SlopeTriangle>,
 }
@@ -84,6 +85,7 @@ impl Curve {
             colour: None,
             marker: None,
             dashes: Vec::new(),
+            line: true,
             order_over: None,
             triangles: Vec::new(),
         }
@@ -104,6 +106,12 @@ impl Curve {
     /// Draws the line only.
     pub fn without_markers(mut self) -> Curve {
         self.marker = Some(None);
+        self
+    }
+
+    /// Draws the markers only, for values that have no order.
+    pub fn without_line(mut self) -> Curve {
+        self.line = false;
         self
     }
 
@@ -153,9 +161,9 @@ impl Curve {
         Ok(())
     }
 
-    /// The slope of log y over log x by least squares over the last points; `None` with fewer than two
+    /// The slope of log y over log x by least squares over the last `points` points; `None` with fewer than two
     /// different positive points.
-    fn order(&self, points: usize) -> Option<f64> {
+    pub fn order(&self, points: usize) -> Option<f64> {
         let start = self.x.len().saturating_sub(points);
         let logarithms: Vec<Point> =
             self.x[start..].iter().zip(&self.y[start..]).map(|(x, y)| [x.ln(), y.ln()]).collect();

@@ -127,9 +127,11 @@ impl Drawing {
         }
     }
 
-    /// Draws an open polyline.
+    /// Draws an open polyline; nothing with a stroke of no width.
     pub(super) fn polyline(&mut self, points: &[Point], stroke: Stroke, clip: Option<Rectangle>) {
-        self.clipped_path(polyline(points), None, Some(stroke), clip);
+        if stroke.width > 0.0 {
+            self.clipped_path(polyline(points), None, Some(stroke), clip);
+        }
     }
 
     /// Draws a rectangle.

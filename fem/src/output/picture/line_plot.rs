@@ -142,7 +142,7 @@ impl LinePlot {
         let own = (curve.x.len() <= 30).then(|| Marker::ALL[k % Marker::ALL.len()]);
         Key {
             text: curve.legend_text(),
-            stroke: Stroke::dashed(colour, 1.4, &curve.dashes),
+            stroke: Stroke::dashed(colour, if curve.line { 1.4 } else { 0.0 }, &curve.dashes),
             marker: curve.marker.unwrap_or(own),
         }
     }

@@ -1,0 +1,73 @@
+//! Criteria beside the paper's (3): the work of the loads, and functionals of the contact pressure, which (22) as stated does
+//! not cover. Their adjoint is that of the discrete problem, (21), and takes any functional.
+
+use forms_fem::forms;
+
+/// J(u) = load ℓ(u) + ∫_ΓC (square \[·\]₋² + linear \[·\]₋), with the contact pressure \[σ_n − γ(u_n − g)\]₋.
+#[forms]
+pub mod load_and_pressure {
+    use crate::nitsche::nitsche::{contact_pressure, direct};
+
+    /// The data of the direct problem of [`crate::forms`], and the weights of J.
+    pub struct Data {
+        /// λ, first Lamé parameter \[stress\].
+        pub lambda: Param,
+        /// μ, shear modulus \[stress\].
+        pub mu: Param,
+        /// θ of Nitsche's method.
+        pub theta: Param,
+        /// γ₀ \[stress\]; γ = γ₀ / h_T.
+        pub gamma0: Param,
+        /// n_y, unit normal pointing into the obstacle.
+        #[doc(alias = "n_y")]
+        pub obstacle_normal: Given<Vector>,
+        /// g, the initial gap \[length\].
+        #[doc(alias = "g")]
+        pub gap: Given<Scalar>,
+        /// f, force per volume.
+        #[doc(alias = "f")]
+        pub body_force: Given<Vector>,
+        /// g_N, force per area on Γ_N.
+        #[doc(alias = "g_N")]
+        pub traction: Given<Vector>,
+        /// Weight of ℓ(u).
+        pub load: Param,
+        /// Weight of ∫ \[·\]₋².
+        pub square: Param,
+        /// Weight of ∫ \[·\]₋.
+        pub linear: Param,
+    }
+
+    /// Ω.
+    #[cells]
+    pub struct Omega;
+    /// Γ_N.
+    #[facets]
+    pub struct GammaN;
+    /// Γ_C.
+    #[facets]
+    pub struct GammaC;
+
+    /// J.
+    #[doc(alias = "J")]
+    pub fn criterion(u: State<Vector>) -> Functional {
+        integral(Omega, load * dot(body_force, u))
+            + integral(GammaN, load * dot(traction, u))
+            + integral(GammaC, (square * contact_pressure(u) + linear) * contact_pressure(u))
+    }
+
+    /// The discrete adjoint (21) of J.
+    pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+
+    /// The volume form of its shape derivative, as a linear form in Θ: with p of `adjoint` the exact derivative of J_h.
+    pub fn shape_gradient(u: State<Vector>, p: State<Vector>, Theta: Test<Vector>) -> Form {
+        derivative(criterion(u) + direct(u, p), shape, Theta)
+    }
+
+    /// What the diameters h_T in γ = γ₀ / h_T contribute, per cell and unit of growth.
+    pub fn diameter_gradient(u: State<Vector>, p: State<Vector>, growth: Test<Scalar>) -> Form {
+        derivative(criterion(u) + direct(u, p), h, growth)
+    }
+}

@@ -1,0 +1,327 @@
+//! Contact problems whose shape is to be improved: what a descent of `forms_fem::shape_optimisation` asks of them.
+
+use forms_fem::movement::diameters_to_movements;
+use forms_fem::prelude::*;
+use forms_fem::shape_optimisation::{
+    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, outline, outline_derivative,
+    outline_form, volume_form,
+};
+
+use crate::boundary_form::boundary_form;
+use crate::forms;
+use crate::load_and_pressure::load_and_pressure;
+use crate::shape_gradient::Diameters;
+use crate::states::{Adjoint, ContactProblem, ThetaPath};
+
+/// What is to become small.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// (3), with the data's M and N.
+    Paper,
+    /// ∫f·u + ∫g_N·u, the work of the loads.
+    Compliance,
+    /// L ∫p²/(∫p)² of the contact pressure p: 1 where it is constant over a length (or area) L, less where it is spread
+    /// over more. It does not depend on the force.
+    Unevenness {
+        /// L.
+        over: f64,
+    },
+}
+
+/// Which formula gives the derivative by the shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GradientForm {
+    /// The volume form of the whole discrete problem; with (21) the exact derivative of J_h.
+    Volume,
+    /// The paper's boundary form (11), (20) on a free boundary.
+    Boundary,
+}
+
+/// What holds the volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VolumeRule {
+    /// V = V₀.
+    Constraint(Volume),
+    /// λ V is added to the criterion \[criterion/volume\].
+    Price(f64),
+}
+
+/// A contact problem on a shape that may change.
+pub struct ContactShape<F> {
+    /// The problem on a mesh: the same for all shapes.
+    pub problem: F,
+    /// What is to become small.
+    pub criterion: Criterion,
+    /// The adjoint state: (21) for all criteria; (22) or (41) for the paper's.
+    pub adjoint: Adjoint,
+    /// The formula of the derivative: on the boundary for the paper's criterion alone.
+    pub gradient: GradientForm,
+    /// The volume's rule.
+    pub volume: VolumeRule,
+    /// Γ_m, without load and contact.
+    pub moving: String,
+    /// What a unit of Γ_m's length (area) adds to the criterion: it keeps boundaries from becoming rough.
+    pub outline_price: f64,
+    /// Boundaries that stay.
+    pub fixed: Vec<String>,
+    /// Γ_N.
+    pub gamma_n: String,
+    /// Γ_C.
+    pub gamma_c: String,
+}
+
+/// A contact problem that was solved on a shape.
+pub struct ContactState<const D: usize> {
+    /// The problem on the shape's mesh.
+    pub problem: ContactProblem<D>,
+    /// u_h of (14).
+    pub u: Field<D>,
+    /// The criterion alone, without what volume and outline cost.
+    pub criterion: f64,
+    /// ∫p, the resultant of the contact pressure, and ∫p²; none for criteria that do not ask for them.
+    pub pressure: Option<[f64; 2]>,
+    solver: CondensedSolver,
+}
+
+impl<F> ContactShape<F> {
+    /// Whether criterion, adjoint state and formula go together.
+    ///
+    /// # Errors
+    /// What does not, and why.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.criterion == Criterion::Paper {
+            return match (self.adjoint, self.gradient) {
+                (Adjoint::Consistent | Adjoint::Extended, GradientForm::Volume) => Err(
+                    "the volume form is the derivative of the discrete problem: it needs the adjoint (21)"
+                        .into(),
+                ),
+                _ => Ok(()),
+            };
+        }
+        match (self.adjoint, self.gradient) {
+            (Adjoint::Discrete, GradientForm::Volume) => Ok(()),
+            _ => Err("(22), (41) and the boundary form cover the paper's criterion (3) alone: this one needs the volume form with (21)".into()),
+        }
+    }
+
+    /// The form's data with the weights of the load, of p² and of p.
+    fn weighted<const D: usize>(
+        problem: &ContactProblem<D>,
+        weights: [f64; 3],
+    ) -> load_and_pressure::Data<D> {
+        let (data, [load, square, linear]) = (&problem.data, weights);
+        load_and_pressure::Data {
+            lambda: data.lambda,
+            mu: data.mu,
+            theta: data.theta,
+            gamma0: data.gamma0,
+            obstacle_normal: data.obstacle_normal.clone(),
+            gap: data.gap.clone(),
+            body_force: data.body_force.clone(),
+            traction: data.traction.clone(),
+            load,
+            square,
+            linear,
+        }
+    }
+
+    fn regions(&self) -> (load_and_pressure::Omega, load_and_pressure::GammaN, load_and_pressure::GammaC) {
+        (
+            load_and_pressure::Omega::on(forms_fem::mesh::EVERYWHERE),
+            load_and_pressure::GammaN::on(self.gamma_n.clone()),
+            load_and_pressure::GammaC::on(self.gamma_c.clone()),
+        )
+    }
+
+    /// load ℓ(u) + ∫ (square p² + linear p).
+    fn functional<const D: usize>(
+        &self,
+        problem: &ContactProblem<D>,
+        u: &Field<D>,
+        weights: [f64; 3],
+    ) -> Result<f64, AssemblyError>
+    where
+        load_and_pressure::criterion::Form<D>: Functional<D>,
+    {
+        let (omega, gamma_n, gamma_c) = self.regions();
+        let data = Self::weighted(problem, weights);
+        problem
+            .assembler_at(u)?
+            .functional(&load_and_pressure::criterion(&data, &omega, &gamma_n, &gamma_c, u), &[])
+    }
+
+    /// The derivative of load ℓ(u) + ∫ (square p² + linear p), with its adjoint state solved for.
+    fn gradient_of<const D: usize>(
+        &self,
+        movements: &Arc<Space<D>>,
+        state: &mut ContactState<D>,
+        weights: [f64; 3],
+    ) -> Result<Vec<f64>, Failure>
+    where
+        load_and_pressure::adjoint::Form<D>: Form<D>,
+        load_and_pressure::shape_gradient::Form<D>: Form<D>,
+        load_and_pressure::diameter_gradient::Form<D>: Form<D>,
+    {
+        let ContactState { problem, u, solver, .. } = state;
+        let u: &Field<D> = u;
+        let (omega, gamma_n, gamma_c) = self.regions();
+        let data = Self::weighted(problem, weights);
+        let assembler = problem.assembler_at(u)?;
+        let form = load_and_pressure::adjoint(&data, &omega, &gamma_n, &gamma_c, u);
+        let p = FormProblem::new(&form, &assembler, &problem.space)?
+            .solve_affine(&problem.constraints.homogeneous(), solver)?;
+        let form = load_and_pressure::shape_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
+        let mut gradient = assembler.residual(&form, &[], &[movements])?;
+        let form = load_and_pressure::diameter_gradient(&data, &gamma_c, u, &p);
+        let cells = Space::discontinuous_scalar(movements.mesh(), 0)?;
+        let per_cell = assembler.residual(&form, &[], &[&cells])?;
+        add(&mut gradient, 1.0, &diameters_to_movements(movements, &per_cell)?);
+        Ok(gradient)
+    }
+
+    /// The derivative of the paper's criterion, by the form and the adjoint that are asked for.
+    fn gradient_of_papers<const D: usize>(
+        &self,
+        movements: &Arc<Space<D>>,
+        state: &mut ContactState<D>,
+    ) -> Result<Vec<f64>, Failure>
+    where
+        forms::discrete_adjoint::Form<D>: Form<D>,
+        forms::consistent_adjoint::Form<D>: Form<D>,
+        forms::extended_adjoint::Form<D>: Form<D>,
+        forms::shape_gradient::Form<D>: Form<D>,
+        forms::diameter_gradient::Form<D>: Form<D>,
+        boundary_form::gradient_on_free::Form<D>: Form<D>,
+    {
+        let ContactState { problem, u, solver, .. } = state;
+        let u: &Field<D> = u;
+        let p = problem.solve_adjoint(self.adjoint, u, solver)?.result;
+        if self.gradient == GradientForm::Volume {
+            return Ok(problem.shape_gradient(u, &p, Diameters::Moving, None)?.values);
+        }
+        let data = &problem.data;
+        let data = boundary_form::Data {
+            lambda: data.lambda,
+            mu: data.mu,
+            gamma0: data.gamma0,
+            obstacle_normal: data.obstacle_normal.clone(),
+            gap: data.gap.clone(),
+            body_force: data.body_force.clone(),
+            traction: data.traction.clone(),
+            criterion_force: data.criterion_force.clone(),
+            criterion_weight: data.criterion_weight.clone(),
+            // A free boundary asks for no imposed displacement.
+            imposed: Given::constant([0.0; D]),
+        };
+        let free = boundary_form::Free::on(self.moving.clone());
+        let form = boundary_form::gradient_on_free(&data, &free, u, &p);
+        Ok(problem.assembler.residual(&form, &[], &[movements])?)
+    }
+}
+
+impl<F, const D: usize> ShapeProblem<D> for ContactShape<F>
+where
+    F: Fn(&Arc<Mesh<D>>) -> Result<ContactProblem<D>, Failure>,
+    forms::direct::Form<D>: Form<D>,
+    forms::criterion::Form<D>: Functional<D>,
+    forms::discrete_adjoint::Form<D>: Form<D>,
+    forms::consistent_adjoint::Form<D>: Form<D>,
+    forms::extended_adjoint::Form<D>: Form<D>,
+    forms::shape_gradient::Form<D>: Form<D>,
+    forms::diameter_gradient::Form<D>: Form<D>,
+    boundary_form::gradient_on_free::Form<D>: Form<D>,
+    load_and_pressure::criterion::Form<D>: Functional<D>,
+    load_and_pressure::adjoint::Form<D>: Form<D>,
+    load_and_pressure::shape_gradient::Form<D>: Form<D>,
+    load_and_pressure::diameter_gradient::Form<D>: Form<D>,
+    volume_form::measure::Form<D>: Functional<D>,
+    volume_form::gradient::Form<D>: Form<D>,
+    outline_form::measure::Form<D>: Functional<D>,
+    outline_form::gradient::Form<D>: Form<D>,
+{
+    type State = ContactState<D>;
+
+    fn solve(&self, mesh: &Arc<Mesh<D>>) -> Result<Values<ContactState<D>>, Failure> {
+        self.check()?;
+        let problem = (self.problem)(mesh)?;
+        let mut solver = CondensedSolver::default();
+        let options = NewtonOptions::default();
+        let u = match problem.solve_direct(&mut solver, &options, &mut |_| ()) {
+            Ok(solved) => solved.result.field,
+            // A hard start: by way of the variant that has a potential.
+            Err(_) => {
+                let path = ThetaPath::default();
+                problem.solve_direct_through(path, &mut solver, &options, &mut |_, _| ())?.state
+            }
+        };
+        let (mut criterion, mut pressure) = (0.0, None);
+        match self.criterion {
+            Criterion::Paper => {
+                let regions = &problem.regions;
+                let form = forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
+                criterion += problem.assembler.functional(&form, &[])?;
+            }
+            Criterion::Compliance => criterion += self.functional(&problem, &u, [1.0, 0.0, 0.0])?,
+            Criterion::Unevenness { over } => {
+                let force = self.functional(&problem, &u, [0.0, 0.0, 1.0])?;
+                let square = self.functional(&problem, &u, [0.0, 1.0, 0.0])?;
+                if force <= 0.0 {
+                    return Err(
+                        "nothing touches the obstacle: there is no contact pressure to even out".into()
+                    );
+                }
+                pressure = Some([force, square]);
+                criterion += over * square / (force * force);
+            }
+        }
+        let alone = criterion;
+        criterion += self.outline_price * outline(mesh, &self.moving)?;
+        let constraint = match self.volume {
+            VolumeRule::Constraint(volume) => Some(volume.value(mesh)?),
+            VolumeRule::Price(price) => {
+                criterion += price * measured_volume(mesh)?;
+                None
+            }
+        };
+        let state = ContactState { problem, u, criterion: alone, pressure, solver };
+        Ok(Values { criterion, constraint, state })
+    }
+
+    fn derivatives(
+        &self,
+        movements: &Arc<Space<D>>,
+        state: &mut ContactState<D>,
+    ) -> Result<Derivatives, Failure> {
+        let mut criterion = match (self.criterion, state.pressure) {
+            (Criterion::Paper, _) => self.gradient_of_papers(movements, state)?,
+            (Criterion::Unevenness { over }, Some([force, square])) => {
+                // The chain rule: L ∫p²/(∫p)² by ∫p² and by ∫p.
+                let by_square = over / (force * force);
+                let by_force = -2.0 * over * square / (force * force * force);
+                self.gradient_of(movements, state, [0.0, by_square, by_force])?
+            }
+            _ => self.gradient_of(movements, state, [1.0, 0.0, 0.0])?,
+        };
+        add(&mut criterion, self.outline_price, &outline_derivative(movements, &self.moving)?);
+        let constraint = match self.volume {
+            VolumeRule::Constraint(volume) => Some(volume.derivative(movements)?),
+            VolumeRule::Price(price) => {
+                let by_volume = Volume { target: 1.0 }.derivative(movements)?;
+                add(&mut criterion, price, &by_volume);
+                None
+            }
+        };
+        Ok(Derivatives { criterion, constraint })
+    }
+
+    fn hold(&self, movements: &mut Constraints<D>) -> Result<(), Failure> {
+        for region in &self.fixed {
+            movements.fix(region, |_| [0.0; D])?;
+        }
+        Ok(())
+    }
+}
+
+fn add(sum: &mut [f64], factor: f64, other: &[f64]) {
+    sum.iter_mut().zip(other).for_each(|(sum, other)| *sum += factor * other);
+}

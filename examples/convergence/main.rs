@@ -1,0 +1,50 @@
+//! The paper's convergence study (its Figures 3, 4 and 5) on the hollow cylinder: errors of the displacement and of the
+//! three adjoint states against a finer mesh, and how far the contact zone is off. Writes CSV files and pictures.
+//!
+//! `cargo run --release --bin convergence -- --reference 128 --coarsest 8`
+
+mod contact_zone;
+mod figures;
+mod options;
+mod progress;
+mod states;
+mod study;
+mod tables;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use options::Options;
+
+/// What can go wrong while files are written has no common type.
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Outcome<()> {
+    options.check()?;
+    // A long computation must not end with nowhere to put its result.
+    std::fs::create_dir_all(&options.out)
+        .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
+    let mut written = Vec::new();
+    for &theta in &options.theta {
+        let study = study::run(options, theta)?;
+        println!("{}", tables::summary(&study));
+        written.extend(tables::write_all(&study, &options.out)?);
+        written.extend(figures::write_all(&study, &options.out)?);
+    }
+    for path in written {
+        println!("Written: {}", path.display());
+    }
+    Ok(())
+}

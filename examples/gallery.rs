@@ -1,0 +1,154 @@
+//! Every picture of the README and of the documentation, made anew by the programs that make them.
+//!
+//! `cargo run --release --bin gallery` runs them one after the other and puts their pictures into `docs/pictures`;
+//! `-- --list` says which program makes which, `-- NAME ...` makes some alone.
+
+use std::error::Error;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+use clap::Parser;
+use forms_fem::output::write_whole;
+
+/// Makes the pictures of the README and of the documentation anew.
+#[derive(Parser)]
+#[command(version, name = "gallery")]
+struct Options {
+    /// Names of pictures, without directory and ending; all where none is given
+    names: Vec<String>,
+    /// Lists the pictures with their programs
+    #[arg(long)]
+    list: bool,
+}
+
+/// A program and the pictures that it makes.
+struct Maker {
+    /// What cargo is told.
+    arguments: &'static [&'static str],
+    /// What it writes, beside what this is called in `docs/pictures`.
+    pictures: &'static [(&'static str, &'static str)],
+}
+
+const MAKERS: [Maker; 6] = [
+    Maker {
+        arguments: &["--bin", "hollow_cylinder"],
+        pictures: &[("out/displacement.png", "hollow_cylinder.png")],
+    },
+    Maker {
+        arguments: &["--bin", "shape_optimisation", "--", "figure-6", "--anew"],
+        pictures: &[
+            ("out/shape_optimisation/figure_6.png", "figure_6.png"),
+            ("out/shape_optimisation/figure_6_holes.png", "figure_6_holes.png"),
+            ("out/shape_optimisation/adjoint_21/history.png", "figure_6_history.png"),
+            ("out/shape_optimisation/adjoint_21/shapes.png", "figure_6_shapes.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "shape_optimisation", "--", "even-pressure", "--anew"],
+        pictures: &[
+            ("out/shape_optimisation/even_pressure.png", "even_pressure.png"),
+            ("out/shape_optimisation/even_pressure_pressure.png", "even_pressure_pressure.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "shape_optimisation", "--", "cantilever", "--anew"],
+        pictures: &[("out/shape_optimisation/cantilever.png", "cantilever.png")],
+    },
+    // Minutes per θ, and 2.1 million unknowns.
+    Maker {
+        arguments: &[
+            "--bin",
+            "convergence",
+            "--",
+            "--reference",
+            "128",
+            "--coarsest",
+            "8",
+            "--theta",
+            "-1",
+            "0",
+            "1",
+            "--split",
+        ],
+        pictures: &[
+            ("out/convergence/figure_3_left_theta_-1.png", "convergence_figure_3_left.png"),
+            ("out/convergence/figure_3_left_theta_-1.svg", "convergence_figure_3_left.svg"),
+            ("out/convergence/figure_3_left_theta_-1.csv", "convergence_figure_3_left.csv"),
+            ("out/convergence/figure_3_right_theta_-1.png", "convergence_figure_3_right.png"),
+            ("out/convergence/figure_3_right_theta_-1.svg", "convergence_figure_3_right.svg"),
+            ("out/convergence/figure_3_right_theta_-1.csv", "convergence_figure_3_right.csv"),
+            ("out/convergence/figure_4_left_theta_-1.png", "convergence_figure_4_left.png"),
+            ("out/convergence/figure_4_right_theta_-1.png", "convergence_figure_4_right.png"),
+            ("out/convergence/figure_4_right_theta_-1.svg", "convergence_figure_4_right.svg"),
+            ("out/convergence/figure_4_right_theta_-1.csv", "convergence_figure_4_right.csv"),
+            ("out/convergence/figure_5_theta_-1.png", "convergence_figure_5.png"),
+            ("out/convergence/figure_5_theta_-1.svg", "convergence_figure_5.svg"),
+            ("out/convergence/figure_5_theta_-1.csv", "convergence_figure_5.csv"),
+        ],
+    },
+    // Its finest mesh needs 10 GiB and minutes: last, so that all others are there.
+    Maker {
+        arguments: &["-p", "forms-contact", "--example", "scaling"],
+        pictures: &[("out/scaling.png", "scaling.png")],
+    },
+];
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn Error>> {
+    let stem = |name: &str| name.split('.').next().unwrap_or(name).to_owned();
+    let mut known: Vec<String> =
+        MAKERS.iter().flat_map(|maker| maker.pictures).map(|(_, to)| stem(to)).collect();
+    known.dedup();
+    if let Some(unknown) = options.names.iter().find(|name| !known.contains(&stem(name))) {
+        return Err(format!("there is no picture \"{unknown}\"; there are {}", known.join(", ")).into());
+    }
+    let wanted = |maker: &&Maker| {
+        let asked = |(_, to): &(&str, &str)| options.names.iter().any(|name| stem(name) == stem(to));
+        options.names.is_empty() || maker.pictures.iter().any(asked)
+    };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for maker in MAKERS.iter().filter(wanted) {
+        let command = format!("cargo run --release {}", maker.arguments.join(" "));
+        if options.list {
+            println!("{command}");
+            maker.pictures.iter().for_each(|(_, to)| println!("    docs/pictures/{to}"));
+            continue;
+        }
+        eprintln!("{command}");
+        let start = Instant::now();
+        make(maker, &root)?;
+        for (_, to) in maker.pictures {
+            println!("docs/pictures/{to}: {:.1} s", start.elapsed().as_secs_f64());
+        }
+    }
+    Ok(())
+}
+
+/// Runs a program in the workspace and takes its pictures.
+fn make(maker: &Maker, root: &Path) -> Result<(), Box<dyn Error>> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+    let mut command = Command::new(&cargo);
+    let status = command.args(["run", "--release"]).args(maker.arguments).current_dir(root).status();
+    let status = status.map_err(|error| format!("{}: {error}", cargo.to_string_lossy()))?;
+    if !status.success() {
+        return Err(format!("{} ended with {status}", maker.arguments.join(" ")).into());
+    }
+    for (from, to) in maker.pictures {
+        let from: PathBuf = root.join(from);
+        let bytes = std::fs::read(&from).map_err(|error| format!("{}: {error}", from.display()))?;
+        let to = root.join("docs").join("pictures").join(to);
+        write_whole(to, |file| std::io::Write::write_all(file, &bytes))?;
+    }
+    Ok(())
+}

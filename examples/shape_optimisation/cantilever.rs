@@ -1,0 +1,72 @@
+//! A cantilever that rests on a support: clamped at the left, loaded at the right end, above a flat obstacle that it touches
+//! in the middle. Its top moves until the work of the load is least at the same volume.
+
+use std::sync::Arc;
+
+use forms_contact::forms;
+use forms_contact::shape_problem::{ContactShape, Criterion, GradientForm, VolumeRule};
+use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_fem::prelude::*;
+use forms_fem::shape_optimisation::{Failure, Volume, measured_volume};
+
+use crate::Outcome;
+use crate::options::Options;
+use crate::ring::ProblemOn;
+
+/// Length and height \[cm\].
+pub const SIZE: [f64; 2] = [60.0, 16.0];
+/// Height of the body above the support \[cm\].
+const GAP: f64 = 0.05;
+/// g_N on the right end \[MPa\].
+const TRACTION: [f64; 2] = [0.0, -0.05];
+/// The support lies below this part of the length.
+const SUPPORT: [f64; 2] = [0.5, 0.7];
+/// E \[MPa\] and ν.
+const YOUNG: f64 = 100.0;
+const POISSON: f64 = 0.3;
+
+/// The rectangle.
+pub fn mesh(options: &Options) -> Outcome<Arc<Mesh<2>>> {
+    let cells = [10, 3].map(|count| count * options.cells_per_side);
+    let mut mesh = rectangle([0.0; 2], SIZE, cells, CellShape::Quadrilateral, 2)?;
+    let above_support = |x: &[f64; 2]| x[0] > SUPPORT[0] * SIZE[0] && x[0] < SUPPORT[1] * SIZE[0];
+    mesh.name_facets("contact", "bottom", above_support)?;
+    Ok(Arc::new(mesh))
+}
+
+fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
+    let space = Space::vector(mesh, 2)?;
+    let mut constraints = Constraints::new(&space);
+    constraints.fix("left", |_| [0.0; 2])?;
+    let data = forms::Data {
+        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
+        mu: YOUNG / (2.0 * (1.0 + POISSON)),
+        theta: -1.0,
+        gamma0: 10.0 * YOUNG,
+        extension: 1.0,
+        obstacle_normal: Given::constant([0.0, -1.0]),
+        gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + GAP, |_| [0.0, 1.0]),
+        body_force: Given::constant([0.0; 2]),
+        traction: Given::constant(TRACTION),
+        criterion_force: Given::constant([0.0; 2]),
+        criterion_weight: Given::constant(0.0),
+    };
+    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(8));
+    Ok(ContactProblem::new(assembler, &space, data, Regions::new("right", "contact"), constraints)?)
+}
+
+/// The cantilever whose top moves at constant volume.
+pub fn shape_problem(initial: &Arc<Mesh<2>>) -> Outcome<ContactShape<ProblemOn>> {
+    Ok(ContactShape {
+        problem: problem_on as ProblemOn,
+        criterion: Criterion::Compliance,
+        adjoint: Adjoint::Discrete,
+        gradient: GradientForm::Volume,
+        volume: VolumeRule::Constraint(Volume { target: measured_volume(initial)? }),
+        moving: "top".into(),
+        outline_price: 0.0,
+        fixed: vec!["left".into(), "right".into(), "bottom".into()],
+        gamma_n: "right".into(),
+        gamma_c: "contact".into(),
+    })
+}

@@ -1,0 +1,83 @@
+//! Shapes that optimise under contact: the paper's Figure 6, a ring that spreads its pressure, a cantilever on a support.
+
+mod cantilever;
+mod options;
+mod pictures;
+mod ring;
+mod runs;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use clap::Parser;
+use forms_contact::shape_problem::Criterion;
+use forms_contact::states::Adjoint;
+use forms_fem::shape_optimisation::{Rotations, ShapeProblem, boundary_distance, outline};
+use forms_fem::space::Space;
+
+use options::{Case, Options};
+use runs::Run;
+
+/// What can go wrong has no common type.
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Outcome<()> {
+    let initial = match options.case {
+        Case::Cantilever => cantilever::mesh(options)?,
+        _ => ring::mesh(options)?,
+    };
+    let mut problems = match options.case {
+        Case::Figure6 => vec![
+            ("adjoint_22", "(22)", ring::shape_problem(&initial, Criterion::Paper, Adjoint::Consistent)?),
+            ("adjoint_21", "(21)", ring::shape_problem(&initial, Criterion::Paper, Adjoint::Discrete)?),
+        ],
+        Case::EvenPressure => {
+            let unevenness = Criterion::Unevenness { over: ring::EVEN_OVER };
+            vec![("even_pressure", "(21)", ring::shape_problem(&initial, unevenness, Adjoint::Discrete)?)]
+        }
+        Case::Cantilever => vec![("cantilever", "(21)", cantilever::shape_problem(&initial)?)],
+    };
+    for (.., problem) in &mut problems {
+        let criterion = problem.solve(&initial)?.criterion.abs();
+        problem.outline_price = options.outline_price() * criterion / outline(&initial, &problem.moving)?;
+    }
+    let pattern = match options.case {
+        Case::Cantilever => None,
+        _ => Some(Rotations::new(&*Space::of_geometry(&initial)?, [0.0; 2], options.holes)?),
+    };
+    let mut finished = Vec::new();
+    for (name, number, problem) in &problems {
+        finished.push(Run::new(options, &initial, name, number, problem, pattern.clone())?);
+    }
+    println!("{}", runs::table(&finished));
+    if let [first, second] = finished.as_slice() {
+        let apart = boundary_distance(&first.mesh, &second.mesh, "holes")?;
+        let moved = boundary_distance(&initial, &first.mesh, "holes")?;
+        let relative = |length: f64| 100.0 * length / options.hole_radius;
+        println!(
+            "Between the two optimal shapes: at most {:.3} %, in the mean {:.3} % of a hole's radius (nodes: at most {:.3} %)",
+            relative(apart.largest),
+            relative(apart.mean),
+            relative(apart.largest_of_nodes)
+        );
+        println!(
+            "From the round holes to the first: at most {:.2} %, in the mean {:.2} %",
+            relative(moved.largest),
+            relative(moved.mean)
+        );
+    }
+    for file in pictures::write_all(options, &initial, &finished)? {
+        println!("Written: {}", file.display());
+    }
+    Ok(())
+}

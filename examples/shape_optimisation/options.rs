@@ -1,0 +1,133 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+use forms_fem::shape_optimisation::{DescentOptions, InnerProduct};
+use serde_json::{Value, json};
+
+/// Shapes that optimise under contact: free boundaries move until a criterion is least at the same volume.
+///
+/// Lengths are in cm, stresses in MPa. A run that was stopped goes on from its last step.
+#[derive(Clone, Debug, Parser)]
+#[command(version, name = "shape_optimisation")]
+pub struct Options {
+    /// What is optimised
+    #[arg(value_enum, default_value_t = Case::Figure6)]
+    pub case: Case,
+    /// Holes around the ring
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pub holes: usize,
+    /// Rows of holes
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub rows: usize,
+    /// Radius of a hole [cm]
+    #[arg(long, value_name = "R", default_value_t = 2.0)]
+    pub hole_radius: f64,
+    /// Cells along a side of a sector of the ring, a quarter of a hole; a tenth of the cantilever's length
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub cells_per_side: usize,
+    /// Cells between a hole and the sides of its sector
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub layers: usize,
+    /// What the moving boundary costs as it is at first, in units of the criterion: its length has a price, which
+    /// keeps it smooth [default: 0.8 for figure-6, 0.3 for even-pressure, 0.1 for cantilever]
+    #[arg(long, value_name = "P")]
+    outline_price: Option<f64>,
+    /// Waves of the moving boundary that are shorter than this move less [cm]
+    #[arg(long, value_name = "L", default_value_t = 2.0)]
+    pub smoothing: f64,
+    /// Steps, at most
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    pub steps: usize,
+    /// The longest way of a node in a step [cm]
+    #[arg(long, value_name = "L", default_value_t = 0.2)]
+    pub longest_move: f64,
+    /// The derivative, relative to the first, at which a shape is called optimal
+    #[arg(long, value_name = "T", default_value_t = 1e-3)]
+    pub gradient_tolerance: f64,
+    /// Every so many steps the shape is written
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub every: usize,
+    /// Begins anew where a run was stopped, or had ended
+    #[arg(long)]
+    pub anew: bool,
+    /// Directory of all results; made where it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out/shape_optimisation")]
+    pub out: PathBuf,
+}
+
+/// What is optimised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Case {
+    /// The paper's Figure 6: a pressed ring with holes, ∫ F·u with F = (0, −1 N), once with the adjoint (22) in the
+    /// boundary form and once with (21) in the volume form
+    #[value(name = "figure-6")]
+    Figure6,
+    /// The same ring: how uneven the contact pressure p is, L ∫p²/(∫p)², with (21)
+    EvenPressure,
+    /// A cantilever that rests on a support: the work of its load, with (21)
+    Cantilever,
+}
+
+impl Case {
+    /// The name of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Case::Figure6 => "figure_6",
+            Case::EvenPressure => "even_pressure",
+            Case::Cantilever => "cantilever",
+        }
+    }
+
+    /// The criterion as the label of an axis.
+    pub fn label(self) -> &'static str {
+        match self {
+            Case::Figure6 => "∫ F·u + outline's price [N cm^{3}]",
+            Case::EvenPressure => "L ∫p^{2}/(∫p)^{2} + outline's price",
+            Case::Cantilever => "work of the load + outline's price [MPa cm^{2}]",
+        }
+    }
+}
+
+impl Options {
+    /// What the moving boundary costs at first, in units of the criterion.
+    pub fn outline_price(&self) -> f64 {
+        self.outline_price.unwrap_or(match self.case {
+            Case::Figure6 => 0.8,
+            Case::EvenPressure => 0.3,
+            Case::Cantilever => 0.1,
+        })
+    }
+
+    /// How the descent goes.
+    pub fn descent(&self) -> DescentOptions {
+        let inner_product = InnerProduct { outline: self.smoothing, ..InnerProduct::elasticity(0.0) };
+        DescentOptions {
+            iterations: self.steps,
+            inner_product,
+            gradient_tolerance: self.gradient_tolerance,
+            ..DescentOptions::new(self.longest_move)
+        }
+    }
+
+    /// All that a result depends on. The number of steps does not change the steps.
+    pub fn settings(&self, run: &str) -> Result<Value, serde_json::Error> {
+        let mut settings = json!({
+            "case": self.case.name(),
+            "run": run,
+            "holes": self.holes,
+            "rows": self.rows,
+            "hole_radius": self.hole_radius,
+            "cells_per_side": self.cells_per_side,
+            "layers": self.layers,
+            "outline_price": self.outline_price(),
+        });
+        if let (Some(all), Value::Object(descent)) =
+            (settings.as_object_mut(), serde_json::to_value(self.descent())?)
+        {
+            all.extend(descent.into_iter().filter(|(name, _)| name != "iterations"));
+        }
+        Ok(settings)
+    }
+}

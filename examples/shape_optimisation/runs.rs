@@ -1,0 +1,155 @@
+//! One descent: from the round holes, or from where an earlier run was stopped, to the best shape.
+
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use forms_contact::shape_problem::{ContactShape, ContactState, Criterion};
+use forms_fem::prelude::*;
+use forms_fem::shape_optimisation::{
+    Descent, DescentState, Finish, Logbook, Report, Rotations, ShapeProblem,
+};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::Outcome;
+use crate::options::Options;
+use crate::ring::ProblemOn;
+
+/// A finished run.
+pub struct Run {
+    /// Number of the adjoint state's equation.
+    pub number: &'static str,
+    /// The history.
+    pub state: DescentState,
+    /// The best shape.
+    pub mesh: Arc<Mesh<2>>,
+    /// What was solved for on the round holes.
+    pub start: ContactState<2>,
+    /// What was solved for on the best shape.
+    pub end: ContactState<2>,
+    /// The adjoint states, on the round holes and on the best shape; none if the criterion is not the paper's.
+    pub adjoints: Option<[Field<2>; 2]>,
+    /// Where results are.
+    pub logbook: Logbook,
+    seconds: f64,
+}
+
+impl Run {
+    /// Runs to the end, telling of each step.
+    pub fn new(
+        options: &Options,
+        initial: &Arc<Mesh<2>>,
+        name: &'static str,
+        number: &'static str,
+        problem: &ContactShape<ProblemOn>,
+        pattern: Option<Rotations<2>>,
+    ) -> Outcome<Run> {
+        let clock = Instant::now();
+        let descent = Descent { problem, initial: initial.clone(), options: options.descent(), pattern };
+        let logbook = Logbook::new(options.out.join(name), options.settings(name)?, options.every)?;
+        if options.anew {
+            logbook.forget()?;
+        }
+        let from = logbook.state()?;
+        if let Some(from) = &from {
+            eprintln!("{name}: goes on from step {}", from.iterations());
+        }
+        let progress = Progress::new(name, options.steps);
+        let mut hear = |report: &Report<ContactState<2>, 2>| {
+            progress.hear(report.state);
+            logbook.write(report, &[("displacement", &report.solved.u)])
+        };
+        let best = descent.run(from, &mut hear)?;
+        progress.finish();
+        let start = problem.solve(initial)?.state;
+        let end = best.values.state;
+        let adjoints = match problem.criterion {
+            Criterion::Paper => {
+                let solve = |state: &ContactState<2>| -> Outcome<Field<2>> {
+                    let mut solver = TangentSolver::default();
+                    Ok(state.problem.solve_adjoint(problem.adjoint, &state.u, &mut solver)?.result)
+                };
+                Some([solve(&start)?, solve(&end)?])
+            }
+            _ => None,
+        };
+        let seconds = clock.elapsed().as_secs_f64();
+        Ok(Run { number, state: best.state, mesh: best.mesh, start, end, adjoints, logbook, seconds })
+    }
+}
+
+/// What came out, one line per run.
+pub fn table(runs: &[Run]) -> String {
+    let mut text = format!(
+        "{:<8}{:>14}{:>14}{:>10}{:>12}{:>10}{:>7}{:>9}  why it stopped\n",
+        "adjoint", "J at first", "J at last", "change", "volume off", "quality", "steps", "seconds"
+    );
+    for Run { number, state, seconds, start, end, .. } in runs {
+        let Some(last) = state.history.last() else { continue };
+        let finish = match &state.finish {
+            Some(Finish::Converged) => "the derivative vanishes",
+            Some(Finish::Stalled) => "hardly any decrease",
+            Some(Finish::Iterations) => "steps",
+            Some(Finish::NoStep(_)) => "no decrease along the direction",
+            Some(Finish::MeshQuality) => "the cells",
+            None => "",
+        };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{number:<8}{:>14.6}{:>14.6}{:>9.2}%{:>12.1e}{:>10.3}{:>7}{seconds:>9.1}  {finish}",
+            start.criterion,
+            end.criterion,
+            100.0 * (end.criterion / start.criterion - 1.0),
+            last.constraint.unwrap_or(0.0),
+            last.quality,
+            state.iterations()
+        );
+    }
+    text
+}
+
+/// A bar on a terminal, a line per step elsewhere; both on the standard error stream.
+struct Progress {
+    bar: Option<ProgressBar>,
+    name: &'static str,
+}
+
+impl Progress {
+    fn new(name: &'static str, steps: usize) -> Progress {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(steps as u64);
+            if let Ok(style) = ProgressStyle::with_template("{prefix} {bar:30} {pos}/{len} {elapsed} {msg}") {
+                bar.set_style(style);
+            }
+            bar.set_prefix(name);
+            bar.enable_steady_tick(Duration::from_millis(200));
+            bar
+        });
+        Progress { bar, name }
+    }
+
+    fn hear(&self, state: &DescentState) {
+        let Some(row) = state.history.last() else { return };
+        let step = row.step.as_ref().map_or_else(String::new, |step| {
+            format!(", moved {:.3} cm, derivative {:.2e}", step.longest_move, step.gradient_norm)
+        });
+        let volume = row.constraint.unwrap_or(0.0);
+        let text =
+            format!("J = {:.6}, volume off by {volume:.1e}, quality {:.2}{step}", row.criterion, row.quality);
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position(state.iterations() as u64);
+                bar.set_message(text);
+            }
+            None => eprintln!("{} step {}: {text}", self.name, state.iterations()),
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

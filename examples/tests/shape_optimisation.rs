@@ -1,0 +1,135 @@
+//! The program `shape_optimisation`: what it shows, and that it may be killed.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// A coarse ring with few holes, few steps.
+const COARSE: [&str; 13] = [
+    "figure-6",
+    "--holes",
+    "8",
+    "--hole-radius",
+    "3",
+    "--cells-per-side",
+    "2",
+    "--layers",
+    "2",
+    "--steps",
+    "12",
+    "--every",
+    "4",
+];
+
+fn command(directory: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_shape_optimisation"));
+    command.args(arguments).arg("--out").arg(directory).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn run(directory: &Path, arguments: &[&str]) -> String {
+    let output = command(directory, arguments).output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// All files below a directory that hold numbers of the descent, by name.
+fn numbers_in(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    for run in ["adjoint_22", "adjoint_21"] {
+        for entry in std::fs::read_dir(directory.join(run)).expect("a directory") {
+            let entry = entry.expect("an entry");
+            let name = entry.file_name().into_string().expect("text");
+            // What a killed process was writing is left beside.
+            if !name.starts_with('.') && !name.ends_with(".png") {
+                let bytes = std::fs::read(entry.path()).expect("a file");
+                files.insert(format!("{run}/{name}"), bytes);
+            }
+        }
+    }
+    files
+}
+
+/// A column of a history, by its place.
+fn column(csv: &[u8], place: usize) -> Vec<f64> {
+    let text = std::str::from_utf8(csv).expect("text");
+    text.lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(place).expect("a column").parse().expect("a number"))
+        .collect()
+}
+
+/// Killed again and again at whatever moment it was, the program ends with the files of an undisturbed run, byte for byte.
+#[test]
+fn a_descent_that_is_killed_ends_as_one_that_is_not() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let (calm, rough) = (directory.path().join("calm"), directory.path().join("rough"));
+    let printed = run(&calm, &COARSE);
+    let mut kills = 0;
+    let mut patience = Duration::from_millis(120);
+    loop {
+        let mut child = command(&rough, &COARSE).spawn().expect("the program starts");
+        let start = Instant::now();
+        let ended = loop {
+            match child.try_wait().expect("a status") {
+                Some(status) => break Some(status),
+                None if start.elapsed() > patience => break None,
+                None => sleep(Duration::from_millis(3)),
+            }
+        };
+        match ended {
+            Some(status) => {
+                assert!(status.success(), "{status}");
+                break;
+            }
+            None => {
+                child.kill().expect("it is killed");
+                child.wait().expect("it ends");
+                kills += 1;
+                patience = patience.mul_f64(1.3);
+            }
+        }
+    }
+    assert!(kills >= 2, "killed {kills} times");
+    let (calm, rough) = (numbers_in(&calm), numbers_in(&rough));
+    assert_eq!(calm.keys().collect::<Vec<_>>(), rough.keys().collect::<Vec<_>>());
+    for (name, bytes) in &calm {
+        assert!(rough[name] == *bytes, "{name} differs after {kills} kills");
+    }
+    // What it shows: less at the same volume, on good cells, the same with both adjoint states.
+    for run in ["adjoint_22", "adjoint_21"] {
+        let csv = &calm[&format!("{run}/history.csv")];
+        let (criteria, constraints, qualities) = (column(csv, 1), column(csv, 2), column(csv, 3));
+        assert!(criteria.last() < criteria.first(), "{run}: {criteria:?}");
+        assert!(constraints.iter().all(|off| off.abs() < 1e-3), "{run}: {constraints:?}");
+        assert!(qualities.iter().all(|quality| *quality > 0.1), "{run}: {qualities:?}");
+    }
+    assert!(printed.contains("Between the two optimal shapes: at most "), "{printed}");
+}
+
+#[test]
+fn a_checkpoint_of_other_settings_is_refused() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let with_steps = |steps: &'static str, more: &[&'static str]| {
+        let mut arguments = COARSE.to_vec();
+        arguments[10] = steps;
+        arguments.extend(more);
+        arguments
+    };
+    run(directory.path(), &with_steps("1", &[]));
+    let output =
+        command(directory.path(), &with_steps("1", &["--longest-move", "0.1"])).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(1));
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        errors.starts_with("error: the checkpoint was made with ") && errors.contains("_move = 0.2, not 0.1"),
+        "{errors}"
+    );
+    // Anew, or with more steps, it goes.
+    run(directory.path(), &with_steps("1", &["--longest-move", "0.1", "--anew"]));
+    run(directory.path(), &with_steps("2", &["--longest-move", "0.1"]));
+    let csv = std::fs::read(directory.path().join("adjoint_21").join("history.csv")).expect("a history");
+    assert_eq!(column(&csv, 1).len(), 3);
+}

@@ -1,0 +1,122 @@
+//! What a descent leaves on disk: its checkpoint, its history, and every n-th shape.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::checkpoint::{Checkpoint, CheckpointError};
+use super::descent::Report;
+use super::error::Failure;
+use super::history::DescentState;
+use crate::field::Field;
+use crate::mesh::Mesh;
+use crate::output::{VtuFile, write_whole};
+
+/// A directory with `checkpoint.json`, `history.csv`, and `shape_0000.vtu` and so on with the coordinates of the nodes
+/// beside each, `shape_0000.json`. The checkpoint is written last: what it tells of is there.
+#[derive(Clone, Debug)]
+pub struct Logbook {
+    directory: PathBuf,
+    settings: Value,
+    every: usize,
+}
+
+impl Logbook {
+    /// Makes the directory where it does not exist. `settings` are all that the result depends on, by name; every so
+    /// many steps the shape is written (0: the first and the last alone).
+    ///
+    /// # Errors
+    /// What the system says, with the name of the directory.
+    pub fn new(directory: impl Into<PathBuf>, settings: Value, every: usize) -> io::Result<Self> {
+        let directory = directory.into();
+        std::fs::create_dir_all(&directory)
+            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", directory.display())))?;
+        Ok(Logbook { directory, settings, every })
+    }
+
+    /// The directory.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// The state to go on from; `None` without a checkpoint.
+    ///
+    /// # Errors
+    /// As [`Checkpoint::read`] and [`Checkpoint::state_for`].
+    pub fn state(&self) -> Result<Option<DescentState>, CheckpointError> {
+        let checkpoint = Checkpoint::read(self.directory.join("checkpoint.json"))?;
+        checkpoint.map(|checkpoint| checkpoint.state_for(&self.settings)).transpose()
+    }
+
+    /// Removes the checkpoint: the next descent begins anew.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn forget(&self) -> io::Result<()> {
+        match std::fs::remove_file(self.directory.join("checkpoint.json")) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes what a descent reports; `fields` on the shape go into its .vtu file.
+    ///
+    /// # Errors
+    /// A file that cannot be written, by name.
+    pub fn write<S, const D: usize>(
+        &self,
+        report: &Report<S, D>,
+        fields: &[(&str, &Field<D>)],
+    ) -> Result<(), Failure> {
+        let (state, mesh) = (report.state, report.mesh);
+        let iteration = state.iterations();
+        let is_nth = iteration.checked_rem(self.every) == Some(0);
+        if is_nth || iteration == 0 || state.finish.is_some() {
+            let mut file = VtuFile::new(mesh);
+            for (name, field) in fields {
+                file = file.point_data(name, field)?;
+            }
+            file.write(self.shape(iteration, "vtu"))?;
+            let text = serde_json::to_string(&state.nodes)?;
+            write_whole(self.shape(iteration, "json"), |file| writeln!(file, "{text}"))?;
+        }
+        let csv = state.csv();
+        write_whole(self.directory.join("history.csv"), |file| file.write_all(csv.as_bytes()))?;
+        let checkpoint = Checkpoint { settings: self.settings.clone(), state: state.clone() };
+        Ok(checkpoint.write(self.directory.join("checkpoint.json"))?)
+    }
+
+    /// The shapes that were written on the way of a descent, with the numbers of their steps.
+    ///
+    /// # Errors
+    /// A file that is not what was written.
+    pub fn shapes<const D: usize>(
+        &self,
+        initial: &Mesh<D>,
+        state: &DescentState,
+    ) -> Result<Vec<(usize, Arc<Mesh<D>>)>, Failure> {
+        let last = state.iterations();
+        let step = if self.every == 0 { last.max(1) } else { self.every };
+        let mut numbers: Vec<usize> = (0..=last).step_by(step).collect();
+        if state.finish.is_some() && numbers.last() != Some(&last) {
+            numbers.push(last);
+        }
+        let mut shapes = Vec::new();
+        for number in numbers {
+            let path = self.shape(number, "json");
+            let named = |why: String| format!("{}: {why}", path.display());
+            let text = std::fs::read_to_string(&path).map_err(|error| named(error.to_string()))?;
+            let nodes: Vec<f64> = serde_json::from_str(&text).map_err(|error| named(error.to_string()))?;
+            let nodes = nodes.chunks_exact(D).map(|node| std::array::from_fn(|k| node[k])).collect();
+            let mesh = initial.with_nodes(nodes).map_err(|error| named(error.to_string()))?;
+            shapes.push((number, Arc::new(mesh)));
+        }
+        Ok(shapes)
+    }
+
+    fn shape(&self, number: usize, extension: &str) -> PathBuf {
+        self.directory.join(format!("shape_{number:04}.{extension}"))
+    }
+}

@@ -1,0 +1,42 @@
+//! Shapes that improve: descent along the derivative of a criterion by the places of a mesh's nodes, with a constraint,
+//! step control, an eye on the cells, and checkpoints. It knows no physics: a [`ShapeProblem`] gives a criterion and its
+//! derivative as a vector over the movements of the nodes, as the residual of `derivative(form, shape, Theta)` is.
+//!
+//! The way of a step: the derivatives become movements of the whole body in an [`InnerProduct`], with parts of the boundary
+//! held; [`Rotations`] keep a pattern of cells the same around a ring; a `Direction` joins the descent of the criterion
+//! with the return to the constraint; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. What it
+//! needs to go on is a [`DescentState`], which a [`Checkpoint`] writes to the last bit,
+//! in the directory of a [`Logbook`] beside the history and every n-th shape.
+
+mod checkpoint;
+mod descent;
+mod direction;
+mod distance;
+mod error;
+mod history;
+mod inner_product;
+mod logbook;
+mod outline;
+#[cfg(feature = "pictures")]
+mod pictures;
+mod problem;
+mod rotations;
+mod smoothing;
+#[cfg(test)]
+mod tests;
+mod volume;
+
+pub use checkpoint::{Checkpoint, CheckpointError};
+pub use descent::{Descent, DescentOptions, Optimised, Report};
+pub use distance::{BoundaryDistance, boundary_distance};
+pub use error::{Failure, ShapeOptimisationError};
+pub use history::{DescentState, Finish, Row, Step};
+pub use inner_product::{InnerProduct, movement_product};
+pub use logbook::Logbook;
+pub use outline::{outline, outline_derivative, outline_form};
+#[cfg(feature = "pictures")]
+pub use pictures::{history_picture, strip};
+pub use problem::{Derivatives, ShapeProblem, Values};
+pub use rotations::Rotations;
+pub use smoothing::smoothed;
+pub use volume::{Volume, measured_volume, volume_form};

@@ -1,0 +1,61 @@
+//! The length (area) of a boundary and its derivative by the shape. At a price it keeps boundaries from becoming rough: without
+//! one a best shape need not exist.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Form, Functional};
+
+use crate::assemble::{Assembler, AssemblyError};
+use crate::forms;
+use crate::mesh::Mesh;
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+
+/// Forms of the measure.
+#[forms(crate = crate)]
+pub mod outline_form {
+    /// The boundary.
+    #[facets]
+    pub struct Outline;
+
+    /// ∫ 1.
+    pub fn measure() -> Functional {
+        integral(Outline, 1)
+    }
+    /// Its derivative by the shape.
+    pub fn gradient(Theta: Test<Vector>) -> Form {
+        derivative(measure(), shape, Theta)
+    }
+}
+
+/// On curved facets the integrand is a root of a polynomial; both integrals take the same points, so that the second is the
+/// derivative of the first.
+fn assembler<const D: usize>(mesh: &Arc<Mesh<D>>) -> Assembler<D> {
+    Assembler::new(mesh).with_quadrature(Quadrature::Degree(4 * mesh.degree()))
+}
+
+/// The measure of a region of facets \[length^(D−1)\].
+///
+/// # Errors
+/// A region that does not exist.
+pub fn outline<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Result<f64, AssemblyError>
+where
+    outline_form::measure::Form<D>: Functional<D>,
+{
+    assembler(mesh).functional(&outline_form::measure(&outline_form::Outline::on(region)), &[])
+}
+
+/// Its derivative by the movement of each node \[length^(D−2)\].
+///
+/// # Errors
+/// A region that does not exist.
+pub fn outline_derivative<const D: usize>(
+    movements: &Arc<Space<D>>,
+    region: &str,
+) -> Result<Vec<f64>, AssemblyError>
+where
+    outline_form::gradient::Form<D>: Form<D>,
+{
+    let form = outline_form::gradient(&outline_form::Outline::on(region));
+    assembler(movements.mesh()).residual(&form, &[], &[movements])
+}

@@ -1,0 +1,77 @@
+//! The volume of a body and its derivative by the shape: the usual constraint.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Form, Functional};
+
+use crate::assemble::{Assembler, AssemblyError};
+use crate::forms;
+use crate::mesh::{EVERYWHERE, Mesh};
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+
+/// Forms of the volume.
+#[forms(crate = crate)]
+pub mod volume_form {
+    /// The body.
+    #[cells]
+    pub struct Omega;
+
+    /// ∫ 1.
+    pub fn measure() -> Functional {
+        integral(Omega, 1)
+    }
+    /// Its derivative by the shape.
+    pub fn gradient(Theta: Test<Vector>) -> Form {
+        derivative(measure(), shape, Theta)
+    }
+}
+
+/// |Ω| \[length^D\], exact for the mesh's cells, curved ones too.
+///
+/// # Errors
+/// As [`Assembler::functional`].
+pub fn measured_volume<const D: usize>(mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
+where
+    volume_form::measure::Form<D>: Functional<D>,
+{
+    exact(mesh).functional(&volume_form::measure(&volume_form::Omega::on(EVERYWHERE)), &[])
+}
+
+/// det J of cells of degree k has degree k D in each direction, at most.
+fn exact<const D: usize>(mesh: &Arc<Mesh<D>>) -> Assembler<D> {
+    Assembler::new(mesh).with_quadrature(Quadrature::Degree(D * mesh.degree()))
+}
+
+/// The constraint (V − V₀)/V₀ = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// V₀ \[length^D\].
+    pub target: f64,
+}
+
+impl Volume {
+    /// (V − V₀)/V₀.
+    ///
+    /// # Errors
+    /// As [`measured_volume`].
+    pub fn value<const D: usize>(&self, mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
+    where
+        volume_form::measure::Form<D>: Functional<D>,
+    {
+        Ok((measured_volume(mesh)? - self.target) / self.target)
+    }
+
+    /// Its derivative by the movement of each node \[1/length\].
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub fn derivative<const D: usize>(&self, movements: &Arc<Space<D>>) -> Result<Vec<f64>, AssemblyError>
+    where
+        volume_form::gradient::Form<D>: Form<D>,
+    {
+        let form = volume_form::gradient(&volume_form::Omega::on(EVERYWHERE));
+        let values = exact(movements.mesh()).residual(&form, &[], &[movements])?;
+        Ok(values.into_iter().map(|value| value / self.target).collect())
+    }
+}
