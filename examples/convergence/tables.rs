@@ -22,8 +22,14 @@ pub fn omega(zones: &[ZoneErrors], length: impl Fn(&ZoneErrors) -> f64) -> Optio
     (2 * positive > zones.len()).then(|| order(&h, &lengths)).flatten()
 }
 
+/// A column's name, and the length it shows.
+pub type LengthColumn = (&'static str, fn(&ZoneErrors) -> f64);
+
+/// A column's name, and the error it shows.
+type ErrorColumn = (&'static str, fn(Relative) -> f64);
+
 /// The three lengths of the contact zone, with their names.
-pub const LENGTHS: [(&str, fn(&ZoneErrors) -> f64); 3] = [
+pub const LENGTHS: [LengthColumn; 3] = [
     ("|Γ^h_C,a ∩ Γ_C,i|", |zone| zone.gained),
     ("|Γ_C,a ∩ Γ^h_C,i|", |zone| zone.lost),
     ("sum", |zone| zone.gained + zone.lost),
@@ -41,7 +47,7 @@ pub fn summary(study: &Study) -> String {
             quantities.iter().map(|(_, errors)| format!("{:.3e}", errors[k].h1)).collect();
         let _ = writeln!(text, "| {} | {:.4} | {} |", row.radial, row.h, cells.join(" | "));
     }
-    let kinds: [(&str, fn(Relative) -> f64); 3] = [
+    let kinds: [ErrorColumn; 3] = [
         ("order", |error| error.h1),
         ("order, semi-norm", |error| error.seminorm),
         ("order, squared ratio as printed", Relative::printed),

@@ -111,7 +111,7 @@ mod tests {
             5e-324,
             9007199254740993.0,
             1.0 / 3.0,
-            2.2250738585072011e-308,
+            2.225_073_858_507_201e-308,
         ];
         let step = Step { factor: 1e-17, trials: 2, longest_move: 0.7, multiplier: -1.1, gradient_norm: 3.3 };
         let row = Row { criterion: 0.3, constraint: None, quality: 0.9, smoothed: false, step: Some(step) };

@@ -24,6 +24,9 @@ const MOST_TRIALS: usize = 25;
 /// The factor of a step, relative to the largest so far, below which it is given up: what ends there does not go on.
 const SMALLEST_FACTOR: f64 = 1e-4;
 
+/// Who is told of the start and each step; an error ends the run.
+pub type Listener<'a, S, const D: usize> = dyn FnMut(&Report<S, D>) -> Result<(), Failure> + 'a;
+
 /// What may be chosen about a descent. Lengths are the mesh's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DescentOptions {
@@ -149,7 +152,7 @@ where
     pub fn run(
         &self,
         from: Option<DescentState>,
-        hear: &mut dyn FnMut(&Report<P::State, D>) -> Result<(), Failure>,
+        hear: &mut Listener<P::State, D>,
     ) -> Result<Optimised<P::State, D>, ShapeOptimisationError> {
         self.options.check()?;
         let goes_on = from.is_some();
