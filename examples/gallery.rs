@@ -37,7 +37,7 @@ const MAKERS: [Maker; 8] = [
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
     },
     Maker {
-        arguments: &["--bin", "hertz_ball"],
+        arguments: &["--bin", "hertz", "--", "ball"],
         pictures: &[
             ("out/hertz_ball.png", "hertz_ball.png"),
             ("out/hertz_ball_surface.png", "hertz_ball_surface.png"),
@@ -45,10 +45,10 @@ const MAKERS: [Maker; 8] = [
         ],
     },
     Maker {
-        arguments: &["--bin", "block_on_sphere"],
+        arguments: &["--bin", "hertz", "--", "block"],
         pictures: &[
-            ("out/block_on_sphere.png", "block_on_sphere.png"),
-            ("out/block_on_sphere_section.png", "block_on_sphere_section.png"),
+            ("out/hertz_block.png", "hertz_block.png"),
+            ("out/hertz_block_section.png", "hertz_block_section.png"),
         ],
     },
     Maker {

@@ -3,6 +3,7 @@
 //! they approach the derivative of J_h ([`crate::shape_gradient`]) as the mesh is refined.
 
 use forms_fem::forms;
+use forms_fem::prelude::Given;
 
 /// Θ moves the boundary; only Θ·n counts. κ is div n. u and p are the displacement and an adjoint state.
 #[forms]
@@ -114,5 +115,23 @@ pub mod boundary_form {
     /// ∫(Θ·n)(M + κ N + ∂_n N) on a free boundary: the part of its derivative without the adjoint state.
     pub fn explicit_on_free(u: State<Vector>, Theta: State<Vector>) -> Functional {
         integral(Free, dot(Theta, n) * explicit(u))
+    }
+}
+
+impl<const D: usize> boundary_form::Data<D> {
+    /// The data of a contact problem, and u_D (imposed) as a function of position near the clamped boundary.
+    pub fn of(data: &crate::forms::Data<D>, imposed: Given<[f64; D], D>) -> Self {
+        Self {
+            lambda: data.lambda,
+            mu: data.mu,
+            gamma0: data.gamma0,
+            obstacle_normal: data.obstacle_normal.clone(),
+            gap: data.gap.clone(),
+            body_force: data.body_force.clone(),
+            traction: data.traction.clone(),
+            criterion_force: data.criterion_force.clone(),
+            criterion_weight: data.criterion_weight.clone(),
+            imposed,
+        }
     }
 }

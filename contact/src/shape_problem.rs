@@ -199,20 +199,8 @@ impl<F> ContactShape<F> {
         if self.gradient == GradientForm::Volume {
             return Ok(problem.shape_gradient(u, &p, Diameters::Moving, None)?.values);
         }
-        let data = &problem.data;
-        let data = boundary_form::Data {
-            lambda: data.lambda,
-            mu: data.mu,
-            gamma0: data.gamma0,
-            obstacle_normal: data.obstacle_normal.clone(),
-            gap: data.gap.clone(),
-            body_force: data.body_force.clone(),
-            traction: data.traction.clone(),
-            criterion_force: data.criterion_force.clone(),
-            criterion_weight: data.criterion_weight.clone(),
-            // A free boundary asks for no imposed displacement.
-            imposed: Given::constant([0.0; D]),
-        };
+        // A free boundary asks for no imposed displacement.
+        let data = boundary_form::Data::of(&problem.data, Given::constant([0.0; D]));
         let free = boundary_form::Free::on(self.moving.clone());
         let form = boundary_form::gradient_on_free(&data, &free, u, &p);
         Ok(problem.assembler.residual(&form, &[], &[movements])?)

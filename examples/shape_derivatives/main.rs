@@ -91,19 +91,8 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
     let discrete = problem.solve_adjoint(Adjoint::Discrete, &u, &mut solver)?.result;
     let consistent = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver)?.result;
     let gradient = problem.shape_gradient(&u, &discrete, Diameters::Moving, None)?;
-    let data = &problem.data;
-    let data = boundary_form::Data {
-        lambda: data.lambda,
-        mu: data.mu,
-        gamma0: data.gamma0,
-        obstacle_normal: data.obstacle_normal.clone(),
-        gap: data.gap.clone(),
-        body_force: data.body_force.clone(),
-        traction: data.traction.clone(),
-        criterion_force: data.criterion_force.clone(),
-        criterion_weight: data.criterion_weight.clone(),
-        imposed: Given::constant(forms_contact::hollow_cylinder::IMPOSED_DISPLACEMENT),
-    };
+    let imposed = Given::constant(forms_contact::hollow_cylinder::IMPOSED_DISPLACEMENT);
+    let data = boundary_form::Data::of(&problem.data, imposed);
     let assembler = &problem.assembler;
     let mut all = Vec::new();
     for (piece, _) in PIECES {

@@ -21,7 +21,7 @@ pub struct Options {
     /// Rows of holes
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub rows: usize,
-    /// Radius of a hole [cm]
+    /// Radius of a hole (cm)
     #[arg(long, value_name = "R", default_value_t = 2.0)]
     pub hole_radius: f64,
     /// Cells along a side of a sector of the ring, a quarter of a hole; a tenth of the cantilever's length
@@ -34,13 +34,13 @@ pub struct Options {
     /// keeps it smooth [default: 0.8 for figure-6, 0.3 for even-pressure, 0.1 for cantilever]
     #[arg(long, value_name = "P")]
     outline_price: Option<f64>,
-    /// Waves of the moving boundary that are shorter than this move less [cm]
+    /// Waves of the moving boundary that are shorter than this move less (cm)
     #[arg(long, value_name = "L", default_value_t = 2.0)]
     pub smoothing: f64,
     /// Steps, at most
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub steps: usize,
-    /// The longest way of a node in a step [cm]
+    /// The longest way of a node in a step (cm)
     #[arg(long, value_name = "L", default_value_t = 0.2)]
     pub longest_move: f64,
     /// The derivative, relative to the first, at which a shape is called optimal

@@ -1,55 +1,41 @@
-//! Contact with a curved obstacle: a block is pressed onto a rigid ball. The obstacle is its signed distance: the gap
-//! g and the direction n_y into the obstacle follow x.
+//! Contact in space: a ball is pressed onto a rigid flat, or a block onto a rigid ball. The block's obstacle is its signed
+//! distance: the gap g and the direction n_y into the obstacle follow x.
 //!
-//! For small radii of contact the answer is Hertz's (see `hertz_ball`): a³ = 3PR/4E′, p0 √(1 − r²/a²).
+//! Hertz (1882): the radius of contact a with a³ = 3PR/4E′, E′ = E/(1−ν²), the pressure p0 √(1 − r²/a²) with
+//! p0 = 3P/(2πa²). The ball's mesh has curved hexahedra whose lower faces lie on it.
 //!
-//! Run it with `cargo run --release --bin block_on_sphere`.
+//! Run it with `cargo run --release --bin hertz -- ball` or `-- block`.
+
+mod bodies;
 
 use std::error::Error;
 
+use clap::Parser;
 use forms_contact::forms;
 use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::threshold;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::prelude::*;
 
+use bodies::{Body, RADIUS, WIDTH, graded};
+
 const YOUNG: f64 = 200.0; // MPa
 const POISSON: f64 = 0.3;
-const RADIUS: f64 = 8.0; // mm
-const WIDTH: f64 = 4.0; // mm, of the quarter
 const PUSH: f64 = 0.05; // mm
 const DIVISIONS: usize = 12; // cells in each direction
 
-/// Three quarters of the cells lie within 0.18 of the way, of equal size: the contact is among them. The others grow.
-fn graded(t: f64) -> f64 {
-    let (near, slope) = (0.75, 0.24);
-    let rest = (1.0 - slope) / (1.0_f64 - near).powi(2);
-    slope * t + rest * (t - near).max(0.0).powi(2)
-}
-
-/// The lower boundary.
-fn surface(_: f64, _: f64) -> f64 {
-    0.0
-}
-
-/// A quarter of the block.
-fn body([s, t, w]: [f64; 3]) -> [f64; 3] {
-    [WIDTH * graded(s), WIDTH * graded(t), WIDTH * graded(w)]
-}
-
-/// The distance to the rigid ball around (0, 0, −R), and the unit vector towards its centre.
-fn distance(x: &[f64; 3]) -> (f64, [f64; 3]) {
-    let from_centre = [x[0], x[1], x[2] + RADIUS];
-    let length = from_centre.iter().map(|v| v * v).sum::<f64>().sqrt();
-    (length - RADIUS, from_centre.map(|v| -v / length))
+/// Presses an elastic body onto a rigid obstacle and compares the pressure with Hertz's.
+#[derive(Parser)]
+#[command(version, name = "hertz")]
+struct Options {
+    /// What is pressed onto what
+    body: Body,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let obstacle: Vec<[f64; 2]> = (0..=60)
-        .map(|k| f64::from(k) / 60.0 * 0.65)
-        .map(|angle| [RADIUS * angle.sin(), RADIUS * angle.cos() - RADIUS])
-        .collect();
-    let mut mesh = forms_fem::mesh::structured([DIVISIONS; 3], CellShape::Hexahedron, 2, body)?;
+    let body = Options::parse().body;
+    let mut mesh =
+        forms_fem::mesh::structured([DIVISIONS; 3], CellShape::Hexahedron, 2, |point| body.map(point))?;
     mesh.name_facets("contact", "bottom", |centre| centre[0].max(centre[1]) < 0.75)?;
     mesh.name_cells_of_facets("contact cells", "contact")?;
     let mesh = Arc::new(mesh);
@@ -59,14 +45,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     constraints.fix_component("front", 1, |_| 0.0)?;
     constraints.fix_component("top", 2, |_| -PUSH)?;
 
+    let (obstacle_normal, gap) = body.obstacle();
     let data = forms::Data {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
         mu: YOUNG / (2.0 * (1.0 + POISSON)),
         theta: -1.0,
         gamma0: 10.0 * YOUNG,
         extension: 0.0,
-        obstacle_normal: Given::function(|x: &[f64; 3]| distance(x).1),
-        gap: Given::function(|x: &[f64; 3]| distance(x).0),
+        obstacle_normal,
+        gap,
         body_force: Given::constant([0.0; 3]),
         traction: Given::constant([0.0; 3]),
         criterion_force: Given::constant([0.0; 3]),
@@ -109,6 +96,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("pressure profile: {:.2} % from Hertz in the L² norm", 100.0 * error);
 
     std::fs::create_dir_all("out")?;
+    let picture = |part: &str| format!("out/{}{part}.png", body.name());
     // Along the x axis, at the nodes.
     let scalars = Space::scalar(&mesh, 2)?;
     let on_body = assembler.at_facet_nodes(&pressure, "contact", &scalars)?;
@@ -116,35 +104,36 @@ fn main() -> Result<(), Box<dyn Error>> {
         .positions()
         .iter()
         .enumerate()
-        .filter(|(_, [x, y, z])| *y == 0.0 && (z - surface(*x, 0.0)).abs() < 1e-9 && *x < 1.2 * a);
+        .filter(|(_, [x, y, z])| *y == 0.0 && (z - body.surface(*x, 0.0)).abs() < 1e-9 && *x < 1.2 * a);
     let mut samples: Vec<[f64; 2]> = along.map(|(node, x)| [x[0], on_body.at_node(node)[0]]).collect();
     samples.sort_by(|one, other| one[0].total_cmp(&other[0]));
     let [radii, values] = [0, 1].map(|k| samples.iter().map(|sample| sample[k]).collect::<Vec<_>>());
     let line: Vec<f64> = (0..=200).map(|k| 1.2 * a * f64::from(k) / 200.0).collect();
     LinePlot::new()
-        .title("A block on a rigid ball")
+        .title(body.title())
         .x_axis("distance from the axis [mm]", Scale::Linear)
         .y_axis("contact pressure [MPa]", Scale::Linear)
         .curve(Curve::new("Hertz", &line, &line.iter().map(|r| hertz(*r)).collect::<Vec<_>>()))
         .curve(Curve::new("computed, at nodes", &radii, &values).dashed())
-        .write_png("out/block_on_sphere.png")?;
+        .write_png(picture(""))?;
 
     // Seen from below: the pressure on the deformed surface's plan.
     let flat = |[s, t]: [f64; 2]| [WIDTH * graded(s), WIDTH * graded(t)];
     let plan = Arc::new(forms_fem::mesh::structured([DIVISIONS; 2], CellShape::Quadrilateral, 2, flat)?);
     let plan_space = Space::scalar(&plan, 2)?;
-    let below = plan_space.positions().iter().map(|x| on_body.evaluate(&[x[0], x[1], surface(x[0], x[1])]));
+    let below =
+        plan_space.positions().iter().map(|x| on_body.evaluate(&[x[0], x[1], body.surface(x[0], x[1])]));
     let below = below.collect::<Result<Vec<_>, _>>()?.concat();
     let below = Field::from_values(&plan_space, below)?;
     FieldMap::of(&below, Shown::Component(0), "contact pressure [MPa]")
         .length_unit("mm")
         .title("Contact pressure from below, a quarter")
         .window([0.0, 0.9], [0.0, 0.9])
-        .write_png("out/block_on_sphere_surface.png")?;
+        .write_png(picture("_surface"))?;
 
     // The plane of symmetry y = 0, deformed, each displacement as large as it is.
     let section = |[s, w]: [f64; 2]| {
-        let [x, _, z] = body([s, 0.0, w]);
+        let [x, _, z] = body.map([s, 0.0, w]);
         [x, z]
     };
     let section =
@@ -152,13 +141,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let section_space = Space::vector(&section, 2)?;
     let cut = section_space.positions().iter().map(|x| u.evaluate(&[x[0], 0.0, x[1]]).map(|u| [u[0], u[2]]));
     let cut = Field::from_values(&section_space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;
+    let (outline, obstacle) = body.outline();
     FieldMap::of(&cut, Shown::Component(1), "u_{z} [mm]")
         .length_unit("mm")
         .title("The plane y = 0")
         .deformed(&cut, 1.0)
         .undeformed_outline("before")
-        .line(&obstacle, "ball", Colour::BLACK)
-        .write_png("out/block_on_sphere_section.png")?;
+        .line(&outline, obstacle, Colour::BLACK)
+        .write_png(picture("_section"))?;
 
     assert!(error < 0.02, "the pressure profile is {error} from Hertz");
     Ok(())
