@@ -6,7 +6,7 @@ use forms_contact::hollow_cylinder::OUTER_RADIUS;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Marker, Panel, Picture, Scale};
 
 use crate::Outcome;
-use crate::study::{MeshErrors, Relative, Study, envelope};
+use crate::study::{Relative, Study, envelope};
 use crate::tables::{LENGTHS, file_name, omega, signed};
 
 /// Half of the width of the window about an end of the contact zone, in cells of the mesh that is shown.
@@ -117,24 +117,14 @@ fn contact_zone(study: &Study) -> LinePlot {
     plot
 }
 
-fn finest(study: &Study) -> Outcome<&MeshErrors> {
-    Ok(study.whole.errors.last().ok_or("no mesh was compared")?)
-}
-
 /// |p_h − p_ref| on the finest of the meshes: the whole body, and about the right end of the contact zone.
 fn error_map(study: &Study) -> Outcome<Panel> {
-    let (finest, reference) = (finest(study)?, &study.reference_consistent);
+    let finest = study.finest()?;
     let p = &finest.adjoint;
     let mesh = p.space().mesh();
-    let locator = reference.space().locator();
     let difference = |cell: usize, point: &[f64; 2]| {
         let (position, _) = mesh.map(cell, point);
-        // A point that is not found becomes NaN, which the picture reports with its cell.
-        let found = locator.find_nearest(&position, mesh.diameter(cell));
-        let there =
-            found.map_or(vec![f64::NAN; 2], |found| reference.evaluate_in(found.cell, &found.reference));
-        let [x, y] = [0, 1].map(|k| p.evaluate_in(cell, point)[k] - there[k]);
-        x.hypot(y)
+        study.adjoint_difference(finest, &position, &p.evaluate_in(cell, point))
     };
     let map = |title: &str| {
         FieldMap::cell_by_cell(mesh, difference, "|p_{h} − p_{ref}| [N cm^{2}/MPa]")

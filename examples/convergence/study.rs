@@ -191,6 +191,20 @@ impl Study {
         all
     }
 
+    /// The finest of the meshes whose errors are measured.
+    pub fn finest(&self) -> Outcome<&MeshErrors> {
+        Ok(self.whole.errors.last().ok_or("no mesh was compared")?)
+    }
+
+    /// |p_h − p_ref| where p_h has a value on a mesh; NaN at a point that is not found in the reference, which pictures
+    /// report.
+    pub fn adjoint_difference(&self, mesh: &MeshErrors, position: &[f64; 2], p: &[f64]) -> f64 {
+        let reference = &self.reference_consistent;
+        let found = reference.space().locator().find_nearest(position, mesh.h);
+        let there = found.map(|found| reference.evaluate_in(found.cell, &found.reference));
+        there.map_or(f64::NAN, |there| (p[0] - there[0]).hypot(p[1] - there[1]))
+    }
+
     /// h of the meshes whose errors are measured.
     pub fn widths(&self) -> Vec<f64> {
         self.whole.errors.iter().map(|row| row.h).collect()

@@ -120,6 +120,7 @@ pub fn write_all(study: &Study, directory: &Path) -> Outcome<Vec<PathBuf>> {
         ("figure_4_right", errors(study, &named(&|name| name == "p_h (22)" || name.contains("(41)")))),
         ("figure_5", errors(study, &named(&|name| !name.contains("(41)")))),
     ];
+    files.push(("figure_4_left", error_map(study)?));
     if let Some(split) = &study.split {
         files.push(("split_facets", zones(split)));
     }
@@ -158,6 +159,18 @@ fn errors(study: &Study, quantities: &[&(String, Vec<Relative>)]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// |p_h − p_ref| at the nodes of the finest of the meshes.
+fn error_map(study: &Study) -> Outcome<String> {
+    let finest = study.finest()?;
+    let mut text = "x [cm],y [cm],|p_h - p_ref| [N cm^2/MPa]\n".to_owned();
+    for (node, position) in finest.adjoint.space().positions().iter().enumerate() {
+        let here = finest.adjoint.at_node(node);
+        let difference = study.adjoint_difference(finest, position, here);
+        let _ = writeln!(text, "{},{},{difference:e}", position[0], position[1]);
+    }
+    Ok(text)
 }
 
 /// Lengths and Newton steps by mesh.

@@ -41,6 +41,19 @@ fn figures_stand_beside_their_tables() {
     for column in [2, 5, 8] {
         assert!(rows[1][column] < rows[0][column], "{rows:?}");
     }
+    // The map's numbers: at each node of the finest mesh, largest somewhere on the contact boundary or near it.
+    let map = read(&results.join("figure_4_left_theta_-1.csv"));
+    let numbers: Vec<f64> = map
+        .lines()
+        .skip(1)
+        .map(|line| line.rsplit(',').next().expect("a column").parse().expect("a number"))
+        .collect();
+    // Q2 on 4 × 64 cells.
+    assert_eq!(numbers.len(), 9 * 128);
+    assert!(
+        numbers.iter().all(|value| value.is_finite() && *value >= 0.0)
+            && numbers.iter().any(|value| *value > 0.0)
+    );
     // Contact zones are found inside facets: no length is a multiple of a quadrature point's share.
     let zones = read(&results.join("figure_3_right_theta_-1.csv"));
     assert_eq!(zones.lines().count(), 4, "{zones}");
