@@ -193,6 +193,11 @@ pub trait Form<const D: usize> {
     }
     /// Walks the integrals of the residual.
     fn residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+    /// Walks the same residual with one integral for all that [`Dependence`] keeps apart on a region where several
+    /// integrals depend on the unknowns: each facet is visited once. Their degree is that of the highest.
+    fn whole_residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+        self.residual(visitor)
+    }
     /// Walks the integrals of the tangent; those of [`Dependence::Constant`] do not appear.
     fn tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
     /// Walks the integrals of the tangent applied to a direction, ∂R/∂u (u; v) w: as those of a residual, with kernels that

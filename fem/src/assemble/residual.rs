@@ -55,7 +55,12 @@ impl<const D: usize> Assembler<D> {
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
         let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
-        self.linear_integrals(binding, tests, parts, |visitor| form.residual(visitor))
+        // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
+        let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
+        self.linear_integrals(binding, tests, parts, |visitor| match whole {
+            true => form.whole_residual(visitor),
+            false => form.residual(visitor),
+        })
     }
 
     /// The sum of the integrals that a form hands to the visitor.

@@ -176,6 +176,15 @@ impl<const D: usize> QuadratureRule<D> {
 const ROUND_OFF: f64 = 1e-12;
 
 impl<const D: usize> Quadrature<D> {
+    /// Whether integrals over the same entities may have different rules, as the compiler estimates their degrees.
+    pub(crate) fn follows_estimates(&self) -> bool {
+        match self {
+            Quadrature::Estimated => true,
+            Quadrature::Degree(_) | Quadrature::Explicit { .. } => false,
+            Quadrature::Split { whole, .. } => whole.follows_estimates(),
+        }
+    }
+
     /// The rule on cells; `estimated` is the degree that [`Quadrature::Estimated`] stands for.
     ///
     /// # Errors

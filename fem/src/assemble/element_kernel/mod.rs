@@ -135,7 +135,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         form.tangent(&mut prepare)?;
         let tangent = prepare.found;
         let mut prepare = Prepare { tables: &tables, form: &form, quadrature, found: vec![] };
-        form.residual(&mut prepare)?;
+        form.whole_residual(&mut prepare)?;
         let residual = prepare.found;
         (tables.tangent, tables.residual) = (tangent, residual);
         let (fixed_tangent, fixed_residual) = if S::FIXED {
@@ -209,7 +209,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             target: target(form.name(), vectors, cells.count * tables.layout.rows.len())?,
             index: 0,
         };
-        form.residual(&mut run)?;
+        form.whole_residual(&mut run)?;
         if run.index == 0 {
             run.target.fill(0.0);
         }

@@ -21,7 +21,11 @@ impl Dump {
         for scalar in graph.reachable(&roots(optimised)) {
             self.text += &format!("  s{} = {}\n", scalar.0, node(graph, scalar, fields));
         }
-        for (what, integrals) in [("residual", &optimised.residual), ("action", &optimised.action)] {
+        for (what, integrals) in [
+            ("residual", &optimised.residual),
+            ("whole residual", &optimised.joined),
+            ("action", &optimised.action),
+        ] {
             for integral in integrals {
                 self.text += &format!(
                     "{what} {}, tested by {}\n{}",
@@ -52,7 +56,7 @@ impl Dump {
 
 fn roots(optimised: &Optimised) -> Vec<Scalar> {
     let mut roots: Vec<Scalar> = Vec::new();
-    for integral in optimised.residual.iter().chain(&optimised.action) {
+    for integral in optimised.residual.iter().chain(&optimised.joined).chain(&optimised.action) {
         roots.extend(integral.flux.values());
     }
     for integral in &optimised.tangent {

@@ -194,7 +194,8 @@ fn implementation(
 ) -> TokenStream {
     let kernels_name = format_ident!("kernels_{dimension}");
     let mut kernels = TokenStream::new();
-    let [mut residual, mut tangent, mut action, mut switches, mut density] = [const { Vec::new() }; 5];
+    let [mut residual, mut whole, mut tangent, mut action, mut switches, mut density] =
+        [const { Vec::new() }; 6];
     let mut value = None;
     let mut fields = fields_of(module, function, dimension);
     if let Some(mut optimised) = optimised {
@@ -206,9 +207,11 @@ fn implementation(
         let visit = |description: TokenStream, kernel: &Ident| {
             quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters, &self.inputs.tables))?; }
         };
-        for (list, integrals, prefix) in
-            [(&mut residual, &optimised.residual, "Residual"), (&mut action, &optimised.action, "Action")]
-        {
+        for (list, integrals, prefix) in [
+            (&mut residual, &optimised.residual, "Residual"),
+            (&mut whole, &optimised.joined, "Joined"),
+            (&mut action, &optimised.action, "Action"),
+        ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
                 kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
@@ -216,6 +219,12 @@ fn implementation(
                 let description = describe(&integral.description, used, arguments, false);
                 list.push(visit(description, &kernel));
             }
+        }
+        if !whole.is_empty() {
+            let joined = |region: usize| optimised.joined.iter().any(|one| one.description.region == region);
+            let apart = optimised.residual.iter().zip(&residual);
+            let apart = apart.filter(|(integral, _)| !joined(integral.description.region));
+            whole.extend(apart.map(|(_, visit)| visit.clone()));
         }
         for (index, integral) in optimised.tangent.iter().enumerate() {
             let kernel = format_ident!("Tangent{index}");
@@ -244,6 +253,14 @@ fn implementation(
         }
     }
     let common = common_methods(function, &fields, dimension);
+    let whole = (!whole.is_empty()).then(|| {
+        quote! {
+            fn whole_residual<V: contract::LinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                #(#whole)*
+                Ok(())
+            }
+        }
+    });
     let traits = match function.output {
         Output::Value(rank) => {
             let shape = rank.shape(dimension);
@@ -275,6 +292,7 @@ fn implementation(
                         #(#residual)*
                         Ok(())
                     }
+                    #whole
                     fn tangent<V: contract::BilinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
                         #(#tangent)*
                         Ok(())

@@ -14,6 +14,11 @@ pub struct SidedField {
 }
 
 impl SidedField {
+    /// A field on both sides of an interior facet; elsewhere it stands on this side alone.
+    pub fn on_sides(field: usize) -> [SidedField; 2] {
+        [Side::This, Side::Other].map(|side| SidedField { field, side })
+    }
+
     /// Is the node a component of this function, or a derivative of one?
     pub fn owns(self, node: &Node) -> bool {
         matches!(node, Node::Field { field, side, .. } if *field == self.field && *side == self.side)

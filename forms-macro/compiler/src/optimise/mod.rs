@@ -16,6 +16,7 @@ pub use polynomial::equal as equal_scalars;
 pub mod scalar;
 pub mod scalarise;
 pub mod straight_line;
+mod whole;
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -38,6 +39,8 @@ pub struct Optimised {
     pub graph: Graph,
     pub fields: Vec<FieldInfo>,
     pub residual: Vec<LinearIntegral>,
+    /// On regions where several integrals of the residual depend on the unknowns, all of them as one.
+    pub joined: Vec<LinearIntegral>,
     pub tangent: Vec<BilinearIntegral>,
     /// The tangent applied to a direction: the trial functions are fields as others are.
     pub action: Vec<LinearIntegral>,
@@ -127,12 +130,14 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         graph: Graph::default(),
         value: value.map(|value| (scalariser.components(value), arena.shape(value).to_vec())),
         residual: vec![],
+        joined: vec![],
         tangent: vec![],
         action: vec![],
         switches: vec![],
         density: densities(&density, &mut scalariser, &mut degrees),
         fields,
     };
+    let wholes = whole::densities(&groups, &planned.fields, scalariser.graph);
     for group in groups {
         let switches = switches(&group, &arena, &mut scalariser, &planned.fields);
         let result = plan_group(group, from_energy, scalariser.graph, &entities, &mut planned);
@@ -142,6 +147,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         result.map_err(Failure::NotLinear)?;
         planned.switches.extend(switches);
     }
+    whole::plan(wholes, &mut graph, &mut planned).map_err(Failure::NotLinear)?;
     planned.graph = graph;
     if planned.graph.exhausted { Err(Failure::TooLarge) } else { Ok(planned) }
 }
@@ -273,12 +279,7 @@ fn plan_group(
 ) -> Result<(), String> {
     let fields = &planned.fields;
     let setting = Setting { dimension: planned.dimension, fields, entities };
-    let on_sides = |field: usize| [Side::This, Side::Other].map(|side| SidedField { field, side });
-    let tests: Vec<SidedField> = (0..fields.len())
-        .filter(|field| matches!(fields[*field].role, FieldRole::Test(_)))
-        .flat_map(on_sides)
-        .filter(|test| graph.depends(group.density, |node| test.owns(node)))
-        .collect();
+    let tests = tests(fields, group.density, graph);
     for test in tests.iter().copied() {
         // What is linear in several functions is a sum; each takes its own share.
         let others: Vec<SidedField> = tests.iter().copied().filter(|other| *other != test).collect();
@@ -294,7 +295,7 @@ fn plan_group(
         planned.action.extend(linear_integral(graph, description, test, &flux));
         for (trial, derivative) in &group.tangent {
             let derivative = without(graph, *derivative, &others);
-            let [this, other] = on_sides(*trial);
+            let [this, other] = SidedField::on_sides(*trial);
             for (trial, rest) in [(this, other), (other, this)] {
                 let density = without(graph, derivative, &[rest]);
                 let [first, second] = [test, trial].map(|function| &fields[function.field]);
@@ -319,6 +320,15 @@ fn plan_group(
         }
     }
     Ok(())
+}
+
+/// The test functions that a density holds, on the sides on which they stand.
+fn tests(fields: &[FieldInfo], density: Scalar, graph: &Graph) -> Vec<SidedField> {
+    (0..fields.len())
+        .filter(|field| matches!(fields[*field].role, FieldRole::Test(_)))
+        .flat_map(SidedField::on_sides)
+        .filter(|test| graph.depends(density, |node| test.owns(node)))
+        .collect()
 }
 
 /// With common factors taken out of the coefficients; `None` if there are none.

@@ -238,18 +238,26 @@ impl Comparison<'_> {
         tally: &mut Tally,
     ) -> Result<(), Difference> {
         let node = &self.nodes[0];
-        let mut found = vec![0.0; test.components];
-        for integral in self.on(&self.emitted.residual, region) {
-            if integral.test == (test.number, test.side) {
-                let block = linear(&integral.kernel, points, node);
-                found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
-            }
-        }
         let reference = |at: &Evaluator, point: usize| {
             at.residual(region, (test.field, test.side, &combination(&node[point], &test.coefficients)))
         };
-        let what = format!("residual {}, {:?}", test.number, test.side);
-        self.near(&what, dot(&found, &test.coefficients), points, reference, tally)
+        for (name, integrals) in
+            [("residual", &self.emitted.residual), ("whole residual", &self.emitted.whole_residual)]
+        {
+            if integrals.is_empty() && name == "whole residual" {
+                continue;
+            }
+            let mut found = vec![0.0; test.components];
+            for integral in self.on(integrals, region) {
+                if integral.test == (test.number, test.side) {
+                    let block = linear(&integral.kernel, points, node);
+                    found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
+                }
+            }
+            let what = format!("{name} {}, {:?}", test.number, test.side);
+            self.near(&what, dot(&found, &test.coefficients), points, reference, tally)?;
+        }
+        Ok(())
     }
 
     fn tangent(

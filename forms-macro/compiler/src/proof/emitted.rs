@@ -17,6 +17,8 @@ pub struct Function {
     /// Types of the constructor's arguments that are plain names.
     pub argument_types: Vec<String>,
     pub residual: Vec<Integral>,
+    /// Empty where it would be the residual's.
+    pub whole_residual: Vec<Integral>,
     pub tangent: Vec<Integral>,
     pub action: Vec<Integral>,
     /// The index of each unknown's direction among the fields.
@@ -156,6 +158,7 @@ fn read_function(module: &ItemMod) -> Function {
             let ImplItem::Fn(method) = item else { continue };
             let list = match method.sig.ident.to_string().as_str() {
                 "residual" => &mut function.residual,
+                "whole_residual" => &mut function.whole_residual,
                 "tangent" => &mut function.tangent,
                 "action" => &mut function.action,
                 "fields" => {
