@@ -1,6 +1,7 @@
 //! Constraints of a space: unknowns that are prescribed, and unknowns that are given by others.
 
 mod equations;
+mod error;
 mod mean_value;
 mod periodic;
 mod rigid_body;
@@ -10,12 +11,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 pub use equations::Relation;
+pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
 pub use periodic::RigidMap;
-use thiserror::Error;
 
-use crate::mesh::MeshError;
-use crate::space::{Family, Space};
+use crate::space::Space;
 
 /// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding,
 /// periodic conditions, rigid bodies, mean values).
@@ -29,163 +29,6 @@ pub struct Constraints<const D: usize> {
     origins: BTreeMap<usize, Arc<str>>,
     // The relations that use a free unknown.
     users: HashMap<usize, BTreeSet<usize>>,
-}
-
-/// Why a condition is refused. The constraints stay as they were.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum ConstraintsError {
-    /// No such region.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// The value has another number of components than the space.
-    #[error("{place}: the space has {space} components, but the prescribed value has {value}")]
-    Components {
-        /// The region.
-        place: String,
-        /// Components of the space.
-        space: usize,
-        /// Components of the value.
-        value: usize,
-    },
-    /// No such component.
-    #[error("{place}: there is no component {component}; the space has {components} (numbered from 0)")]
-    Component {
-        /// The region or node.
-        place: String,
-        /// The component asked for.
-        component: usize,
-        /// Components of the space.
-        components: usize,
-    },
-    /// The region has no nodes of the space: nothing would be prescribed.
-    #[error("{place} has no nodes of the space, which has Lagrange elements of degree {degree} {family}")]
-    NoNodes {
-        /// The region.
-        place: String,
-        /// Degree of the space.
-        degree: usize,
-        /// Family of the space.
-        family: Family,
-    },
-    /// No node is near a point that is not finite.
-    #[error("there is no node nearest to {point:?}")]
-    NoNearest {
-        /// The point.
-        point: Vec<f64>,
-    },
-    /// No such node.
-    #[error("there is no node {node}; the space has {count} (numbered from 0)")]
-    Node {
-        /// The node asked for.
-        node: usize,
-        /// Nodes of the space.
-        count: usize,
-    },
-    /// A prescribed value is NaN or infinite.
-    #[error("{place}: the value prescribed for component {component} at {position:?} is not finite: {value}")]
-    NotFinite {
-        /// The region or node.
-        place: String,
-        /// Component.
-        component: usize,
-        /// Position of the node.
-        position: Vec<f64>,
-        /// The value.
-        value: f64,
-    },
-    /// The unknown is prescribed already, with another value.
-    #[error(
-        "{place}: component {component} at {position:?} is prescribed as {value}, but as {earlier} before"
-    )]
-    Conflict {
-        /// The region or node.
-        place: String,
-        /// Component.
-        component: usize,
-        /// Position of the node.
-        position: Vec<f64>,
-        /// The new value.
-        value: f64,
-        /// The earlier value.
-        earlier: f64,
-    },
-    /// Together with earlier conditions it has no solution.
-    #[error("{place} contradicts {earlier} at node {node}, {position:?}: they differ by {difference}")]
-    Contradiction {
-        /// The regions or node.
-        place: String,
-        /// The earlier condition.
-        earlier: String,
-        /// The node.
-        node: usize,
-        /// Its position.
-        position: Vec<f64>,
-        /// What the earlier conditions leave of the right-hand side.
-        difference: f64,
-    },
-    /// A direction without a length.
-    #[error("{place}: the normal at {position:?} is {normal:?}")]
-    Normal {
-        /// The region.
-        place: String,
-        /// Position of the node.
-        position: Vec<f64>,
-        /// The normal.
-        normal: Vec<f64>,
-    },
-    /// A periodic node whose image is no node.
-    #[error(
-        "node {node} of the region \"{region}\", at {position:?}, has no partner on \"{other}\"; the nearest is \
-         {distance:e} away from where it should be"
-    )]
-    NoPartner {
-        /// The node's region.
-        region: String,
-        /// The region searched.
-        other: String,
-        /// The node.
-        node: usize,
-        /// Its position.
-        position: Vec<f64>,
-        /// Distance between its image and the nearest node \[length\].
-        distance: f64,
-    },
-    /// A sum of no unknowns, or of too many.
-    #[error("{name}: {count} unknowns are related; one at least and {most} at most can be")]
-    Terms {
-        /// The condition.
-        name: String,
-        /// Unknowns in it.
-        count: usize,
-        /// The largest number.
-        most: usize,
-    },
-    /// No such unknown.
-    #[error("{name}: there is no unknown {unknown}; the space has {count} (numbered from 0)")]
-    Unknown {
-        /// The condition.
-        name: String,
-        /// The unknown asked for.
-        unknown: usize,
-        /// Unknowns of the space.
-        count: usize,
-    },
-    /// A coefficient or value of a sum is NaN or infinite.
-    #[error("{name}: a coefficient or the value is not finite: {number}")]
-    SumNotFinite {
-        /// The condition.
-        name: String,
-        /// The number.
-        number: f64,
-    },
-    /// The basis functions could not be integrated.
-    #[error("{place}: {why}")]
-    Integral {
-        /// The condition.
-        place: String,
-        /// What assembly said.
-        why: String,
-    },
 }
 
 // Two formulas for one value may differ by round-off, relative to the largest value prescribed.
