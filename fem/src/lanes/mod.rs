@@ -9,6 +9,8 @@
 
 #[cfg(target_arch = "x86_64")]
 mod logarithm;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -28,6 +30,8 @@ pub(crate) const WIDEST: usize = 8;
 pub enum InstructionSet {
     /// One cell at a time, on any machine.
     Plain,
+    /// Four cells at a time: NEON (AArch64).
+    Neon,
     /// Four cells at a time: AVX2 with fused multiply-add (x86-64).
     Avx2,
     /// Eight cells at a time: AVX-512 F, DQ and VL (x86-64).
@@ -80,6 +84,7 @@ pub(crate) trait SimdLane: Lane {
     /// When a place is out of range.
     #[inline(always)]
     fn gather_from<const COUNT: usize>(values: &[f64], starts: &Starts, offset: usize) -> [Self; COUNT] {
+        assert!(starts.largest < values.len() && offset + COUNT <= values.len() - starts.largest);
         let mut places = starts.places;
         for lane in 0..Self::WIDTH {
             places[lane] += offset;
@@ -192,22 +197,20 @@ impl InstructionSet {
     /// The best set of this machine; found once.
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
-        *BEST.get_or_init(|| {
-            let sets = [InstructionSet::Avx512, InstructionSet::Avx2];
-            sets.into_iter().find(|set| set.is_available()).unwrap_or(InstructionSet::Plain)
-        })
+        *BEST.get_or_init(|| Self::available().into_iter().next_back().unwrap_or(InstructionSet::Plain))
     }
 
-    /// Those of this machine, the plain one first.
+    /// Those of this machine, from the plain one to the best.
     pub fn available() -> Vec<Self> {
-        let sets = [InstructionSet::Plain, InstructionSet::Avx2, InstructionSet::Avx512];
-        sets.into_iter().filter(|set| set.is_available()).collect()
+        use InstructionSet::{Avx2, Avx512, Neon, Plain};
+        [Plain, Neon, Avx2, Avx512].into_iter().filter(|set| set.is_available()).collect()
     }
 
     /// Whether this machine has it.
     pub fn is_available(self) -> bool {
         match self {
             InstructionSet::Plain => true,
+            InstructionSet::Neon => cfg!(target_arch = "aarch64"),
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 => x86::has_avx2(),
             #[cfg(target_arch = "x86_64")]
@@ -221,7 +224,7 @@ impl InstructionSet {
     pub fn width(self) -> usize {
         match self {
             InstructionSet::Plain => 1,
-            InstructionSet::Avx2 => 4,
+            InstructionSet::Neon | InstructionSet::Avx2 => 4,
             InstructionSet::Avx512 => 8,
         }
     }
@@ -247,6 +250,8 @@ impl Checked {
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 => unsafe { x86::run_avx2(work) },
+            #[cfg(target_arch = "aarch64")]
+            InstructionSet::Neon => neon::run_neon(work),
             _ => work.run::<f64>(),
         }
     }
@@ -256,6 +261,7 @@ impl fmt::Display for InstructionSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             InstructionSet::Plain => "plain",
+            InstructionSet::Neon => "NEON",
             InstructionSet::Avx2 => "AVX2",
             InstructionSet::Avx512 => "AVX-512",
         })
