@@ -74,13 +74,19 @@ fn derivative(coefficients: &[f64]) -> Vec<f64> {
     coefficients.iter().enumerate().skip(1).map(|(power, coefficient)| power as f64 * coefficient).collect()
 }
 
-/// Sign changes in (−1, 1): one at most between neighbouring extrema.
+/// A value at an extremum below this part of the coefficients' sum is rounding: the polynomial touches zero there.
+const TOUCHING: f64 = 1e-14;
+
+/// Sign changes in (−1, 1): one at most between neighbouring extrema. Where the polynomial only touches zero, its sign is
+/// that of rounding, and there is no end of an interval.
 fn changes(coefficients: &[f64]) -> Vec<f64> {
     if coefficients.len() < 2 {
         return vec![];
     }
-    let mut ends = vec![-1.0];
-    ends.extend(changes(&derivative(coefficients)));
+    let scale: f64 = coefficients.iter().map(|coefficient| coefficient.abs()).sum();
+    let mut ends = changes(&derivative(coefficients));
+    ends.retain(|t| value(coefficients, *t).abs() > TOUCHING * scale);
+    ends.insert(0, -1.0);
     ends.push(1.0);
     let positive = |t: f64| value(coefficients, t) > 0.0;
     let between = |pair: &[f64]| {
@@ -116,7 +122,10 @@ mod tests {
             assert!((found - root).abs() < 1e-11, "{all:?}");
         }
         // A double root is no change of sign, a triple one is one.
-        assert_eq!(found(2, |s| (s - 0.25) * (s - 0.25)), Vec::<f64>::new());
+        for root in [0.25, 0.3, 0.7, 0.123] {
+            assert_eq!(found(2, |s| (s - root) * (s - root)), Vec::<f64>::new());
+            assert_eq!(found(4, |s| -(s - root) * (s - root) * (s * s + 0.1)), Vec::<f64>::new());
+        }
         let triple = found(3, |s| (s - 0.25_f64).powi(3));
         assert!(triple.len() == 1 && (triple[0] - 0.25).abs() < 1e-5, "{triple:?}");
     }
