@@ -2,6 +2,7 @@
 
 use forms_contact::forms;
 use forms_contact::states::{ContactProblem, Regions};
+use forms_contact::threshold::required_gamma0;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
@@ -14,7 +15,8 @@ const PRESSED: f64 = 0.05;
 const YOUNG: f64 = 200.0;
 const POISSON: f64 = 0.3;
 
-/// On `divisions`³ cells of degree 2, smaller towards the contact, with γ₀ = 10 E.
+/// On `divisions`³ cells of degree 2, smaller towards the contact, with 1.5 times the γ₀ that θ = 1 asks for, so that this variant's matrix is positive
+/// definite.
 ///
 /// # Errors
 /// Too many cells, or too few for a contact.
@@ -26,6 +28,7 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
     };
     let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, map)?;
     mesh.name_facets("contact", "bottom", |centre| centre[0].max(centre[1]) < REACH)?;
+    mesh.name_cells_of_facets("contact cells", "contact")?;
     let space = Space::vector(&Arc::new(mesh), 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix_component("left", 0, |_| 0.0)?;
@@ -34,8 +37,8 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
     let data = forms::Data {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
         mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta,
-        gamma0: 10.0 * YOUNG,
+        theta: 1.0,
+        gamma0: YOUNG,
         extension: 0.0,
         obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
         gap: Given::function(|x: &[f64; 3]| x[2] + RADIUS),
@@ -46,5 +49,9 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
     };
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(6));
     let regions = Regions::new("right", "contact");
-    Ok(ContactProblem::new(assembler.with_threads(Threads::new(1)), &space, data, regions, constraints)?)
+    let assembler = assembler.with_threads(Threads::new(1));
+    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints)?;
+    problem.data.gamma0 = 1.5 * required_gamma0(&problem, "contact cells")?;
+    problem.data.theta = theta;
+    Ok(problem)
 }
