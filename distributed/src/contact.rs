@@ -6,6 +6,7 @@ use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
 use forms_fem::solve::{NewtonFailure, Solved};
 
+use crate::error::SharedError;
 use crate::problem::{SharedAffineError, SharedAssemblyError, SharedProblem, shared_functional};
 use crate::world::World;
 
@@ -49,7 +50,8 @@ impl<'w, const D: usize> SharedContact<'w, D> {
         let ContactProblem { assembler, space, constraints, .. } = &self.problem;
         let form = self.problem.direct_form();
         let start = Field::zero(space);
-        match SharedProblem::new(self.world, &form, assembler, space) {
+        let checked = self.problem.check_gamma0("direct").map_err(SharedError::Here);
+        match checked.and_then(|()| SharedProblem::new(self.world, &form, assembler, space)) {
             Ok(mut problem) => problem.solve(&start, constraints, solver, options, progress),
             Err(error) => {
                 Err(NewtonError { why: NewtonFailure::Assembly(error), history: vec![], u: vec![] })
@@ -93,6 +95,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
         solver: &mut dyn LinearSolver,
     ) -> Result<Field<D>, SharedAffineError> {
         let ContactProblem { assembler, space, constraints, .. } = &self.problem;
+        self.problem.check_gamma0(form.name()).map_err(SharedError::Here)?;
         let mut problem = SharedProblem::new(self.world, form, assembler, space)?;
         problem.solve_affine(&constraints.homogeneous(), solver)
     }
