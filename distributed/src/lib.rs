@@ -34,6 +34,6 @@ mod world;
 
 pub use contact::SharedContact;
 pub use error::{PetscError, SharedError};
-pub use petsc_solver::{Method, PetscReport, PetscSolver, UnknownMethod};
+pub use petsc_solver::{Method, PetscReport, PetscSolver, TOLERANCE, UnknownMethod};
 pub use problem::{SharedAffineError, SharedAssemblyError, SharedProblem, shared_functional};
 pub use world::World;

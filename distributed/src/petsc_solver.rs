@@ -15,6 +15,9 @@ use crate::petsc::{self, DEFAULT, EUCLIDEAN, Index, Object, TRUE, UNPRECONDITION
 use crate::vector::SharedVector;
 use crate::world::World;
 
+/// The relative residual that conjugate gradients reach where nothing else is asked for.
+pub const TOLERANCE: f64 = 1e-10;
+
 /// How systems are solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
@@ -31,9 +34,9 @@ pub enum Method {
 }
 
 impl Method {
-    /// Conjugate gradients to a relative residual of 1e-10, in at most 500 iterations.
+    /// Conjugate gradients to a relative residual of [`TOLERANCE`], in at most 500 iterations.
     pub fn conjugate_gradients() -> Self {
-        Method::ConjugateGradients { tolerance: 1e-10, max_iterations: 500 }
+        Method::ConjugateGradients { tolerance: TOLERANCE, max_iterations: 500 }
     }
 
     /// The method of a name: `direct` or `cg`.
