@@ -168,7 +168,10 @@ impl<const D: usize> ContactProblem<D> {
     }
 
     /// A γ₀ that is not positive turns the obstacle's push into a pull.
-    fn check_gamma0(&self, form: &'static str) -> Result<(), AssemblyError> {
+    ///
+    /// # Errors
+    /// [`AssemblyError::ParameterRange`] for such a γ₀, in the name of a form.
+    pub fn check_gamma0(&self, form: &'static str) -> Result<(), AssemblyError> {
         let (parameter, value) = ("gamma0", self.data.gamma0);
         // A value that is not finite is named when the form is bound to its data.
         if value <= 0.0 {

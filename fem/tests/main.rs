@@ -13,6 +13,7 @@ mod interior_facets;
 mod mixed;
 mod multipliers;
 mod only_what_changes;
+mod owned_cells;
 mod positive_parts;
 mod related_unknowns;
 mod second_derivatives;

@@ -1,5 +1,6 @@
 //! A form bound to a mesh: every field checked and resolved, every parameter finite.
 
+use std::borrow::Cow;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -7,6 +8,7 @@ use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirement
 use forms_core::source::PositionFunction;
 
 use super::AssemblyError;
+use super::owned_cells::OwnedCells;
 use crate::element::Lagrange;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
@@ -64,6 +66,8 @@ pub(super) struct Binding<'a, const D: usize> {
     /// The distinct elements of all discrete fields and test spaces.
     pub elements: List<'a, Tabulated>,
     pub regions: &'a [Region],
+    /// The cells whose integrals are wanted, where they are not all.
+    pub owned: Option<&'a OwnedCells>,
 }
 
 /// An element that is tabulated, on cells or as its trace on facets.
@@ -75,9 +79,9 @@ pub(super) struct Tabulated {
 
 /// The cells or facets of a region.
 pub(super) enum Entities<'a> {
-    Cells(&'a [u32]),
-    Facets(&'a [Facet]),
-    InteriorFacets(&'a [[Facet; 2]]),
+    Cells(Cow<'a, [u32]>),
+    Facets(Cow<'a, [Facet]>),
+    InteriorFacets(Cow<'a, [[Facet; 2]]>),
 }
 
 impl<'a> Entities<'a> {
@@ -89,9 +93,11 @@ impl<'a> Entities<'a> {
     ) -> Result<Self, AssemblyError> {
         let name = &region.name;
         let found = match region.entity {
-            Entity::Cells => mesh.cell_region(name).map(Entities::Cells),
-            Entity::Facets => mesh.facet_region(name).map(Entities::Facets),
-            Entity::InteriorFacets => mesh.interior_facet_region(name).map(Entities::InteriorFacets),
+            Entity::Cells => mesh.cell_region(name).map(|cells| Entities::Cells(cells.into())),
+            Entity::Facets => mesh.facet_region(name).map(|facets| Entities::Facets(facets.into())),
+            Entity::InteriorFacets => {
+                mesh.interior_facet_region(name).map(|facets| Entities::InteriorFacets(facets.into()))
+            }
         };
         found.map_err(|source| AssemblyError::Region { form, symbol: region.symbol, source })
     }
@@ -106,7 +112,7 @@ impl<'a> Entities<'a> {
     }
 
     /// The sides of a facet: one or two. Cells have none.
-    pub fn sides(&self, index: usize) -> &'a [Facet] {
+    pub fn sides(&self, index: usize) -> &[Facet] {
         match self {
             Entities::Cells(_) => &[],
             Entities::Facets(facets) => &facets[index..index + 1],
@@ -148,6 +154,12 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(binding)
     }
 
+    /// The same for integrals over the owned cells alone.
+    pub fn on(mut self, owned: Option<&'a OwnedCells>) -> Self {
+        self.owned = owned;
+        self
+    }
+
     /// Binds the directions of an action, one per unknown and on its space.
     pub fn bind_directions(
         &mut self,
@@ -178,7 +190,15 @@ impl<'a, const D: usize> Binding<'a, D> {
         regions: &'a [Region],
         mesh: &'a Mesh<D>,
     ) -> Self {
-        Binding { name, mesh, fields, values: List::Own(vec![]), elements: List::Own(vec![]), regions }
+        Binding {
+            name,
+            mesh,
+            fields,
+            values: List::Own(vec![]),
+            elements: List::Own(vec![]),
+            regions,
+            owned: None,
+        }
     }
 
     /// Where a field's values come from, of a field that is no unknown and no test function.
@@ -302,9 +322,10 @@ impl<'a, const D: usize> Binding<'a, D> {
         degree_of(self.name, read, quadrature)
     }
 
-    /// The cells or facets of a region of the form.
+    /// The cells or facets of a region of the form, those that are owned.
     pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
-        Entities::of(self.mesh, self.name, &self.regions[region])
+        let all = Entities::of(self.mesh, self.name, &self.regions[region])?;
+        Ok(OwnedCells::among(self.owned, all))
     }
 
     /// The name of the field with a role, for messages.

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
 use super::binding::Entities;
+use super::owned_cells::OwnedCells;
 use super::place_map::{Cliques, PlaceMap, couple};
-use super::{AssemblyError, Parts};
+use super::{Assembler, AssemblyError, Parts};
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::mesh::Facet;
 use crate::space::Space;
@@ -27,6 +28,8 @@ pub struct BlockPattern<const D: usize> {
     trials: Vec<Arc<Space<D>>>,
     /// `maps[test][trial]`
     maps: Vec<Vec<Option<PlaceMap>>>,
+    /// The cells whose couplings it holds, where they are not all.
+    owned: Option<Arc<OwnedCells>>,
 }
 
 /// What an integral couples for a pair of spaces.
@@ -107,6 +110,25 @@ impl<const D: usize> BlockPattern<D> {
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<Self, AssemblyError> {
+        Self::for_cells(form, tests, trials, None)
+    }
+
+    /// The pattern of the share of a form's tangent that an assembler assembles.
+    pub(crate) fn for_share<F: Form<D>>(
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        trials: &[&Arc<Space<D>>],
+        assembler: &Assembler<D>,
+    ) -> Result<Self, AssemblyError> {
+        Self::for_cells(form, tests, trials, assembler.owned.as_ref())
+    }
+
+    fn for_cells<F: Form<D>>(
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        trials: &[&Arc<Space<D>>],
+        owned: Option<&Arc<OwnedCells>>,
+    ) -> Result<Self, AssemblyError> {
         let name = form.name();
         let count = |is: fn(Role) -> bool| form.fields().iter().filter(|field| is(field.role)).count();
         for (what, expected, found) in [
@@ -132,6 +154,7 @@ impl<const D: usize> BlockPattern<D> {
             let (rows, columns) = (tests[test], trials[trial]);
             let target = &mut coupled[test][trial];
             let entities = Entities::of(&rows.mesh, name, &form.inputs().regions[region])?;
+            let entities = OwnedCells::among(owned.map(|owned| &**owned), entities);
             let cells = rows.mesh.cell_count();
             let on_cells = rows.facet_region().is_none() && columns.facet_region().is_none();
             if let Entities::Cells(region) = entities {
@@ -150,8 +173,9 @@ impl<const D: usize> BlockPattern<D> {
                 }
             }
         }
-        Self::from_coupled(tests, trials, coupled)
-            .map_err(|source| AssemblyError::LinearAlgebra { form: name, source })
+        let pattern = Self::from_coupled(tests, trials, coupled)
+            .map_err(|source| AssemblyError::LinearAlgebra { form: name, source })?;
+        Ok(BlockPattern { owned: owned.cloned(), ..pattern })
     }
 
     /// The pattern for test and trial spaces on one mesh in which all nodes of a cell are coupled, whatever
@@ -218,7 +242,7 @@ impl<const D: usize> BlockPattern<D> {
         };
         let sparsity = Arc::new(BlockSparsity::new(sets(tests), sets(trials), pairs)?);
         let owned = |spaces: &[&Arc<Space<D>>]| spaces.iter().map(|space| Arc::clone(space)).collect();
-        Ok(BlockPattern { sparsity, tests: owned(tests), trials: owned(trials), maps })
+        Ok(BlockPattern { sparsity, tests: owned(tests), trials: owned(trials), maps, owned: None })
     }
 
     /// The positions of the blocks, which matrices share.
@@ -263,13 +287,14 @@ impl<const D: usize> BlockPattern<D> {
             let columns = &mut columns[trial];
             columns.resize(columns_of.node_count(), false);
             let entities = Entities::of(&rows.mesh, form.name(), &form.inputs().regions[region])?;
-            if let Entities::Cells(cells) = entities
+            if let Entities::Cells(cells) = &entities
                 && cells.len() == rows.mesh.cell_count()
             {
                 marks.fill(true);
                 columns.fill(true);
                 continue;
             }
+            let entities = OwnedCells::among(self.owned.as_deref(), entities);
             for index in 0..entities.count() {
                 let at = |side: Side| match (&entities, side) {
                     (Entities::Cells(cells), _) => (cells[index], None),

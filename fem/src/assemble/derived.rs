@@ -209,7 +209,7 @@ impl<const D: usize> Assembler<D> {
                 }
             }
         }
-        let mass = crate::norms::mass_matrix(self, space, degree)?;
+        let mass = crate::norms::mass_matrix(&self.on_all_cells(), space, degree)?;
         let factor = factor(&mass).map_err(linear_algebra)?;
         let mut coefficients = vec![0.0; space.unknowns()];
         for (component, mut load) in load.into_iter().enumerate() {

@@ -23,7 +23,8 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[&Field<D>],
     ) -> Result<f64, AssemblyError> {
         let unknowns = views(unknowns);
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?;
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?
+            .on(self.owned.as_deref());
         let degrees = binding.degrees(&[]);
         let walk =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
@@ -52,7 +53,8 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[FieldView<D>],
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
+            .on(self.owned.as_deref());
         // Test functions count in the estimate of the degree as the unknowns do.
         let spaces: Vec<_> = unknowns.iter().map(|view| view.space).collect();
         let degrees = binding.degrees(&spaces);

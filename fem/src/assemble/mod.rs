@@ -8,6 +8,7 @@
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
 //! block_pattern, place_map   the positions of a matrix, and where element matrices go
+//! owned_cells   the share of an assembler that assembles some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
@@ -23,6 +24,7 @@ mod element_vectors;
 mod error;
 mod fixed;
 mod functional;
+mod owned_cells;
 mod pairs;
 mod partition;
 mod place_map;
@@ -50,6 +52,7 @@ pub use positive_parts::PositivePart;
 pub use sizes::{Counted, Fixed, Sizes};
 pub use tangent::ElementMatrix;
 
+use self::owned_cells::OwnedCells;
 use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
@@ -65,6 +68,8 @@ pub struct Assembler<const D: usize> {
     quadrature: Quadrature<D>,
     instructions: InstructionSet,
     threads: Threads,
+    /// The cells whose integrals are assembled, where they are not all.
+    owned: Option<Arc<OwnedCells>>,
 }
 
 /// Which integrals to assemble, by their dependence on the unknowns.
@@ -103,6 +108,7 @@ impl<const D: usize> Assembler<D> {
             quadrature: Quadrature::Estimated,
             instructions: InstructionSet::best(),
             threads: Threads::all(),
+            owned: None,
         }
     }
 

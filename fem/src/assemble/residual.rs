@@ -54,7 +54,8 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
+            .on(self.owned.as_deref());
         // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
         let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
         self.linear_integrals(binding, tests, parts, |visitor| match whole {

@@ -33,7 +33,7 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
-        let pattern = BlockPattern::for_form(form, tests, &trials)?;
+        let pattern = BlockPattern::for_share(form, tests, &trials, self)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix.into_csr())
@@ -130,7 +130,8 @@ impl<const D: usize> Assembler<D> {
         parts: Parts,
         target: Target<D>,
     ) -> Result<(), AssemblyError> {
-        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?;
+        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
+            .on(self.owned.as_deref());
         binding.check_tests(tests, &self.mesh)?;
         let test_elements = tests.iter().map(|space| binding.element(space)).collect();
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();

@@ -213,7 +213,7 @@ pub(super) fn groups<const D: usize>(
             let rule = quadrature.cell_rule(shape, degree).map_err(failed)?;
             let places = Places { points: rule.points, facet: None };
             let group =
-                Group::new(binding, place, mesh.walk_of_cells(cells), &places, rule.weights, hessians);
+                Group::new(binding, place, mesh.walk_of_cells(&cells), &places, rule.weights, hessians);
             Ok(vec![group.map_err(failed)?])
         }
         facets => {
@@ -230,11 +230,11 @@ pub(super) fn groups<const D: usize>(
             };
             let (cut, whole): (Vec<Facet>, Vec<Facet>) =
                 listed.iter().partition(|facet| split.pieces(**facet).is_some());
-            let mut groups = grouped(&Entities::Facets(&whole), &rule)?;
+            let mut groups = grouped(&Entities::Facets(whole.into()), &rule)?;
             for facet in &cut {
                 let pieces = split.pieces(*facet).unwrap_or_default();
                 let rule = quadrature.rule_on_pieces(shape, degree, pieces).map_err(failed)?;
-                groups.extend(grouped(&Entities::Facets(std::slice::from_ref(facet)), &rule)?);
+                groups.extend(grouped(&Entities::Facets(std::slice::from_ref(facet).into()), &rule)?);
             }
             Ok(groups)
         }

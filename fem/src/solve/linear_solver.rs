@@ -125,6 +125,16 @@ pub enum SolverError {
         /// What was done, with the history of residuals.
         report: KrylovReport,
     },
+    /// A solver that is none of this crate's failed.
+    #[error("{solver} failed: {why}{}", residuals(history))]
+    Other {
+        /// Its name.
+        solver: &'static str,
+        /// The reason.
+        why: String,
+        /// Norms of the residuals of its iterations, where it has some.
+        history: Vec<f64>,
+    },
 }
 
 impl SolverError {
@@ -145,6 +155,14 @@ impl SolverError {
 
 fn of(component: &Option<usize>) -> String {
     component.map(|component| format!("component {component} of ")).unwrap_or_default()
+}
+
+fn residuals(history: &[f64]) -> String {
+    if history.is_empty() {
+        return String::new();
+    }
+    let norms: Vec<String> = history.iter().map(|norm| format!("{norm:.3e}")).collect();
+    format!("; residuals {}", norms.join(", "))
 }
 
 fn because(motions: &[String]) -> String {

@@ -84,7 +84,8 @@ impl From<LinearAlgebraError> for LinearProblemError {
 }
 
 impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
-    /// Prepares the matrix pattern of the form: blocks that the form leaves empty are not stored.
+    /// Prepares the matrix pattern of the form: blocks that the form leaves empty are not stored, nor those that the
+    /// assembler's cells leave empty.
     ///
     /// # Errors
     /// When the form has other unknowns than the spaces, a region does not exist, or the matrix is too large
@@ -94,7 +95,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         assembler: &'a Assembler<D>,
         spaces: [&Arc<Space<D>>; N],
     ) -> Result<Self, AssemblyError> {
-        let pattern = BlockPattern::for_form(form, &spaces, &spaces)?;
+        let pattern = BlockPattern::for_share(form, &spaces, &spaces, assembler)?;
         Ok(Self::with_pattern(form, assembler, spaces, &Arc::new(pattern)))
     }
 

@@ -1,0 +1,63 @@
+//! Elasticity of degree 2 in space on the processes that started this:
+//! `mpirun -n 4 hanging_block [cells along an edge] [direct | cg] [u]`. Tells seconds and iterations, and u where asked for.
+//! `hanging_block [cells along an edge] multigrid` is the same on one thread of one process by `forms_fem` alone.
+
+use std::error::Error;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use forms_distributed::cases::hanging_block::HangingBlock;
+use forms_distributed::cases::report::tell;
+use forms_distributed::{Method, PetscSolver, SharedProblem, TOLERANCE, World};
+use forms_fem::prelude::*;
+
+fn run(world: &World) -> Result<(), Box<dyn Error>> {
+    let given = |place| std::env::args().nth(place);
+    let divisions = given(1).map_or(Ok(4), |number| number.parse())?;
+    let name = given(2).unwrap_or_else(|| "cg".to_owned());
+    let block = HangingBlock::new(divisions, Given::constant([0.0, 0.0, -1.0]))?;
+    if name == "multigrid" && world.size() == 1 {
+        return by_multigrid(world, block);
+    }
+    let method = Method::named(&name)?;
+    let HangingBlock { form, space, constraints } = block;
+    let share = Assembler::new(space.mesh()).with_threads(Threads::new(1));
+    let share = share.on_owned_cells(world.own_cells(space.mesh()))?;
+    let start = Instant::now();
+    let mut solver = PetscSolver::new(world, &constraints, method)?;
+    let u = SharedProblem::new(world, &form, &share, &space)?.solve_affine(&constraints, &mut solver)?;
+    let report = solver.report();
+    tell(world, "unknowns", &[space.unknowns() as f64]);
+    tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());
+    tell(world, "residual", &[report.largest_residual]);
+    tell(world, "matrix_seconds", &[report.assembly_seconds]);
+    tell(world, "solve_seconds", &[report.solve_seconds]);
+    tell(world, "seconds", &[start.elapsed().as_secs_f64()]);
+    if given(3).as_deref() == Some("u") {
+        tell(world, "u", u.values());
+    }
+    Ok(())
+}
+
+/// The multigrid of `forms_fem`, to the same tolerance.
+fn by_multigrid(world: &World, block: HangingBlock) -> Result<(), Box<dyn Error>> {
+    let HangingBlock { form, space, constraints } = block;
+    let (assembler, threads) = (Assembler::new(space.mesh()), Threads::new(1));
+    let assembler = assembler.with_threads(threads);
+    let start = Instant::now();
+    let options =
+        MultigridSolverOptions { tolerance: TOLERANCE, threads, ..MultigridSolverOptions::default() };
+    let mut solver = MultigridSolver::new(&constraints, options)?;
+    FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+    let report = solver.report();
+    tell(world, "unknowns", &[space.unknowns() as f64]);
+    tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());
+    tell(world, "residual", &[report.largest_residual]);
+    tell(world, "solve_seconds", &[report.setup_seconds + report.solve_seconds]);
+    tell(world, "seconds", &[start.elapsed().as_secs_f64()]);
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    World::run(run)
+}

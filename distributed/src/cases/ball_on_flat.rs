@@ -1,0 +1,57 @@
+//! Hertz's ball of R = 8 on a rigid flat: a quarter of it, cut at the height of its centre, where it is pressed down.
+
+use forms_contact::forms;
+use forms_contact::states::{ContactProblem, Regions};
+use forms_contact::threshold::required_gamma0;
+use forms_fem::mesh::structured;
+use forms_fem::prelude::*;
+
+const RADIUS: f64 = 8.0;
+const WIDTH: f64 = 4.0;
+/// Γ_C is the lower boundary where x and y are below this.
+const REACH: f64 = 2.0;
+/// Displacement of the top.
+const PRESSED: f64 = 0.05;
+const YOUNG: f64 = 200.0;
+const POISSON: f64 = 0.3;
+
+/// On `divisions`³ cells of degree 2, smaller towards the contact, with 1.5 times the γ₀ that θ = 1 asks for, so that this variant's matrix is positive
+/// definite.
+///
+/// # Errors
+/// Too many cells, or too few for a contact.
+pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, Box<dyn std::error::Error>> {
+    let map = |[s, t, w]: [f64; 3]| {
+        let graded = |t: f64| 0.4 * t + 0.6 * t * t;
+        let (x, y) = (WIDTH * graded(s), WIDTH * graded(t));
+        [x, y, -(RADIUS * RADIUS - x * x - y * y).sqrt() * (1.0 - graded(w))]
+    };
+    let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, map)?;
+    mesh.name_facets("contact", "bottom", |centre| centre[0].max(centre[1]) < REACH)?;
+    mesh.name_cells_of_facets("contact cells", "contact")?;
+    let space = Space::vector(&Arc::new(mesh), 2)?;
+    let mut constraints = Constraints::new(&space);
+    constraints.fix_component("left", 0, |_| 0.0)?;
+    constraints.fix_component("front", 1, |_| 0.0)?;
+    constraints.fix_component("top", 2, |_| -PRESSED)?;
+    let data = forms::Data {
+        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
+        mu: YOUNG / (2.0 * (1.0 + POISSON)),
+        theta: 1.0,
+        gamma0: YOUNG,
+        extension: 0.0,
+        obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
+        gap: Given::function(|x: &[f64; 3]| x[2] + RADIUS),
+        body_force: Given::constant([0.0; 3]),
+        traction: Given::constant([0.0; 3]),
+        criterion_force: Given::constant([0.0, 0.0, -1.0]),
+        criterion_weight: Given::constant(0.0),
+    };
+    let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(6));
+    let regions = Regions::new("right", "contact");
+    let assembler = assembler.with_threads(Threads::new(1));
+    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints)?;
+    problem.data.gamma0 = 1.5 * required_gamma0(&problem, "contact cells")?;
+    problem.data.theta = theta;
+    Ok(problem)
+}

@@ -1,0 +1,5 @@
+//! Problems on which several processes are compared with one.
+
+pub mod ball_on_flat;
+pub mod hanging_block;
+pub mod report;

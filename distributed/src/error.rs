@@ -1,0 +1,73 @@
+//! What can go wrong in PETSc, and on other processes.
+
+use forms_fem::linear_algebra::LinearAlgebraError;
+use forms_fem::solve::SolverError;
+
+/// PETSc refused something.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PetscError {
+    /// A function returned an error.
+    #[error("PETSc's {function} failed with code {code}: {message}")]
+    Call {
+        /// The function's name in C.
+        function: &'static str,
+        /// Its `PetscErrorCode`.
+        code: i32,
+        /// What PETSc says of it.
+        message: String,
+    },
+    /// [`crate::World`] was made twice.
+    #[error("PETSc was started already in this process: there is one world")]
+    StartedAlready,
+    /// A vector that does not fit the rows of the others.
+    #[error("a vector has {found} entries where {expected} are wanted")]
+    Size {
+        /// Rows.
+        expected: usize,
+        /// Entries.
+        found: usize,
+    },
+    /// More rows or entries than PETSc's indices can count.
+    #[error("{count} {what} are more than PETSc's indices can count")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        count: usize,
+    },
+}
+
+impl From<PetscError> for SolverError {
+    fn from(error: PetscError) -> Self {
+        SolverError::Other { solver: "PETSc", why: error.to_string(), history: vec![] }
+    }
+}
+
+/// Why something that all processes do together was not done.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SharedError<E: std::error::Error> {
+    /// This process failed.
+    #[error(transparent)]
+    Here(E),
+    /// Others failed, and say why themselves.
+    #[error("{count} of the other processes failed")]
+    Elsewhere {
+        /// How many.
+        count: usize,
+    },
+    /// The exchange between the processes failed.
+    #[error(transparent)]
+    Petsc(#[from] PetscError),
+}
+
+impl From<SharedError<LinearAlgebraError>> for SolverError {
+    fn from(error: SharedError<LinearAlgebraError>) -> Self {
+        match error {
+            SharedError::Here(error) => error.into(),
+            SharedError::Petsc(error) => error.into(),
+            SharedError::Elsewhere { .. } => {
+                SolverError::Other { solver: "PETSc", why: error.to_string(), history: vec![] }
+            }
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Finite elements on several processes: each assembles the integrals over its own cells from the same kernels as one
+//! process, PETSc adds up and solves over MPI.
+//!
+//! What is partitioned: the integrals (residuals, tangents, functionals), the matrix with its factor or hierarchy, the work of
+//! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method.
+//!
+//! ```no_run
+//! use forms_distributed::{Method, PetscSolver, SharedProblem, World};
+//! use forms_fem::prelude::*;
+//!
+//! let world = World::start()?;
+//! let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [8; 3], CellShape::Hexahedron, 1)?);
+//! let space = Space::scalar(&mesh, 2)?;
+//! let poisson = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+//! let mut constraints = Constraints::new(&space);
+//! constraints.fix("boundary", |_| 0.0)?;
+//! let share = Assembler::new(&mesh).with_threads(Threads::new(1)).on_owned_cells(world.own_cells(&mesh))?;
+//! let mut solver = PetscSolver::new(&world, &constraints, Method::conjugate_gradients())?;
+//! let u = SharedProblem::new(&world, &poisson, &share, &space)?.solve_affine(&constraints, &mut solver)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod cases;
+mod contact;
+mod error;
+mod matrix;
+mod node_rows;
+mod petsc;
+mod petsc_solver;
+mod problem;
+mod rows;
+mod vector;
+mod world;
+
+pub use contact::SharedContact;
+pub use error::{PetscError, SharedError};
+pub use petsc_solver::{Method, PetscReport, PetscSolver, TOLERANCE, UnknownMethod};
+pub use problem::{SharedAffineError, SharedAssemblyError, SharedProblem, shared_functional};
+pub use world::World;

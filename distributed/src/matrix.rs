@@ -1,0 +1,108 @@
+//! Matrices whose rows are spread over the processes, as sums of what each of them assembled.
+
+use std::ptr::null_mut;
+use std::sync::Arc;
+
+use forms_fem::linear_algebra::{CsrMatrix, SparsityPattern};
+
+use crate::error::PetscError;
+use crate::node_rows::NodeRows;
+use crate::petsc::{self, FALSE, Index, Object, call};
+use crate::vector::SharedVector;
+use crate::world::World;
+
+/// A `MATMPIAIJ`: PETSc sends each entry of a share to the process that keeps its row, and adds up.
+#[derive(Debug)]
+pub(crate) struct SharedMatrix<'w> {
+    _world: &'w World,
+    matrix: Object,
+    pattern: Arc<SparsityPattern>,
+    /// How many held rows are this process's: their ones come after the share's values.
+    held: usize,
+    values: Vec<f64>,
+}
+
+impl<'w> SharedMatrix<'w> {
+    /// Tells PETSc the positions of a share; values come with [`SharedMatrix::assemble`].
+    pub fn new(world: &'w World, nodes: &NodeRows, share: &CsrMatrix) -> Result<Self, PetscError> {
+        let own = &nodes.rows.own;
+        let count = share.values().len() + nodes.held.len();
+        if Index::try_from(count).is_err() {
+            return Err(PetscError::TooMany { what: "entries", count });
+        }
+        let (mut rows, mut columns) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (row, place) in nodes.places.iter().enumerate() {
+            let found = share.row(row).0;
+            rows.resize(rows.len() + found.len(), *place);
+            columns.extend(found.iter().map(|column| nodes.places[*column as usize]));
+        }
+        let held: Vec<Index> =
+            nodes.held.iter().copied().filter(|row| own.contains(&(*row as usize))).collect();
+        rows.extend_from_slice(&held);
+        columns.extend_from_slice(&held);
+        let (pattern, held) = (share.pattern().clone(), held.len());
+        let mut made = SharedMatrix { _world: world, matrix: null_mut(), pattern, held, values: vec![] };
+        let (size, all) = (own.len() as Index, nodes.rows.count as Index);
+        // SAFETY: PETSc writes the handle, which this owns from here on; names end with zero; PETSc may change the two
+        // lists of positions, which are of one length, and copies what it keeps of them.
+        unsafe {
+            call!(MatCreate(world.communicator(), &mut made.matrix))?;
+            call!(MatSetSizes(made.matrix, size, size, all, all))?;
+            call!(MatSetBlockSize(made.matrix, nodes.rows.block as Index))?;
+            call!(MatSetType(made.matrix, c"mpiaij".as_ptr()))?;
+            let (rows_at, columns_at) = (rows.as_mut_ptr(), columns.as_mut_ptr());
+            call!(MatSetPreallocationCOO(made.matrix, rows.len() as isize, rows_at, columns_at))?;
+        }
+        made.set_motions(world, nodes)?;
+        Ok(made)
+    }
+
+    /// Whether a share has the positions of the one before.
+    pub fn fits(&self, share: &CsrMatrix) -> bool {
+        Arc::ptr_eq(&self.pattern, share.pattern()) || *self.pattern == **share.pattern()
+    }
+
+    pub fn handle(&self) -> Object {
+        self.matrix
+    }
+
+    /// Sets the matrix to the sum of the processes' shares.
+    pub fn assemble(&mut self, share: &CsrMatrix) -> Result<(), PetscError> {
+        self.values.clear();
+        self.values.extend_from_slice(share.values());
+        self.values.resize(share.values().len() + self.held, 1.0);
+        // SAFETY: as many values as positions were told: the share fits.
+        unsafe { call!(MatSetValuesCOO(self.matrix, self.values.as_ptr(), petsc::INSERT)) }
+    }
+
+    /// Tells GAMG the rigid motions.
+    fn set_motions(&self, world: &World, nodes: &NodeRows) -> Result<(), PetscError> {
+        if nodes.motions.is_empty() {
+            return Ok(());
+        }
+        let mut vectors = Vec::new();
+        for motion in &nodes.motions {
+            let mut vector = SharedVector::new(world, nodes.rows.clone())?;
+            vector.set(motion)?;
+            vectors.push(vector);
+        }
+        let handles: Vec<Object> = vectors.iter().map(SharedVector::handle).collect();
+        let mut space = null_mut();
+        // SAFETY: the vectors live until the end of this, and PETSc counts its own references to them and to the space.
+        unsafe {
+            let count = handles.len() as Index;
+            let comm = world.communicator();
+            call!(MatNullSpaceCreate(comm, FALSE, count, handles.as_ptr(), &mut space))?;
+            let set = call!(MatSetNearNullSpace(self.matrix, space));
+            call!(MatNullSpaceDestroy(&mut space))?;
+            set
+        }
+    }
+}
+
+impl Drop for SharedMatrix<'_> {
+    fn drop(&mut self) {
+        // SAFETY: a handle that this owns, or null, which PETSc leaves alone.
+        unsafe { petsc::MatDestroy(&mut self.matrix) };
+    }
+}

@@ -1,0 +1,289 @@
+//! PETSc's solvers behind the trait that Newton's method asks of a linear solver.
+
+use std::ffi::CStr;
+use std::ptr::{null, null_mut};
+use std::time::Instant;
+
+use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError};
+use forms_fem::prelude::*;
+use forms_fem::solve::{LinearSolution, SolverError};
+
+use crate::error::PetscError;
+use crate::matrix::SharedMatrix;
+use crate::node_rows::NodeRows;
+use crate::petsc::{self, DEFAULT, EUCLIDEAN, Index, Object, TRUE, UNPRECONDITIONED, call};
+use crate::vector::SharedVector;
+use crate::world::World;
+
+/// The relative residual that conjugate gradients reach where nothing else is asked for.
+pub const TOLERANCE: f64 = 1e-10;
+
+/// How systems are solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// LU by MUMPS, for any matrix.
+    Direct,
+    /// Conjugate gradients with smoothed aggregation (GAMG), told the rigid motions where the unknown is a displacement: for
+    /// symmetric positive definite matrices.
+    ConjugateGradients {
+        /// Relative residual ‖b − A x‖₂ / ‖b‖₂ to reach.
+        tolerance: f64,
+        /// Most iterations.
+        max_iterations: u16,
+    },
+}
+
+impl Method {
+    /// Conjugate gradients to a relative residual of [`TOLERANCE`], in at most 500 iterations.
+    pub fn conjugate_gradients() -> Self {
+        Method::ConjugateGradients { tolerance: TOLERANCE, max_iterations: 500 }
+    }
+
+    /// The method of a name: `direct` or `cg`.
+    ///
+    /// # Errors
+    /// [`UnknownMethod`].
+    pub fn named(name: &str) -> Result<Self, UnknownMethod> {
+        match name {
+            "direct" => Ok(Method::Direct),
+            "cg" => Ok(Method::conjugate_gradients()),
+            name => Err(UnknownMethod { name: name.to_owned() }),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Method::Direct => "MUMPS",
+            Method::ConjugateGradients { .. } => "CG with GAMG",
+        }
+    }
+}
+
+/// There is no method of this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "no method is called \"{name}\": there are \"direct\" (MUMPS) and \"cg\" (conjugate gradients with GAMG)"
+)]
+pub struct UnknownMethod {
+    /// What was asked for.
+    pub name: String,
+}
+
+/// Relative residual of a direct solution beyond which it is refused.
+const ACCEPTED: f64 = 1e-6;
+
+/// What a solver did so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PetscReport {
+    /// Rows of the matrix on all processes.
+    pub rows: usize,
+    /// Matrices whose positions were told anew.
+    pub patterns: usize,
+    /// Iterations of each solve; 0 for direct solutions.
+    pub iterations: Vec<usize>,
+    /// Largest relative residual of a solve.
+    pub largest_residual: f64,
+    /// Seconds in sending and adding up matrices.
+    pub assembly_seconds: f64,
+    /// Seconds in setting up and solving.
+    pub solve_seconds: f64,
+}
+
+/// Solves by PETSc on all processes together. Its matrices are shares, whose sum over the processes is the matrix; right-hand
+/// sides and solutions are whole, and the same on all.
+#[derive(Debug)]
+pub struct PetscSolver<'w> {
+    world: &'w World,
+    method: Method,
+    nodes: NodeRows,
+    b: SharedVector<'w>,
+    x: SharedVector<'w>,
+    residual: SharedVector<'w>,
+    system: Option<System<'w>>,
+    report: PetscReport,
+}
+
+#[derive(Debug)]
+struct System<'w> {
+    matrix: SharedMatrix<'w>,
+    solver: Object,
+}
+
+impl<'w> System<'w> {
+    fn new(matrix: SharedMatrix<'w>, world: &World, method: Method) -> Result<Self, PetscError> {
+        let mut system = System { matrix, solver: null_mut() };
+        let mut preconditioner = null_mut();
+        // SAFETY: PETSc writes the handles; the solver is this system's own, the preconditioner the solver's. Names end
+        // with zero.
+        unsafe {
+            call!(KSPCreate(world.communicator(), &mut system.solver))?;
+            call!(KSPGetPC(system.solver, &mut preconditioner))?;
+            match method {
+                Method::Direct => {
+                    call!(KSPSetType(system.solver, c"preonly".as_ptr()))?;
+                    call!(PCSetType(preconditioner, c"lu".as_ptr()))?;
+                    call!(PCFactorSetMatSolverType(preconditioner, c"mumps".as_ptr()))?;
+                }
+                Method::ConjugateGradients { .. } => {
+                    call!(KSPSetType(system.solver, c"cg".as_ptr()))?;
+                    call!(KSPSetNormType(system.solver, UNPRECONDITIONED))?;
+                    call!(KSPSetResidualHistory(system.solver, null_mut(), Index::from(u16::MAX), TRUE))?;
+                    call!(PCSetType(preconditioner, c"gamg".as_ptr()))?;
+                }
+            }
+        }
+        Ok(system)
+    }
+}
+
+impl Drop for System<'_> {
+    fn drop(&mut self) {
+        // SAFETY: a handle that this owns, or null, which PETSc leaves alone.
+        unsafe { petsc::KSPDestroy(&mut self.solver) };
+    }
+}
+
+impl<'w> PetscSolver<'w> {
+    /// A solver for systems on the space of these constraints, which must be those of every system.
+    ///
+    /// # Errors
+    /// What PETSc says.
+    pub fn new<const D: usize>(
+        world: &'w World,
+        constraints: &Constraints<D>,
+        method: Method,
+    ) -> Result<Self, PetscError> {
+        let nodes = NodeRows::new(world, constraints)?;
+        let vector = || SharedVector::new(world, nodes.rows.clone());
+        let (b, x, residual) = (vector()?, vector()?, vector()?);
+        let report = PetscReport { rows: nodes.rows.count, ..PetscReport::default() };
+        Ok(PetscSolver { world, method, b, x, residual, nodes, system: None, report })
+    }
+
+    /// What was done so far.
+    pub fn report(&self) -> &PetscReport {
+        &self.report
+    }
+
+    fn check_size(&self, what: &'static str, found: usize) -> Result<(), LinearAlgebraError> {
+        let expected = self.nodes.places.len();
+        if expected == found {
+            return Ok(());
+        }
+        Err(LinearAlgebraError::SizeMismatch { what, expected, found })
+    }
+
+    fn solve_side(
+        &mut self,
+        b: &[f64],
+        absolute: f64,
+        transposed: bool,
+    ) -> Result<LinearSolution, SolverError> {
+        self.check_size("the right-hand side", b.len())?;
+        let start = Instant::now();
+        self.b.set(&self.nodes.spread(b))?;
+        let system = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
+        let (solver, matrix) = (system.solver, system.matrix.handle());
+        let (b, x, rest) = (self.b.handle(), self.x.handle(), self.residual.handle());
+        let (mut reason, mut iterations) = (0, 0);
+        let (mut size, mut norm) = (0.0, 0.0);
+        // SAFETY: handles that this owns, of one size; PETSc writes the numbers.
+        unsafe {
+            if let Method::ConjugateGradients { tolerance, max_iterations } = self.method {
+                let (absolute, most) = (absolute.max(f64::MIN_POSITIVE), Index::from(max_iterations));
+                call!(KSPSetTolerances(solver, tolerance, absolute, DEFAULT, most))?;
+            }
+            if transposed && self.method == Method::Direct {
+                call!(KSPSolveTranspose(solver, b, x))?;
+            } else {
+                // Conjugate gradients take the matrix for its transpose.
+                call!(KSPSolve(solver, b, x))?;
+            }
+            call!(KSPGetConvergedReason(solver, &mut reason))?;
+            if reason < 0 {
+                return Err(self.not_converged(solver)?);
+            }
+            call!(KSPGetIterationNumber(solver, &mut iterations))?;
+            if transposed {
+                call!(MatMultTranspose(matrix, x, rest))?;
+            } else {
+                call!(MatMult(matrix, x, rest))?;
+            }
+            call!(VecAYPX(rest, -1.0, b))?;
+            call!(VecNorm(b, EUCLIDEAN, &mut size))?;
+            call!(VecNorm(rest, EUCLIDEAN, &mut norm))?;
+        }
+        let relative_residual = if size == 0.0 { 0.0 } else { norm / size };
+        if self.method == Method::Direct && !(relative_residual <= ACCEPTED || norm <= absolute) {
+            let why = format!("the solution leaves a relative residual of {relative_residual:e}");
+            return Err(SolverError::Other { solver: self.method.name(), why, history: vec![] });
+        }
+        let iterations = if self.method == Method::Direct { 0 } else { iterations as usize };
+        let solution = self.nodes.gather(&self.x.whole()?);
+        self.report.iterations.push(iterations);
+        self.report.largest_residual = self.report.largest_residual.max(relative_residual);
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        Ok(LinearSolution { solution, relative_residual, iterations })
+    }
+
+    /// The error with PETSc's reason and the residuals.
+    fn not_converged(&self, solver: Object) -> Result<SolverError, PetscError> {
+        let (mut text, mut values, mut count, mut iterations) = (null(), null(), 0, 0);
+        let mut history = vec![];
+        // SAFETY: PETSc writes a string of its own, and lends the list of residuals with its length.
+        let reason = unsafe {
+            call!(KSPGetConvergedReasonString(solver, &mut text))?;
+            call!(KSPGetIterationNumber(solver, &mut iterations))?;
+            if self.method != Method::Direct {
+                call!(KSPGetResidualHistory(solver, &mut values, &mut count))?;
+            }
+            if !values.is_null() {
+                history.extend_from_slice(std::slice::from_raw_parts(values, count.max(0) as usize));
+            }
+            if text.is_null() { "for no known reason".into() } else { CStr::from_ptr(text).to_string_lossy() }
+        };
+        let why = format!("stopped after {iterations} iterations: {reason}");
+        Ok(SolverError::Other { solver: self.method.name(), why, history })
+    }
+}
+
+impl LinearSolver for PetscSolver<'_> {
+    fn set_matrix(&mut self, share: CsrMatrix) -> Result<(), SolverError> {
+        let start = Instant::now();
+        let fit = self.check_size("the set of rows", share.rows());
+        self.world.agree(fit.and_then(|()| share.check_finite()))?;
+        // All processes tell their positions anew if one has to.
+        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&share));
+        let mut system = match self.system.take() {
+            Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,
+            Some(_) => self.new_system(&share)?,
+            None => self.new_system(&share)?,
+        };
+        system.matrix.assemble(&share)?;
+        let matrix = system.matrix.handle();
+        // SAFETY: handles of the system, which keeps both.
+        unsafe { call!(KSPSetOperators(system.solver, matrix, matrix))? };
+        self.system = Some(system);
+        self.report.assembly_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, false)
+    }
+
+    fn solve_transposed(
+        &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+    ) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, true)
+    }
+}
+
+impl<'w> PetscSolver<'w> {
+    fn new_system(&mut self, share: &CsrMatrix) -> Result<System<'w>, PetscError> {
+        self.report.patterns += 1;
+        System::new(SharedMatrix::new(self.world, &self.nodes, share)?, self.world, self.method)
+    }
+}

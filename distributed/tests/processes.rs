@@ -1,0 +1,152 @@
+//! Programs on 1, 2 and 4 processes give what one process gives with the solvers of `forms_fem`.
+
+use std::collections::BTreeMap;
+use std::process::{Command, Output};
+
+use forms_contact::forms;
+use forms_contact::hollow_cylinder::{Settings, solve};
+use forms_contact::states::ContactProblem;
+use forms_distributed::cases::ball_on_flat::ball_on_flat;
+use forms_distributed::cases::hanging_block::HangingBlock;
+use forms_distributed::cases::report::read;
+use forms_fem::prelude::*;
+
+const SAME: f64 = 1e-9;
+const PROCESSES: [usize; 3] = [1, 2, 4];
+
+fn start(processes: usize, program: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new("mpirun");
+    // As root in a container there are no other users to protect, and no rights for copies between processes.
+    command.args([
+        "--allow-run-as-root",
+        "--oversubscribe",
+        "--timeout",
+        "600",
+        "-n",
+        &processes.to_string(),
+    ]);
+    command.env("OMPI_MCA_btl_vader_single_copy_mechanism", "none").env("OMPI_MCA_mpi_yield_when_idle", "1");
+    command.env("OMP_NUM_THREADS", "1").arg(program).args(arguments).output().unwrap()
+}
+
+fn told(processes: usize, program: &str, arguments: &[&str]) -> String {
+    let output = start(processes, program, arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{program} {arguments:?} on {processes}: {said}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// ‖a − b‖∞ / ‖b‖∞.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+    largest(&mut a.iter().zip(b).map(|(a, b)| a - b)) / largest(&mut b.iter().copied())
+}
+
+/// Runs a program on each number of processes and compares what it tells; Newton's iterates must be as many, and their
+/// active sets as large, on each.
+fn check(program: &str, arguments: &[&str], expected: &BTreeMap<&str, Vec<f64>>) {
+    let mut iterates: Option<[Vec<f64>; 2]> = None;
+    for processes in PROCESSES {
+        let told = told(processes, program, arguments);
+        let found = read(&told);
+        for (name, expected) in expected {
+            let difference = difference(&found[name], expected);
+            println!("{arguments:?} on {processes}: {name} differs by {difference:.1e}");
+            assert!(difference < SAME, "{arguments:?} on {processes}: {name} differs by {difference:e}");
+        }
+        if let Some(active) = found.get("active") {
+            let now = [found["steps"].clone(), active.clone()];
+            assert_eq!(iterates.get_or_insert_with(|| now.clone()), &now);
+        }
+    }
+}
+
+#[test]
+fn the_cylinder_in_contact_is_the_same_on_any_number_of_processes() {
+    let settings = Settings { radial: 4, threads: Threads::new(1), ..Settings::default() };
+    let serial = solve(&settings, &mut |_| ()).unwrap();
+    let expected = BTreeMap::from([
+        ("u", serial.u.values().to_vec()),
+        ("adjoint", serial.p_discrete.values().to_vec()),
+        ("J", vec![serial.criterion]),
+        ("force", vec![serial.contact_force]),
+    ]);
+    check(env!("CARGO_BIN_EXE_cylinder"), &["4"], &expected);
+}
+
+fn ball(problem: &ContactProblem<3>) -> BTreeMap<&'static str, Vec<f64>> {
+    let mut solver = TangentSolver::default();
+    let solved = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ()).unwrap();
+    let u = solved.result.field;
+    let (data, regions, assembler) = (&problem.data, &problem.regions, &problem.assembler);
+    let criterion = forms::criterion(data, &regions.omega, &regions.boundary, &u);
+    let force = forms::contact_force(data, &regions.gamma_c, &u);
+    let force = assembler.functional(&force, &[]).unwrap();
+    assert!(force > 1.0, "the ball is in contact");
+    BTreeMap::from([
+        ("J", vec![assembler.functional(&criterion, &[]).unwrap()]),
+        ("force", vec![force]),
+        ("u", u.values().to_vec()),
+    ])
+}
+
+#[test]
+fn a_ball_on_a_flat_is_the_same_by_a_direct_solver() {
+    let expected = ball(&ball_on_flat(4, -1.0).unwrap());
+    check(env!("CARGO_BIN_EXE_ball"), &["4", "-1", "direct"], &expected);
+}
+
+#[test]
+fn a_ball_on_a_flat_is_the_same_by_conjugate_gradients() {
+    let expected = ball(&ball_on_flat(4, 1.0).unwrap());
+    check(env!("CARGO_BIN_EXE_ball"), &["4", "1", "cg"], &expected);
+}
+
+#[test]
+fn a_hanging_block_is_the_same_by_both_solvers() {
+    let HangingBlock { form, space, constraints } =
+        HangingBlock::new(4, Given::constant([0.0, 0.0, -1.0])).unwrap();
+    let assembler = Assembler::new(space.mesh());
+    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+    let expected = BTreeMap::from([("u", u.values().to_vec())]);
+    check(env!("CARGO_BIN_EXE_hanging_block"), &["4", "direct", "u"], &expected);
+    check(env!("CARGO_BIN_EXE_hanging_block"), &["4", "cg", "u"], &expected);
+}
+
+#[test]
+fn processes_without_cells_take_part() {
+    let told = told(3, env!("CARGO_BIN_EXE_hanging_block"), &["1", "direct", "u"]);
+    let HangingBlock { form, space, constraints } =
+        HangingBlock::new(1, Given::constant([0.0, 0.0, -1.0])).unwrap();
+    let assembler = Assembler::new(space.mesh());
+    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+    assert!(difference(&read(&told)["u"], u.values()) < SAME);
+}
+
+fn failure(which: &str) -> String {
+    let output = start(2, env!("CARGO_BIN_EXE_failures"), &[which]);
+    assert!(!output.status.success());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn an_error_of_one_process_ends_all() {
+    let said = failure("assembly");
+    assert!(said.contains("1 of the other processes failed"), "{said}");
+    assert!(said.contains("weight"), "{said}");
+}
+
+#[test]
+fn a_solver_that_did_not_converge_says_why_and_how_far_it_came() {
+    let said = failure("convergence");
+    let expected = "CG with GAMG failed: stopped after 3 iterations: DIVERGED_ITS; residuals ";
+    assert!(said.contains(expected), "{said}");
+}
+
+#[test]
+fn there_is_one_world() {
+    assert!(failure("twice").contains("PETSc was started already in this process"));
+}
