@@ -69,7 +69,7 @@ where
     let solved = problem.solve_direct(&mut TangentSolver::default(), &NewtonOptions::default(), &mut |_| ());
     let solved = solved.unwrap().result;
     let (u, assembler) = (&solved.field, &problem.assembler);
-    println!("{:?} k={degree} θ={theta}: {} steps", mesh.shape(), solved.history.len() - 1);
+    println!("{:?} k={degree} θ={theta}: {} steps", mesh.cell_shape(0), solved.history.len() - 1);
 
     let transverse = POISSON / (1.0 - POISSON) * PRESSED / HEIGHT;
     for (node, x) in space.positions().iter().enumerate() {

@@ -7,7 +7,6 @@ use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirement
 use forms_core::source::PositionFunction;
 
 use super::AssemblyError;
-use crate::element::Lagrange;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
@@ -66,14 +65,15 @@ pub(super) struct Binding<'a, const D: usize> {
     pub regions: &'a [Region],
 }
 
-/// An element that is tabulated, on cells or as its trace on facets.
+/// An element that is tabulated, on cells of any shape or as its trace on facets.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Tabulated {
-    pub element: Lagrange,
+    pub degree: usize,
     pub on_facets: bool,
 }
 
 /// The cells or facets of a region.
+#[derive(Clone, Copy)]
 pub(super) enum Entities<'a> {
     Cells(&'a [u32]),
     Facets(&'a [Facet]),
@@ -242,7 +242,7 @@ impl<'a, const D: usize> Binding<'a, D> {
 
     /// The index of a space's element among those that are tabulated.
     pub fn element(&mut self, space: &Space<D>) -> usize {
-        self.tabulated(Tabulated { element: space.element, on_facets: space.facet_region().is_some() })
+        self.tabulated(Tabulated { degree: space.degree, on_facets: space.facet_region().is_some() })
     }
 
     /// The index of an element among those that are tabulated.
@@ -280,8 +280,8 @@ impl<'a, const D: usize> Binding<'a, D> {
     /// Degrees of the fields, for the estimate of a quadrature degree.
     pub fn degrees(&self, tests: &[&Arc<Space<D>>]) -> Vec<usize> {
         let degree = |(field, values): (&FieldDescription, &Values<D>)| match (field.role, values) {
-            (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.element.degree),
-            (_, Values::Discrete { element, .. }) => self.elements[*element].element.degree,
+            (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.degree),
+            (_, Values::Discrete { element, .. }) => self.elements[*element].degree,
             // A function of position is taken for a quadratic, as an interpolant on the mesh would be.
             (_, Values::Function { .. }) => 2,
             _ => 0,
