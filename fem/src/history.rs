@@ -9,6 +9,8 @@
 //!
 //! An integral that reads a history takes that history's quadrature rule, whatever degree the compiler estimates.
 
+mod rule_points;
+
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
@@ -17,6 +19,7 @@ use forms_core::contract::{Entity, Expression, History, Inputs, QuadratureValues
 use forms_core::source::FieldValue;
 use thiserror::Error;
 
+use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::element::CellShape;
 use crate::mesh::{Mesh, MeshError};
@@ -236,32 +239,6 @@ impl<const D: usize> QuadratureValues for PointStorage<D> {
         self
     }
 }
-
-/// Reference points and weights of an entity (of the first local facet).
-fn rule_points<const D: usize>(
-    mesh: &Mesh<D>,
-    quadrature: &Quadrature<D>,
-    entity: Entity,
-    degree: usize,
-) -> Result<Vec<(CellShape, RulePoints<D>)>, QuadratureError> {
-    let of_shape = |shape| {
-        let (points, weights) = match entity {
-            Entity::Cells => {
-                let rule = quadrature.rule_on_cells(mesh, shape, degree)?;
-                (rule.points, rule.weights)
-            }
-            Entity::Facets | Entity::InteriorFacets => {
-                let rule = quadrature.facet_rule(shape, 0, degree)?;
-                (rule.points, rule.weights)
-            }
-        };
-        Ok((shape, points.into_iter().zip(weights).collect()))
-    };
-    mesh.shapes().into_iter().map(of_shape).collect()
-}
-
-/// Points with their weights.
-type RulePoints<const D: usize> = Vec<([f64; D], f64)>;
 
 /// The degree of the rule of all histories among the fields that a kernel reads, and the name of one of them;
 /// `None` if it reads none.

@@ -320,7 +320,7 @@ fn elements_of_several_types() {
     // What is wrong with a cell is told of the file's element, whichever shape comes first.
     assert_eq!(
         house("3 2 2 3 1 4 3 5", "3 2 2 3 1 4 3 9"),
-        "square.msh, line 21, in $Elements: element 3 names node 9, which $Nodes does not list"
+        "square.msh, line 21, in $Elements: element 3 names node 9, which the file does not have"
     );
     for (from, to, line, element) in
         [("2 3 2 3 1 1 2 3 4", "2 3 2 3 1 1 3 2 4", 20, 2), ("4 3 5", "4 5 3", 21, 3)]
@@ -332,11 +332,11 @@ fn elements_of_several_types() {
     let three = TWO_SHAPES.replace("\n3\n1 1 2 7", "\n4\n1 1 2 7");
     assert_eq!(
         changed(&three, "3 2 2 3 1 4 3 5", "3 2 2 3 1 4 3 5\n4 2 2 3 1 3 5 4"),
-        "square.msh, line 22, in $Elements: elements 3 and 4 have the same vertices, and no groups that tell why"
+        "square.msh, line 22, in $Elements: elements 3 and 4 are the same cell"
     );
     assert_eq!(
         changed(&three, "3 2 2 3 1 4 3 5", "3 2 2 3 1 4 3 5\n4 2 2 3 1 4 2 3"),
-        "square.msh, line 22, in $Elements: more than two elements share the facet with the nodes [3, 4]: [2, 3, 4]"
+        "square.msh, line 22, in $Elements: elements [2, 3, 4] share one facet, with the nodes [3, 4]; two can"
     );
 }
 

@@ -16,6 +16,7 @@ mod only_what_changes;
 mod positive_parts;
 mod related_unknowns;
 mod second_derivatives;
+mod several_shapes;
 mod shape_derivatives;
 mod split_facets;
 mod sum_factorisation;
