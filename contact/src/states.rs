@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use forms_fem::assemble::BlockPattern;
 use forms_fem::prelude::*;
-use forms_fem::solve::{LineSearch, LinearProblemError, LoadPath, LoadStepError, LoadSteps, Solved};
+use forms_fem::solve::{
+    LineSearch, LinearProblemError, LoadPath, LoadStepError, LoadSteps, NewtonFailure, Solved,
+};
 
 use crate::forms;
 
@@ -165,6 +167,16 @@ impl<const D: usize> ContactProblem<D> {
         self.split.map_or_else(|| Ok(self.assembler.clone()), |split| split(self, u, zone))
     }
 
+    /// A γ₀ that is not positive turns the obstacle's push into a pull.
+    fn check_gamma0(&self, form: &'static str) -> Result<(), AssemblyError> {
+        let (parameter, value) = ("gamma0", self.data.gamma0);
+        // A value that is not finite is named when the form is bound to its data.
+        if value <= 0.0 {
+            return Err(AssemblyError::ParameterRange { form, parameter, value, range: "positive" });
+        }
+        Ok(())
+    }
+
     /// The direct problem (14) as a form.
     pub fn direct_form(&self) -> forms::direct::Form<D> {
         let Regions { omega, gamma_n, gamma_c, .. } = &self.regions;
@@ -202,6 +214,11 @@ impl<const D: usize> ContactProblem<D> {
         forms::direct::Form<D>: Form<D>,
     {
         let start = Instant::now();
+        self.check_gamma0("direct").map_err(|error| NewtonError {
+            why: NewtonFailure::Assembly(error),
+            history: vec![],
+            u: first.values().to_vec(),
+        })?;
         let form = self.direct_form();
         let mut problem = FormProblem::with_pattern(&form, &self.assembler, &self.space, &self.pattern);
         if self.split.is_some() {
@@ -296,6 +313,7 @@ impl<const D: usize> ContactProblem<D> {
         solver: &mut dyn LinearSolver,
     ) -> Result<Timed<Field<D>>, LinearProblemError> {
         let start = Instant::now();
+        self.check_gamma0(form.name())?;
         let mut problem = FormProblem::with_pattern(form, assembler, &self.space, &self.pattern);
         let result = problem.solve_affine(&self.constraints.homogeneous(), solver)?;
         let assembly_seconds = problem.assembly_seconds();

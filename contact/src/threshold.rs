@@ -59,7 +59,7 @@ where
 /// cell's facets add up, since all of them have its γ.
 ///
 /// # Errors
-/// Data that do not fit.
+/// Data that do not fit; a cell with a facet of Γ_C that is not among `contact_cells`.
 pub fn threshold<const D: usize>(
     problem: &ContactProblem<D>,
     contact_cells: &str,
@@ -98,12 +98,18 @@ where
     let mesh = problem.space.mesh();
     let mut found = Threshold { required: 0.0, gamma0, theta, worst: None };
     for (cell, stress) in stresses {
-        if let Some(energy) = energies.get(&cell) {
-            let required = factor * largest_eigenvalue(stress, energy.clone()) * mesh.diameter(cell as usize);
-            if required > found.required {
-                found.required = required;
-                found.worst = Some(mesh.cell_centre(cell as usize).to_vec());
-            }
+        let centre = mesh.cell_centre(cell as usize).to_vec();
+        let Some(energy) = energies.get(&cell) else {
+            return Err(AssemblyError::CellOfFacet {
+                form: "normal_stress_product",
+                cells: contact_cells.to_owned(),
+                facets: problem.regions.gamma_c.0.name.clone(),
+                position: centre,
+            });
+        };
+        let required = factor * largest_eigenvalue(stress, energy.clone()) * mesh.diameter(cell as usize);
+        if required > found.required {
+            (found.required, found.worst) = (required, Some(centre));
         }
     }
     Ok(found)

@@ -57,6 +57,7 @@ impl LinearSolver for Krylov {
         let report = found.map_err(|error| match error {
             KrylovError::BadArguments(error) => error.into(),
             error => SolverError::Krylov {
+                method: if self.minimal_residual { "MINRES" } else { "conjugate gradients" },
                 why: error.to_string(),
                 report: error.report().cloned().unwrap_or_default(),
             },
@@ -162,11 +163,29 @@ fn good_input_is_solved_by_all() {
     });
 }
 
+/// Contact on no area at all, at the start as at the end: every solver finds what it finds without a bed.
+#[test]
+fn a_bed_that_is_not_reached_does_nothing() {
+    let lifted: fn(&[f64; 3]) -> [f64; 3] = |_| [0.0, 0.0, 0.1];
+    let mut first: Option<Field<3>> = None;
+    each(&Case { name: "lifted", load: lifted, ..GOOD }, |name, found| {
+        let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let expected = first.get_or_insert_with(|| found.clone());
+        let pairs = found.values().iter().zip(expected.values());
+        let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(difference < 1e-6, "{name}: {difference:e}");
+        let mut on_bed =
+            found.space().positions().iter().zip(found.values().chunks(3)).filter(|(x, _)| x[2] == 0.0);
+        assert!(on_bed.all(|(_, u)| u[2] > -0.01), "{name}: the bed is reached");
+    });
+}
+
 #[test]
 fn bad_input_is_an_error_that_names_it() {
     let nan: fn(&[f64; 3]) -> [f64; 3] = |x| [0.0, if x[0] > 0.6 { f64::NAN } else { 0.0 }, -0.1];
     // A load that only friction could hold.
     let aside: fn(&[f64; 3]) -> [f64; 3] = |_| [0.1, 0.0, 0.1];
+    let up: fn(&[f64; 3]) -> [f64; 3] = |_| [0.0, 0.0, 0.1];
     let singular = &["singular", "not positive definite", "stagnates", "no convergence", "stopped at"];
     let cases = [
         Case { name: "a load that is not a number", load: nan, says: &["not finite", "NaN"], ..GOOD },
@@ -183,6 +202,13 @@ fn bad_input_is_an_error_that_names_it() {
             ..GOOD
         },
         Case { name: "nothing holds the body", held: false, load: aside, says: singular, ..GOOD },
+        Case {
+            name: "only a bed that is not reached could hold it",
+            held: false,
+            load: up,
+            says: singular,
+            ..GOOD
+        },
         Case { name: "no such region", region: "underside", says: &["underside"], ..GOOD },
     ];
     for case in &cases {

@@ -20,6 +20,7 @@ mod exact_hertz_sphere;
 mod exact_scalar_signorini;
 mod exact_signorini_transition;
 mod exact_smooth_adjoint;
+mod form_boundary_derivative;
 mod form_consistent_adjoint;
 mod form_criterion;
 mod form_derived_fields;
@@ -37,6 +38,7 @@ mod operators_page;
 mod separate_crate;
 mod shape_gradient;
 mod solver_paths;
+mod split_contact_in_space;
 mod threshold;
 
 #[test]

@@ -214,3 +214,33 @@ fn diameters_matter_on_the_contact_boundary() {
     let message = here.shape_gradient(&u, &p, Diameters::Frozen, None).unwrap_err().to_string();
     assert!(message.starts_with("form `shape_gradient` reads the gradient of `gap`"), "{message}");
 }
+
+/// With contact facets split at the zeros of β_h no point comes into contact or leaves it: the derivative needs no term for
+/// the moving cut, whose integrand vanishes, and steps may be long.
+#[test]
+fn with_split_facets_it_is_the_derivative_across_changes_of_the_contact_zone() {
+    for (shape, degree, theta) in [(CellShape::Quadrilateral, 2, -1.0), (CellShape::Triangle, 1, 1.0)] {
+        let mesh = ring(shape, degree);
+        let split = |mesh: &Arc<Mesh<2>>| problem(mesh, theta).with_split_facets();
+        let here = split(&mesh);
+        let (_, u, _) = solve(&here, None);
+        let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
+        let gradient = here.shape_gradient(&u, &p, Diameters::Moving, Some(&imposed_slope)).unwrap();
+        for (piece, centre) in PIECES {
+            let along = near(&mesh, centre);
+            let found = gradient.along(&along).unwrap();
+            let moved = |step: f64| solve(&split(&along.move_mesh(step).unwrap()), None).0;
+            let central = |step: f64| (moved(step) - moved(-step)) / (2.0 * step);
+            let difference = (4.0 * central(STEP) - central(2.0 * STEP)) / 3.0;
+            let relative = (found - difference).abs() / difference.abs();
+            let label = format!("{shape:?}, θ = {theta}, {piece}");
+            println!("{label}: {found:.6e}, differences {difference:.6e}, relative {relative:.1e}");
+            assert!(relative < 1e-7, "{label}: {found} against {difference} ({relative:.1e})");
+            let report = verification::shape(&along, 64.0 * STEP, found, |mesh| {
+                let value = vec![solve(&split(mesh), None).0];
+                Ok::<_, MovementError>(Sample { value, active_set: None })
+            });
+            report.unwrap().second_order().unwrap_or_else(|failure| panic!("{label}: {failure}"));
+        }
+    }
+}

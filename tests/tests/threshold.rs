@@ -3,7 +3,7 @@
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT_CELLS, Settings, hollow_cylinder};
-use forms_contact::states::{ContactProblem, Regions};
+use forms_contact::states::{Adjoint, ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
 use forms_fem::prelude::*;
 
@@ -19,12 +19,8 @@ fn simplex<const D: usize>(shape: CellShape, vertices: Vec<[f64; D]>) -> Arc<Mes
     Arc::new(mesh)
 }
 
-/// The γ₀ of [`required_gamma0`] on a mesh with Γ_C = "contact", all of whose cells own facets of it.
-fn required<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> f64
-where
-    forms::normal_stress_product::Form<D>: Form<D>,
-    forms::elasticity::Form<D>: Form<D>,
-{
+/// On a mesh with Γ_C = "contact".
+fn problem<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> ContactProblem<D> {
     let space = Space::vector(mesh, degree).unwrap();
     let mut normal = [0.0; D];
     normal[D - 1] = -1.0;
@@ -43,8 +39,16 @@ where
     };
     let constraints = Constraints::new(&space);
     let regions = Regions::new("contact", "contact");
-    let problem = ContactProblem::new(Assembler::new(mesh), &space, data, regions, constraints).unwrap();
-    required_gamma0(&problem, "all").unwrap()
+    ContactProblem::new(Assembler::new(mesh), &space, data, regions, constraints).unwrap()
+}
+
+/// The γ₀ of [`required_gamma0`] on a mesh with Γ_C = "contact", all of whose cells own facets of it.
+fn required<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> f64
+where
+    forms::normal_stress_product::Form<D>: Form<D>,
+    forms::elasticity::Form<D>: Form<D>,
+{
+    required_gamma0(&problem(mesh, degree, theta), "all").unwrap()
 }
 
 /// (1+θ)²/4 (λ+2μ) k(k+d−1)/d |F|/|T| h.
@@ -126,4 +130,31 @@ fn the_cylinder() {
             assert!(radial < 32 || (found - in_print).abs() < 0.005, "{found} E is not {in_print} E");
         }
     }
+}
+
+/// What would make a wrong γ₀ pass for a right one, or obstacles pull, is an error that names it.
+#[test]
+fn contact_cells_that_lack_one_and_gamma0_that_is_not_positive_are_errors() {
+    let settings = Settings { radial: 4, theta: 1.0, ..Settings::default() };
+    let mut cylinder = hollow_cylinder(&settings).unwrap();
+    let error = required_gamma0(&cylinder, "fewer").unwrap_err().to_string();
+    assert!(error.contains("fewer"), "{error}");
+    let u = Field::zero(&cylinder.space);
+    for gamma0 in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        cylinder.data.gamma0 = gamma0;
+        let solver = &mut TangentSolver::default();
+        let direct = cylinder.solve_direct(solver, &NewtonOptions::default(), &mut |_| ()).unwrap_err();
+        let adjoint = cylinder.solve_adjoint(Adjoint::Discrete, &u, solver).unwrap_err();
+        for error in [direct.to_string(), adjoint.to_string()] {
+            assert!(error.contains("`gamma0`") && error.contains(&gamma0.to_string()), "{error}");
+        }
+    }
+    // One of two triangles of a square has the facet below, the other does not.
+    let mut mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1).unwrap();
+    mesh.name_facets("contact", "bottom", |_| true).unwrap();
+    let owner = mesh.facet_region("contact").unwrap()[0].cell as usize;
+    let centre = mesh.cell_centre(owner);
+    mesh.name_cells("above", |other| *other != centre).unwrap();
+    let error = required_gamma0(&problem(&Arc::new(mesh), 1, 1.0), "above").unwrap_err().to_string();
+    assert!(error.contains("\"above\" lack the one at") && error.contains("\"contact\""), "{error}");
 }

@@ -56,6 +56,33 @@ pub enum AssemblyError {
         /// Its value.
         value: f64,
     },
+    /// A parameter outside the range that its formulation allows.
+    #[error("form `{form}`: the parameter `{parameter}` is {value}; it must be {range}")]
+    ParameterRange {
+        /// The form.
+        form: &'static str,
+        /// Name of the data member.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// Which values are allowed, in words.
+        range: &'static str,
+    },
+    /// A region of cells that ought to hold each cell with a facet of another region.
+    #[error(
+        "form `{form}`: the cells \"{cells}\" lack the one at {position:?}, of which a facet belongs to \"{facets}\" \
+         (`Mesh::name_cells_of_facets` names them all)"
+    )]
+    CellOfFacet {
+        /// The form.
+        form: &'static str,
+        /// The region of cells.
+        cells: String,
+        /// The region of facets.
+        facets: String,
+        /// The centre of the cell that is missing.
+        position: Vec<f64>,
+    },
     /// A field with the wrong number of components.
     #[error("form `{form}`: `{field}` has {expected} components, the field given has {found}")]
     Components {

@@ -115,9 +115,11 @@ pub enum SolverError {
         .0.relative_residual, .0.iterations
     )]
     NotConverged(GmresReport),
-    /// Conjugate gradients failed.
-    #[error("conjugate gradients failed: {why}")]
+    /// An iterative method failed.
+    #[error("{method} failed: {why}")]
     Krylov {
+        /// Its name.
+        method: &'static str,
         /// The reason.
         why: String,
         /// What was done, with the history of residuals.

@@ -190,6 +190,7 @@ fn failed(error: KrylovError) -> SolverError {
     match error {
         KrylovError::BadArguments(error) => error.into(),
         error => SolverError::Krylov {
+            method: "conjugate gradients",
             why: error.to_string(),
             report: error.report().cloned().unwrap_or_default(),
         },
@@ -209,6 +210,7 @@ fn by_gmres(
         |v| {
             residual.copy_from_slice(v);
             multigrid.precondition(&residual, v).map_err(|error| SolverError::Krylov {
+                method: "multigrid",
                 why: error.to_string(),
                 report: KrylovReport::default(),
             })
@@ -228,9 +230,11 @@ fn by_gmres(
             GmresError::NotConverged(report)
             | GmresError::Stagnated(report)
             | GmresError::NotFinite(report) => SolverError::NotConverged(report),
-            error @ GmresError::BadArguments { .. } => {
-                SolverError::Krylov { why: error.to_string(), report: KrylovReport::default() }
-            }
+            error @ GmresError::BadArguments { .. } => SolverError::Krylov {
+                method: "GMRES",
+                why: error.to_string(),
+                report: KrylovReport::default(),
+            },
         })
 }
 
@@ -264,7 +268,8 @@ impl LinearSolver for MultigridSolver {
         .map_err(|error| match self.blocks.singular(&levelled) {
             Some(error) => error.into(),
             None => SolverError::Krylov {
-                why: format!("a level of multigrid could not be made: {error}"),
+                method: "multigrid",
+                why: format!("a level could not be made: {error}"),
                 report: KrylovReport::default(),
             },
         })?;
