@@ -130,8 +130,8 @@ fn outlines(mesh: &Mesh<2>) -> Outcome<Vec<Vec<[f64; 2]>>> {
     for name in names {
         let mut points = Vec::new();
         for facet in mesh.facet_region(&name)? {
-            let [a, b] = mesh.shape().edges()[usize::from(facet.local)]
-                .map(|vertex| mesh.shape().vertex_points()[vertex]);
+            let [a, b] = mesh.cell_shape(facet.cell as usize).edges()[usize::from(facet.local)]
+                .map(|vertex| mesh.cell_shape(facet.cell as usize).vertex_points()[vertex]);
             for k in 0..SAMPLES {
                 let t = k as f64 / (SAMPLES - 1) as f64;
                 let reference = std::array::from_fn(|i| (1.0 - t) * a[i] + t * b[i]);

@@ -211,7 +211,7 @@ impl<const D: usize> Field<D> {
     /// # Panics
     /// When the mesh has no such cell.
     pub fn evaluate_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
-        let (value, _) = self.basis(reference);
+        let (value, _) = self.basis(cell, reference);
         let mut result = vec![self.empty_sum(); self.space.components()];
         for (&node, phi) in self.space.cell_nodes(cell).iter().zip(value) {
             for (sum, coefficient) in result.iter_mut().zip(self.at_node(node as usize)) {
@@ -227,7 +227,7 @@ impl<const D: usize> Field<D> {
     /// # Panics
     /// When the mesh has no such cell.
     pub fn gradient_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
-        let (_, slopes) = self.basis(reference);
+        let (_, slopes) = self.basis(cell, reference);
         let (_, jacobian) = self.space.mesh().map(cell, reference);
         let inverse = inverse(&jacobian).unwrap_or([[f64::NAN; D]; D]);
         let mut result = vec![self.empty_sum(); self.space.components() * D];
@@ -246,10 +246,10 @@ impl<const D: usize> Field<D> {
         if self.space.facet_region().is_some() { f64::NAN } else { 0.0 }
     }
 
-    fn basis(&self, reference: &[f64; D]) -> ([f64; MAXIMUM_NODES], [[f64; D]; MAXIMUM_NODES]) {
+    fn basis(&self, cell: usize, reference: &[f64; D]) -> ([f64; MAXIMUM_NODES], [[f64; D]; MAXIMUM_NODES]) {
         let mut value = [0.0; MAXIMUM_NODES];
         let mut gradient = [[0.0; D]; MAXIMUM_NODES];
-        self.space.element().evaluate(reference, &mut value, &mut gradient);
+        self.space.cell_element(cell).evaluate(reference, &mut value, &mut gradient);
         (value, gradient)
     }
 

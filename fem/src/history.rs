@@ -9,14 +9,19 @@
 //!
 //! An integral that reads a history takes that history's quadrature rule, whatever degree the compiler estimates.
 
+mod rule_points;
+
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use forms_core::contract::{Entity, Expression, History, Inputs, QuadratureValues, Source};
 use forms_core::source::FieldValue;
 use thiserror::Error;
 
+use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
+use crate::element::CellShape;
 use crate::mesh::{Mesh, MeshError};
 use crate::quadrature::{Quadrature, QuadratureError};
 
@@ -73,10 +78,10 @@ pub(crate) struct PointStorage<const D: usize> {
     degree: usize,
     quadrature: Quadrature<D>,
     components: usize,
-    /// Points per cell or facet.
-    points: usize,
     /// By cell, or by cell and local facet: which entity of the region it is.
     entities: Vec<u32>,
+    /// By entity: the number of its first point, and last the number of all points.
+    starts: Vec<usize>,
     state: RwLock<State>,
 }
 
@@ -106,29 +111,33 @@ impl<const D: usize> PointStorage<D> {
     ) -> Result<Self, MadeError> {
         let mesh = assembler.mesh().clone();
         let quadrature = assembler.quadrature().clone();
-        let points = rule_points(&mesh, &quadrature, entity, degree)?.len();
-        let facets = mesh.shape().facets();
+        let rules = rule_points(&mesh, &quadrature, entity, degree)?;
+        let points: BTreeMap<CellShape, usize> =
+            rules.iter().map(|(shape, points)| (*shape, points.len())).collect();
+        let facets = mesh.most_facets();
         let mut entities;
-        let mut count = 0;
-        let mut number = |entry: &mut u32| {
-            *entry = count;
-            count += 1;
+        let mut starts = vec![0];
+        let mut number = |entry: &mut u32, cell: u32| {
+            let count = starts.len() - 1;
+            *entry = count as u32;
+            starts.push(starts[count] + points[&mesh.cell_shape(cell as usize)]);
         };
         match entity {
             Entity::Cells => {
                 entities = vec![NONE; mesh.cell_count()];
                 for cell in mesh.cell_region(region)? {
-                    number(&mut entities[*cell as usize]);
+                    number(&mut entities[*cell as usize], *cell);
                 }
             }
             Entity::Facets | Entity::InteriorFacets => {
                 entities = vec![NONE; mesh.cell_count() * facets];
                 for facet in mesh.facet_region(region)? {
-                    number(&mut entities[facet.cell as usize * facets + usize::from(facet.local)]);
+                    let place = facet.cell as usize * facets + usize::from(facet.local);
+                    number(&mut entities[place], facet.cell);
                 }
             }
         }
-        let committed = Arc::new(initial.repeat(count as usize * points));
+        let committed = Arc::new(initial.repeat(starts[starts.len() - 1]));
         Ok(PointStorage {
             mesh,
             entity,
@@ -136,8 +145,8 @@ impl<const D: usize> PointStorage<D> {
             degree,
             quadrature,
             components: initial.len(),
-            points,
             entities,
+            starts,
             state: RwLock::new(State { committed, written: None, commits: 0 }),
         })
     }
@@ -153,6 +162,11 @@ impl<const D: usize> PointStorage<D> {
             return Err(HistoryMismatch::Mesh);
         }
         Ok(Snapshot { storage: self, values: self.committed() })
+    }
+
+    /// Number of points of an entity.
+    fn points_of(&self, entity: u32) -> usize {
+        self.starts[entity as usize + 1] - self.starts[entity as usize]
     }
 
     fn committed(&self) -> Arc<Vec<f64>> {
@@ -179,13 +193,13 @@ impl<const D: usize> Snapshot<'_, D> {
         let index = match (storage.entity, facet) {
             (Entity::Cells, None) => storage.entities.get(cell as usize),
             (Entity::Facets | Entity::InteriorFacets, Some(local)) => {
-                storage.entities.get(cell as usize * storage.mesh.shape().facets() + usize::from(local))
+                storage.entities.get(cell as usize * storage.mesh.most_facets() + usize::from(local))
             }
             _ => None,
         };
         match index {
-            Some(index) if *index != NONE && q < storage.points => {
-                let start = (*index as usize * storage.points + q) * storage.components;
+            Some(index) if *index != NONE && q < storage.points_of(*index) => {
+                let start = (storage.starts[*index as usize] + q) * storage.components;
                 Ok(&self.values[start..start + storage.components])
             }
             _ => Err(HistoryMismatch::Region {
@@ -224,26 +238,6 @@ impl<const D: usize> QuadratureValues for PointStorage<D> {
     fn as_any(&self) -> &dyn Any {
         self
     }
-}
-
-/// Reference points and weights of an entity (of the first local facet).
-fn rule_points<const D: usize>(
-    mesh: &Mesh<D>,
-    quadrature: &Quadrature<D>,
-    entity: Entity,
-    degree: usize,
-) -> Result<Vec<([f64; D], f64)>, QuadratureError> {
-    let (points, weights) = match entity {
-        Entity::Cells => {
-            let rule = quadrature.cell_rule(mesh.shape(), degree)?;
-            (rule.points, rule.weights)
-        }
-        Entity::Facets | Entity::InteriorFacets => {
-            let rule = quadrature.facet_rule(mesh.shape(), 0, degree)?;
-            (rule.points, rule.weights)
-        }
-    };
-    Ok(points.into_iter().zip(weights).collect())
 }
 
 /// The degree of the rule of all histories among the fields that a kernel reads, and the name of one of them;

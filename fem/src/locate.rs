@@ -66,7 +66,7 @@ impl<const D: usize> Locator<D> {
     /// where several do. A point is inside up to [`INSIDE`] in reference coordinates. `None` outside the
     /// mesh, and for NaN.
     pub fn find(&self, point: &[f64; D]) -> Option<(usize, [f64; D])> {
-        let shape = self.mesh.shape();
+        let shape = |cell| self.mesh.cell_shape(cell);
         let candidates: Vec<usize> = self
             .members_of(self.bin_of(point))
             .iter()
@@ -79,12 +79,12 @@ impl<const D: usize> Locator<D> {
         let search = |invert: &dyn Fn(usize) -> Option<[f64; D]>| {
             candidates.iter().find_map(|&cell| {
                 invert(cell)
-                    .filter(|reference| shape.contains(reference, INSIDE))
+                    .filter(|reference| shape(cell).contains(reference, INSIDE))
                     .map(|reference| (cell, reference))
             })
         };
         // The start from the centre nearly always suffices, and the others cost much.
-        search(&|cell| self.newton(cell, point, shape.centre())).or_else(|| {
+        search(&|cell| self.newton(cell, point, shape(cell).centre())).or_else(|| {
             let more = !self.mesh.is_affine();
             if more { search(&|cell| self.invert(cell, point)) } else { None }
         })
@@ -94,7 +94,7 @@ impl<const D: usize> Locator<D> {
     /// as between nested meshes of a curved body. `None` when every cell is further away.
     pub fn find_nearest(&self, point: &[f64; D], tolerance: f64) -> Option<Nearest<D>> {
         if let Some((cell, reference)) = self.find(point) {
-            let clamped = self.mesh.shape().clamp(&reference);
+            let clamped = self.mesh.cell_shape(cell).clamp(&reference);
             let distance = distance(point, &self.mesh.map(cell, &clamped).0);
             return Some(Nearest { cell, reference, clamped, distance });
         }
@@ -116,7 +116,7 @@ impl<const D: usize> Locator<D> {
     // Newton's method with a step bound; the geometry map of a valid cell is close to affine, so it takes
     // few steps. Other starts than the centre serve strongly curved cells.
     fn invert(&self, cell: usize, point: &[f64; D]) -> Option<[f64; D]> {
-        let shape = self.mesh.shape();
+        let shape = self.mesh.cell_shape(cell);
         let vertices = shape.vertex_points().iter().map(|vertex| std::array::from_fn(|k| vertex[k]));
         let converged = |start| self.newton(cell, point, start);
         let mut outside = None;
@@ -127,7 +127,7 @@ impl<const D: usize> Locator<D> {
                 Some(reference) => outside = outside.or(Some(reference)),
                 None => {}
             }
-            if self.mesh.is_affine() {
+            if self.mesh.is_affine_on(shape) {
                 break;
             }
         }
@@ -135,6 +135,7 @@ impl<const D: usize> Locator<D> {
     }
 
     fn newton(&self, cell: usize, point: &[f64; D], start: [f64; D]) -> Option<[f64; D]> {
+        let affine = self.mesh.is_affine_on(self.mesh.cell_shape(cell));
         let mut reference: [f64; D] = start;
         let mut previous = f64::INFINITY;
         for _ in 0..40 {
@@ -144,7 +145,7 @@ impl<const D: usize> Locator<D> {
                 std::array::from_fn(|i| (0..D).map(|j| inverse[i][j] * (point[j] - x[j])).sum());
             let length = step.iter().fold(0.0_f64, |length, s| length.max(s.abs()));
             // An affine map is inverted by one step of any length.
-            let factor = if self.mesh.is_affine() { 1.0 } else { 1.0 / length.max(1.0) };
+            let factor = if affine { 1.0 } else { 1.0 / length.max(1.0) };
             for (coordinate, step) in reference.iter_mut().zip(step) {
                 *coordinate += factor * step;
             }
@@ -153,7 +154,7 @@ impl<const D: usize> Locator<D> {
                 return Some(reference);
             }
             previous = length;
-            if self.mesh.is_affine() && reference.iter().all(|coordinate| coordinate.is_finite()) {
+            if affine && reference.iter().all(|coordinate| coordinate.is_finite()) {
                 return Some(reference);
             }
         }
@@ -266,9 +267,9 @@ mod tests {
     fn check_all<const D: usize>(mesh: Mesh<D>) {
         let mesh = Arc::new(mesh);
         let locator = Locator::new(&mesh);
-        let mut points = cell_rule::<D>(mesh.shape(), 6).expect("degree 6 exists").points;
+        let mut points = cell_rule::<D>(mesh.cell_shape(0), 6).expect("degree 6 exists").points;
         let interior = points.len();
-        points.extend(mesh.element().node_points::<D>());
+        points.extend(mesh.cell_element(0).node_points::<D>());
         for cell in 0..mesh.cell_count() {
             for (index, point) in points.iter().enumerate() {
                 let (x, _) = mesh.map(cell, point);
@@ -354,7 +355,7 @@ mod tests {
             assert!(distance(&x, node) < 1e-12);
             let (inside, _) = coarse.map(nearest.cell, &nearest.clamped);
             assert!((distance(&inside, node) - nearest.distance).abs() < 1e-15);
-            assert!(coarse.shape().contains(&nearest.clamped, 0.0));
+            assert!(coarse.cell_shape(nearest.cell).contains(&nearest.clamped, 0.0));
             outside += usize::from(nearest.distance > 1e-6);
         }
         assert!(outside > 0);

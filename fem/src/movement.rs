@@ -92,7 +92,8 @@ impl<const D: usize> Field<D> {
     /// # Errors
     /// [`MovementError::OtherNodes`] when the space is of another kind, or its mesh has other cells.
     pub fn carried_to(&self, space: &Arc<Space<D>>) -> Result<Self, MovementError> {
-        let same = space.element() == self.space().element()
+        let same = space.degree() == self.space().degree()
+            && space.mesh().blocks() == self.space().mesh().blocks()
             && space.family() == self.space().family()
             && space.shape() == self.space().shape()
             && space.all_cell_nodes() == self.space().all_cell_nodes()
@@ -173,7 +174,7 @@ fn check_space<const D: usize>(space: &Space<D>) -> Result<(), MovementError> {
 
 /// ∂h_T/∂x of the vertices of a cell, by local number.
 fn for_each_share<const D: usize>(mesh: &Mesh<D>, cell: usize, add: &mut dyn FnMut(usize, [f64; D])) {
-    let vertices = &mesh.cell(cell)[..mesh.shape().vertices()];
+    let vertices = mesh.cell_vertices(cell);
     let position = |vertex: usize| &mesh.nodes()[vertices[vertex] as usize];
     let between =
         |a: usize, b: usize| -> [f64; D] { std::array::from_fn(|k| position(a)[k] - position(b)[k]) };

@@ -4,14 +4,15 @@ mod embedding;
 mod numbering;
 mod orientation;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 use thiserror::Error;
 
-use crate::element::{ElementError, Lagrange, MAXIMUM_DEGREE};
+use crate::element::{CellShape, ElementError, Lagrange, MAXIMUM_DEGREE};
 use crate::locate::Locator;
-use crate::mesh::{Facet, Mesh, MeshError};
+use crate::mesh::{CellLists, Facet, Mesh, MeshError};
 
 /// Where the nodes of a space lie, and which cells share them.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,12 +34,14 @@ pub enum Family {
 #[derive(Debug)]
 pub struct Space<const D: usize> {
     pub(crate) mesh: Arc<Mesh<D>>,
-    pub(crate) element: Lagrange,
+    pub(crate) degree: usize,
     pub(crate) family: Family,
     /// `[]` scalar, `[D]` vector, `[D, D]` tensor, or any other.
     pub(crate) shape: Vec<usize>,
     /// Nodes of the space, cell after cell, in the order of the element's nodes; none on facets.
     pub(crate) cell_nodes: Vec<u32>,
+    /// Where each cell's nodes stand there.
+    lists: CellLists,
     /// The facets that a space on facets lives on, sorted, with their nodes.
     pub(crate) facets: Vec<(Facet, Vec<u32>)>,
     /// Position of each node.
@@ -179,28 +182,31 @@ impl<const D: usize> Space<D> {
         if shape.contains(&0) {
             return Err(SpaceError::Shape { shape: shape.to_vec() });
         }
-        let element = match family {
-            Family::Continuous => Lagrange::new(mesh.shape(), degree)?,
+        match family {
+            Family::Continuous => {
+                mesh.shapes().into_iter().try_for_each(|shape| Lagrange::new(shape, degree).map(|_| ()))?
+            }
             _ if degree > MAXIMUM_DEGREE => return Err(SpaceError::Degree { family, degree }),
-            _ => Lagrange { shape: mesh.shape(), degree },
-        };
+            _ => {}
+        }
+        let lists = CellLists::new(mesh.blocks(), |shape| Lagrange { shape, degree }.nodes());
         let (mut cell_nodes, mut facets) = (vec![], vec![]);
         let positions = match &family {
             Family::Continuous => {
-                cell_nodes = numbering::share_nodes(mesh, &element);
-                numbering::node_positions(mesh, &element, &cell_nodes)
+                cell_nodes = numbering::share_nodes(mesh, degree, &lists);
+                numbering::node_positions(mesh, degree, &lists, &cell_nodes)
             }
             Family::Discontinuous => {
-                let nodes = mesh.cell_count() * element.nodes();
+                let nodes = lists.len();
                 if u32::try_from(nodes).is_err() {
                     return Err(SpaceError::TooLarge { unknowns: nodes });
                 }
-                cell_nodes = numbering::separate_nodes(mesh, &element);
-                numbering::node_positions(mesh, &element, &cell_nodes)
+                cell_nodes = numbering::separate_nodes(mesh, &lists);
+                numbering::node_positions(mesh, degree, &lists, &cell_nodes)
             }
             Family::OnFacets(region) => {
                 let entities = mesh.sides_of(region)?;
-                let (found, positions) = numbering::facet_nodes(mesh, &element, &entities);
+                let (found, positions) = numbering::facet_nodes(mesh, degree, &lists, &entities);
                 facets = found;
                 positions
             }
@@ -210,17 +216,18 @@ impl<const D: usize> Space<D> {
             return Err(SpaceError::TooLarge { unknowns });
         }
         let (mesh, shape, locator) = (Arc::clone(mesh), shape.to_vec(), OnceLock::new());
-        Ok(Arc::new(Space { mesh, element, family, shape, cell_nodes, facets, positions, locator }))
+        Ok(Arc::new(Space { mesh, degree, family, shape, cell_nodes, lists, facets, positions, locator }))
     }
 
     /// The scalar space on the same nodes.
     pub(crate) fn scalar_nodes(&self) -> Arc<Self> {
         Arc::new(Space {
             mesh: Arc::clone(&self.mesh),
-            element: self.element,
+            degree: self.degree,
             family: self.family.clone(),
             shape: vec![],
             cell_nodes: self.cell_nodes.clone(),
+            lists: self.lists.clone(),
             facets: self.facets.clone(),
             positions: self.positions.clone(),
             locator: OnceLock::new(),
@@ -233,8 +240,16 @@ impl<const D: usize> Space<D> {
     }
 
     /// The element on a cell; a space on facets has the traces of its basis functions.
-    pub fn element(&self) -> Lagrange {
-        self.element
+    ///
+    /// # Panics
+    /// When the mesh has no such cell.
+    pub fn cell_element(&self, cell: usize) -> Lagrange {
+        self.element_of(self.mesh.cell_shape(cell))
+    }
+
+    /// The element on the cells of a shape.
+    pub(crate) fn element_of(&self, shape: CellShape) -> Lagrange {
+        Lagrange { shape, degree: self.degree }
     }
 
     /// Where the nodes lie, and which cells share them.
@@ -252,7 +267,7 @@ impl<const D: usize> Space<D> {
 
     /// The polynomial degree.
     pub fn degree(&self) -> usize {
-        self.element.degree
+        self.degree
     }
 
     /// Shape of a value: `[]` scalar, `[D]` vector, `[D, D]` tensor.
@@ -283,8 +298,7 @@ impl<const D: usize> Space<D> {
         if self.cell_nodes.is_empty() {
             return &[];
         }
-        let count = self.element.nodes();
-        &self.cell_nodes[cell * count..(cell + 1) * count]
+        &self.cell_nodes[self.lists.of(cell)]
     }
 
     /// Nodes of all cells, cell after cell.
@@ -309,7 +323,7 @@ impl<const D: usize> Space<D> {
     pub(crate) fn numbers_as(self: &Arc<Self>, other: &Arc<Self>) -> bool {
         Arc::ptr_eq(self, other)
             || (Arc::ptr_eq(&self.mesh, &other.mesh)
-                && self.element == other.element
+                && self.degree == other.degree
                 && self.family == other.family
                 && self.components() == other.components())
     }
@@ -337,14 +351,20 @@ impl<const D: usize> Space<D> {
     pub fn nodes_on(&self, region: &str) -> Result<Vec<u32>, MeshError> {
         let mesh = &self.mesh;
         let mut nodes: Vec<u32> = if let Ok(sides) = mesh.sides_of(region) {
-            let local: Vec<Vec<usize>> =
-                (0..mesh.shape().facets()).map(|facet| self.element.facet_nodes(facet)).collect();
+            let of_shape = |shape: CellShape| {
+                let local = (0..shape.facets()).map(|facet| self.element_of(shape).facet_nodes(facet));
+                (shape, local.collect::<Vec<_>>())
+            };
+            let local: BTreeMap<_, _> = mesh.shapes().into_iter().map(of_shape).collect();
             let mut nodes = Vec::new();
             for facet in sides.iter().flatten() {
                 let of_entity = self.nodes_at(facet.cell, Some(facet.local));
                 match self.family {
                     Family::OnFacets(_) => nodes.extend_from_slice(of_entity),
-                    _ => nodes.extend(local[usize::from(facet.local)].iter().map(|&node| of_entity[node])),
+                    _ => {
+                        let local = &local[&mesh.cell_shape(facet.cell as usize)][usize::from(facet.local)];
+                        nodes.extend(local.iter().map(|&node| of_entity[node]));
+                    }
                 }
             }
             nodes

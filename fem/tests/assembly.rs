@@ -218,7 +218,7 @@ fn derived_fields_on_facets_keep_the_order_of_the_region() {
         for (samples, facet) in samples.chunks(3).zip(facets) {
             // The sample in the middle is the middle of the facet that it names.
             assert!(samples.iter().all(|sample| sample.facet == *facet));
-            let ends = mesh.shape().edges()[usize::from(facet.local)]
+            let ends = mesh.cell_shape(0).edges()[usize::from(facet.local)]
                 .map(|vertex| mesh.nodes()[mesh.cell(facet.cell as usize)[vertex] as usize]);
             for (k, position) in samples[1].position.iter().enumerate() {
                 close(*position, (ends[0][k] + ends[1][k]) / 2.0, 1e-15);

@@ -13,7 +13,7 @@ fn path(name: &str) -> PathBuf {
 
 // Number of members, and sum of the coordinates of their vertices.
 fn sums<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(usize, [f64; 3]), MeshError> {
-    let shape = mesh.shape();
+    let shape = |cell: u32| mesh.cell_shape(cell as usize);
     let mut total = [0.0; 3];
     let mut add = |cell: usize, vertices: &mut dyn Iterator<Item = usize>| {
         for vertex in vertices {
@@ -24,7 +24,7 @@ fn sums<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(usize, [f64; 3]
         }
     };
     if let Ok(cells) = mesh.cell_region(region) {
-        cells.iter().for_each(|&cell| add(cell as usize, &mut (0..shape.vertices())));
+        cells.iter().for_each(|&cell| add(cell as usize, &mut (0..shape(cell).vertices())));
         return Ok((cells.len(), total));
     }
     let facets: Vec<Facet> = match mesh.facet_region(region) {
@@ -32,7 +32,7 @@ fn sums<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(usize, [f64; 3]
         Err(_) => mesh.interior_facet_region(region)?.iter().map(|sides| sides[0]).collect(),
     };
     for facet in &facets {
-        let mut vertices = shape.facet_vertices(facet.local.into()).iter().copied();
+        let mut vertices = shape(facet.cell).facet_vertices(facet.local.into()).iter().copied();
         add(facet.cell as usize, &mut vertices);
     }
     Ok((facets.len(), total))
@@ -64,20 +64,20 @@ fn regions_as_meshio_reads_them() {
             })
             .collect();
         match lines[0][0] {
-            name if name.starts_with("plate") || name.starts_with("quarter") => {
+            name if ["plate", "quarter", "house"].iter().any(|plane| name.starts_with(plane)) => {
                 check_file::<2>(name, &expected);
             }
             name => check_file::<3>(name, &expected),
         }
         files += 1;
     }
-    assert_eq!(files, 10);
+    assert_eq!(files, 12);
 }
 
 // The straight map of the vertices at the reference coordinates of each node.
 fn straight<const D: usize>(mesh: &Mesh<D>, cell: usize) -> Vec<[f64; D]> {
-    let linear = Lagrange { shape: mesh.shape(), degree: 1 };
-    let tables = linear.tabulate(&mesh.element().node_points::<D>());
+    let linear = Lagrange { shape: mesh.cell_shape(cell), degree: 1 };
+    let tables = linear.tabulate(&mesh.cell_element(cell).node_points::<D>());
     let vertices = &mesh.cell(cell)[..tables.nodes];
     let position = |values: &[f64]| {
         let nodes = vertices.iter().zip(values).map(|(&node, value)| (mesh.nodes()[node as usize], value));
@@ -117,14 +117,14 @@ fn nodes_stand_in_our_order() {
     }
     // Quadrilaterals: one step in angle and radius; the arcs' midpoints are off their chords.
     let quarter = Mesh::<2>::read_gmsh(path("quarter_4.1.msh")).unwrap();
-    assert_eq!((quarter.shape(), quarter.degree()), (CellShape::Quadrilateral, 2));
+    assert_eq!((quarter.cell_shape(0), quarter.degree()), (CellShape::Quadrilateral, 2));
     let sagitta = 2.0 * (1.0 - (std::f64::consts::PI / 8.0).cos());
     assert!(largest_bend(&quarter) < sagitta + 1e-9);
 }
 
 fn volume<const D: usize>(mesh: &Mesh<D>) -> f64 {
-    let rule = cell_rule::<D>(mesh.shape(), 8).unwrap();
     let cell = |cell| -> f64 {
+        let rule = cell_rule::<D>(mesh.cell_shape(cell), 8).unwrap();
         let points = rule.points.iter().zip(&rule.weights);
         points.map(|(point, weight)| weight * determinant(&mesh.map(cell, point).1)).sum()
     };
@@ -157,13 +157,13 @@ fn curved_cells_have_the_volume_of_their_parabolas() {
     let quarter = Mesh::<2>::read_gmsh(path("quarter_4.1.msh")).unwrap();
     assert!((volume(&quarter) - ring(2)).abs() < 1e-7, "{} {}", volume(&quarter), ring(2));
     let cylinder = Mesh::<3>::read_gmsh(path("cylinder_4.1_binary.msh")).unwrap();
-    assert_eq!((cylinder.shape(), cylinder.degree()), (CellShape::Hexahedron, 2));
+    assert_eq!((cylinder.cell_shape(0), cylinder.degree()), (CellShape::Hexahedron, 2));
     assert!((volume(&cylinder) - ring(1)).abs() < 1e-7, "{} {}", volume(&cylinder), ring(1));
     for name in ["ball_2.2_binary.msh", "ball_4.1.msh"] {
         let ball = Mesh::<3>::read_gmsh(path(name)).unwrap();
-        assert_eq!((ball.shape(), ball.degree()), (CellShape::Tetrahedron, 2));
+        assert_eq!((ball.cell_shape(0), ball.degree()), (CellShape::Tetrahedron, 2));
         for facet in ball.facet_region("sphere").unwrap() {
-            for node in ball.element().facet_nodes(facet.local.into()) {
+            for node in ball.cell_element(facet.cell as usize).facet_nodes(facet.local.into()) {
                 let x = ball.nodes()[ball.cell(facet.cell as usize)[node] as usize];
                 assert!((x[0].hypot(x[1]).hypot(x[2]) - 1.0).abs() < 1e-12);
             }
@@ -194,6 +194,35 @@ fn the_plate_is_the_same_in_every_format() {
     let [[inside, outside]] = first.mesh.interior_facet_region("seam").unwrap() else { panic!("one facet") };
     assert!(first.mesh.cell_region("left part").unwrap().contains(&inside.cell));
     assert!(first.mesh.cell_region("right part").unwrap().contains(&outside.cell));
+}
+
+#[test]
+fn triangles_beside_quadrilaterals() {
+    let read = |name: &str| GmshMesh::<2>::read(path(name)).unwrap_or_else(|error| panic!("{error}"));
+    let (first, second) = (read("house_2.2_binary.msh"), read("house_4.1.msh"));
+    // The files list the surfaces in different orders; the shape that comes first is the first block.
+    assert_eq!(first.mesh.shapes(), [CellShape::Triangle, CellShape::Quadrilateral]);
+    assert_eq!(second.mesh.shapes(), [CellShape::Quadrilateral, CellShape::Triangle]);
+    assert_eq!((first.mesh.node_count(), first.mesh.degree()), (second.mesh.node_count(), 2));
+    for GmshMesh { mesh, notes } in [first, second] {
+        assert_eq!(notes, []);
+        let of_shape = |wanted: CellShape| -> Vec<u32> {
+            (0..mesh.cell_count())
+                .filter(|cell| mesh.cell_shape(*cell) == wanted)
+                .map(|cell| cell as u32)
+                .collect()
+        };
+        assert_eq!(mesh.cell_region("roof").unwrap(), of_shape(CellShape::Triangle));
+        assert_eq!(mesh.cell_region("walls").unwrap(), of_shape(CellShape::Quadrilateral));
+        assert_eq!(mesh.cell_region("house").unwrap().len(), mesh.cell_count());
+        // A square of width 2, and half a disk of four parabolas.
+        let area = 4.0 + disk_of_parabolas(1.0, 4, std::f64::consts::PI);
+        assert!((volume(&mesh) - area).abs() < 1e-7, "{}", volume(&mesh));
+        for sides in mesh.interior_facet_region("ceiling").unwrap() {
+            let shapes = sides.map(|facet| mesh.cell_shape(facet.cell as usize));
+            assert!(shapes.contains(&CellShape::Triangle) && shapes.contains(&CellShape::Quadrilateral));
+        }
+    }
 }
 
 #[test]

@@ -62,6 +62,31 @@ $Elements
 $EndElements
 "#;
 
+// A square with a triangle above it.
+const TWO_SHAPES: &str = r#"$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 7 "wall"
+2 3 "body"
+$EndPhysicalNames
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 0.5 1.5 0
+$EndNodes
+$Elements
+3
+1 1 2 7 1 1 2
+2 3 2 3 1 1 2 3 4
+3 2 2 3 1 4 3 5
+$EndElements
+"#;
+
 fn message<const D: usize>(bytes: &[u8]) -> String {
     match GmshMesh::<D>::from_bytes("square.msh", bytes) {
         Ok(read) => format!("{} cells, {:?}", read.mesh.cell_count(), read.notes),
@@ -77,7 +102,7 @@ fn changed(file: &str, from: &str, to: &str) -> String {
 
 #[test]
 fn the_files_are_good() {
-    for file in [VERSION_4, VERSION_2] {
+    for file in [VERSION_4, VERSION_2, TWO_SHAPES] {
         assert_eq!(message::<2>(file.as_bytes()), "2 cells, []");
         // Lines may end as on Windows, and white space is free.
         assert_eq!(message::<2>(file.replace('\n', "\r\n").as_bytes()), "2 cells, []");
@@ -254,11 +279,6 @@ fn elements() {
         "square.msh, line 30, in $Elements: the block belongs to surface 9, which neither $Entities nor \
          $PartitionedEntities lists"
     );
-    assert_eq!(
-        changed(VERSION_2, "3 2 2 3 1 1 3 4", "3 3 2 3 1 1 2 3 4"),
-        "square.msh, line 20, in $Elements: the cells are of two types: element 2 is a triangle of 3 nodes, element 3 a \
-         quadrilateral of 4 nodes; a mesh has one"
-    );
     let prism = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 0 1 1\n\
                  $EndNodes\n$Elements\n1\n5 6 2 0 1 1 2 3 4 5 6\n$EndElements\n";
     assert_eq!(
@@ -269,6 +289,55 @@ fn elements() {
     let lines = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n\
                  1 1 2 0 1 1 2\n$EndElements\n";
     assert_eq!(message::<2>(lines.as_bytes()), "square.msh: the file has no cells");
+}
+
+#[test]
+fn elements_of_several_types() {
+    let house = |from: &str, to: &str| changed(TWO_SHAPES, from, to);
+    let six = TWO_SHAPES.replace("5\n1 0 0 0\n", "6\n6 0 2 0\n1 0 0 0\n");
+    assert_eq!(
+        changed(&six, "3 2 2 3 1 4 3 5", "3 9 2 3 1 4 3 5 1 2 6"),
+        "square.msh, line 22, in $Elements: the cells are of two types: element 2 is a quadrilateral of 4 nodes, element 3 \
+         a triangle of 6 nodes; a mesh has one, or triangles and quadrilaterals of one order"
+    );
+    let eight = TWO_SHAPES.replace("5\n1 0 0 0\n", "8\n6 0 2 0\n7 1 2 0\n8 2 2 0\n1 0 0 0\n");
+    assert_eq!(
+        changed(&eight, "2 3 2 3 1 1 2 3 4", "2 16 2 3 1 1 2 3 4 5 6 7 8"),
+        "square.msh, line 23, in $Elements: element 2 is a quadrilateral of 8 nodes; second-order cells need all their \
+         nodes (option Mesh.SecondOrderIncomplete = 0), and a mesh consists of triangles, quadrilaterals, tetrahedra or \
+         hexahedra"
+    );
+    assert_eq!(
+        message::<3>(
+            eight
+                .replace("3 2 2 3 1 4 3 5", "3 4 2 3 1 1 2 4 8\n4 6 2 3 1 1 2 3 5 6 7")
+                .replace("\n3\n1 1 2 7", "\n4\n1 1 2 7")
+                .as_bytes()
+        ),
+        "square.msh, line 25, in $Elements: the cells are of two types: element 3 is a tetrahedron of 4 nodes, element 4 \
+         a prism of 6 nodes; a mesh has one, or triangles and quadrilaterals of one order"
+    );
+    // What is wrong with a cell is told of the file's element, whichever shape comes first.
+    assert_eq!(
+        house("3 2 2 3 1 4 3 5", "3 2 2 3 1 4 3 9"),
+        "square.msh, line 21, in $Elements: element 3 names node 9, which the file does not have"
+    );
+    for (from, to, line, element) in
+        [("2 3 2 3 1 1 2 3 4", "2 3 2 3 1 1 3 2 4", 20, 2), ("4 3 5", "4 5 3", 21, 3)]
+    {
+        let found = house(from, to);
+        let start = format!("square.msh, line {line}, in $Elements: element {element} is ");
+        assert!(found.starts_with(&start), "{found}");
+    }
+    let three = TWO_SHAPES.replace("\n3\n1 1 2 7", "\n4\n1 1 2 7");
+    assert_eq!(
+        changed(&three, "3 2 2 3 1 4 3 5", "3 2 2 3 1 4 3 5\n4 2 2 3 1 3 5 4"),
+        "square.msh, line 22, in $Elements: elements 3 and 4 are the same cell"
+    );
+    assert_eq!(
+        changed(&three, "3 2 2 3 1 4 3 5", "3 2 2 3 1 4 3 5\n4 2 2 3 1 4 2 3"),
+        "square.msh, line 22, in $Elements: elements [2, 3, 4] share one facet, with the nodes [3, 4]; two can"
+    );
 }
 
 #[test]

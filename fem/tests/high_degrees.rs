@@ -63,7 +63,7 @@ fn shuffled<const D: usize>(mesh: &Mesh<D>, distortion: f64) -> Arc<Mesh<D>> {
             x.map(|x| if inside { x + distortion * (2.0 * chance.next() - 1.0) } else { x });
     }
     let mut cells = Vec::new();
-    let turns = turns(mesh.shape());
+    let turns = turns(mesh.cell_shape(0));
     for cell in 0..mesh.cell_count() {
         let mut vertices: Vec<u32> = mesh.cell(cell).iter().map(|node| numbers[*node as usize]).collect();
         for _ in 0..chance.below(9) {
@@ -72,7 +72,7 @@ fn shuffled<const D: usize>(mesh: &Mesh<D>, distortion: f64) -> Arc<Mesh<D>> {
         }
         cells.extend(vertices);
     }
-    Arc::new(Mesh::from_parts(mesh.shape(), 1, nodes, cells).unwrap())
+    Arc::new(Mesh::from_parts(mesh.cell_shape(0), 1, nodes, cells).unwrap())
 }
 
 fn square(shape: CellShape, n: usize, distortion: f64) -> Arc<Mesh<2>> {
@@ -129,11 +129,11 @@ fn check_sharing<const D: usize>(mesh: &Arc<Mesh<D>>, n: usize, degree: usize) {
     let space = Space::scalar(mesh, degree).unwrap();
     assert_eq!(space.node_count(), (degree * n + 1).pow(D as u32));
     // Each cell finds its nodes where the space says that they are.
-    let points = space.element().node_points::<D>();
+    let points = space.cell_element(0).node_points::<D>();
     for cell in 0..mesh.cell_count() {
         for (&node, point) in space.cell_nodes(cell).iter().zip(&points) {
             let (x, position) = (mesh.map(cell, point).0, space.positions()[node as usize]);
-            assert!((0..D).all(|k| (x[k] - position[k]).abs() < 1e-14), "{:?} {degree}", mesh.shape());
+            assert!((0..D).all(|k| (x[k] - position[k]).abs() < 1e-14), "{:?} {degree}", mesh.cell_shape(0));
         }
     }
     // Polynomials are reproduced inside the cells, which are parallelepipeds here.
@@ -147,7 +147,7 @@ fn check_sharing<const D: usize>(mesh: &Arc<Mesh<D>>, n: usize, degree: usize) {
     // Values at random are continuous across facets.
     let values = (0..space.unknowns()).map(|_| chance.next()).collect();
     let rough = Field::from_values(&space, values).unwrap();
-    let shape = mesh.shape();
+    let shape = mesh.cell_shape(0);
     for sides in mesh.interior_facets() {
         let corners = shape.facet_vertices(sides[0].local.into());
         let corners = [corners[0], corners[1], corners[corners.len() - 1]];
@@ -247,7 +247,7 @@ macro_rules! patch_of_elasticity {
         let found = problem.solve_affine(&walls, &mut TangentSolver::default()).unwrap();
         let exact = Field::interpolate(&space, linear).unwrap();
         for (a, b) in found.values().iter().zip(exact.values()) {
-            assert!((a - b).abs() < 1e-12, "{:?} {}: {a} against {b}", mesh.shape(), $degree);
+            assert!((a - b).abs() < 1e-12, "{:?} {}: {a} against {b}", mesh.cell_shape(0), $degree);
         }
         // The matrix, whose blocks are placed by a map, beside the residual, which needs none.
         let values = (0..space.unknowns()).map(|index| ((index * 37 + 5) % 23) as f64 / 23.0).collect();
@@ -280,7 +280,7 @@ fn discontinuous_spaces_hold_what_is_projected_on_them() {
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         for degree in 0..=4 {
             let space = Space::discontinuous_scalar(&mesh, degree).unwrap();
-            assert_eq!(space.node_count(), mesh.cell_count() * space.element().nodes());
+            assert_eq!(space.node_count(), mesh.cell_count() * space.cell_element(0).nodes());
             let data = models::Data { f: Given::function(move |x: &[f64; 2]| power(x, degree)) };
             let found = assembler.project(&models::value(&data), &space).unwrap();
             for (value, x) in found.values().iter().zip(space.positions()) {

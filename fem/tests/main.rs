@@ -17,6 +17,7 @@ mod owned_cells;
 mod positive_parts;
 mod related_unknowns;
 mod second_derivatives;
+mod several_shapes;
 mod shape_derivatives;
 mod split_facets;
 mod sum_factorisation;

@@ -168,13 +168,13 @@ fn discontinuous_fields_are_interpolated_projected_and_measured() {
     ] {
         let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], shape, 1).unwrap());
         let space = Space::discontinuous_scalar(&mesh, degree).unwrap();
-        assert_eq!(space.node_count(), mesh.cell_count() * space.element().nodes());
+        assert_eq!(space.node_count(), mesh.cell_count() * space.cell_element(0).nodes());
         let assembler = Assembler::new(&mesh);
         // A jump along x = 1, between cells.
         let step = |x: &[f64; 2]| if x[0] < 1.0 { 1.0 } else { 3.0 };
         let values = (0..mesh.cell_count()).flat_map(|cell| {
             let centre = mesh.cell_centre(cell);
-            vec![step(&centre); space.element().nodes()]
+            vec![step(&centre); space.cell_element(0).nodes()]
         });
         let field = Field::from_values(&space, values.collect()).unwrap();
         assert_eq!(field.evaluate(&[0.3, 0.4]).unwrap(), [1.0]);

@@ -49,7 +49,7 @@ fn bent<const D: usize>(flat: Mesh<D>, degree: usize) -> Arc<Mesh<D>> {
         y[D - 1] += 0.04 * x[0] * x[0];
         y
     });
-    Arc::new(Mesh::from_parts(flat.shape(), degree, nodes.collect(), flat.cells().to_vec()).unwrap())
+    Arc::new(Mesh::from_parts(flat.cell_shape(0), degree, nodes.collect(), flat.cells().to_vec()).unwrap())
 }
 
 /// Gauss points, and the same with one more that does nothing.
@@ -80,7 +80,7 @@ fn near(what: &str, found: &[f64], expected: &[f64]) {
 macro_rules! check {
     ($D:literal, $mesh:expr, $degree:expr) => {{
         let (mesh, degree) = (&$mesh, $degree);
-        let rules = rules::<$D>(mesh.shape(), 2 * degree + 1);
+        let rules = rules::<$D>(mesh.cell_shape(0), 2 * degree + 1);
         let [along, direct] = rules.map(|rule| Assembler::new(mesh).with_quadrature(rule));
         let scalars = Space::scalar(mesh, degree).unwrap();
         let vectors = Space::vector(mesh, degree).unwrap();

@@ -62,7 +62,7 @@ fn shuffled<const D: usize>(mesh: Mesh<D>) -> Arc<Mesh<D>> {
         places[*new] = mesh.nodes()[old];
     }
     let numbers = cells.iter().flat_map(|&cell| mesh.cell(cell)).map(|&node| nodes[node as usize] as u32);
-    let mut mesh = Mesh::from_parts(mesh.shape(), mesh.degree(), places, numbers.collect()).unwrap();
+    let mut mesh = Mesh::from_parts(mesh.cell_shape(0), mesh.degree(), places, numbers.collect()).unwrap();
     mesh.name_cells("core", |centre| centre.iter().all(|x| (x - 0.5).abs() < 0.3)).unwrap();
     Arc::new(mesh)
 }

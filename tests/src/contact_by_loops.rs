@@ -85,8 +85,9 @@ impl ByLoops {
 
     fn cells<const D: usize>(&mut self, body: &Body<D>) {
         let space = &body.space;
-        let rule = cell_rule::<D>(space.mesh().shape(), DEGREE).unwrap_or_else(|error| panic!("{error}"));
         for cell in 0..space.mesh().cell_count() {
+            let rule = cell_rule::<D>(space.mesh().cell_shape(cell), DEGREE)
+                .unwrap_or_else(|error| panic!("{error}"));
             let unknowns = unknowns(space, cell);
             for point in points(space, cell, &rule.points, &rule.weights, None) {
                 let u = at(&point, &unknowns, body.u.values());
@@ -212,7 +213,8 @@ fn at<const D: usize>(point: &Point<D>, unknowns: &[usize], values: &[f64]) -> [
 }
 
 fn facet_points<const D: usize>(space: &Space<D>, facet: Facet) -> Vec<Point<D>> {
-    let rule = facet_rule::<D>(space.mesh().shape(), usize::from(facet.local), DEGREE);
+    let rule =
+        facet_rule::<D>(space.mesh().cell_shape(facet.cell as usize), usize::from(facet.local), DEGREE);
     let rule = rule.unwrap_or_else(|error| panic!("{error}"));
     points(space, facet.cell as usize, &rule.points, &rule.weights, Some(&rule.tangents))
 }
@@ -224,7 +226,7 @@ fn points<const D: usize>(
     weights: &[f64],
     tangents: Option<&[[f64; D]; 2]>,
 ) -> Vec<Point<D>> {
-    let tables = space.element().tabulate(places);
+    let tables = space.cell_element(cell).tabulate(places);
     let mut found = Vec::new();
     for (q, (place, weight)) in places.iter().zip(weights).enumerate() {
         let (position, jacobian) = space.mesh().map(cell, place);

@@ -69,7 +69,7 @@ where
     let solved = problem.solve_direct(&mut TangentSolver::default(), &NewtonOptions::default(), &mut |_| ());
     let solved = solved.unwrap().result;
     let (u, assembler) = (&solved.field, &problem.assembler);
-    println!("{:?} k={degree} θ={theta}: {} steps", mesh.shape(), solved.history.len() - 1);
+    println!("{:?} k={degree} θ={theta}: {} steps", mesh.shapes(), solved.history.len() - 1);
 
     let transverse = POISSON / (1.0 - POISSON) * PRESSED / HEIGHT;
     for (node, x) in space.positions().iter().enumerate() {
@@ -135,6 +135,43 @@ fn plane_strain_on_a_skewed_mesh() {
             for theta in THETAS {
                 check(forms_fem::mesh::structured([4, 4], shape, 1, skew).unwrap(), degree, theta);
             }
+        }
+    }
+}
+
+/// The columns of a skewed grid by turns of quadrilaterals and of pairs of triangles, on the boundaries too.
+fn of_two_shapes(columns: usize, rows: usize) -> Mesh<2> {
+    let mut nodes = Vec::new();
+    for j in 0..=rows {
+        for i in 0..=columns {
+            let [s, t] = [i as f64 / columns as f64, j as f64 / rows as f64];
+            let bump = 0.6 * s * (1.0 - s) * t * (1.0 - t);
+            nodes.push([WIDTH * (s + bump), HEIGHT * (t - bump)]);
+        }
+    }
+    let (mut squares, mut triangles) = (vec![], vec![]);
+    for j in 0..rows {
+        for i in 0..columns {
+            let at = |a: usize, b: usize| (i + a + (j + b) * (columns + 1)) as u32;
+            match i % 2 {
+                0 => squares.extend([at(0, 0), at(1, 0), at(1, 1), at(0, 1)]),
+                _ => triangles.extend([at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)]),
+            }
+        }
+    }
+    let blocks = vec![(CellShape::Triangle, triangles), (CellShape::Quadrilateral, squares)];
+    let mut mesh = Mesh::from_blocks(1, nodes, blocks).unwrap();
+    for (name, axis, at) in [("left", 0, 0.0), ("right", 0, WIDTH), ("bottom", 1, 0.0), ("top", 1, HEIGHT)] {
+        mesh.name_facets(name, "boundary", |centre| (centre[axis] - at).abs() < 1e-12).unwrap();
+    }
+    mesh
+}
+
+#[test]
+fn plane_strain_on_triangles_and_quadrilaterals() {
+    for degree in [1, 2, 3] {
+        for theta in THETAS {
+            check(of_two_shapes(5, 4), degree, theta);
         }
     }
 }

@@ -111,7 +111,7 @@ where
     let force = matrix.multiply(stretch.values()).unwrap();
     let energy: f64 = force.iter().zip(stretch.values()).map(|(f, u)| f * u).sum();
     let mesh = space.mesh();
-    let rule = forms_fem::quadrature::cell_rule::<D>(mesh.shape(), 6).unwrap();
+    let rule = forms_fem::quadrature::cell_rule::<D>(mesh.cell_shape(0), 6).unwrap();
     let mut volume = 0.0;
     for cell in 0..mesh.cell_count() {
         for (point, weight) in rule.points.iter().zip(&rule.weights) {

@@ -190,7 +190,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         if !buffers.prepared {
             buffers.prepare(binding, group, requirements, arguments)?;
         }
-        let affine = binding.mesh.is_affine();
+        let affine = group.is_affine(binding.mesh);
         let (first, second) = (&group.sides[0], &group.sides[group.sides.len() - 1]);
         let tables = [
             SideTables::new(first, &binding.elements, affine),

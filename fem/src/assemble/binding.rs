@@ -9,7 +9,6 @@ use forms_core::source::PositionFunction;
 
 use super::AssemblyError;
 use super::owned_cells::OwnedCells;
-use crate::element::Lagrange;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
@@ -70,10 +69,10 @@ pub(super) struct Binding<'a, const D: usize> {
     pub owned: Option<&'a OwnedCells>,
 }
 
-/// An element that is tabulated, on cells or as its trace on facets.
+/// An element that is tabulated, on cells of any shape or as its trace on facets.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Tabulated {
-    pub element: Lagrange,
+    pub degree: usize,
     pub on_facets: bool,
 }
 
@@ -262,7 +261,7 @@ impl<'a, const D: usize> Binding<'a, D> {
 
     /// The index of a space's element among those that are tabulated.
     pub fn element(&mut self, space: &Space<D>) -> usize {
-        self.tabulated(Tabulated { element: space.element, on_facets: space.facet_region().is_some() })
+        self.tabulated(Tabulated { degree: space.degree, on_facets: space.facet_region().is_some() })
     }
 
     /// The index of an element among those that are tabulated.
@@ -300,8 +299,8 @@ impl<'a, const D: usize> Binding<'a, D> {
     /// Degrees of the fields, for the estimate of a quadrature degree.
     pub fn degrees(&self, tests: &[&Arc<Space<D>>]) -> Vec<usize> {
         let degree = |(field, values): (&FieldDescription, &Values<D>)| match (field.role, values) {
-            (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.element.degree),
-            (_, Values::Discrete { element, .. }) => self.elements[*element].element.degree,
+            (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.degree),
+            (_, Values::Discrete { element, .. }) => self.elements[*element].degree,
             // A function of position is taken for a quadratic, as an interpolant on the mesh would be.
             (_, Values::Function { .. }) => 2,
             _ => 0,

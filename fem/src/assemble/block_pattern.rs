@@ -219,20 +219,25 @@ impl<const D: usize> BlockPattern<D> {
                 let order = test.mesh.cell_order();
                 let takes_part = |cell: &&u32| cells.get(**cell as usize).is_some_and(|found| *found);
                 let walked: Vec<u32> = order.cells().iter().filter(takes_part).copied().collect();
-                let mut walk = Vec::new();
-                if !walked.is_empty() {
-                    walk = vec![PlaceMap::ABSENT; cells.len()];
-                    for (place, cell) in walked.iter().enumerate() {
+                let parts = test.mesh.by_shape(walked);
+                let (mut walk, mut starts, mut start) = (Vec::new(), Vec::new(), 0);
+                for (shape, cells_of_shape) in parts.iter().filter(|(_, own)| !own.is_empty()) {
+                    walk.resize(cells.len(), PlaceMap::ABSENT);
+                    for (place, cell) in cells_of_shape.iter().enumerate() {
                         walk[*cell as usize] = place as u32;
                     }
+                    starts.push((*shape, start));
+                    let per_cell = test.element_of(*shape).nodes() * trial.element_of(*shape).nodes();
+                    start += cells_of_shape.len() * per_cell;
                 }
+                let walked: Vec<u32> = parts.into_iter().flat_map(|(_, cells)| cells).collect();
                 let nodes = |cell: &u32| (test.cell_nodes(*cell as usize), trial.cell_nodes(*cell as usize));
                 let (rows, columns) = walked.iter().map(nodes).chain(others).unzip();
                 let cliques = Cliques { rows, columns };
                 let (blocks, places) =
                     couple(&cliques, (test.node_count(), trial.node_count()), walked.len());
                 row_of_pairs.push(blocks);
-                row_of_maps.push((!walked.is_empty()).then_some(PlaceMap { places, walk }));
+                row_of_maps.push((!walked.is_empty()).then_some(PlaceMap { places, starts, walk }));
             }
             pairs.push(row_of_pairs);
             maps.push(row_of_maps);

@@ -11,6 +11,7 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
+use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
@@ -66,7 +67,8 @@ impl<const D: usize> Assembler<D> {
         let build = |binding: &Binding<D>| {
             let one = |(cell, reference): &(usize, [f64; D])| {
                 let places = Places { points: vec![*reference], facet: None };
-                Group::new(binding, "points".to_owned(), vec![*cell as u32], &places, vec![0.0], true)
+                let cells = (self.mesh.cell_shape(*cell), vec![*cell as u32]);
+                Group::new(binding, "points".to_owned(), cells, &places, vec![0.0], true)
             };
             places.iter().map(one).collect::<Result<Vec<_>, _>>()
         };
@@ -105,21 +107,23 @@ impl<const D: usize> Assembler<D> {
         let form = expression.name();
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
-        let shape = self.mesh.shape();
         let degree = self.history_degree(expression)?.unwrap_or(degree);
         let found = match entity {
             Entity::Cells => {
-                let cells = self.mesh.cell_region(region).map_err(missing)?.to_vec();
-                let rule = self.quadrature.cell_rule(shape, degree).map_err(quadrature)?;
+                let cells = self.mesh.cell_region(region).map_err(missing)?;
                 self.values(expression, |binding| {
-                    let places = Places { points: rule.points, facet: None };
-                    Group::new(binding, place(region), cells, &places, rule.weights, true)
-                        .map(|group| vec![group])
-                        .map_err(quadrature)
+                    let group = |(shape, cells): (CellShape, &[u32])| {
+                        let rule = self.quadrature.rule_on_cells(&self.mesh, shape, degree)?;
+                        let places = Places { points: rule.points, facet: None };
+                        let cells = (shape, cells.to_vec());
+                        Group::new(binding, place(region), cells, &places, rule.weights, true)
+                    };
+                    self.mesh.runs_of_shape(cells).map(|run| group(run).map_err(quadrature)).collect()
                 })?
             }
             Entity::Facets | Entity::InteriorFacets => {
                 let facets = self.facets(form, entity, region)?;
+                let shape = self.mesh.shape_of_facets();
                 let rule = self.quadrature.facet_reference_rule(shape, degree).map_err(quadrature)?;
                 self.facet_values(expression, region, &facets, &rule)?
             }
@@ -192,20 +196,22 @@ impl<const D: usize> Assembler<D> {
         }
         let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
         // Exact for the mass matrix on affine cells.
-        let degree = 2 * space.element.degree + self.mesh.degree();
+        let degree = 2 * space.degree + self.mesh.degree();
         let values = self.at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
-        let rule = self
-            .quadrature
-            .cell_rule(self.mesh.shape(), self.history_degree(expression)?.unwrap_or(degree))
-            .map_err(|source| AssemblyError::Quadrature { form, source })?;
-        let tables = space.element.tabulate(&rule.points);
+        let rule_degree = self.history_degree(expression)?.unwrap_or(degree);
         let mut load = vec![vec![0.0; space.node_count()]; components];
-        for (index, (value, weight)) in values.values.iter().zip(&values.weights).enumerate() {
-            let (cell, q) = (index / rule.points.len(), index % rule.points.len());
-            for (node, number) in space.cell_nodes(cell).iter().enumerate() {
-                let share = weight * tables.value[q * tables.nodes + node];
-                for (load, value) in load.iter_mut().zip(value) {
-                    load[*number as usize] += share * value;
+        let mut values_and_weights = values.values.iter().zip(&values.weights);
+        for block in self.mesh.blocks() {
+            let rule = self.quadrature.rule_on_cells(&self.mesh, block.shape, rule_degree);
+            let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
+            let tables = space.element_of(block.shape).tabulate(&rule.points);
+            let places = block.cells.clone().flat_map(|cell| (0..rule.len()).map(move |q| (cell, q)));
+            for ((cell, q), (value, weight)) in places.zip(&mut values_and_weights) {
+                for (node, number) in space.cell_nodes(cell).iter().enumerate() {
+                    let share = weight * tables.value[q * tables.nodes + node];
+                    for (load, value) in load.iter_mut().zip(value) {
+                        load[*number as usize] += share * value;
+                    }
                 }
             }
         }
@@ -245,7 +251,7 @@ impl<const D: usize> Assembler<D> {
             return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
         }
         let facets = self.facets(form, Entity::Facets, region)?;
-        let points = space.element.facet_node_points();
+        let points = space.element_of(self.mesh.shape_of_facets()).facet_node_points();
         let rule = QuadratureRule { weights: vec![0.0; points.len()], points };
         let found = self.facet_values(expression, region, &facets, &rule)?;
         let mut sums = vec![0.0; space.unknowns()];
@@ -253,7 +259,7 @@ impl<const D: usize> Assembler<D> {
         let mut values = found.into_iter();
         for index in 0..facets.count() {
             let facet = facets.sides(index)[0];
-            for node in space.element.facet_nodes(usize::from(facet.local)) {
+            for node in space.cell_element(facet.cell as usize).facet_nodes(usize::from(facet.local)) {
                 let number = space.cell_nodes(facet.cell as usize)[node] as usize;
                 counts[number] += 1.0;
                 for (component, value) in values.next().iter().flat_map(|(_, _, value)| value).enumerate() {
@@ -387,7 +393,13 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
 
     fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         let mut buffers = BatchBuffers::default();
+        let mut shapes = vec![];
         for group in self.groups {
+            // Memory is made for the sizes of the group before.
+            let own: Vec<CellShape> = group.sides.iter().map(|side| side.shape).collect();
+            if own != shapes {
+                (buffers, shapes) = (BatchBuffers::default(), own);
+            }
             let cells = Cells::Mesh(self.binding.mesh);
             let located = Requirements { position: true, ..K::REQUIREMENTS };
             let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::element::CellShape;
 use crate::linear_algebra::BlockRows;
 
 /// A place in a row of blocks.
@@ -59,14 +60,22 @@ impl Places {
 /// the pair's block in the row of the test node.
 #[derive(Clone, Debug)]
 pub(super) struct PlaceMap {
-    /// `[cell in the walk][test node][trial node]`.
+    /// Shape after shape, `[cell in the walk of those of its shape][test node][trial node]`.
     pub places: Places,
-    /// Of each cell of the mesh, where it comes in the walk; [`PlaceMap::ABSENT`] for those that take no part.
+    /// Where the places of the cells of each shape begin.
+    pub starts: Vec<(CellShape, usize)>,
+    /// Of each cell of the mesh, where it comes in the walk of those of its shape; [`PlaceMap::ABSENT`] for those that
+    /// take no part.
     pub walk: Vec<u32>,
 }
 
 impl PlaceMap {
     pub const ABSENT: u32 = u32::MAX;
+
+    /// Where the places of the cells of a shape begin.
+    pub fn start(&self, shape: CellShape) -> usize {
+        self.starts.iter().find(|(known, _)| *known == shape).map_or(0, |(_, start)| *start)
+    }
 
     /// Bytes.
     pub fn memory(&self) -> usize {
@@ -79,7 +88,7 @@ impl PlaceMap {
     }
 }
 
-/// Sets of test and trial nodes that are all coupled with each other, each of one size.
+/// Sets of test and trial nodes that are all coupled with each other.
 pub(super) struct Cliques<'a> {
     /// Test nodes, set after set.
     pub rows: Vec<&'a [u32]>,
@@ -87,8 +96,8 @@ pub(super) struct Cliques<'a> {
     pub columns: Vec<&'a [u32]>,
 }
 
-/// The blocks of the pairs in the cliques; and for the first `mapped` cliques, which must have the same numbers of
-/// nodes, the places of their pairs, clique after clique.
+/// The blocks of the pairs in the cliques; and for the first `mapped` cliques the places of their pairs, clique after
+/// clique.
 pub(super) fn couple(
     cliques: &Cliques,
     (row_nodes, column_nodes): (usize, usize),
@@ -136,8 +145,13 @@ pub(super) fn couple(
     }
     columns.shrink_to_fit();
     let blocks = BlockRows::new(pointers, columns);
-    let [height, width] = [&cliques.rows, &cliques.columns].map(|nodes| nodes[0].len());
-    let mut places = Places::new(mapped * height * width, blocks.longest_row());
+    // Where the places of each clique begin.
+    let mut begins = Vec::with_capacity(mapped + 1);
+    begins.push(0);
+    for (rows, columns) in cliques.rows.iter().zip(&cliques.columns).take(mapped) {
+        begins.push(begins[begins.len() - 1] + rows.len() * columns.len());
+    }
+    let mut places = Places::new(begins[mapped], blocks.longest_row());
     let mut place_of = seen_by;
     for node in 0..row_nodes {
         for (place, &column) in blocks.row(node).iter().enumerate() {
@@ -145,9 +159,10 @@ pub(super) fn couple(
         }
         for &(clique, i) in around_node(node) {
             if (clique as usize) < mapped {
-                let start = (clique as usize * height + i as usize) * width;
-                let row = cliques.columns[clique as usize].iter();
-                places.set(start..start + width, row.map(|column| place_of[*column as usize]));
+                let columns = cliques.columns[clique as usize];
+                let start = begins[clique as usize] + i as usize * columns.len();
+                let row = columns.iter();
+                places.set(start..start + columns.len(), row.map(|column| place_of[*column as usize]));
             }
         }
     }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::partition::Partition;
 use super::place_map::{Place, PlaceMap, Places};
 use super::walk::GroupSide;
+use crate::element::CellShape;
 use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 use crate::space::Space;
@@ -14,12 +15,14 @@ use crate::threads::Threads;
 pub(super) struct GroupNodes<'a, const D: usize> {
     space: &'a Space<D>,
     cells: &'a [u32],
+    shape: CellShape,
     facet: Option<u8>,
 }
 
 impl<'a, const D: usize> GroupNodes<'a, D> {
     pub fn new(space: &'a Space<D>, side: &'a GroupSide<D>) -> Self {
-        GroupNodes { space, cells: &side.cells, facet: side.facet.map(|(local, _)| local) }
+        let facet = side.facet.map(|(local, _)| local);
+        GroupNodes { space, cells: &side.cells, shape: side.shape, facet }
     }
 
     fn of(&self, entity: usize) -> &'a [u32] {
@@ -105,14 +108,18 @@ impl<const D: usize> MatrixScatter<'_, D> {
             let search = Search { scatter: self, found: vec![0; self.nodes[0] * self.nodes[1]] };
             return self.add_rows::<BLOCK>(first, matrices, part, search);
         };
+        let start = map.start(self.tests.shape);
         match &map.places {
             Places::Bytes(places) => {
+                let places = &places[start..];
                 self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
             Places::Words(places) => {
+                let places = &places[start..];
                 self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
             Places::Long(places) => {
+                let places = &places[start..];
                 self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
         }
@@ -210,6 +217,7 @@ trait Finder {
 struct Known<'a, P, const D: usize> {
     scatter: &'a MatrixScatter<'a, D>,
     map: &'a PlaceMap,
+    /// From the first cell of the group's shape on.
     places: &'a [P],
 }
 

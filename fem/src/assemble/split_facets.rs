@@ -42,7 +42,8 @@ impl<const D: usize> Assembler<D> {
                 split.cut(facet.facet, segments(&facet.zeros));
             }
         } else {
-            let lattice = Lattice::new(self.mesh.shape().facet_vertices(0).len() == 3, resolution.max(1));
+            let lattice =
+                Lattice::new(self.mesh.shape_of_facets().facet_vertices(0).len() == 3, resolution.max(1));
             self.expect_scalar(expression)?;
             let samples = self.along_facets(expression, region, &lattice.points)?;
             for facet in samples.chunks(lattice.points.len()) {

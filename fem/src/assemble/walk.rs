@@ -1,5 +1,5 @@
 //! The order in which a region is walked: groups of entities that share tables, each along the mesh's cell order.
-//! Facets group by their local number, because their points lie elsewhere in the reference cell; interior
+//! Cells group by their shape, facets by that and by their local number, because their points lie elsewhere in the reference cell; interior
 //! facets also by their local number on the other side, and by how the two sides are turned.
 
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use forms_core::contract::{Integral, Order, Requirements, Side};
 use super::AssemblyError;
 use super::binding::{Binding, Entities, Tabulated};
 use super::sum_factorisation::ProductTables;
-use crate::element::Tables;
+use crate::element::{CellShape, Lagrange, Tables};
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{
     FacetRule, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule, map_to_corners,
@@ -29,8 +29,8 @@ pub(super) struct Group<const D: usize> {
 pub(super) struct GroupSide<const D: usize> {
     /// Cells, or the cells that own the facets.
     pub cells: Vec<u32>,
-    /// Vertices of a cell, which are its first geometry nodes.
-    pub vertices: usize,
+    /// Their shape.
+    pub shape: CellShape,
     /// Local facet number and reference tangents; `None` inside cells.
     pub facet: Option<(u8, [[f64; D]; 2])>,
     /// The geometry map's basis.
@@ -65,16 +65,16 @@ pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
 }
 
 impl<const D: usize> Group<D> {
-    /// A group of cells; weights may be of any kind.
+    /// A group of cells of one shape; weights may be of any kind.
     pub fn new(
         binding: &Binding<D>,
         place: String,
-        cells: Vec<u32>,
+        (shape, cells): (CellShape, Vec<u32>),
         places: &Places<D>,
         weights: Vec<f64>,
         hessians: bool,
     ) -> Result<Self, QuadratureError> {
-        let side = GroupSide::new(binding.mesh, &binding.elements, cells, places, hessians)?;
+        let side = GroupSide::new(binding.mesh, &binding.elements, (shape, cells), places, hessians)?;
         Ok(Group { place, sides: vec![side], weights })
     }
 
@@ -85,6 +85,11 @@ impl<const D: usize> Group<D> {
     /// Number of cells or facets.
     pub fn entities(&self) -> usize {
         self.sides[0].cells.len()
+    }
+
+    /// Whether the Jacobians of its cells are constant, on all sides.
+    pub fn is_affine(&self, mesh: &Mesh<D>) -> bool {
+        self.sides.iter().all(|side| mesh.is_affine_on(side.shape))
     }
 
     /// The index of a side.
@@ -118,18 +123,18 @@ impl<const D: usize> GroupSide<D> {
     fn new(
         mesh: &Mesh<D>,
         elements: &[Tabulated],
-        cells: Vec<u32>,
+        (shape, cells): (CellShape, Vec<u32>),
         places: &Places<D>,
         hessians: bool,
     ) -> Result<Self, QuadratureError> {
-        let geometry = mesh.element();
+        let geometry = mesh.element_of(shape);
         let Places { points, facet } = places;
         // The Jacobian's determinant has at most this degree in each direction.
         let exact = D * mesh.degree();
-        let rule = cell_rule::<D>(mesh.shape(), exact)?;
+        let rule = cell_rule::<D>(shape, exact)?;
         let facet_measure = match facet {
             Some((local, _)) => {
-                let rule = facet_rule::<D>(mesh.shape(), usize::from(*local), exact + 6)?;
+                let rule = facet_rule::<D>(shape, usize::from(*local), exact + 6)?;
                 Some((geometry.tabulate(&rule.points), rule.weights))
             }
             None => None,
@@ -147,11 +152,14 @@ impl<const D: usize> GroupSide<D> {
         let local = facet.map(|(local, _)| local);
         Ok(GroupSide {
             cells,
-            vertices: mesh.shape().vertices(),
+            shape,
             facet: *facet,
             geometry: map,
-            elements: elements.iter().map(|element| element.tabulate(points, local, hessians)).collect(),
-            products: elements.iter().map(|element| element.products(places)).collect(),
+            elements: elements
+                .iter()
+                .map(|element| element.tabulate(shape, points, local, hessians))
+                .collect(),
+            products: elements.iter().map(|element| element.products(shape, places)).collect(),
             bending,
             measure: Measure {
                 cell: geometry.tabulate(&rule.points),
@@ -163,13 +171,20 @@ impl<const D: usize> GroupSide<D> {
 }
 
 impl Tabulated {
-    fn products<const D: usize>(&self, places: &Places<D>) -> Option<ProductTables> {
+    fn products<const D: usize>(&self, shape: CellShape, places: &Places<D>) -> Option<ProductTables> {
         let inside = places.facet.is_none() && !self.on_facets;
-        if inside { ProductTables::new(&self.element, &places.points) } else { None }
+        let element = Lagrange { shape, degree: self.degree };
+        if inside { ProductTables::new(&element, &places.points) } else { None }
     }
 
-    fn tabulate<const D: usize>(&self, points: &[[f64; D]], facet: Option<u8>, hessians: bool) -> Tables<D> {
-        let element = &self.element;
+    fn tabulate<const D: usize>(
+        &self,
+        shape: CellShape,
+        points: &[[f64; D]],
+        facet: Option<u8>,
+        hessians: bool,
+    ) -> Tables<D> {
+        let element = Lagrange { shape, degree: self.degree };
         let whole = if hessians { element.tabulate_with_hessians(points) } else { element.tabulate(points) };
         if !self.on_facets || element.degree == 0 {
             return whole;
@@ -197,11 +212,10 @@ pub(super) fn groups<const D: usize>(
     requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
-    let shape = mesh.shape();
     let history = binding.history_degree(requirements, quadrature)?;
-    let degree = match history {
+    let degree = |simplex: bool| match history {
         Some((_, degree)) => degree,
-        None => (integral.degree)(degrees, mesh.degree(), shape.is_simplex()),
+        None => (integral.degree)(degrees, mesh.degree(), simplex),
     };
     let region = &binding.regions[integral.region];
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
@@ -210,42 +224,71 @@ pub(super) fn groups<const D: usize>(
     let failed = |source| AssemblyError::Quadrature { form, source };
     match binding.entities(integral.region)? {
         Entities::Cells(cells) => {
-            let rule = quadrature.cell_rule(shape, degree).map_err(failed)?;
-            let places = Places { points: rule.points, facet: None };
-            let group =
-                Group::new(binding, place, mesh.walk_of_cells(&cells), &places, rule.weights, hessians);
-            Ok(vec![group.map_err(failed)?])
+            let group = |(shape, cells): (CellShape, Vec<u32>)| {
+                let rule = quadrature.rule_on_cells(mesh, shape, degree(shape.is_simplex()))?;
+                let places = Places { points: rule.points, facet: None };
+                Group::new(binding, place.clone(), (shape, cells), &places, rule.weights, hessians)
+            };
+            let parts = mesh.by_shape(mesh.walk_of_cells(&cells));
+            parts.into_iter().map(|part| group(part).map_err(failed)).collect()
         }
         facets => {
-            let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
-            let grouped = |facets: &Entities, rule: &QuadratureRule<2>| {
-                let groups = facet_groups(binding, &place, facets, rule, hessians)?;
-                Ok(groups.into_iter().map(|(group, _)| group).collect::<Vec<_>>())
-            };
-            // A history has values at the points of the whole facet.
-            let (Entities::Facets(listed), Quadrature::Split { facets: split, .. }, None) =
-                (&facets, quadrature, history)
-            else {
-                return grouped(&facets, &rule);
-            };
-            let (cut, whole): (Vec<Facet>, Vec<Facet>) =
-                listed.iter().partition(|facet| split.pieces(**facet).is_some());
-            let mut groups = grouped(&Entities::Facets(whole.into()), &rule)?;
-            for facet in &cut {
-                let pieces = split.pieces(*facet).unwrap_or_default();
-                let rule = quadrature.rule_on_pieces(shape, degree, pieces).map_err(failed)?;
-                groups.extend(grouped(&Entities::Facets(std::slice::from_ref(facet).into()), &rule)?);
+            let shape = mesh.shape_of_facets();
+            let mut groups = Vec::new();
+            for (simplex, facets) in by_degree(mesh, facets) {
+                let degree = degree(simplex);
+                let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
+                let grouped = |facets: &Entities, rule: &QuadratureRule<2>| {
+                    let groups = facet_groups(binding, &place, facets, rule, hessians)?;
+                    Ok(groups.into_iter().map(|(group, _)| group).collect::<Vec<_>>())
+                };
+                // A history has values at the points of the whole facet.
+                let (Entities::Facets(listed), Quadrature::Split { facets: split, .. }, None) =
+                    (&facets, quadrature, history)
+                else {
+                    groups.extend(grouped(&facets, &rule)?);
+                    continue;
+                };
+                let (cut, whole): (Vec<Facet>, Vec<Facet>) =
+                    listed.iter().partition(|facet| split.pieces(**facet).is_some());
+                groups.extend(grouped(&Entities::Facets(whole.into()), &rule)?);
+                for facet in &cut {
+                    let pieces = split.pieces(*facet).unwrap_or_default();
+                    let rule = quadrature.rule_on_pieces(shape, degree, pieces).map_err(failed)?;
+                    groups.extend(grouped(&Entities::Facets(std::slice::from_ref(facet).into()), &rule)?);
+                }
             }
             Ok(groups)
         }
     }
 }
 
-/// How the sides of a facet are numbered: the local number on each, and for interior ones [`Mesh::facing`].
+/// Facets by whether all of their cells are simplices, on which the degree of an integrand is estimated in another way.
+fn by_degree<'a, const D: usize>(mesh: &Mesh<D>, facets: Entities<'a>) -> Vec<(bool, Entities<'a>)> {
+    if let [shape] = mesh.shapes()[..] {
+        return vec![(shape.is_simplex(), facets)];
+    }
+    let simplex =
+        |sides: &[Facet]| sides.iter().all(|facet| mesh.cell_shape(facet.cell as usize).is_simplex());
+    let part = |wanted: bool| match &facets {
+        Entities::Cells(cells) => Entities::Cells(cells.clone()),
+        Entities::Facets(all) => {
+            let own = all.iter().filter(|facet| simplex(std::slice::from_ref(facet)) == wanted);
+            Entities::Facets(own.copied().collect())
+        }
+        Entities::InteriorFacets(all) => Entities::InteriorFacets(
+            all.iter().filter(|sides| simplex(&sides[..]) == wanted).copied().collect(),
+        ),
+    };
+    [true, false].map(|simplex| (simplex, part(simplex))).into()
+}
+
+/// How the sides of a facet are numbered: the local number and the cell's shape on each, and for interior ones
+/// [`Mesh::facing`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Numbering {
-    first: u8,
-    second: Option<(u8, [u8; 4])>,
+    first: (u8, CellShape),
+    second: Option<(u8, [u8; 4], CellShape)>,
 }
 
 /// The groups of exterior or interior facets at the points of a rule on the facet's own reference cell, and
@@ -258,7 +301,7 @@ pub(super) fn facet_groups<const D: usize>(
     hessians: bool,
 ) -> Result<Vec<(Group<D>, Vec<usize>)>, AssemblyError> {
     let (mesh, form) = (binding.mesh, binding.name);
-    let shape = mesh.shape();
+    let shape = |facet: &Facet| mesh.cell_shape(facet.cell as usize);
     let mut numberings: BTreeMap<Numbering, Vec<usize>> = BTreeMap::new();
     let mut walk: Vec<(u32, usize)> =
         (0..facets.count()).map(|index| (mesh.walk_of_facet(facets.sides(index)), index)).collect();
@@ -268,27 +311,29 @@ pub(super) fn facet_groups<const D: usize>(
             [first, second] => {
                 let twisted = |source| AssemblyError::Facets { form, place: place.to_owned(), source };
                 let facing = mesh.facing(&[*first, *second]).map_err(twisted)?;
-                Numbering { first: first.local, second: Some((second.local, facing)) }
+                let second = Some((second.local, facing, shape(second)));
+                Numbering { first: (first.local, shape(first)), second }
             }
-            sides => Numbering { first: sides[0].local, second: None },
+            sides => Numbering { first: (sides[0].local, shape(&sides[0])), second: None },
         };
         numberings.entry(numbering).or_default().push(index);
     }
     let group = |(Numbering { first, second }, indices): (Numbering, Vec<usize>)| {
+        let (first, shape) = first;
         let vertices = shape.facet_vertices(usize::from(first));
         // The same corners of the facet, as each of the two cells numbers them.
         let corners = [0, 1, vertices.len() - 1];
-        let mut numbered = vec![(first, corners.map(|corner| vertices[corner]))];
-        if let Some((second, facing)) = second {
+        let mut numbered = vec![(first, shape, corners.map(|corner| vertices[corner]))];
+        if let Some((second, facing, shape)) = second {
             let vertices = shape.facet_vertices(usize::from(second));
-            numbered.push((second, corners.map(|corner| vertices[usize::from(facing[corner])])));
+            numbered.push((second, shape, corners.map(|corner| vertices[usize::from(facing[corner])])));
         }
         let mut sides = Vec::new();
-        for (side, (local, corners)) in numbered.into_iter().enumerate() {
+        for (side, (local, shape, corners)) in numbered.into_iter().enumerate() {
             let cells = indices.iter().map(|index| facets.sides(*index)[side].cell).collect();
             let FacetRule { points, tangents, .. } = map_to_corners(shape, corners, rule);
             let places = Places { points, facet: Some((local, tangents)) };
-            sides.push(GroupSide::new(mesh, &binding.elements, cells, &places, hessians)?);
+            sides.push(GroupSide::new(mesh, &binding.elements, (shape, cells), &places, hessians)?);
         }
         Ok((Group { place: place.to_owned(), sides, weights: rule.weights.clone() }, indices))
     };

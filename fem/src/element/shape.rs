@@ -1,7 +1,7 @@
 //! Reference cells: vertices, edges, facets, and how facets are parametrised.
 
 /// The shape of a cell. Reference cells live on \[0,1\]: the unit simplex or the unit cube.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CellShape {
     /// Vertices (0,0) (1,0) (0,1).
     Triangle,
@@ -65,6 +65,16 @@ impl CellShape {
             CellShape::Quadrilateral => "quadrilateral",
             CellShape::Tetrahedron => "tetrahedron",
             CellShape::Hexahedron => "hexahedron",
+        }
+    }
+
+    /// The name of several, for messages.
+    pub fn plural(self) -> &'static str {
+        match self {
+            CellShape::Triangle => "triangles",
+            CellShape::Quadrilateral => "quadrilaterals",
+            CellShape::Tetrahedron => "tetrahedra",
+            CellShape::Hexahedron => "hexahedra",
         }
     }
 

@@ -16,7 +16,7 @@ struct Entity<const D: usize> {
 /// \[length\]. Exact on straight facets; on curved ones a stationary point of the distance, which is the
 /// nearest one as long as the distance is small against the radius of curvature.
 pub(super) fn project<const D: usize>(mesh: &Mesh<D>, cell: usize, point: &[f64; D]) -> ([f64; D], f64) {
-    let shape = mesh.shape();
+    let shape = mesh.cell_shape(cell);
     let mut best = ([0.0; D], f64::INFINITY);
     for entity in entities::<D>(shape) {
         if let Some(reference) = stationary(mesh, cell, point, &entity) {
@@ -59,7 +59,7 @@ fn stationary<const D: usize>(
     point: &[f64; D],
     entity: &Entity<D>,
 ) -> Option<[f64; D]> {
-    let simplex = mesh.shape().is_simplex();
+    let simplex = mesh.cell_shape(cell).is_simplex();
     let at = |s: [f64; 2]| -> [f64; D] {
         std::array::from_fn(|i| {
             entity.origin[i] + s[0] * entity.tangents[0][i] + s[1] * entity.tangents[1][i]

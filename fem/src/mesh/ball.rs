@@ -133,7 +133,8 @@ mod tests {
                     let facets = mesh.facet_region(region)?.iter();
                     let nodes = facets.flat_map(|facet| {
                         let nodes = mesh.cell(facet.cell as usize);
-                        let local = mesh.element().facet_nodes(usize::from(facet.local));
+                        let local =
+                            mesh.cell_element(facet.cell as usize).facet_nodes(usize::from(facet.local));
                         local.into_iter().map(|node| mesh.nodes()[nodes[node] as usize]).collect::<Vec<_>>()
                     });
                     Ok(nodes.collect())

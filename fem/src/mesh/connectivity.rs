@@ -1,7 +1,7 @@
 //! Checks of node numbers, and which facets are interior or exterior.
 
-use super::{Facet, MeshError};
-use crate::element::Lagrange;
+use super::{CellBlock, CellLists, Facet, MeshError};
+use crate::element::{CellShape, Lagrange};
 
 pub(super) fn check_nodes<const D: usize>(nodes: &[[f64; D]]) -> Result<(), MeshError> {
     if u32::try_from(nodes.len()).is_err() {
@@ -13,18 +13,51 @@ pub(super) fn check_nodes<const D: usize>(nodes: &[[f64; D]]) -> Result<(), Mesh
     }
 }
 
-pub(super) fn check_cells(element: &Lagrange, count: usize, cells: &[u32]) -> Result<(), MeshError> {
-    let per_cell = element.nodes();
-    if cells.is_empty() {
+/// Blocks with cells and the nodes of all cells, from each block's shape and nodes. Nothing is said of the nodes yet.
+pub(super) fn check_blocks<const D: usize>(
+    degree: usize,
+    given: Vec<(CellShape, Vec<u32>)>,
+) -> Result<(Vec<CellBlock>, Vec<u32>), MeshError> {
+    let mut blocks: Vec<CellBlock> = Vec::with_capacity(given.len());
+    let mut all = Vec::new();
+    for (shape, cells) in given {
+        let per_cell = Lagrange::geometry(shape, degree)?.nodes();
+        if shape.dimension() != D {
+            return Err(MeshError::Dimension { shape, dimension: D });
+        }
+        if cells.is_empty() {
+            continue;
+        }
+        if !cells.len().is_multiple_of(per_cell) {
+            return Err(MeshError::CellLength { length: cells.len(), per_cell });
+        }
+        // Faces of two shapes in space are triangles and squares, which do not meet.
+        if let Some(first) = blocks.first().filter(|first| D == 3 && first.shape != shape) {
+            return Err(MeshError::ShapesTogether { shapes: [first.shape, shape] });
+        }
+        let start = blocks.last().map_or(0, |last| last.cells.end);
+        let end = start + cells.len() / per_cell;
+        if u32::try_from(end).is_err() {
+            return Err(MeshError::TooLarge { what: "cells" });
+        }
+        match blocks.last_mut() {
+            Some(last) if last.shape == shape => last.cells.end = end,
+            _ => blocks.push(CellBlock { shape, cells: start..end }),
+        }
+        if all.is_empty() {
+            all = cells;
+        } else {
+            all.extend(cells);
+        }
+    }
+    if blocks.is_empty() {
         return Err(MeshError::Empty);
     }
-    if !cells.len().is_multiple_of(per_cell) {
-        return Err(MeshError::CellLength { length: cells.len(), per_cell });
-    }
-    if u32::try_from(cells.len() / per_cell).is_err() {
-        return Err(MeshError::TooLarge { what: "cells" });
-    }
-    for (cell, nodes) in cells.chunks(per_cell).enumerate() {
+    Ok((blocks, all))
+}
+
+pub(super) fn check_cells(lists: &CellLists, count: usize, cells: &[u32]) -> Result<(), MeshError> {
+    for (cell, nodes) in lists.chunks(cells).enumerate() {
         for (position, &node) in nodes.iter().enumerate() {
             if node as usize >= count {
                 return Err(MeshError::NodeRange { cell, node, count });
@@ -50,14 +83,20 @@ fn key(vertices: &[usize], nodes: &[u32]) -> [u32; 4] {
 type Facets = (Vec<Facet>, Vec<[Facet; 2]>);
 
 /// Exterior facets, and pairs of the two sides of interior ones.
-pub(super) fn match_facets(element: &Lagrange, cells: &[u32]) -> Result<Facets, MeshError> {
-    let shape = element.shape;
-    let mut sides: Vec<([u32; 4], Facet)> =
-        Vec::with_capacity(cells.len() / element.nodes() * shape.facets());
-    for (cell, nodes) in cells.chunks(element.nodes()).enumerate() {
-        for local in 0..shape.facets() {
-            let facet = Facet { cell: cell as u32, local: local as u8 };
-            sides.push((key(shape.facet_vertices(local), nodes), facet));
+pub(super) fn match_facets(
+    blocks: &[CellBlock],
+    lists: &CellLists,
+    cells: &[u32],
+) -> Result<Facets, MeshError> {
+    let count = blocks.iter().map(|block| block.cells.len() * block.shape.facets()).sum();
+    let mut sides: Vec<([u32; 4], Facet)> = Vec::with_capacity(count);
+    for block in blocks {
+        for cell in block.cells.clone() {
+            let nodes = &cells[lists.of(cell)];
+            for local in 0..block.shape.facets() {
+                let facet = Facet { cell: cell as u32, local: local as u8 };
+                sides.push((key(block.shape.facet_vertices(local), nodes), facet));
+            }
         }
     }
     sides.sort_unstable();
@@ -68,7 +107,7 @@ pub(super) fn match_facets(element: &Lagrange, cells: &[u32]) -> Result<Facets, 
             [(_, first), (_, second)] => interior.push([*first, *second]),
             _ => {
                 return Err(MeshError::SharedFacet {
-                    vertices: same[0].0[..shape.vertices_per_facet()].to_vec(),
+                    vertices: same[0].0.into_iter().filter(|&vertex| vertex != u32::MAX).collect(),
                     cells: same.iter().map(|(_, facet)| facet.cell).collect(),
                 });
             }

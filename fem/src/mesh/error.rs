@@ -18,6 +18,23 @@ pub enum MeshError {
         /// The D asked for.
         dimension: usize,
     },
+    /// Shapes whose facets do not meet.
+    #[error(
+        "{} and {} do not make one mesh: only triangles and quadrilaterals do",
+        .shapes[0].plural(), .shapes[1].plural()
+    )]
+    ShapesTogether {
+        /// Two of the shapes.
+        shapes: [CellShape; 2],
+    },
+    /// What does not work on meshes of several shapes.
+    #[error("{feature} needs a mesh of one shape; this one has {}", plurals(shapes))]
+    SeveralShapes {
+        /// What was asked for.
+        feature: &'static str,
+        /// The shapes of the mesh.
+        shapes: Vec<CellShape>,
+    },
     /// No cells.
     #[error("the mesh has no cells")]
     Empty,
@@ -212,6 +229,10 @@ pub enum MeshError {
 
 fn kind(exists: bool, name: &str, what: &str) -> String {
     if exists { format!(" (\"{name}\" consists of {what})") } else { String::new() }
+}
+
+pub(crate) fn plurals(shapes: &[CellShape]) -> String {
+    shapes.iter().map(|shape| shape.plural()).collect::<Vec<_>>().join(" and ")
 }
 
 fn quoted(names: &[String]) -> String {

@@ -263,7 +263,8 @@ mod tests {
                         let area = surface(&mesh, region)?.0;
                         assert!((area / (6.0 * pi * radius) - 1.0).abs() < 0.03, "{region} {area}");
                         for facet in mesh.facet_region(region)? {
-                            for node in mesh.element().facet_nodes(facet.local.into()) {
+                            for node in mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into())
+                            {
                                 let x = mesh.nodes()[mesh.cell(facet.cell as usize)[node] as usize];
                                 assert!((x[0].hypot(x[1]) - radius).abs() < 1e-15);
                             }

@@ -1,6 +1,6 @@
 //! The geometry map of a cell: positions, Jacobians, centres, diameters.
 
-use super::{Facet, Mesh, MeshError};
+use super::{CellBlock, Facet, Mesh, MeshError};
 use crate::element::MAXIMUM_GEOMETRY_NODES;
 use crate::quadrature::cell_rule;
 
@@ -13,7 +13,7 @@ impl<const D: usize> Mesh<D> {
     pub fn map(&self, cell: usize, reference: &[f64; D]) -> ([f64; D], [[f64; D]; D]) {
         let mut value = [0.0; MAXIMUM_GEOMETRY_NODES];
         let mut gradient = [[0.0; D]; MAXIMUM_GEOMETRY_NODES];
-        self.element().evaluate(reference, &mut value, &mut gradient);
+        self.cell_element(cell).evaluate(reference, &mut value, &mut gradient);
         let (mut position, mut jacobian) = ([0.0; D], [[0.0; D]; D]);
         for ((node, phi), slope) in self.cell(cell).iter().zip(value).zip(gradient) {
             let x = &self.nodes[*node as usize];
@@ -32,7 +32,7 @@ impl<const D: usize> Mesh<D> {
     /// # Panics
     /// When `cell` is not below [`Mesh::cell_count`].
     pub fn cell_centre(&self, cell: usize) -> [f64; D] {
-        self.map(cell, &self.shape.centre()).0
+        self.map(cell, &self.cell_shape(cell).centre()).0
     }
 
     /// The image of the centre of the facet's reference cell \[length\].
@@ -40,7 +40,8 @@ impl<const D: usize> Mesh<D> {
     /// # Panics
     /// When the mesh has no such facet.
     pub fn facet_centre(&self, facet: Facet) -> [f64; D] {
-        self.map(facet.cell as usize, &self.shape.facet_centre(usize::from(facet.local))).0
+        let cell = facet.cell as usize;
+        self.map(cell, &self.cell_shape(cell).facet_centre(usize::from(facet.local))).0
     }
 
     /// h, the largest distance between two vertices of a cell \[length\].
@@ -48,7 +49,7 @@ impl<const D: usize> Mesh<D> {
     /// # Panics
     /// When `cell` is not below [`Mesh::cell_count`].
     pub fn diameter(&self, cell: usize) -> f64 {
-        let vertices = &self.cell(cell)[..self.shape.vertices()];
+        let vertices = self.cell_vertices(cell);
         let mut largest = 0.0_f64;
         for (index, &a) in vertices.iter().enumerate() {
             for &b in &vertices[..index] {
@@ -74,16 +75,22 @@ impl<const D: usize> Mesh<D> {
     // The determinant of a quadratic map has degree up to 2 per direction and factor: nodes and a few
     // interior points see a fold.
     pub(super) fn check_jacobians(&self) -> Result<(), MeshError> {
-        let mut points = vec![self.shape.centre::<D>()];
-        if !self.is_affine() {
-            points.extend(self.element().node_points::<D>());
+        self.blocks().iter().try_for_each(|block| self.check_jacobians_of(block))
+    }
+
+    fn check_jacobians_of(&self, block: &CellBlock) -> Result<(), MeshError> {
+        let element = self.element_of(block.shape);
+        let mut points = vec![block.shape.centre::<D>()];
+        if !self.is_affine_on(block.shape) {
+            points.extend(element.node_points::<D>());
             if self.degree == 2 {
                 // Degree 4 exists on every shape.
-                points.extend(cell_rule::<D>(self.shape, 4).map(|rule| rule.points).unwrap_or_default());
+                points.extend(cell_rule::<D>(block.shape, 4).map(|rule| rule.points).unwrap_or_default());
             }
         }
-        let tables = self.element().tabulate(&points);
-        for (cell, nodes) in self.cells.chunks(tables.nodes).enumerate() {
+        let tables = element.tabulate(&points);
+        for cell in block.cells.clone() {
+            let nodes = self.cell(cell);
             for (q, slopes) in tables.gradient.chunks(tables.nodes).enumerate() {
                 let mut jacobian = [[0.0; D]; D];
                 for (node, slope) in nodes.iter().zip(slopes) {

@@ -115,13 +115,9 @@ impl<const D: usize> Mesh<D> {
     /// For each vertex of the first side's facet, in the order of [`crate::element::CellShape::facet_vertices`],
     /// its place among those of the second side.
     pub(crate) fn facing(&self, sides: &[Facet; 2]) -> Result<[u8; 4], MeshError> {
-        let corners = |facet: &Facet| {
-            let cell = self.cell(facet.cell as usize);
-            self.shape().facet_vertices(usize::from(facet.local)).iter().map(|&vertex| cell[vertex])
-        };
-        let others: Vec<u32> = corners(&sides[1]).collect();
+        let others: Vec<u32> = self.facet_vertices(sides[1]).collect();
         let mut places = [0; 4];
-        for (place, vertex) in places.iter_mut().zip(corners(&sides[0])) {
+        for (place, vertex) in places.iter_mut().zip(self.facet_vertices(sides[0])) {
             *place = others.iter().position(|&other| other == vertex).unwrap_or(0) as u8;
         }
         // Around a quadrilateral, neighbours must be neighbours from either side.

@@ -6,18 +6,20 @@ use crate::quadrature::{cell_rule, facet_rule};
 
 /// The volume, or area in the plane.
 pub(super) fn volume<const D: usize>(mesh: &Mesh<D>) -> f64 {
-    let rule = cell_rule::<D>(mesh.shape(), 8).expect("degree 8 exists");
-    let points = || rule.points.iter().zip(&rule.weights);
-    (0..mesh.cell_count())
-        .flat_map(|cell| points().map(move |(x, w)| w * determinant(&mesh.map(cell, x).1)))
-        .sum()
+    let of_cell = |cell| {
+        let rule = cell_rule::<D>(mesh.cell_shape(cell), 8).expect("degree 8 exists");
+        let points = rule.points.iter().zip(&rule.weights);
+        points.map(|(x, w)| w * determinant(&mesh.map(cell, x).1)).sum::<f64>()
+    };
+    (0..mesh.cell_count()).map(of_cell).sum()
 }
 
 /// The region's measure, and the integral of x·n over it.
 pub(super) fn surface<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(f64, f64), MeshError> {
     let (mut area, mut flux) = (0.0, 0.0);
     for facet in mesh.sides_of(region)?.iter().map(|sides| sides[0]) {
-        let rule = facet_rule::<D>(mesh.shape(), facet.local.into(), 8).expect("degree 8 exists");
+        let rule = facet_rule::<D>(mesh.cell_shape(facet.cell as usize), facet.local.into(), 8)
+            .expect("degree 8 exists");
         for (point, weight) in rule.points.iter().zip(&rule.weights) {
             let (x, jacobian) = mesh.map(facet.cell as usize, point);
             let [s, t] = rule.tangents.map(|tangent| -> [f64; D] {

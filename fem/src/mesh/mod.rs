@@ -2,6 +2,7 @@
 
 mod ball;
 mod blocks;
+mod cell_blocks;
 mod connectivity;
 mod error;
 mod generators;
@@ -24,7 +25,10 @@ use std::collections::BTreeMap;
 use crate::element::{CellShape, Lagrange};
 
 pub use ball::ball;
+pub use cell_blocks::CellBlock;
+pub(crate) use cell_blocks::CellLists;
 pub use error::MeshError;
+pub(crate) use error::plurals;
 pub use generators::{annulus, cuboid, hollow_cylinder, rectangle};
 pub use gmsh::{GmshError, GmshMesh};
 pub use order::CellOrder;
@@ -43,15 +47,18 @@ pub struct Facet {
     pub local: u8,
 }
 
-/// A mesh of cells of one shape in D dimensions, with isoparametric geometry of degree 1 or 2.
+/// A mesh of cells in D dimensions, with isoparametric geometry of degree 1 or 2. All cells have one shape, or, in the
+/// plane, some are triangles and some quadrilaterals: then cells of one shape follow each other in blocks.
 /// Geometry nodes of a cell stand in the order of [`crate::element::Lagrange`].
 ///
 /// The cell region "all", the facet region "boundary" and (where cells share facets) the region "interior" of
 /// interior facets always exist.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
-    /// Shape of every cell.
-    pub(crate) shape: CellShape,
+    /// Which cells have which shape.
+    blocks: Vec<CellBlock>,
+    /// Where the nodes of each cell stand among those of all.
+    lists: CellLists,
     /// Degree of the geometry map.
     pub(crate) degree: usize,
     /// Node coordinates \[length\].
@@ -82,16 +89,40 @@ impl<const D: usize> Mesh<D> {
         nodes: Vec<[f64; D]>,
         cells: Vec<u32>,
     ) -> Result<Self, MeshError> {
-        let element = Lagrange::geometry(shape, degree)?;
-        if shape.dimension() != D {
-            return Err(MeshError::Dimension { shape, dimension: D });
-        }
+        Mesh::from_blocks(degree, nodes, vec![(shape, cells)])
+    }
+
+    /// A mesh from blocks of cells, each of one shape: triangles with quadrilaterals. Cells are numbered block after
+    /// block; blocks without cells are left out.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// let nodes = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.5, 0.5]];
+    /// let square = (CellShape::Quadrilateral, vec![0, 1, 2, 3]);
+    /// let roof = (CellShape::Triangle, vec![1, 4, 2]);
+    /// let house = Mesh::from_blocks(1, nodes, vec![square, roof])?;
+    /// assert_eq!((house.cell_count(), house.interior_facets().len()), (2, 1));
+    /// assert_eq!(house.cell_shape(1), CellShape::Triangle);
+    /// # Ok::<(), forms_fem::mesh::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Mesh::from_parts`]; [`MeshError::ShapesTogether`] for shapes in space that are not all the same.
+    pub fn from_blocks(
+        degree: usize,
+        nodes: Vec<[f64; D]>,
+        blocks: Vec<(CellShape, Vec<u32>)>,
+    ) -> Result<Self, MeshError> {
+        let (blocks, cells) = connectivity::check_blocks::<D>(degree, blocks)?;
         connectivity::check_nodes(&nodes)?;
-        connectivity::check_cells(&element, nodes.len(), &cells)?;
-        let (boundary, interior_facets) = connectivity::match_facets(&element, &cells)?;
-        let all = (0..(cells.len() / element.nodes()) as u32).collect();
+        let lists = CellLists::new(&blocks, |shape| Lagrange { shape, degree }.nodes());
+        connectivity::check_cells(&lists, nodes.len(), &cells)?;
+        let (boundary, interior_facets) = connectivity::match_facets(&blocks, &lists, &cells)?;
+        let all = (0..blocks.last().map_or(0, |last| last.cells.end) as u32).collect();
         let mesh = Mesh {
-            shape,
+            blocks,
+            lists,
             degree,
             nodes,
             cells,
@@ -104,24 +135,14 @@ impl<const D: usize> Mesh<D> {
         Ok(mesh)
     }
 
-    /// Shape of every cell.
-    pub fn shape(&self) -> CellShape {
-        self.shape
-    }
-
     /// Degree of the geometry map.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// The element of the geometry map.
-    pub fn element(&self) -> Lagrange {
-        Lagrange { shape: self.shape, degree: self.degree }
-    }
-
     /// Whether the Jacobian of every cell is constant: simplices of degree 1.
     pub fn is_affine(&self) -> bool {
-        self.degree == 1 && self.shape.is_simplex()
+        self.blocks.iter().all(|block| self.is_affine_on(block.shape))
     }
 
     /// Node coordinates \[length\].
@@ -141,16 +162,16 @@ impl<const D: usize> Mesh<D> {
 
     /// Number of cells.
     pub fn cell_count(&self) -> usize {
-        self.cells.len() / self.element().nodes()
+        self.blocks.last().map_or(0, |last| last.cells.end)
     }
 
     /// Node numbers of a cell, its vertices first.
     ///
     /// # Panics
     /// When `cell` is not below [`Mesh::cell_count`].
+    #[inline]
     pub fn cell(&self, cell: usize) -> &[u32] {
-        let count = self.element().nodes();
-        &self.cells[cell * count..(cell + 1) * count]
+        &self.cells[self.lists.of(cell)]
     }
 
     /// The facets that belong to one cell only, in order of cell and local number.

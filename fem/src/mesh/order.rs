@@ -28,17 +28,17 @@ impl CellOrder {
         let extent = (0..D).map(|k| upper[k] - lower[k]).fold(f64::MIN_POSITIVE, f64::max);
         // One scale for all directions: the boxes of the curve are cubes.
         let scale = f64::from((1_u32 << BITS) - 1) / extent;
-        let vertices = mesh.shape().vertices();
         let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(mesh.cell_count());
         for cell in 0..mesh.cell_count() {
             let mut sum = [0.0; D];
-            for &vertex in &mesh.cell(cell)[..vertices] {
+            let vertices = mesh.cell_vertices(cell);
+            for &vertex in vertices {
                 for (sum, x) in sum.iter_mut().zip(&mesh.nodes()[vertex as usize]) {
                     *sum += x;
                 }
             }
             let place: [u32; D] =
-                std::array::from_fn(|k| ((sum[k] / vertices as f64 - lower[k]) * scale) as u32);
+                std::array::from_fn(|k| ((sum[k] / vertices.len() as f64 - lower[k]) * scale) as u32);
             keyed.push((along_curve(place), cell as u32));
         }
         keyed.sort_unstable();

@@ -183,7 +183,7 @@ mod tests {
                 let radius = if hole < 24 { 4.5 } else { 5.5 };
                 let angle = TAU * ((hole % 24) as f64 + 0.5) / 24.0;
                 for facet in facets {
-                    for node in mesh.element().facet_nodes(facet.local.into()) {
+                    for node in mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into()) {
                         let x = mesh.nodes()[mesh.cell(facet.cell as usize)[node] as usize];
                         let distance = (x[0] - radius * angle.cos()).hypot(x[1] - radius * angle.sin());
                         assert!((distance - 0.3).abs() < 1e-14);

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::geometry::determinant;
-use super::{Mesh, MeshError};
+use super::{CellBlock, Mesh, MeshError};
 use crate::element::{CellShape, Lagrange};
 use crate::quadrature::cell_rule;
 
@@ -27,8 +27,8 @@ pub struct CellQuality<const D: usize> {
 /// How good the cells of a mesh are. Displayed as a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshQuality<const D: usize> {
-    /// Shape of the cells.
-    pub shape: CellShape,
+    /// Shapes of the cells.
+    pub shapes: Vec<CellShape>,
     /// Degree of the geometry.
     pub degree: usize,
     /// Each cell.
@@ -42,7 +42,7 @@ impl<const D: usize> Mesh<D> {
     /// How good the cells are.
     pub fn quality(&self) -> MeshQuality<D> {
         let all = self.qualities(&self.nodes);
-        MeshQuality { shape: self.shape, degree: self.degree, cells: all }
+        MeshQuality { shapes: self.shapes(), degree: self.degree, cells: all }
     }
 
     /// How good the cells are with the nodes in other places, as after a deformation.
@@ -53,13 +53,18 @@ impl<const D: usize> Mesh<D> {
         if positions.len() != self.nodes.len() {
             return Err(MeshError::NodeCount { given: positions.len(), count: self.nodes.len() });
         }
-        Ok(MeshQuality { shape: self.shape, degree: self.degree, cells: self.qualities(positions) })
+        Ok(MeshQuality { shapes: self.shapes(), degree: self.degree, cells: self.qualities(positions) })
     }
 
     fn qualities(&self, positions: &[[f64; D]]) -> Vec<CellQuality<D>> {
-        let points = sample_points::<D>(&self.element());
-        let tables = self.element().tabulate(&points);
-        let from_ideal = from_ideal::<D>(self.shape);
+        self.blocks().iter().flat_map(|block| self.qualities_of(block, positions)).collect()
+    }
+
+    fn qualities_of(&self, block: &CellBlock, positions: &[[f64; D]]) -> Vec<CellQuality<D>> {
+        let element = self.element_of(block.shape);
+        let points = sample_points::<D>(&element);
+        let tables = element.tabulate(&points);
+        let from_ideal = from_ideal::<D>(block.shape);
         let quality = |nodes: &[u32]| {
             let mut worst = CellQuality {
                 scaled_jacobian: f64::INFINITY,
@@ -80,7 +85,7 @@ impl<const D: usize> Mesh<D> {
                     }
                 }
                 let determinant = determinant(&jacobian);
-                let scaled = scaled_jacobian(self.shape, &jacobian, determinant);
+                let scaled = scaled_jacobian(block.shape, &jacobian, determinant);
                 // What is not a number is the worst, and stays.
                 if scaled < worst.scaled_jacobian || scaled.is_nan() {
                     (worst.scaled_jacobian, worst.position) = (scaled, position);
@@ -91,7 +96,7 @@ impl<const D: usize> Mesh<D> {
             }
             worst
         };
-        self.cells.chunks(tables.nodes).map(quality).collect()
+        block.cells.clone().map(|cell| quality(self.cell(cell))).collect()
     }
 }
 
@@ -278,7 +283,7 @@ impl<const D: usize> fmt::Display for MeshQuality<D> {
         writeln!(
             f,
             "{count} cells, {} of degree {}, {} inverted",
-            self.shape.name(),
+            self.shapes.iter().map(|shape| shape.name()).collect::<Vec<_>>().join(" and "),
             self.degree,
             self.inverted()
         )?;

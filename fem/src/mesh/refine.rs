@@ -1,9 +1,9 @@
 //! Uniform refinement: every cell into 2^D, curved ones along their geometry map, regions carried over.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::geometry::determinant;
-use super::{BOUNDARY, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
+use super::{BOUNDARY, CellBlock, CellLists, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
 use crate::element::{CellShape, Lagrange};
 
 /// A region of facets and the surface that its nodes shall lie on: a map from a position near the surface to one on it.
@@ -52,8 +52,12 @@ impl<const D: usize> Mesh<D> {
         if self.cell_count().checked_mul(children).is_none_or(|count| u32::try_from(count).is_err()) {
             return Err(MeshError::TooLarge { what: "cells" });
         }
-        let element = self.element();
-        let ways: Vec<Division<D>> = divisions(self.shape).map(|way| Division::new(&element, way)).collect();
+        let ways = |shape: &CellShape| {
+            let element = self.element_of(*shape);
+            (*shape, divisions(*shape).map(|way| Division::new(&element, way)).collect::<Vec<_>>())
+        };
+        let ways: BTreeMap<CellShape, Vec<Division<D>>> = self.shapes().iter().map(ways).collect();
+        let way_of = |cell: usize, chosen: u8| &ways[&self.cell_shape(cell)][usize::from(chosen)];
         let chosen: Vec<u8> = (0..self.cell_count()).map(|cell| self.best_way(cell)).collect();
 
         let mut numbers: HashMap<[u64; 8], u32> = HashMap::with_capacity(self.node_count() * children);
@@ -61,7 +65,7 @@ impl<const D: usize> Mesh<D> {
         let mut cells: Vec<u32> = Vec::with_capacity(self.cells.len() * children);
         let mut of_point = Vec::new();
         for (cell, way) in chosen.iter().enumerate() {
-            let way = &ways[usize::from(*way)];
+            let way = way_of(cell, *way);
             let old = self.cell(cell);
             of_point.clear();
             for (weights, values) in way.weights.iter().zip(way.values.chunks(old.len())) {
@@ -78,17 +82,20 @@ impl<const D: usize> Mesh<D> {
             cells.extend(way.children.iter().flatten().map(|&point| of_point[point]));
         }
         let small_facets = |facet: Facet| {
-            let way = &ways[usize::from(chosen[facet.cell as usize])];
+            let way = way_of(facet.cell as usize, chosen[facet.cell as usize]);
             way.facets[usize::from(facet.local)]
                 .iter()
                 .map(move |&(child, local)| Facet { cell: facet.cell * children as u32 + child, local })
         };
+        let blocks: Vec<CellBlock> = self.blocks().iter().map(|block| block.divided(children)).collect();
+        let lists = CellLists::new(&blocks, |shape| self.element_of(shape).nodes());
         for (region, map) in surfaces {
             let mut moved = std::collections::HashSet::new();
             for facet in self.sides_of(region)?.iter().flat_map(|sides| small_facets(sides[0])) {
-                let start = facet.cell as usize * element.nodes();
+                let element = self.cell_element(facet.cell as usize / children);
+                let of_cell = &cells[lists.of(facet.cell as usize)];
                 for node in element.facet_nodes(usize::from(facet.local)) {
-                    moved.insert(cells[start + node] as usize);
+                    moved.insert(of_cell[node] as usize);
                 }
             }
             for node in moved {
@@ -96,7 +103,11 @@ impl<const D: usize> Mesh<D> {
             }
         }
 
-        let mut mesh = Mesh::from_parts(self.shape, self.degree, nodes, cells)?;
+        let of_block = |block: &CellBlock| {
+            let (first, last) = (lists.of(block.cells.start), lists.of(block.cells.end - 1));
+            (block.shape, cells[first.start..last.end].to_vec())
+        };
+        let mut mesh = Mesh::from_blocks(self.degree, nodes, blocks.iter().map(of_block).collect())?;
         for (name, cells) in self.cell_regions.iter().filter(|(name, _)| *name != EVERYWHERE) {
             let children = children as u32;
             let cells: Vec<u32> =
@@ -117,12 +128,12 @@ impl<const D: usize> Mesh<D> {
     // Which of the three ways to divide the middle of a tetrahedron gives the best worst child. The four children of the
     // middle have equal volumes, so that the sum of their squared edges tells their mean ratios apart.
     fn best_way(&self, cell: usize) -> u8 {
-        if self.shape != CellShape::Tetrahedron {
+        let shape = self.cell_shape(cell);
+        if shape != CellShape::Tetrahedron {
             return 0;
         }
         let vertices = self.cell(cell);
-        let middles: Vec<[f64; D]> = self
-            .shape
+        let middles: Vec<[f64; D]> = shape
             .edges()
             .iter()
             .map(|edge| edge.map(|vertex| self.nodes[vertices[vertex] as usize]))
@@ -133,7 +144,7 @@ impl<const D: usize> Mesh<D> {
             a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
         };
         let badness = |child: [usize; 4]| -> f64 {
-            self.shape.edges().iter().map(|&[a, b]| squared(child[a], child[b])).sum()
+            shape.edges().iter().map(|&[a, b]| squared(child[a], child[b])).sum()
         };
         let mut best = (0, f64::INFINITY);
         for way in 0..3 {

@@ -1,11 +1,11 @@
 //! Quadrilaterals divided into triangles, hexahedra into tetrahedra.
 
-use super::{BOUNDARY, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
+use super::{BOUNDARY, CellLists, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
 use crate::element::{CellShape, Lagrange};
 
 impl<const D: usize> Mesh<D> {
     /// The mesh with each quadrilateral divided into two triangles, each hexahedron into six tetrahedra, on the same nodes;
-    /// a mesh of simplices as it is. Regions are kept.
+    /// triangles and tetrahedra as they are. Regions are kept.
     ///
     /// Diagonals begin at the vertex with the smallest number, so that neighbours agree on them; J. Dompierre et al., How
     /// to subdivide pyramids, prisms and hexahedra into tetrahedra (1999).
@@ -13,33 +13,42 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::Inverted`] where a cell is so distorted that a part of it is inverted, [`MeshError::TooLarge`].
     pub fn simplices(&self) -> Result<Self, MeshError> {
-        let (shape, parts) = match self.shape {
-            CellShape::Quadrilateral => (CellShape::Triangle, 2),
-            CellShape::Hexahedron => (CellShape::Tetrahedron, 6),
-            CellShape::Triangle | CellShape::Tetrahedron => return Ok(self.clone()),
+        let parts_of = |shape| match shape {
+            CellShape::Triangle | CellShape::Tetrahedron => 1,
+            CellShape::Quadrilateral => 2,
+            CellShape::Hexahedron => 6,
         };
-        if self.cell_count().checked_mul(parts).is_none_or(|count| u32::try_from(count).is_err()) {
+        if self.shapes().into_iter().all(CellShape::is_simplex) {
+            return Ok(self.clone());
+        }
+        let shape = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
+        // The numbers of the parts of each cell.
+        let parts = CellLists::new(self.blocks(), parts_of);
+        if u32::try_from(parts.len()).is_err() {
             return Err(MeshError::TooLarge { what: "cells" });
         }
-        let middle = middles::<D>(&self.element());
         let mut cells = Vec::new();
         // The parts by their vertices, numbered in the cell.
-        let mut all_vertices: Vec<Vec<usize>> = Vec::with_capacity(parts * self.cell_count());
-        for cell in 0..self.cell_count() {
-            let nodes = self.cell(cell);
-            for vertices in divide(self.shape, nodes) {
-                cells.extend(vertices.iter().map(|&vertex| nodes[vertex]));
-                if self.degree == 2 {
-                    cells.extend(shape.edges().iter().map(|&[a, b]| nodes[middle[vertices[a]][vertices[b]]]));
+        let mut all_vertices: Vec<Vec<usize>> = Vec::with_capacity(parts.len());
+        for block in self.blocks() {
+            let middle = middles::<D>(&self.element_of(block.shape));
+            for cell in block.cells.clone() {
+                let nodes = self.cell(cell);
+                for vertices in divide(block.shape, nodes) {
+                    cells.extend(vertices.iter().map(|&vertex| nodes[vertex]));
+                    if self.degree == 2 {
+                        let edges = shape.edges().iter();
+                        cells.extend(edges.map(|&[a, b]| nodes[middle[vertices[a]][vertices[b]]]));
+                    }
+                    all_vertices.push(vertices);
                 }
-                all_vertices.push(vertices);
             }
         }
         // Every face and every cell has one diagonal, so that the nodes in their middles are used.
         let mut mesh = Mesh::from_parts(shape, self.degree, self.nodes.clone(), cells)?;
         let small_facets = |facet: Facet| {
-            let large = self.shape.facet_vertices(usize::from(facet.local));
-            let cells = facet.cell as usize * parts..(facet.cell as usize + 1) * parts;
+            let large = self.cell_shape(facet.cell as usize).facet_vertices(usize::from(facet.local));
+            let cells = parts.of(facet.cell as usize);
             let mut found = Vec::with_capacity(2);
             for cell in cells {
                 for local in 0..shape.facets() {
@@ -52,8 +61,8 @@ impl<const D: usize> Mesh<D> {
             found
         };
         for (name, cells) in self.cell_regions.iter().filter(|(name, _)| *name != EVERYWHERE) {
-            let parts = parts as u32;
-            let cells: Vec<u32> = cells.iter().flat_map(|cell| cell * parts..(cell + 1) * parts).collect();
+            let cells: Vec<u32> =
+                cells.iter().flat_map(|cell| parts.of(*cell as usize)).map(|part| part as u32).collect();
             mesh.name_listed_cells(name, &cells)?;
         }
         for (name, facets) in self.facet_regions.iter().filter(|(name, _)| *name != BOUNDARY) {
@@ -82,6 +91,9 @@ fn middles<const D: usize>(element: &Lagrange) -> Vec<Vec<usize>> {
 /// The simplices of a cell, each as vertices of the cell: a cone from the vertex with the smallest number over the
 /// triangles (in the plane: edges) of the facets that do not have it.
 fn divide(shape: CellShape, nodes: &[u32]) -> Vec<Vec<usize>> {
+    if shape.is_simplex() {
+        return vec![(0..shape.vertices()).collect()];
+    }
     let smallest =
         |vertices: &mut dyn Iterator<Item = usize>| vertices.min_by_key(|&v| nodes[v]).unwrap_or(0);
     let apex = smallest(&mut (0..shape.vertices()));
@@ -114,7 +126,7 @@ mod tests {
 
     fn check<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError> {
         let simplices = mesh.simplices()?;
-        assert!(simplices.shape().is_simplex() && simplices.degree() == mesh.degree());
+        assert!(simplices.shapes()[0].is_simplex() && simplices.degree() == mesh.degree());
         assert_eq!(simplices.nodes(), mesh.nodes());
         let (parts, per_facet) = if D == 2 { (2, 1) } else { (6, 2) };
         assert_eq!(simplices.cell_count(), parts * mesh.cell_count());

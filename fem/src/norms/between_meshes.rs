@@ -1,11 +1,13 @@
 //! Errors between two meshes of one body, integrated on the finer one: its quadrature points are located in the other
 //! mesh once, and every field of that mesh is read there.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Measure, Measured, Norms};
 use crate::assemble::{Assembler, AssemblyError};
+use crate::element::CellShape;
 use crate::field::Field;
 use crate::mesh::EVERYWHERE;
 use crate::space::Space;
@@ -40,23 +42,27 @@ impl<const D: usize> Comparison<D> {
         // The gap between a chord-like quadratic and the circle is far below a tenth of a cell.
         let diameters = (0..locator.mesh().cell_count()).map(|cell| locator.mesh().diameter(cell));
         let tolerance = 0.1 * diameters.fold(0.0, f64::max);
-        let rule = assembler
-            .quadrature()
-            .cell_rule(mesh.shape(), degree)
-            .map_err(|source| AssemblyError::Quadrature { form: NAME, source })?;
+        let of_shape = |shape| {
+            let rule = assembler.quadrature().rule_on_cells(mesh, shape, degree);
+            Ok((shape, rule.map_err(|source| AssemblyError::Quadrature { form: NAME, source })?.points))
+        };
+        let points: BTreeMap<CellShape, Vec<[f64; D]>> =
+            mesh.shapes().into_iter().map(of_shape).collect::<Result<_, AssemblyError>>()?;
         let cells = mesh.cell_region(EVERYWHERE).map_err(|source| AssemblyError::Region {
             form: NAME,
             symbol: "of them",
             source,
         })?;
-        let locate = |cell: &u32, point: &[f64; D]| {
-            let (position, _) = mesh.map(*cell as usize, point);
+        let locate = |cell: u32, point: &[f64; D]| {
+            let (position, _) = mesh.map(cell as usize, point);
             let outside = || AssemblyError::Outside { form: NAME, position: position.to_vec() };
             let found = locator.find_nearest(&position, tolerance).ok_or_else(outside)?;
             Ok((found.cell as u32, found.reference))
         };
         let located = in_parts(assembler, cells.len(), |range| {
-            let points = cells[range].iter().flat_map(|cell| rule.points.iter().map(move |p| (cell, p)));
+            let points = cells[range].iter().flat_map(|&cell| {
+                points[&mesh.cell_shape(cell as usize)].iter().map(move |point| (cell, point))
+            });
             points.map(|(cell, point)| locate(cell, point)).collect::<Result<Vec<_>, AssemblyError>>()
         });
         let places = located.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
@@ -123,6 +129,6 @@ where
     Measured: Measure<D>,
 {
     // Exact for the square of the reference on affine cells.
-    let degree = 2 * reference.space().element().degree + assembler.mesh().degree();
+    let degree = 2 * reference.space().degree() + assembler.mesh().degree();
     Comparison::new(assembler, coarse.space(), degree)?.errors(reference, coarse)
 }

@@ -191,16 +191,19 @@ impl<'a, const D: usize> VtuFile<'a, D> {
             }
             data.extend(self.corners.iter().cloned());
         }
-        let (cell_type, order) = cell_type(self.mesh.shape(), self.mesh.degree());
-        let mut connectivity = Vec::with_capacity(cell_count * order.len());
-        for cell in 0..cell_count {
-            let nodes = self.mesh.cell(cell);
-            let number = |node: usize| {
-                if separate { (cell * nodes.len() + node) as u64 } else { u64::from(nodes[node]) }
-            };
-            connectivity.extend(order.iter().map(|&node| number(node)));
+        let mut connectivity = Vec::with_capacity(self.mesh.cells().len());
+        let (mut offsets, mut types) = (Vec::with_capacity(cell_count), Vec::with_capacity(cell_count));
+        for block in self.mesh.blocks() {
+            let (cell_type, order) = cell_type(block.shape, self.mesh.degree());
+            for cell in block.cells.clone() {
+                let (nodes, start) = (self.mesh.cell(cell), connectivity.len());
+                let number =
+                    |node: usize| if separate { (start + node) as u64 } else { u64::from(nodes[node]) };
+                connectivity.extend(order.iter().map(|&node| number(node)));
+                offsets.push(connectivity.len() as u64);
+                types.push(cell_type);
+            }
         }
-        let offsets = (1..=cell_count).map(|cell| (cell * order.len()) as u64).collect();
         let attributes = |arrays: &[Array]| arrays.iter().map(Array::attribute).collect();
         Ok(Vtk {
             // Version 1.0 is the one whose headers (64 bits) this crate writes as readers expect them.
@@ -210,10 +213,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
             file_path: None,
             data: DataSet::inline(UnstructuredGridPiece {
                 points: IOBuffer::F64(points.values),
-                cells: Cells {
-                    cell_verts: VertexNumbers::XML { connectivity, offsets },
-                    types: vec![cell_type; cell_count],
-                },
+                cells: Cells { cell_verts: VertexNumbers::XML { connectivity, offsets }, types },
                 data: Attributes { point: attributes(&data), cell: attributes(&self.cells) },
             }),
         })

@@ -18,6 +18,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::element::CellShape;
+use crate::mesh::{Mesh, plurals};
 
 /// The highest degree of a rule. The 51 points per direction that it takes are more than any estimate of
 /// an integrand's degree should ask for.
@@ -88,6 +89,15 @@ pub enum QuadratureError {
         "an explicit rule on the square says nothing about the triangles of a split facet; choose a degree"
     )]
     Pieces,
+    /// One rule for cells of several shapes.
+    #[error(
+        "an explicit rule on cells needs a mesh of one shape; this one has {}: choose a degree",
+        plurals(shapes)
+    )]
+    SeveralShapes {
+        /// The shapes of the mesh.
+        shapes: Vec<CellShape>,
+    },
     /// Not as many weights as points.
     #[error("the explicit {entity} rule has {points} points and {weights} weights")]
     Length {
@@ -203,6 +213,25 @@ impl<const D: usize> Quadrature<D> {
                 Ok(cell.clone())
             }
             Quadrature::Split { whole, .. } => whole.cell_rule(shape, estimated),
+        }
+    }
+
+    /// The rule on the cells of a shape in a mesh.
+    pub(crate) fn rule_on_cells(
+        &self,
+        mesh: &Mesh<D>,
+        shape: CellShape,
+        estimated: usize,
+    ) -> Result<QuadratureRule<D>, QuadratureError> {
+        let mut choice = self;
+        while let Quadrature::Split { whole, .. } = choice {
+            choice = whole;
+        }
+        match (choice, &mesh.shapes()[..]) {
+            (Quadrature::Explicit { .. }, shapes) if shapes.len() > 1 => {
+                Err(QuadratureError::SeveralShapes { shapes: shapes.to_vec() })
+            }
+            _ => self.cell_rule(shape, estimated),
         }
     }
 

@@ -28,10 +28,9 @@ pub fn boundary_distance(from: &Mesh<2>, to: &Mesh<2>, region: &str) -> Result<B
     let mut segments = Vec::new();
     for facet in from.facet_region(region)? {
         let cell = facet.cell as usize;
-        let local = from.element().facet_nodes(facet.local.into());
+        let (shape, local) = (from.cell_shape(cell), from.cell_element(cell).facet_nodes(facet.local.into()));
         nodes.extend(local.iter().map(|&node| from.cell(cell)[node]));
-        let [a, b] =
-            from.shape().edges()[usize::from(facet.local)].map(|vertex| from.shape().vertex_points()[vertex]);
+        let [a, b] = shape.edges()[usize::from(facet.local)].map(|vertex| shape.vertex_points()[vertex]);
         let point = |k: usize| {
             let t = k as f64 / PIECES as f64;
             to.map(cell, &std::array::from_fn(|i| (1.0 - t) * a[i] + t * b[i])).0

@@ -38,7 +38,7 @@ where
     }
     // Nodes of the boundary stay to the last bit.
     for facet in initial.boundary_facets() {
-        for local in initial.element().facet_nodes(facet.local.into()) {
+        for local in initial.cell_element(facet.cell as usize).facet_nodes(facet.local.into()) {
             let node = initial.cell(facet.cell as usize)[local] as usize;
             nodes[node] = present.nodes()[node];
         }

@@ -94,7 +94,7 @@ fn the_shortest_outline_is_the_regular_polygon() {
         .map(|k| {
             let facet = best.mesh.facet_region("outer").unwrap()[k];
             let [a, b] = [0, 1].map(|end| {
-                let local = best.mesh.element().facet_nodes(facet.local.into())[end];
+                let local = best.mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into())[end];
                 best.mesh.nodes()[best.mesh.cell(facet.cell as usize)[local] as usize]
             });
             [a[0] - b[0], a[1] - b[1]]

@@ -20,19 +20,21 @@ impl<const D: usize> Space<D> {
         if !Arc::ptr_eq(&self.mesh, &coarse.mesh) || !on_cells {
             return Err(SpaceError::OtherMesh);
         }
-        let points = self.element.node_points::<D>();
-        let tables = coarse.element.tabulate(&points);
         let mut seen = vec![false; self.node_count()];
         let mut triplets = Vec::with_capacity(2 * self.node_count());
-        for cell in 0..self.mesh.cell_count() {
-            let columns = coarse.cell_nodes(cell);
-            for (point, &node) in self.cell_nodes(cell).iter().enumerate() {
-                if std::mem::replace(&mut seen[node as usize], true) {
-                    continue;
+        for block in self.mesh.blocks() {
+            let points = self.element_of(block.shape).node_points::<D>();
+            let tables = coarse.element_of(block.shape).tabulate(&points);
+            for cell in block.cells.clone() {
+                let columns = coarse.cell_nodes(cell);
+                for (point, &node) in self.cell_nodes(cell).iter().enumerate() {
+                    if std::mem::replace(&mut seen[node as usize], true) {
+                        continue;
+                    }
+                    let values = &tables.value[point * tables.nodes..(point + 1) * tables.nodes];
+                    let entries = columns.iter().zip(values).filter(|(_, value)| value.abs() > ROUNDING);
+                    triplets.extend(entries.map(|(&column, &value)| (node as usize, column as usize, value)));
                 }
-                let values = &tables.value[point * tables.nodes..(point + 1) * tables.nodes];
-                let entries = columns.iter().zip(values).filter(|(_, value)| value.abs() > ROUNDING);
-                triplets.extend(entries.map(|(&column, &value)| (node as usize, column as usize, value)));
             }
         }
         let (rows, columns) = (self.node_count(), coarse.node_count());

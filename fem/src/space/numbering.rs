@@ -4,14 +4,13 @@ use std::collections::HashMap;
 
 use super::orientation;
 use crate::element::Lagrange;
-use crate::mesh::{Facet, Mesh};
+use crate::mesh::{CellLists, Facet, Mesh};
 
 const UNNUMBERED: u32 = u32::MAX;
 
 // Cells share the nodes of the vertices, edges and faces that they share; an edge or face is known by its
 // sorted vertices. Numbers are given in the order of first use along the mesh's cell order.
-pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) -> Vec<u32> {
-    let shape = element.shape;
+pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, degree: usize, lists: &CellLists) -> Vec<u32> {
     let mut next = 0;
     let mut fresh = || {
         next += 1;
@@ -19,11 +18,12 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) ->
     };
     let mut of_vertex = vec![UNNUMBERED; mesh.node_count()];
     let mut of_entity: HashMap<[u32; 4], u32> = HashMap::new();
-    let mut cell_nodes = vec![UNNUMBERED; mesh.cell_count() * element.nodes()];
+    let mut cell_nodes = vec![UNNUMBERED; lists.len()];
     for &cell in mesh.cell_order().cells() {
+        let shape = mesh.cell_shape(cell as usize);
+        let element = Lagrange { shape, degree };
         let vertices = &mesh.cell(cell as usize)[..shape.vertices()];
-        let first = cell as usize * element.nodes();
-        let mut numbers = cell_nodes[first..first + element.nodes()].iter_mut();
+        let mut numbers = cell_nodes[lists.of(cell as usize)].iter_mut();
         for (&vertex, number) in vertices.iter().zip(&mut numbers) {
             let node = &mut of_vertex[vertex as usize];
             if *node == UNNUMBERED {
@@ -77,31 +77,42 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) ->
 }
 
 /// Nodes of its own for each cell, numbered along the mesh's cell order.
-pub(super) fn separate_nodes<const D: usize>(mesh: &Mesh<D>, element: &Lagrange) -> Vec<u32> {
-    let count = element.nodes() as u32;
-    mesh.cell_order().ranks().iter().flat_map(|rank| rank * count..(rank + 1) * count).collect()
+pub(super) fn separate_nodes<const D: usize>(mesh: &Mesh<D>, lists: &CellLists) -> Vec<u32> {
+    let mut cell_nodes = vec![UNNUMBERED; lists.len()];
+    let mut next = 0;
+    for &cell in mesh.cell_order().cells() {
+        for number in &mut cell_nodes[lists.of(cell as usize)] {
+            *number = next;
+            next += 1;
+        }
+    }
+    cell_nodes
 }
 
 pub(super) fn node_positions<const D: usize>(
     mesh: &Mesh<D>,
-    element: &Lagrange,
+    degree: usize,
+    lists: &CellLists,
     cell_nodes: &[u32],
 ) -> Vec<[f64; D]> {
     let count = cell_nodes.iter().max().map_or(0, |last| *last as usize + 1);
     let mut positions = vec![[0.0; D]; count];
     let mut placed = vec![false; count];
-    let tables = mesh.element().tabulate(&element.node_points::<D>());
-    for (cell, nodes) in cell_nodes.chunks(element.nodes()).enumerate() {
-        let geometry = mesh.cell(cell);
-        for (q, &node) in nodes.iter().enumerate() {
-            if std::mem::replace(&mut placed[node as usize], true) {
-                continue;
-            }
-            let phi = &tables.value[q * tables.nodes..(q + 1) * tables.nodes];
-            let position = &mut positions[node as usize];
-            for (phi, &corner) in phi.iter().zip(geometry) {
-                for (x, corner) in position.iter_mut().zip(mesh.nodes()[corner as usize]) {
-                    *x += phi * corner;
+    for block in mesh.blocks() {
+        let points = Lagrange { shape: block.shape, degree }.node_points::<D>();
+        let tables = mesh.element_of(block.shape).tabulate(&points);
+        for cell in block.cells.clone() {
+            let geometry = mesh.cell(cell);
+            for (q, &node) in cell_nodes[lists.of(cell)].iter().enumerate() {
+                if std::mem::replace(&mut placed[node as usize], true) {
+                    continue;
+                }
+                let phi = &tables.value[q * tables.nodes..(q + 1) * tables.nodes];
+                let position = &mut positions[node as usize];
+                for (phi, &corner) in phi.iter().zip(geometry) {
+                    for (x, corner) in position.iter_mut().zip(mesh.nodes()[corner as usize]) {
+                        *x += phi * corner;
+                    }
                 }
             }
         }
@@ -117,14 +128,15 @@ pub(super) type FacetNodes = Vec<(Facet, Vec<u32>)>;
 /// where the two sides of an interior facet share it. Facets come in sorted order, positions with the nodes.
 pub(super) fn facet_nodes<const D: usize>(
     mesh: &Mesh<D>,
-    element: &Lagrange,
+    degree: usize,
+    lists: &CellLists,
     entities: &[Vec<Facet>],
 ) -> (FacetNodes, Vec<[f64; D]>) {
     let mut positions = Vec::new();
     let mut found = Vec::new();
     let mut walk: Vec<&Vec<Facet>> = entities.iter().collect();
     walk.sort_by_key(|sides| mesh.walk_of_facet(sides));
-    if element.degree == 0 {
+    if degree == 0 {
         for sides in walk {
             let node = positions.len() as u32;
             positions.push(mesh.facet_centre(sides[0]));
@@ -132,11 +144,12 @@ pub(super) fn facet_nodes<const D: usize>(
         }
     } else {
         // The numbers of the whole mesh's space, renumbered in the order of first use.
-        let whole = share_nodes(mesh, element);
-        let places = node_positions(mesh, element, &whole);
+        let whole = share_nodes(mesh, degree, lists);
+        let places = node_positions(mesh, degree, lists, &whole);
         let mut renumbered: HashMap<u32, u32> = HashMap::new();
         for facet in walk.into_iter().flatten() {
-            let cell = &whole[facet.cell as usize * element.nodes()..];
+            let cell = &whole[lists.of(facet.cell as usize)];
+            let element = Lagrange { shape: mesh.cell_shape(facet.cell as usize), degree };
             let nodes = element.facet_nodes(usize::from(facet.local)).into_iter().map(|local| {
                 *renumbered.entry(cell[local]).or_insert_with(|| {
                     positions.push(places[cell[local] as usize]);

@@ -34,7 +34,7 @@ fn nodes_are_shared_where_they_coincide() -> Result<(), Box<dyn std::error::Erro
     for (shape, geometry) in [(CellShape::Tetrahedron, 1), (CellShape::Hexahedron, 2)] {
         let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 4.0], [2, 2, 2], shape, geometry)?);
         let space = Space::scalar(&mesh, 2)?;
-        let points = space.element().node_points::<3>();
+        let points = space.cell_element(0).node_points::<3>();
         let mut next = 0;
         for cell in mesh.cell_order().cells().iter().map(|cell| *cell as usize) {
             for (&node, point) in space.cell_nodes(cell).iter().zip(&points) {

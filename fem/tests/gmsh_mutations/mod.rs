@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use forms_fem::element::CellShape;
 use forms_fem::mesh::gmsh::GmshMesh;
-use forms_fem::mesh::{Facet, Mesh, MeshError, cuboid, rectangle};
+use forms_fem::mesh::{BOUNDARY, CellBlock, Facet, INTERIOR, Mesh, MeshError, cuboid, rectangle};
 use mutate::Random;
 use write::Format;
 
@@ -23,6 +23,44 @@ fn plane(shape: CellShape, degree: usize) -> Result<Mesh<2>, MeshError> {
     Ok(mesh)
 }
 
+// The shapes of the blocks, each with the nodes of its cells.
+fn blocks<const D: usize>(mesh: &Mesh<D>) -> Vec<(CellShape, Vec<u32>)> {
+    let of_block = |block: &CellBlock| {
+        (block.shape, block.cells.clone().flat_map(|cell| mesh.cell(cell)).copied().collect())
+    };
+    mesh.blocks().iter().map(of_block).collect()
+}
+
+// Quadrilaterals on the left, triangles on the right.
+fn of_two_shapes(degree: usize) -> Result<Mesh<2>, MeshError> {
+    let [triangles, squares] =
+        [CellShape::Triangle, CellShape::Quadrilateral].map(|shape| plane(shape, degree).expect("a mesh"));
+    let nodes = |mesh: &Mesh<2>, region: &str| -> Result<Vec<u32>, MeshError> {
+        // Both grids have the same points.
+        let number = |node: &u32| {
+            let wanted = mesh.nodes()[*node as usize];
+            squares.nodes().iter().position(|x| *x == wanted).expect("a node there") as u32
+        };
+        Ok(mesh.cell_region(region)?.iter().flat_map(|&cell| mesh.cell(cell as usize)).map(number).collect())
+    };
+    let left = (CellShape::Quadrilateral, nodes(&squares, "left part")?);
+    let right = (CellShape::Triangle, nodes(&triangles, "right part")?);
+    let all: Vec<u32> = left.1.iter().chain(&right.1).copied().collect();
+    // A file's nodes that no cell uses are left out: the centres of squares that are triangles.
+    let used: Vec<u32> = (0..squares.node_count() as u32).filter(|node| all.contains(node)).collect();
+    let renumbered = |(shape, cells): (CellShape, Vec<u32>)| {
+        let number = |node: u32| used.binary_search(&node).expect("it is used") as u32;
+        (shape, cells.into_iter().map(number).collect())
+    };
+    let points = used.iter().map(|&node| squares.nodes()[node as usize]).collect();
+    let mut mesh = Mesh::from_blocks(degree, points, vec![renumbered(left), renumbered(right)])?;
+    mesh.name_cells("left part", |centre| centre[0] < 1.0)?;
+    mesh.name_cells("upper part", |centre| centre[1] > 0.5)?;
+    mesh.name_facets("top", BOUNDARY, |centre| centre[1] > 1.0 - 1e-9)?;
+    mesh.name_interior_facets("seam", INTERIOR, |centre| (centre[0] - 1.0).abs() < 1e-9)?;
+    Ok(mesh)
+}
+
 fn solid(shape: CellShape, degree: usize) -> Result<Mesh<3>, MeshError> {
     let mut mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1], shape, degree)?;
     mesh.name_cells("left part", |centre| centre[0] < 1.0)?;
@@ -33,7 +71,7 @@ fn solid(shape: CellShape, degree: usize) -> Result<Mesh<3>, MeshError> {
 fn places<const D: usize>(mesh: &Mesh<D>, facets: impl Iterator<Item = Facet>) -> Vec<Vec<[u64; D]>> {
     let place = |facet: Facet| {
         let nodes = mesh.cell(facet.cell as usize);
-        let vertices = mesh.shape().facet_vertices(facet.local.into()).iter();
+        let vertices = mesh.cell_shape(facet.cell as usize).facet_vertices(facet.local.into()).iter();
         vertices.map(|&vertex| mesh.nodes()[nodes[vertex] as usize].map(f64::to_bits)).collect()
     };
     let mut all: Vec<Vec<[u64; D]>> = facets.map(place).collect();
@@ -48,6 +86,7 @@ fn check_round_trip<const D: usize>(mesh: &Mesh<D>) -> Result<(), Box<dyn std::e
         assert_eq!(read.notes, []);
         let read = read.mesh;
         assert_eq!((read.nodes(), read.cells()), (mesh.nodes(), mesh.cells()), "{format:?}");
+        assert_eq!(read.blocks(), mesh.blocks(), "{format:?}");
         assert!(read.cell_region_names().eq(mesh.cell_region_names()), "{format:?}");
         for name in mesh.cell_region_names() {
             assert_eq!(read.cell_region(name)?, mesh.cell_region(name)?, "{format:?} {name}");
@@ -73,6 +112,7 @@ fn meshes_come_back_in_every_encoding() -> Result<(), Box<dyn std::error::Error>
         for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
             check_round_trip(&plane(shape, degree)?)?;
         }
+        check_round_trip(&of_two_shapes(degree)?)?;
         for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
             check_round_trip(&solid(shape, degree)?)?;
         }
@@ -97,6 +137,7 @@ fn corpus() -> Vec<Vec<u8>> {
         for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
             corpus.push(write::write(&plane(shape, degree).expect("a mesh"), format));
         }
+        corpus.push(write::write(&of_two_shapes(degree).expect("a mesh"), format));
         let shape = [CellShape::Tetrahedron, CellShape::Hexahedron][index / 2 % 2];
         corpus.push(write::write(&solid(shape, 1).expect("a mesh"), format));
     }
@@ -105,7 +146,7 @@ fn corpus() -> Vec<Vec<u8>> {
 
 // What a mesh promises, checked anew.
 fn check_valid<const D: usize>(mesh: &Mesh<D>) {
-    let again = Mesh::from_parts(mesh.shape(), mesh.degree(), mesh.nodes().to_vec(), mesh.cells().to_vec());
+    let again = Mesh::from_blocks(mesh.degree(), mesh.nodes().to_vec(), blocks(mesh));
     let again = again.unwrap_or_else(|error| panic!("an invalid mesh was accepted: {error}"));
     let ascending = |names: &[u32]| names.windows(2).all(|pair| pair[0] < pair[1]);
     for name in mesh.cell_region_names() {

@@ -142,7 +142,7 @@ fn second_order(code: i32) -> Vec<Vec<usize>> {
 // Gmsh's list of nodes of an entity of a cell with these vertices, numbered from 1.
 fn nodes_of<const D: usize>(mesh: &Mesh<D>, cell: usize, vertices: &[usize], code: i32) -> Vec<usize> {
     let nodes = mesh.cell(cell);
-    let points = mesh.element().node_points::<D>();
+    let points = mesh.cell_element(cell).node_points::<D>();
     let between = second_order(code).into_iter().map(|list| {
         let middle: [f64; D] = std::array::from_fn(|k| {
             list.iter().map(|&place| points[vertices[place]][k]).sum::<f64>() / list.len() as f64
@@ -155,18 +155,23 @@ fn nodes_of<const D: usize>(mesh: &Mesh<D>, cell: usize, vertices: &[usize], cod
 
 fn blocks<const D: usize>(mesh: &Mesh<D>) -> Vec<Block> {
     let degree = mesh.degree() - 1;
-    let [cell_code, facet_code] = match mesh.shape() {
-        CellShape::Triangle => [[2, 9], [1, 8]],
-        CellShape::Quadrilateral => [[3, 10], [1, 8]],
-        CellShape::Tetrahedron => [[4, 11], [2, 9]],
-        CellShape::Hexahedron => [[5, 12], [3, 10]],
-    }
-    .map(|codes| codes[degree]);
+    let codes = |cell: usize| {
+        match mesh.cell_shape(cell) {
+            CellShape::Triangle => [[2, 9], [1, 8]],
+            CellShape::Quadrilateral => [[3, 10], [1, 8]],
+            CellShape::Tetrahedron => [[4, 11], [2, 9]],
+            CellShape::Hexahedron => [[5, 12], [3, 10]],
+        }
+        .map(|codes| codes[degree])
+    };
+    // In the plane the facets of all shapes are alike, and in space there is one shape.
+    let [_, facet_code] = codes(0);
     let names: Vec<&str> = mesh.cell_region_names().filter(|name| *name != EVERYWHERE).collect();
     let mut blocks: Vec<Block> = Vec::new();
-    let vertices: Vec<usize> = (0..mesh.shape().vertices()).collect();
     for cell in 0..mesh.cell_count() {
-        // Cells in the same regions are one entity; an entity's cells follow each other.
+        let [cell_code, _] = codes(cell);
+        let vertices: Vec<usize> = (0..mesh.cell_shape(cell).vertices()).collect();
+        // Cells of one shape in the same regions are one entity; an entity's cells follow each other.
         let mut groups: Vec<(i32, String)> = Vec::new();
         for (tag, name) in names.iter().enumerate() {
             if mesh.cell_region(name).expect("the name is listed").contains(&(cell as u32)) {
@@ -175,7 +180,9 @@ fn blocks<const D: usize>(mesh: &Mesh<D>) -> Vec<Block> {
         }
         let element = nodes_of(mesh, cell, &vertices, cell_code);
         match blocks.last_mut() {
-            Some(block) if block.groups == groups => block.elements.push(element),
+            Some(block) if block.groups == groups && block.code == cell_code => {
+                block.elements.push(element);
+            }
             _ => {
                 let tag = blocks.len() as i32 + 1;
                 blocks.push(Block { dimension: D, tag, groups, elements: vec![element], code: cell_code });
@@ -190,7 +197,7 @@ fn blocks<const D: usize>(mesh: &Mesh<D>) -> Vec<Block> {
     });
     for (place, (name, facets)) in exterior.chain(interior).enumerate() {
         let element = |facet: &Facet| {
-            let vertices = mesh.shape().facet_vertices(facet.local.into());
+            let vertices = mesh.cell_shape(facet.cell as usize).facet_vertices(facet.local.into());
             nodes_of(mesh, facet.cell as usize, vertices, facet_code)
         };
         let tag = place as i32 + 1;

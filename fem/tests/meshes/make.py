@@ -125,6 +125,29 @@ def ball():
     gmsh.model.mesh.setOrder(2)
 
 
+def house():
+    """A transfinite square of quadrilaterals with a half disk of triangles above it; a curve between them."""
+    start("house", 1)
+    geo = gmsh.model.geo
+    points = [geo.addPoint(*p, 0) for p in [(0, 0), (2, 0), (2, 2), (0, 2), (1, 2)]]
+    below = [geo.addLine(points[k], points[(k + 1) % 4]) for k in range(4)]
+    arc = geo.addCircleArc(points[2], points[4], points[3])
+    square = geo.addPlaneSurface([geo.addCurveLoop(below)])
+    roof = geo.addPlaneSurface([geo.addCurveLoop([-below[2], arc])])
+    for curve in below:
+        geo.mesh.setTransfiniteCurve(curve, 3)
+    geo.mesh.setTransfiniteSurface(square)
+    geo.mesh.setRecombine(2, square)
+    geo.synchronize()
+    group(2, [roof], 1, "roof")
+    group(2, [square], 2, "walls")
+    group(2, [roof, square], 3, "house")
+    group(1, [below[2]], 1, "ceiling")
+    group(1, [arc, below[1]], 2, "outside")
+    gmsh.model.mesh.generate(2)
+    gmsh.model.mesh.setOrder(2)
+
+
 def save(name, version, binary):
     gmsh.option.setNumber("Mesh.MshFileVersion", version)
     gmsh.option.setNumber("Mesh.Binary", binary)
@@ -179,6 +202,11 @@ def main():
         make()
         for suffix, version, binary in files:
             expect(f"{name}_{suffix}", sums(save(f"{name}_{suffix}", version, binary)))
+    house()
+    complete = sums(save("house_2.2_binary", 2.2, 1))
+    save("house_4.1", 4.1, 0)
+    for name in ["2.2_binary", "4.1"]:
+        expect(f"house_{name}", complete)
     (HERE / "expected.txt").write_text("\n".join(lines) + "\n")
     gmsh.finalize()
 

@@ -115,7 +115,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
     /// h: the largest distance between two vertices.
     #[inline(always)]
     pub fn diameter(&self, tables: &SideTables<D>) -> L {
-        largest_distance(&self.nodes[..tables.group.vertices])
+        largest_distance(&self.nodes[..tables.group.shape.vertices()])
     }
 
     #[inline(always)]

@@ -20,6 +20,7 @@ use super::element_matrices::block_order;
 use super::fixed::FixedTables;
 use super::sizes::{Counted, Sizes};
 use super::walk::Group;
+use crate::element::CellShape;
 use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
@@ -77,11 +78,19 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             if known.is_none() {
                 return Err(unsuited(format!("the form has no field `{}`", field.name)));
             }
+            if field.element.shape != layout.geometry.shape {
+                let [own, cells] = [field.element.shape, layout.geometry.shape].map(CellShape::name);
+                return Err(unsuited(format!("`{}` has the element of a {own} on a {cells}", field.name)));
+            }
             let (expected, found) = (field.element.nodes(), field.offsets.len());
             if expected != found {
                 let field = &field.name;
                 return Err(unsuited(format!("`{field}` has {expected} nodes and {found} offsets")));
             }
+        }
+        if layout.element.shape != layout.geometry.shape {
+            let [own, cells] = [layout.element.shape, layout.geometry.shape].map(CellShape::name);
+            return Err(unsuited(format!("the test function has the element of a {own} on a {cells}")));
         }
         let nodes = layout.element.nodes();
         for (what, expected, found) in [
@@ -127,7 +136,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             instructions: InstructionSet::best().checked(),
         };
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
-        binding.tabulated(Tabulated { element: tables.layout.element, on_facets: false });
+        binding.tabulated(Tabulated { degree: tables.layout.element.degree, on_facets: false });
         let listed: Option<Vec<_>> = tables.listed(&form, &mut binding).into_iter().collect();
         let elements = binding.elements.to_vec();
         tables.known = listed.map(|listed| (listed, elements));

@@ -41,7 +41,7 @@ impl<const D: usize> ElementTables<D> {
             let source = !matches!(field.role, Role::Unknown(_) | Role::Test(_) | Role::Direction(_));
             match listed {
                 Some(listed) => {
-                    let element = Tabulated { element: listed.element, on_facets: false };
+                    let element = Tabulated { degree: listed.element.degree, on_facets: false };
                     let element = binding.tabulated(element);
                     Some(Values::Given { element, offsets: listed.offsets.as_slice().into() })
                 }
@@ -60,7 +60,7 @@ impl<const D: usize> ElementTables<D> {
             return Ok(binding);
         }
         // The arguments' element is the first one.
-        binding.tabulated(Tabulated { element: self.layout.element, on_facets: false });
+        binding.tabulated(Tabulated { degree: self.layout.element.degree, on_facets: false });
         let mut values = Vec::with_capacity(form.fields().len());
         let listed = self.listed(form, &mut binding);
         for ((field, listed), source) in form.fields().iter().zip(listed).zip(&inputs.sources) {

@@ -152,7 +152,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         };
         let side = &self.group.sides[0];
         if requirements.diameter {
-            geometry.diameter = largest_distance(&self.nodes.entries()[..side.vertices]);
+            geometry.diameter = largest_distance(&self.nodes.entries()[..side.shape.vertices()]);
         }
         if requirements.cell_volume {
             let measure = &side.measure;

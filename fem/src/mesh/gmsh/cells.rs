@@ -7,7 +7,7 @@ use super::contents::{Contents, Element};
 use super::error::{GmshError, GmshProblem, Note};
 use super::kinds::{Cell, Kind};
 use super::reader::Reader;
-use crate::element::CellShape;
+use crate::element::{CellShape, Lagrange};
 use crate::mesh::{Mesh, MeshError};
 
 type Result<T> = std::result::Result<T, GmshError>;
@@ -84,10 +84,10 @@ fn element_places(reader: &Reader, contents: &Contents, tags: &Tags) -> Result<V
     Ok(places)
 }
 
-/// The elements that are cells, all of one type, with their places among the elements.
+/// The elements that are cells, of one type or, in the plane, of two, with their places among the elements. Those of the
+/// type that comes first stand first.
 struct Chosen<'a> {
-    kind: &'static Kind,
-    cell: &'static Cell,
+    kinds: Vec<(&'static Kind, &'static Cell)>,
     elements: Vec<(usize, &'a Element)>,
 }
 
@@ -97,28 +97,44 @@ fn choose<'a>(reader: &Reader, contents: &'a Contents, dimension: usize) -> Resu
         return Err(reader.error_of_file(GmshProblem::NoCells));
     }
     let elements = contents.elements.iter().enumerate();
-    let cells: Vec<_> = elements.filter(|(_, element)| element.kind.dimension == highest).collect();
+    let mut cells: Vec<_> = elements.filter(|(_, element)| element.kind.dimension == highest).collect();
     let first = cells[0].1;
-    let (kind, element) = (first.kind, first.tag);
     if highest != dimension {
-        let (found, kind) = (highest, kind.name);
+        let (found, kind, element) = (highest, first.kind.name, first.tag);
         let problem = GmshProblem::Dimension { found, asked: dimension, element, kind };
         return Err(reader.error_at(first.at, problem));
     }
-    if let Some((_, other)) = cells.iter().find(|(_, cell)| cell.kind.code != kind.code) {
-        let problem = GmshProblem::Mixed {
-            first: kind.name,
-            first_element: element,
-            second: other.kind.name,
-            second_element: other.tag,
+    let mut kinds: Vec<(&'static Kind, &'static Cell)> = Vec::with_capacity(2);
+    for (_, element) in &cells {
+        let kind = element.kind;
+        if kinds.iter().any(|(known, _)| known.code == kind.code) {
+            continue;
+        }
+        // Triangles and quadrilaterals of one order make a mesh.
+        let other = kinds.first().filter(|(_, known)| {
+            dimension != 2 || kind.cell.as_ref().is_some_and(|cell| cell.degree != known.degree)
+        });
+        let problem = match (&kind.cell, other) {
+            (Some(cell), None) => {
+                kinds.push((kind, cell));
+                continue;
+            }
+            (None, None) => {
+                let (kind, advice) = (kind.name, kind.advice());
+                GmshProblem::Unsupported { element: element.tag, kind, advice }
+            }
+            (_, Some(_)) => GmshProblem::Mixed {
+                first: first.kind.name,
+                first_element: first.tag,
+                second: kind.name,
+                second_element: element.tag,
+            },
         };
-        return Err(reader.error_at(other.at, problem));
+        return Err(reader.error_at(element.at, problem));
     }
-    let Some(cell) = &kind.cell else {
-        let problem = GmshProblem::Unsupported { element, kind: kind.name, advice: kind.advice() };
-        return Err(reader.error_at(first.at, problem));
-    };
-    Ok(Chosen { kind, cell, elements: cells })
+    // The order within a type stays.
+    cells.sort_by_key(|(_, element)| kinds.iter().position(|(kind, _)| kind.code == element.kind.code));
+    Ok(Chosen { kinds, elements: cells })
 }
 
 fn vertices(nodes: &[u32], kind: &Kind) -> [u32; 8] {
@@ -144,8 +160,8 @@ impl<const D: usize> Cells<D> {
         let tags = Tags::new(reader, contents)?;
         check_element_tags(reader, contents)?;
         let places = element_places(reader, contents, &tags)?;
-        let Chosen { kind, cell: shape, elements } = choose(reader, contents, D)?;
-        let places_of = |element: &Element| &places[element.start..element.start + kind.nodes];
+        let Chosen { kinds, elements } = choose(reader, contents, D)?;
+        let places_of = |element: &Element| &places[element.start..element.start + element.kind.nodes];
 
         // Elements with the same vertices are one cell.
         let mut cell_of_element = Vec::with_capacity(elements.len());
@@ -153,7 +169,7 @@ impl<const D: usize> Cells<D> {
         let mut again: HashMap<u32, Vec<usize>> = HashMap::new();
         let mut cells: Vec<usize> = Vec::with_capacity(elements.len());
         for &(index, element) in &elements {
-            match known.entry(vertices(places_of(element), kind)) {
+            match known.entry(vertices(places_of(element), element.kind)) {
                 Entry::Vacant(vacant) => {
                     vacant.insert(cells.len() as u32);
                     cell_of_element.push((index, cells.len() as u32));
@@ -200,25 +216,26 @@ impl<const D: usize> Cells<D> {
             notes.push(Note::UnusedNodes { count: unused.count(), first: first.tag });
         }
 
-        let mut list = Vec::with_capacity(cells.len() * kind.nodes);
-        for &cell in &cells {
-            let nodes = places_of(&contents.elements[cell]);
-            list.extend(shape.order.iter().map(|&k| numbers[nodes[usize::from(k)] as usize]));
+        let (mut blocks, mut entities) = (Vec::with_capacity(kinds.len()), Vec::with_capacity(cells.len()));
+        for (kind, cell) in &kinds {
+            let mut list = Vec::new();
+            let elements = cells.iter().map(|&cell| &contents.elements[cell]);
+            for element in elements.filter(|element| element.kind.code == kind.code) {
+                let nodes = places_of(element);
+                list.extend(cell.order.iter().map(|&k| numbers[nodes[usize::from(k)] as usize]));
+                entities.push(contents.membership(element).entity);
+            }
+            blocks.push((cell.shape, list));
         }
+        let degree = kinds[0].1.degree;
         if D == 2 {
-            let entities: Vec<i64> =
-                cells.iter().map(|&cell| contents.membership(&contents.elements[cell]).entity).collect();
-            turn_clockwise_surfaces(shape.shape, kind.nodes, &positions, &mut list, &entities, notes);
+            turn_clockwise_surfaces(degree, &positions, &mut blocks, &entities, notes);
         }
-        let mesh = Mesh::from_parts(shape.shape, shape.degree, positions, list).map_err(|error| {
+        let mesh = Mesh::from_blocks(degree, positions, blocks).map_err(|error| {
             let element = |cell: usize| &contents.elements[cells[cell]];
-            in_tags(
-                reader,
-                error,
-                shape.degree == 2,
-                &|cell| (element(cell).tag, element(cell).at),
-                &|node| used[node].tag,
-            )
+            in_tags(reader, error, degree == 2, &|cell| (element(cell).tag, element(cell).at), &|node| {
+                used[node].tag
+            })
         })?;
         Ok(Cells { mesh, cell_of_element, numbers, tags })
     }
@@ -274,15 +291,13 @@ fn check_plane(reader: &Reader, nodes: &[&super::contents::Node]) -> Result<()> 
 
 // Gmsh orients the cells of a surface alike, and clockwise where the surface's normal points down.
 fn turn_clockwise_surfaces<const D: usize>(
-    shape: CellShape,
-    per_cell: usize,
+    degree: usize,
     nodes: &[[f64; D]],
-    cells: &mut [u32],
+    blocks: &mut [(CellShape, Vec<u32>)],
     entities: &[i64],
     notes: &mut Vec<Note>,
 ) {
-    let vertices = shape.vertices();
-    let clockwise = |cell: &[u32]| {
+    let clockwise = |cell: &[u32], vertices: usize| {
         let corner = |k: usize| nodes[cell[k % vertices] as usize];
         // Relative to the first vertex: far from the origin, round-off would decide otherwise.
         let origin = corner(0);
@@ -294,24 +309,31 @@ fn turn_clockwise_surfaces<const D: usize>(
             .sum();
         twice < 0.0
     };
+    let per_cell = |shape: CellShape| Lagrange { shape, degree }.nodes();
     let mut surfaces: BTreeMap<i64, (usize, usize)> = BTreeMap::new();
-    for (cell, entity) in cells.chunks(per_cell).zip(entities) {
+    let cells = blocks
+        .iter()
+        .flat_map(|(shape, cells)| cells.chunks(per_cell(*shape)).map(|cell| (cell, shape.vertices())));
+    for ((cell, vertices), entity) in cells.zip(entities) {
         let (all, turned) = surfaces.entry(*entity).or_default();
         *all += 1;
-        *turned += usize::from(clockwise(cell));
+        *turned += usize::from(clockwise(cell, vertices));
     }
     surfaces.retain(|_, (all, turned)| all == turned);
-    let mirrored: &[usize] = match (shape, per_cell) {
-        (CellShape::Triangle, 3) => &[0, 2, 1],
-        (CellShape::Triangle, _) => &[0, 2, 1, 5, 4, 3],
-        (_, 4) => &[0, 3, 2, 1],
-        _ => &[0, 3, 2, 1, 7, 6, 5, 4, 8],
-    };
-    for (cell, entity) in cells.chunks_mut(per_cell).zip(entities) {
-        if surfaces.contains_key(entity) {
-            let old = cell.to_vec();
-            for (node, &from) in cell.iter_mut().zip(mirrored) {
-                *node = old[from];
+    let mut entities = entities.iter();
+    for (shape, cells) in blocks {
+        let mirrored: &[usize] = match (*shape, degree) {
+            (CellShape::Triangle, 1) => &[0, 2, 1],
+            (CellShape::Triangle, _) => &[0, 2, 1, 5, 4, 3],
+            (_, 1) => &[0, 3, 2, 1],
+            _ => &[0, 3, 2, 1, 7, 6, 5, 4, 8],
+        };
+        for (cell, entity) in cells.chunks_mut(per_cell(*shape)).zip(&mut entities) {
+            if surfaces.contains_key(entity) {
+                let old = cell.to_vec();
+                for (node, &from) in cell.iter_mut().zip(mirrored) {
+                    *node = old[from];
+                }
             }
         }
     }

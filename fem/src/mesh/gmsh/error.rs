@@ -165,7 +165,7 @@ pub enum GmshProblem {
     },
     /// Cells of two types.
     #[error(
-        "the cells are of two types: element {first_element} is a {first}, element {second_element} a {second}; a mesh has one"
+        "the cells are of two types: element {first_element} is a {first}, element {second_element} a {second}; a mesh has one, or triangles and quadrilaterals of one order"
     )]
     Mixed {
         /// Type of the first cell.

@@ -15,7 +15,7 @@ fn find_sides<const D: usize>(mesh: &Mesh<D>, sides: &mut HashMap<[u32; 4], Vec<
     let exterior = mesh.boundary_facets().iter().map(std::slice::from_ref);
     let interior = mesh.interior_facets().iter().map(<[Facet; 2]>::as_slice);
     for found in exterior.chain(interior) {
-        if let Some(wanted) = sides.get_mut(&key(vertices(mesh, found[0]))) {
+        if let Some(wanted) = sides.get_mut(&key(mesh.facet_vertices(found[0]))) {
             wanted.extend(found);
         }
     }
@@ -28,11 +28,6 @@ fn key(vertices: impl Iterator<Item = u32>) -> [u32; 4] {
     }
     key.sort_unstable();
     key
-}
-
-fn vertices<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> impl Iterator<Item = u32> {
-    let nodes = mesh.cell(facet.cell as usize);
-    mesh.shape().facet_vertices(usize::from(facet.local)).iter().map(|&vertex| nodes[vertex])
 }
 
 // Whether one list runs around the facet as the other does.
@@ -85,7 +80,7 @@ pub(super) fn name_facets<const D: usize>(
                 [facet] => group.exterior.push(*facet),
                 sides => {
                     let from_inside = |facet: &&Facet| {
-                        let own: Vec<u32> = vertices(&cells.mesh, **facet).collect();
+                        let own: Vec<u32> = cells.mesh.facet_vertices(**facet).collect();
                         runs_alike(numbers, &own)
                     };
                     group.interior.extend(sides.iter().find(from_inside).or(sides.first()));

@@ -20,7 +20,7 @@ pub use error::{GmshError, GmshProblem, Note, Place};
 /// A mesh from a file, and what is worth knowing of it.
 #[derive(Clone, Debug)]
 pub struct GmshMesh<const D: usize> {
-    /// The mesh. Nodes and cells have the order of the file.
+    /// The mesh. Nodes have the order of the file, and so have the cells of each shape.
     pub mesh: Mesh<D>,
     /// What the file holds and the mesh does not show.
     pub notes: Vec<Note>,
@@ -64,8 +64,10 @@ impl<const D: usize> GmshMesh<D> {
 impl<const D: usize> Mesh<D> {
     /// Reads a Gmsh file: MSH 4.1 or 2.2, text or binary of either byte order, first or second order.
     ///
-    /// Cells are the elements of dimension D: triangles, quadrilaterals, tetrahedra or hexahedra, all of one type.
-    /// Nodes and cells keep the file's order; nodes that no cell uses are left out. A plane mesh may lie at any z.
+    /// Cells are the elements of dimension D: triangles, quadrilaterals, tetrahedra or hexahedra, all of one type, or
+    /// triangles and quadrilaterals of one order. Nodes and cells keep the file's order, but where there are both, all
+    /// cells of the shape that comes first stand first. Nodes that no cell uses are left out. A plane mesh may lie at
+    /// any z.
     ///
     /// Physical groups become regions: those of dimension D regions of cells, those of dimension D − 1 regions of
     /// facets, exterior or interior. The normal on an interior facet points out of the cell from which the facet's

@@ -8,13 +8,13 @@ use crate::mesh::{annulus, cuboid, rectangle, structured};
 // Regions with their measures, and how many facets there are, before and after.
 fn check<const D: usize>(coarse: &Mesh<D>) -> Result<Mesh<D>, MeshError> {
     let fine = coarse.refined()?;
-    assert_eq!((fine.shape(), fine.degree()), (coarse.shape(), coarse.degree()));
+    assert_eq!((fine.shapes(), fine.degree()), (coarse.shapes(), coarse.degree()));
     assert_eq!(fine.cell_count(), coarse.cell_count() << D);
     close(volume(&fine), volume(coarse), 1e-12);
     let small = 1 << (D - 1);
     assert_eq!(fine.boundary_facets().len(), coarse.boundary_facets().len() * small);
     // A facet between cells gives 2^(D-1); inside a cell there are 3, 4, 8 and 12.
-    let inside = match coarse.shape() {
+    let inside = match coarse.cell_shape(0) {
         CellShape::Triangle => 3,
         CellShape::Quadrilateral => 4,
         CellShape::Tetrahedron => 8,
@@ -107,7 +107,7 @@ fn children_lie_in_their_parents() -> Result<(), MeshError> {
         let centre = fine.cell_centre(cell);
         let reference: [f64; 3] =
             std::array::from_fn(|i| (0..3).map(|j| inverse[i][j] * (centre[j] - origin[j])).sum());
-        assert!(mesh.shape().contains(&reference, 0.0), "{cell} {reference:?}");
+        assert!(mesh.cell_shape(cell).contains(&reference, 0.0), "{cell} {reference:?}");
     }
     Ok(())
 }
@@ -129,7 +129,7 @@ fn nodes_moved_onto_circles_make_the_area_converge() -> Result<(), MeshError> {
             let rate = (errors[2] / errors[3]).log2();
             assert!((rate - order).abs() < 0.1, "{shape:?} {degree}: order {rate}");
             for facet in mesh.facet_region("outer")? {
-                for node in mesh.element().facet_nodes(facet.local.into()) {
+                for node in mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into()) {
                     let x = mesh.nodes()[mesh.cell(facet.cell as usize)[node] as usize];
                     assert!((x[0].hypot(x[1]) - 2.0).abs() < 1e-15 * 4.0);
                 }

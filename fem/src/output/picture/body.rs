@@ -15,7 +15,10 @@ pub(super) struct Body<'a> {
     pub displacement: Option<(&'a Field<2>, f64)>,
 }
 
-/// How the reference cell is cut.
+/// How the reference cell of each shape in a mesh is cut.
+pub(super) struct Lattices(Vec<(CellShape, Lattice)>);
+
+/// How a reference cell is cut.
 pub(super) struct Lattice {
     pub points: Vec<[f64; 2]>,
     triangles: Vec<[u32; 3]>,
@@ -49,11 +52,25 @@ impl Lattice {
         }
         Lattice { points, triangles }
     }
+}
 
-    /// A lattice fine enough for the mesh, with a bounded number of triangles in all.
-    pub fn of(mesh: &Mesh<2>) -> Lattice {
+impl Lattices {
+    /// Lattices fine enough for the mesh, with a bounded number of triangles in all.
+    pub fn of(mesh: &Mesh<2>) -> Self {
         let parts = (200_000.0 / mesh.cell_count().max(1) as f64).sqrt() as usize;
-        Lattice::new(mesh.shape(), parts.clamp(2, 8))
+        let of_shape = |shape| (shape, Lattice::new(shape, parts.clamp(2, 8)));
+        Lattices(mesh.shapes().into_iter().map(of_shape).collect())
+    }
+
+    /// The lattice of a shape; `shape` must be one of the mesh's.
+    pub fn of_shape(&self, shape: CellShape) -> &Lattice {
+        let own = self.0.iter().find(|(known, _)| *known == shape);
+        &own.unwrap_or(&self.0[0]).1
+    }
+
+    /// Number of points in some cells of the mesh.
+    pub fn points_in(&self, mesh: &Mesh<2>, cells: &[u32]) -> usize {
+        mesh.runs_of_shape(cells).map(|(shape, run)| run.len() * self.of_shape(shape).points.len()).sum()
     }
 }
 
@@ -61,8 +78,8 @@ impl Lattice {
 pub(super) fn field_values(field: &Field<2>, cell: usize, basis: &[f64]) -> Vec<f64> {
     let space = field.space();
     let components = space.components();
-    let per_cell = space.element().nodes();
     let unknowns = space.cell_nodes(cell);
+    let per_cell = unknowns.len();
     let mut values = Vec::with_capacity(basis.len() / per_cell * components);
     for at_point in basis.chunks(per_cell) {
         for component in 0..components {
@@ -75,12 +92,17 @@ pub(super) fn field_values(field: &Field<2>, cell: usize, basis: &[f64]) -> Vec<
 }
 
 impl<'a> Body<'a> {
-    /// Positions of reference points in each of the cells, cell after cell.
-    pub fn positions(&self, reference: &[[f64; 2]], cells: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
-        let geometry = self.mesh.element().tabulate::<2>(reference);
+    /// Positions of reference points in each of some cells of one shape, cell after cell.
+    pub fn positions(
+        &self,
+        shape: CellShape,
+        reference: &[[f64; 2]],
+        cells: impl Iterator<Item = usize>,
+    ) -> Vec<[f64; 2]> {
+        let geometry = self.mesh.element_of(shape).tabulate::<2>(reference);
         let shift = self
             .displacement
-            .map(|(field, factor)| (field, factor, field.space().element().tabulate::<2>(reference)));
+            .map(|(field, factor)| (field, factor, field.space().element_of(shape).tabulate::<2>(reference)));
         let mut positions = Vec::new();
         for cell in cells {
             let nodes = self.mesh.cell(cell);
@@ -105,7 +127,7 @@ impl<'a> Body<'a> {
 
     /// The polyline of a cell's edge.
     fn edge(&self, cell: usize, local: usize) -> Vec<[f64; 2]> {
-        let shape = self.mesh.shape();
+        let shape = self.mesh.cell_shape(cell);
         let [a, b] = shape.edges()[local].map(|vertex| shape.vertex_points()[vertex]);
         let curved = self.mesh.degree() > 1 || self.displacement.is_some();
         let pieces = if curved { EDGE_PIECES } else { 1 };
@@ -115,7 +137,7 @@ impl<'a> Body<'a> {
                 [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
             })
             .collect();
-        self.positions(&points, std::iter::once(cell))
+        self.positions(shape, &points, std::iter::once(cell))
     }
 
     /// All edges of the mesh, each one once.
@@ -124,7 +146,7 @@ impl<'a> Body<'a> {
         let mut edges = Vec::new();
         for cell in 0..self.mesh.cell_count() {
             let nodes = self.mesh.cell(cell);
-            for (local, ends) in self.mesh.shape().edges().iter().enumerate() {
+            for (local, ends) in self.mesh.cell_shape(cell).edges().iter().enumerate() {
                 let [a, b] = ends.map(|vertex| nodes[vertex]);
                 if seen.insert((a.min(b), a.max(b))) {
                     edges.push(self.edge(cell, local));
@@ -142,18 +164,22 @@ impl<'a> Body<'a> {
     /// The cells as a surface on the page, with one value per lattice point of each cell.
     pub fn surface(
         &self,
-        lattice: &Lattice,
-        cells: impl Iterator<Item = usize> + Clone,
+        lattices: &Lattices,
+        cells: &[u32],
         values: Vec<f32>,
         shading: Shading,
         place: impl Fn([f64; 2]) -> Point,
     ) -> ShadedSurface {
-        let points: Vec<Point> =
-            self.positions(&lattice.points, cells.clone()).into_iter().map(place).collect();
-        let count = lattice.points.len() as u32;
-        let mut triangles = Vec::with_capacity(points.len() * 2);
-        for cell in 0..cells.count() as u32 {
-            triangles.extend(lattice.triangles.iter().map(|t| t.map(|n| cell * count + n)));
+        let mut points: Vec<Point> = Vec::with_capacity(values.len());
+        let mut triangles = Vec::with_capacity(values.len() * 2);
+        for (shape, run) in self.mesh.runs_of_shape(cells) {
+            let lattice = lattices.of_shape(shape);
+            let (first, count) = (points.len() as u32, lattice.points.len() as u32);
+            let cells = run.iter().map(|&cell| cell as usize);
+            points.extend(self.positions(shape, &lattice.points, cells).into_iter().map(&place));
+            for cell in 0..run.len() as u32 {
+                triangles.extend(lattice.triangles.iter().map(|t| t.map(|n| first + cell * count + n)));
+            }
         }
         ShadedSurface { points, values, triangles, shading }
     }

@@ -56,15 +56,18 @@ pub(super) fn draw_polylines(
 
 /// Positions and values of a vector field at the centres of the cells.
 pub(super) fn arrow_samples(body: &Body<'_>, field: &Field<2>) -> Vec<([f64; 2], [f64; 2])> {
-    let centre = [body.mesh.shape().centre::<2>()];
-    let basis = field.space().element().tabulate::<2>(&centre).value;
-    let cells = 0..body.mesh.cell_count();
-    let positions = body.positions(&centre, cells.clone());
-    let value = |cell| {
-        let u = field_values(field, cell, &basis);
-        [u[0], u[1]]
-    };
-    positions.into_iter().zip(cells.map(value)).collect()
+    let mut samples = Vec::with_capacity(body.mesh.cell_count());
+    for block in body.mesh.blocks() {
+        let centre = [block.shape.centre::<2>()];
+        let basis = field.space().element_of(block.shape).tabulate::<2>(&centre).value;
+        let positions = body.positions(block.shape, &centre, block.cells.clone());
+        let value = |cell| {
+            let u = field_values(field, cell, &basis);
+            [u[0], u[1]]
+        };
+        samples.extend(positions.into_iter().zip(block.cells.clone().map(value)));
+    }
+    samples
 }
 
 /// Draws at most one arrow in each square of a grid on the page: that of the sample next to its centre,

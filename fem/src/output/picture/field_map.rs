@@ -1,7 +1,7 @@
 //! Fields as colours on a plane body, deformed or not.
 
 use super::axes::number;
-use super::body::{Body, Lattice, bounds, field_values};
+use super::body::{Body, Lattices, bounds, field_values};
 use super::body_lines::{
     arrow_samples, arrow_stroke, draw_arrows, draw_mesh_lines, draw_polylines, with_margin,
 };
@@ -167,13 +167,16 @@ impl<'a> FieldMap<'a> {
     }
 
     /// The values at the lattice points of all cells.
-    fn sample(&self, lattice: &Lattice) -> Result<Vec<f64>, PictureError> {
-        let cells = 0..self.mesh.cell_count();
-        let mut samples = Vec::with_capacity(cells.len() * lattice.points.len());
+    fn sample(&self, lattices: &Lattices, cells: &[u32]) -> Result<Vec<f64>, PictureError> {
+        let mut samples = Vec::with_capacity(lattices.points_in(self.mesh, cells));
+        let runs = || self.mesh.runs_of_shape(cells);
         match &self.values {
             Values::Function(value) => {
-                for cell in cells {
-                    samples.extend(lattice.points.iter().map(|point| value(cell, point)));
+                for (shape, run) in runs() {
+                    let points = &lattices.of_shape(shape).points;
+                    for &cell in run {
+                        samples.extend(points.iter().map(|point| value(cell as usize, point)));
+                    }
                 }
             }
             Values::Field(field, shown) => {
@@ -191,24 +194,24 @@ impl<'a> FieldMap<'a> {
                         found: components,
                     });
                 }
-                let basis = field.space().element().tabulate::<2>(&lattice.points).value;
-                for cell in cells {
-                    let values = field_values(field, cell, &basis);
-                    samples.extend(values.chunks(components).map(|value| match *shown {
-                        Shown::Component(k) => value[k],
-                        Shown::Magnitude => value.iter().map(|v| v * v).sum::<f64>().sqrt(),
-                    }));
+                for (shape, run) in runs() {
+                    let element = field.space().element_of(shape);
+                    let basis = element.tabulate::<2>(&lattices.of_shape(shape).points).value;
+                    for &cell in run {
+                        let values = field_values(field, cell as usize, &basis);
+                        samples.extend(values.chunks(components).map(|value| match *shown {
+                            Shown::Component(k) => value[k],
+                            Shown::Magnitude => value.iter().map(|v| v * v).sum::<f64>().sqrt(),
+                        }));
+                    }
                 }
             }
         }
         match samples.iter().position(|value| !value.is_finite()) {
             Some(place) => {
-                let index = place / lattice.points.len();
-                Err(PictureError::CellNotFinite {
-                    name: self.label.clone(),
-                    cell: index,
-                    value: samples[place],
-                })
+                let before = |cell: &usize| lattices.points_in(self.mesh, &cells[..*cell + 1]) <= place;
+                let cell = (0..cells.len()).take_while(before).count();
+                Err(PictureError::CellNotFinite { name: self.label.clone(), cell, value: samples[place] })
             }
             None => Ok(samples),
         }
@@ -297,8 +300,9 @@ impl Picture for FieldMap<'_> {
         }
         let body = Body { mesh: self.mesh, displacement: self.displacement };
         let still = Body { mesh: self.mesh, displacement: None };
-        let lattice = Lattice::of(self.mesh);
-        let samples = self.sample(&lattice)?;
+        let lattices = Lattices::of(self.mesh);
+        let cells: Vec<u32> = (0..self.mesh.cell_count() as u32).collect();
+        let samples = self.sample(&lattices, &cells)?;
         let shading = self.shading(&samples)?;
         let outline = body.facets(self.mesh.boundary_facets());
         let before = self.undeformed.as_ref().map(|_| still.facets(self.mesh.boundary_facets()));
@@ -326,8 +330,7 @@ impl Picture for FieldMap<'_> {
         let place = |x: [f64; 2]| frame.place(x);
         let clip = Some(frame.area);
         let values = samples.iter().map(|&value| value as f32).collect();
-        let cells = 0..self.mesh.cell_count();
-        drawing.surface(body.surface(&lattice, cells, values, shading, place), clip);
+        drawing.surface(body.surface(&lattices, &cells, values, shading, place), clip);
         if self.mesh_lines {
             draw_mesh_lines(&mut drawing, &body, place, clip);
         }

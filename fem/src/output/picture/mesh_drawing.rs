@@ -1,6 +1,6 @@
 //! Meshes with their named regions in different colours.
 
-use super::body::{Body, Lattice, bounds};
+use super::body::{Body, Lattices, bounds};
 use super::body_lines::{draw_mesh_lines, draw_polylines, with_margin};
 use super::colour_map::{Colour, ColourMap};
 use super::drawing::{Drawing, Stroke};
@@ -149,16 +149,17 @@ impl Picture for MeshDrawing<'_> {
         let (mut drawing, frame) = layout.begin()?;
         let place = |x: [f64; 2]| frame.place(x);
         let clip = Some(frame.area);
-        let lattice = Lattice::of(self.mesh);
-        let mut fill = |cells: Vec<usize>, colour: Colour| {
+        let lattices = Lattices::of(self.mesh);
+        let mut fill = |cells: &[u32], colour: Colour| {
             let shading =
                 Shading { map: ColourMap::Viridis, range: [0.0, 1.0], levels: None, flat: Some(colour) };
-            let values = vec![0.0; cells.len() * lattice.points.len()];
-            drawing.surface(body.surface(&lattice, cells.iter().copied(), values, shading, place), clip);
+            let values = vec![0.0; lattices.points_in(self.mesh, cells)];
+            drawing.surface(body.surface(&lattices, cells, values, shading, place), clip);
         };
-        fill((0..self.mesh.cell_count()).collect(), Colour::grey(238));
+        let all: Vec<u32> = (0..self.mesh.cell_count() as u32).collect();
+        fill(&all, Colour::grey(238));
         for (number, (_, cells)) in self.cells.iter().enumerate() {
-            fill(cells.iter().map(|&cell| cell as usize).collect(), cell_colour(number));
+            fill(cells, cell_colour(number));
         }
         draw_mesh_lines(&mut drawing, &body, place, clip);
         draw_polylines(&mut drawing, &outline, place, Stroke::solid(Colour::BLACK, 0.7), clip);
