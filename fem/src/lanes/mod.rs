@@ -186,6 +186,21 @@ fn store_entries<const ADD: bool, L: Lane>(
     }
 }
 
+/// An integer power, by repeated multiplication.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[inline(always)]
+fn power<L: Lane>(base: L, exponent: i32) -> L {
+    let (mut rest, mut square, mut power) = (exponent.unsigned_abs(), base, L::splat(1.0));
+    while rest > 0 {
+        if rest % 2 == 1 {
+            power = power * square;
+        }
+        square = square * square;
+        rest /= 2;
+    }
+    if exponent < 0 { L::splat(1.0) / power } else { power }
+}
+
 impl SimdLane for f64 {
     #[inline(never)]
     fn call<W: SharedWork<Self>>(work: W) -> W::Output {

@@ -9,7 +9,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use forms_core::contract::Lane;
 
-use super::{LaneWork, SharedWork, SimdLane, WIDEST};
+use super::{LaneWork, SharedWork, SimdLane, WIDEST, power};
 
 /// Runs some work in NEON.
 pub(super) fn run_neon<W: LaneWork>(work: W) -> W::Output {
@@ -159,15 +159,7 @@ impl Lane for Neon {
     }
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
-        let (mut rest, mut square, mut power) = (exponent.unsigned_abs(), self, Self::splat(1.0));
-        while rest > 0 {
-            if rest % 2 == 1 {
-                power = power * square;
-            }
-            square = square * square;
-            rest /= 2;
-        }
-        if exponent < 0 { Self::splat(1.0) / power } else { power }
+        power(self, exponent)
     }
     #[inline(always)]
     fn powf(self, exponent: Self) -> Self {

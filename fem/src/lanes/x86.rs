@@ -15,7 +15,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use forms_core::contract::Lane;
 
 use super::logarithm::{self, Split};
-use super::{LaneWork, WIDEST};
+use super::{LaneWork, WIDEST, power};
 
 pub(super) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
@@ -187,15 +187,7 @@ macro_rules! lane {
             }
             #[inline(always)]
             fn powi(self, exponent: i32) -> Self {
-                let (mut rest, mut square, mut power) = (exponent.unsigned_abs(), self, Self::splat(1.0));
-                while rest > 0 {
-                    if rest % 2 == 1 {
-                        power = power * square;
-                    }
-                    square = square * square;
-                    rest /= 2;
-                }
-                if exponent < 0 { Self::splat(1.0) / power } else { power }
+                power(self, exponent)
             }
             #[inline(always)]
             fn powf(self, exponent: Self) -> Self {

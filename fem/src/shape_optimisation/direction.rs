@@ -7,7 +7,9 @@ use crate::linear_algebra::vector::{add_scaled, dot};
 /// −⟨∇J, ∇c⟩/⟨∇c, ∇c⟩, so that the derivative of J + λ c has no part along ∇c. In the inner product with r Dc ⊗ Dc added,
 /// which a step of factor τ sees as 1/τ ⟨·,·⟩ + r Dc ⊗ Dc, steepest descent is
 ///
-///     −τ (∇J + λ ∇c) − ϱ c ∇c/⟨∇c, ∇c⟩,   ϱ = r τ s/(1 + r τ s),   s = ⟨∇c, ∇c⟩,
+/// ```text
+/// −τ (∇J + λ ∇c) − ϱ c ∇c/⟨∇c, ∇c⟩,   ϱ = r τ s/(1 + r τ s),   s = ⟨∇c, ∇c⟩,
+/// ```
 ///
 /// and a large r, which would ask for tiny steps, does no harm: what it restores is restored by a step of Newton's method.
 #[derive(Clone, Debug)]
