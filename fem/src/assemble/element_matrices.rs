@@ -242,7 +242,11 @@ impl<const D: usize> ElementMatrices<'_, D> {
     }
 }
 
-/// Whether sum factorisation takes fewer operations than sums over the points for each pair. Of vector forms it does
+/// What an operation along an axis takes, measured in operations on a pair of nodes, whose sums stay in registers: its sums
+/// are as short as a row of points, and go through memory from axis to axis (docs/decisions/lanes.md).
+const ALONG_AN_AXIS: usize = 2;
+
+/// Whether sum factorisation takes less than sums over the points for each pair. Of vector forms it does
 /// not: each of the D² entries of a block would need sums of its own for each pair of derivatives.
 pub(super) fn along_axes<K: BilinearKernel<D>, const D: usize>(
     tables: &ProductTables,
@@ -261,7 +265,7 @@ pub(super) fn along_axes<K: BilinearKernel<D>, const D: usize>(
         + pairs * count.finish;
     let asked = derivatives.count::<D>();
     let at_point = asked * (count.test + count.trial) + asked * asked * (count.pair + count.finish);
-    points * at_point + matrix_operations::<D>(tables, derivatives, symmetric) < direct
+    points * at_point + ALONG_AN_AXIS * matrix_operations::<D>(tables, derivatives, symmetric) < direct
 }
 
 /// Whether a block is a number.
