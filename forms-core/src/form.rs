@@ -200,6 +200,10 @@ pub trait Form<const D: usize> {
     }
     /// Walks the integrals of the tangent; those of [`Dependence::Constant`] do not appear.
     fn tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
+    /// Walks the same tangent with one integral for all of a region, as [`Form::whole_residual`] does the residual.
+    fn whole_tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+        self.tangent(visitor)
+    }
     /// Walks the integrals of the tangent applied to a direction, ∂R/∂u (u; v) w: as those of a residual, with kernels that
     /// read the fields of [`Role::Direction`], and the unknowns only where the tangent depends on them. One matrix-free
     /// product costs about as much as a residual.

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
 use super::binding::Entities;
+use super::cliques::{Cliques, couple};
 use super::owned_cells::OwnedCells;
-use super::place_map::{Cliques, PlaceMap, couple};
+use super::place_map::PlaceMap;
 use super::{Assembler, AssemblyError, Parts};
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::mesh::Facet;

@@ -16,7 +16,7 @@ use super::receiver::{Buffered, Deliver, Receiver};
 use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract, suits};
 use super::sum_factorisation::{Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit};
 use super::walk::Group;
-use crate::lanes::{Entries, InstructionSet, LaneWork, SimdLane, Transposition};
+use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
 /// What the element matrices of a group depend on, besides the kernel.
 pub(super) struct ElementMatrices<'a, const D: usize> {
@@ -183,7 +183,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
     pub fn compute_in_lanes<K: BilinearKernel<D>, L: SimdLane>(
         &self,
         kernel: &K,
-        order: &[u32],
+        order: &Order,
         range: Range<usize>,
         buffers: &mut MatrixBuffers<K, L, D>,
         receiver: &mut impl Receiver,
@@ -202,7 +202,6 @@ impl<const D: usize> ElementMatrices<'_, D> {
             Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, arguments, batch)?;
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         let size = rows * columns * entries;
-        let order = &order[..size];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
@@ -225,9 +224,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
                     }
                 }
             }
-            let source = &Ordered { values: blocks, order };
+            let source = &Ordered::new(blocks, order, size);
             let target = receiver.room(start, filled, size);
-            L::call(Transposition { source, count: size, filled, target, stride: size });
+            L::call(Transposition { source, filled, target, stride: size });
             receiver.filled(start, filled, size)?;
             start += filled;
         }
@@ -276,7 +275,7 @@ pub(super) const fn scalar<K: BilinearKernel<D>, const D: usize>() -> bool {
 struct Compute<'a, 'd, K, const D: usize> {
     task: &'a ElementMatrices<'a, D>,
     kernel: &'a K,
-    order: &'a [u32],
+    order: &'a Order,
     range: Range<usize>,
     receiver: Buffered<'d>,
 }
@@ -292,26 +291,13 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     }
 }
 
-/// Entries of a list in another order.
-pub(super) struct Ordered<'a, L> {
-    pub values: &'a [L],
-    pub order: &'a [u32],
-}
-
-impl<L> Entries<L> for Ordered<'_, L> {
-    #[inline(always)]
-    fn entry(&self, k: usize) -> &L {
-        &self.values[self.order[k] as usize]
-    }
-}
-
 /// Where the computed blocks have the entries of an element matrix, for the entries block after block. Of a
 /// symmetric matrix only the blocks of pairs i ≤ j are computed.
 pub(super) fn block_order(
     [rows, columns]: [usize; 2],
     [height, width]: [usize; 2],
     symmetric: bool,
-) -> Vec<u32> {
+) -> Order {
     let entries = height * width;
     let mut computed = vec![0_u32; rows * columns];
     let mut next = 0;
@@ -337,5 +323,5 @@ pub(super) fn block_order(
             }
         }
     }
-    order
+    Order::new(order)
 }

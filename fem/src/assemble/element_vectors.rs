@@ -10,11 +10,10 @@ use forms_core::contract::{Basis, LinearKernel};
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
-use super::element_matrices::Ordered;
 use super::receiver::{Buffered, Deliver, Receiver};
 use super::sum_factorisation::{Derivatives, Integration, ProductTables, Stages, axis_operations, unit};
 use super::walk::Group;
-use crate::lanes::{InstructionSet, LaneWork, SimdLane, Transposition};
+use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
 /// What the element vectors of a group depend on, besides the kernel.
 pub(super) struct ElementVectors<'a, const D: usize> {
@@ -82,7 +81,7 @@ impl<const D: usize> ElementVectors<'_, D> {
     pub fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane>(
         &self,
         kernel: &K,
-        order: Option<&[u32]>,
+        order: Option<&Order>,
         range: Range<usize>,
         buffers: &mut VectorBuffers<L, D>,
         receiver: &mut impl Receiver,
@@ -143,12 +142,10 @@ impl<const D: usize> ElementVectors<'_, D> {
             }
             let target = receiver.room(start, filled, size);
             match order {
-                None => {
-                    L::call(Transposition { source: &sums[..], count: size, filled, target, stride: size })
-                }
+                None => L::call(Transposition { source: &sums[..size], filled, target, stride: size }),
                 Some(order) => {
-                    let source = &Ordered { values: sums, order: &order[..size] };
-                    L::call(Transposition { source, count: size, filled, target, stride: size });
+                    let source = &Ordered::new(sums, order, size);
+                    L::call(Transposition { source, filled, target, stride: size });
                 }
             }
             receiver.filled(start, filled, size)?;
@@ -177,7 +174,7 @@ impl<const D: usize> ElementVectors<'_, D> {
 struct Compute<'a, 'd, K, const D: usize> {
     task: &'a ElementVectors<'a, D>,
     kernel: &'a K,
-    order: Option<&'a [u32]>,
+    order: Option<&'a Order>,
     range: Range<usize>,
     receiver: Buffered<'d>,
 }

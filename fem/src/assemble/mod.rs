@@ -7,7 +7,7 @@
 //! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
-//! block_pattern, place_map   the positions of a matrix, and where element matrices go
+//! block_pattern, cliques, place_map   the positions of a matrix, and where element matrices go
 //! owned_cells   the share of an assembler that assembles some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
@@ -17,6 +17,7 @@ mod action;
 mod batch;
 mod binding;
 mod block_pattern;
+mod cliques;
 mod derived;
 mod element_kernel;
 mod element_matrices;

@@ -10,8 +10,11 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{Basis, BilinearKernel, Operations, PointGeometry, Requirements};
+mod scalars;
 
+use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
+
+use super::element_matrices::scalar;
 use super::walk::GroupSide;
 use crate::lanes::SimdLane;
 
@@ -33,6 +36,8 @@ pub(super) struct ReferenceTensor {
     lengths: Vec<u32>,
     /// a · directions + b, and the coefficient.
     terms: Vec<(u32, f64)>,
+    /// All coefficients, zeros included, where blocks are numbers; then there are no terms.
+    scalars: Vec<f64>,
 }
 
 impl ReferenceTensor {
@@ -43,31 +48,27 @@ impl ReferenceTensor {
         weights: &[f64],
         symmetric: bool,
     ) -> Option<Self> {
-        if !const { suits::<K, D>() } {
+        if !const { suits::<K, D>() } || side.facet.is_some() || side.geometry.nodes != D + 1 {
             return None;
         }
-        let nonzero = K::NONZERO.iter().filter(|nonzero| **nonzero).count();
-        Self::if_cheaper(side, elements, weights, symmetric, &K::REQUIREMENTS, &K::OPERATIONS, nonzero)
-    }
-
-    fn if_cheaper<const D: usize>(
-        side: &GroupSide<D>,
-        elements: [usize; 2],
-        weights: &[f64],
-        symmetric: bool,
-        requirements: &Requirements,
-        count: &Operations,
-        nonzero: usize,
-    ) -> Option<Self> {
-        if side.facet.is_some() || side.geometry.nodes != D + 1 {
-            return None;
-        }
-        let tensor = Self::new(side, elements, weights, symmetric, requirements);
-        let [rows, columns] = [0, 1].map(|k| side.elements[elements[k]].nodes);
-        let pairs = tensor.lengths.len();
+        let count = K::OPERATIONS;
+        let [rows, columns] = elements.map(|element| side.elements[element].nodes);
+        let pairs = if symmetric { rows * (rows + 1) / 2 } else { rows * columns };
         let per_point =
             count.point + rows * (count.test + D * D) + columns * count.trial + pairs * count.pair;
         let loops = weights.len() * per_point + pairs * count.finish;
+        if const { scalar::<K, D>() } {
+            let (directions, products) =
+                const { (scalars::directions::<K, D>(), scalars::products::<K, D>()) };
+            let made = directions * (count.test + count.trial)
+                + products * (count.pair + count.finish)
+                + pairs * products;
+            let scalars = scalars::coefficients::<K, D>(side, elements, weights, symmetric);
+            let tensor = ReferenceTensor { directions, value: None, lengths: vec![], terms: vec![], scalars };
+            return (made < loops).then_some(tensor);
+        }
+        let nonzero = K::NONZERO.iter().filter(|nonzero| **nonzero).count();
+        let tensor = Self::new(side, elements, weights, symmetric, &K::REQUIREMENTS);
         let directions = tensor.directions;
         let blocks = directions * directions * (count.pair + count.finish);
         let made = blocks + directions * (count.test + count.trial) + tensor.terms.len() * nonzero;
@@ -109,6 +110,7 @@ impl ReferenceTensor {
             value: requirements.basis_value.then_some(gradients),
             lengths: vec![],
             terms: vec![],
+            scalars: vec![],
         };
         for (i, test) in tests.chunks_exact(per_node).enumerate() {
             for (j, trial) in trials.chunks_exact(per_node).enumerate() {
@@ -175,7 +177,7 @@ pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
 ) {
     // A constant block: only the case that is used is compiled.
     match const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS } {
-        1 => contract_blocks::<K, L, 1, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
+        1 => scalars::contract::<K, L, D>(kernel, cell, &tensor.scalars, determinant, inverse, blocks),
         4 => contract_blocks::<K, L, 4, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
         9 => contract_blocks::<K, L, 9, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
         _ => contract_blocks::<K, L, LARGEST_BLOCK, D>(

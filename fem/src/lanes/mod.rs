@@ -11,6 +11,7 @@
 mod logarithm;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+mod ordered;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -18,6 +19,8 @@ use std::fmt;
 use std::sync::OnceLock;
 
 use forms_core::contract::Lane;
+
+pub(crate) use self::ordered::{Order, Ordered};
 
 /// No lane type of any instruction set has more lanes.
 pub(crate) const WIDEST: usize = 8;
@@ -92,20 +95,19 @@ pub(crate) trait SimdLane: Lane {
         Self::gather(values, &places)
     }
 
-    /// Writes `count` entries of each of the first `filled` lanes to `target[lane * stride..]`, entry k from
-    /// `source(k)`; adds them to what is there if `ADD`.
+    /// Writes the entries of each of the first `filled` lanes to `target[lane * stride..]`; adds them to what is there
+    /// if `ADD`.
     ///
     /// # Panics
     /// When `target` is too short.
     #[inline(always)]
     fn store_transposed<const ADD: bool>(
         source: &(impl Entries<Self> + ?Sized),
-        count: usize,
         filled: usize,
         target: &mut [f64],
         stride: usize,
     ) {
-        store_entries::<ADD, _>(source, 0..count, filled, target, stride);
+        store_entries::<ADD, _>(source, 0..source.count(), filled, target, stride);
     }
 }
 
@@ -132,6 +134,8 @@ impl Starts {
 
 /// Entries of lane values by number. A trait and not a closure: closures do not inherit target features.
 pub(crate) trait Entries<L> {
+    /// How many there are.
+    fn count(&self) -> usize;
     /// The k-th entry.
     fn entry(&self, k: usize) -> &L;
 }
@@ -140,8 +144,6 @@ pub(crate) trait Entries<L> {
 pub(crate) struct Transposition<'a, E: ?Sized> {
     /// The entries.
     pub source: &'a E,
-    /// How many.
-    pub count: usize,
     /// How many lanes are written.
     pub filled: usize,
     /// Where to.
@@ -155,12 +157,16 @@ impl<L: SimdLane, E: Entries<L> + ?Sized> SharedWork<L> for Transposition<'_, E>
 
     #[inline(always)]
     fn run(self) {
-        L::store_transposed::<false>(self.source, self.count, self.filled, self.target, self.stride);
+        L::store_transposed::<false>(self.source, self.filled, self.target, self.stride);
     }
 }
 
 /// Entries in the order of memory.
 impl<L> Entries<L> for [L] {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.len()
+    }
     #[inline(always)]
     fn entry(&self, k: usize) -> &L {
         &self[k]

@@ -134,9 +134,9 @@ impl LaneWork for Transposition {
         }
         let filled = self.filled.min(L::WIDTH);
         let mut target = vec![-1.0; filled * (self.count + 3)];
-        L::store_transposed::<false>(&entries[..], self.count, filled, &mut target, self.count + 3);
+        L::store_transposed::<false>(&entries[..], filled, &mut target, self.count + 3);
         // Adding the same once more doubles it.
-        L::store_transposed::<true>(&entries[..], self.count, filled, &mut target, self.count + 3);
+        L::store_transposed::<true>(&entries[..], filled, &mut target, self.count + 3);
         (filled, target)
     }
 }

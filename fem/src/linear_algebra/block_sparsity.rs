@@ -76,11 +76,6 @@ impl BlockRows {
         self.first_value..self.first_value + self.columns.len() * self.block
     }
 
-    /// The most blocks in a row.
-    pub(crate) fn longest_row(&self) -> usize {
-        self.pointers.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0)
-    }
-
     fn check(&self, rows: &NodeSet, columns: &NodeSet) -> Result<(), LinearAlgebraError> {
         if self.pointers.is_empty() {
             return check_size("the list of blocks without rows", 0, self.columns.len());

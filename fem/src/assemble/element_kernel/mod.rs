@@ -21,7 +21,7 @@ use super::fixed::FixedTables;
 use super::sizes::{Counted, Sizes};
 use super::walk::Group;
 use crate::element::CellShape;
-use crate::lanes::InstructionSet;
+use crate::lanes::{InstructionSet, Order};
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 
@@ -112,20 +112,20 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         let matrix = |symmetric| {
             let blocks = block_order([nodes, nodes], [components, components], symmetric);
             let mut order = vec![0; size * size];
-            for (k, block) in blocks.iter().enumerate() {
+            for (k, block) in blocks.places().enumerate() {
                 let (pair, entry) = (k / (components * components), k % (components * components));
                 let (i, j) = (pair / nodes, pair % nodes);
                 let row = layout.rows[i * components + entry / components];
                 let column = layout.rows[j * components + entry % components];
-                order[row * size + column] = *block;
+                order[row * size + column] = block;
             }
-            order
+            Order::new(order)
         };
         let mut vector = vec![0; size];
         for (k, row) in layout.rows.iter().enumerate() {
             vector[*row] = k as u32;
         }
-        let orders = [matrix(false), matrix(true), vector];
+        let orders = [matrix(false), matrix(true), Order::new(vector)];
         let mut tables = ElementTables {
             reference: Arc::new(reference),
             layout,
@@ -141,7 +141,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         let elements = binding.elements.to_vec();
         tables.known = listed.map(|listed| (listed, elements));
         let mut prepare = Prepare { tables: &tables, form: &form, quadrature, found: vec![] };
-        form.tangent(&mut prepare)?;
+        form.whole_tangent(&mut prepare)?;
         let tangent = prepare.found;
         let mut prepare = Prepare { tables: &tables, form: &form, quadrature, found: vec![] };
         form.whole_residual(&mut prepare)?;
@@ -193,7 +193,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             target: target(form.name(), matrices, cells.count * size * size)?,
             index: 0,
         };
-        form.tangent(&mut run)?;
+        form.whole_tangent(&mut run)?;
         if run.index == 0 {
             run.target.fill(0.0);
         }

@@ -16,7 +16,7 @@ use crate::assemble::fixed::{FixedMatrices, FixedTables, FixedTask, FixedVectors
 use crate::assemble::receiver::Direct;
 use crate::assemble::sizes::Sizes;
 use crate::assemble::walk::Group;
-use crate::lanes::{LaneWork, SimdLane};
+use crate::lanes::{LaneWork, Order, SimdLane};
 
 /// One call: a walk over the integrals.
 pub(super) struct Run<'a, F, S: Sizes, const D: usize> {
@@ -167,7 +167,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, F, S, D>
 struct Matrices<'a, 'r, K, const D: usize> {
     task: &'a ElementMatrices<'a, D>,
     kernel: &'a K,
-    order: &'a [u32],
+    order: &'a Order,
     count: usize,
     memory: &'a mut Kept,
     receiver: &'a mut Direct<'r>,
@@ -202,7 +202,7 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Matrices<'_, '_, K, D> {
 struct Vectors<'a, 'r, K, const D: usize> {
     task: &'a ElementVectors<'a, D>,
     kernel: &'a K,
-    order: &'a [u32],
+    order: &'a Order,
     count: usize,
     memory: &'a mut Kept,
     receiver: &'a mut Direct<'r>,

@@ -14,7 +14,7 @@ use crate::assemble::binding::{Binding, List, Tabulated, Values};
 use crate::assemble::fixed::{FixedTables, Listed};
 use crate::assemble::sizes::{Array, Sizes};
 use crate::assemble::walk::{Group, groups};
-use crate::lanes::Checked;
+use crate::lanes::{Checked, Order};
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 
@@ -29,7 +29,7 @@ pub(super) struct ElementTables<const D: usize> {
     pub tangent: Vec<Vec<Group<D>>>,
     pub residual: Vec<Vec<Group<D>>>,
     /// Orders of the entries of a matrix, of a symmetric one, and of a vector.
-    pub orders: [Vec<u32>; 3],
+    pub orders: [Order; 3],
     pub instructions: Checked,
 }
 

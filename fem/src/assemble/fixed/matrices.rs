@@ -8,11 +8,10 @@ use forms_core::contract::{Basis, BilinearKernel};
 use super::batch::{FieldBuffers, FixedBatch};
 use super::{FixedTask, put_out};
 use crate::assemble::element_kernel::{Kept, recall};
-use crate::assemble::element_matrices::Ordered;
 use crate::assemble::pairs::Pairs;
 use crate::assemble::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract, suits};
 use crate::assemble::sizes::{Array, Sizes};
-use crate::lanes::{LaneWork, SimdLane};
+use crate::lanes::{LaneWork, Order, Ordered, SimdLane};
 
 /// Sums over more points are loops.
 const UNROLLED_POINTS: usize = 4;
@@ -21,7 +20,7 @@ const UNROLLED_POINTS: usize = 4;
 pub(in crate::assemble) struct FixedMatrices<'a, K, S: Sizes, const D: usize> {
     pub task: FixedTask<'a, K, S, D>,
     /// Where the computed blocks have the entries of a matrix.
-    pub order: &'a [u32],
+    pub order: &'a Order,
     pub memory: &'a mut Kept,
     pub target: &'a mut [f64],
     /// Adds to what is there.
@@ -56,7 +55,6 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedMatrices<
         let pairs = if K::SYMMETRIC { nodes * (nodes + 1) / 2 } else { nodes * nodes };
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         let size = nodes * nodes * entries;
-        let order = &self.order[..size];
         if buffers.blocks.len() != pairs * entries {
             let tensor =
                 ReferenceTensor::for_kernel::<K, D>(&group.sides[0], [0, 0], &group.weights, K::SYMMETRIC);
@@ -67,7 +65,7 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedMatrices<
         while start < listed.count {
             let filled = L::WIDTH.min(listed.count - start);
             self.task.blocks::<L>(start, filled, buffers);
-            let source = &Ordered { values: &buffers.blocks, order };
+            let source = &Ordered::new(&buffers.blocks, self.order, size);
             let target = &mut self.target[start * size..][..filled * size];
             put_out(source, size, filled, target, self.add);
             start += filled;

@@ -11,10 +11,9 @@ pub(super) use matrices::FixedMatrices;
 pub(super) use tables::{FixedTables, Listed, fits};
 pub(super) use vectors::FixedVectors;
 
-use super::element_matrices::Ordered;
 use super::sizes::Sizes;
 use super::walk::Group;
-use crate::lanes::SimdLane;
+use crate::lanes::{Ordered, SimdLane};
 
 /// A kernel, a group and the cells to run it on.
 pub(super) struct FixedTask<'a, K, S: Sizes, const D: usize> {
@@ -28,8 +27,8 @@ pub(super) struct FixedTask<'a, K, S: Sizes, const D: usize> {
 #[inline(always)]
 fn put_out<L: SimdLane>(source: &Ordered<L>, size: usize, filled: usize, target: &mut [f64], add: bool) {
     if add {
-        L::store_transposed::<true>(source, size, filled, target, size);
+        L::store_transposed::<true>(source, filled, target, size);
     } else {
-        L::store_transposed::<false>(source, size, filled, target, size);
+        L::store_transposed::<false>(source, filled, target, size);
     }
 }

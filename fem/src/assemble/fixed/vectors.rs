@@ -14,15 +14,14 @@ use super::batch::{FieldBuffers, FixedBatch};
 use super::tables::MOST_COMPONENTS;
 use super::{FixedTask, put_out};
 use crate::assemble::element_kernel::{Kept, recall};
-use crate::assemble::element_matrices::Ordered;
 use crate::assemble::sizes::{Array, Sizes};
-use crate::lanes::{LaneWork, SimdLane};
+use crate::lanes::{LaneWork, Order, Ordered, SimdLane};
 
 /// One run over the cells that the caller lists.
 pub(in crate::assemble) struct FixedVectors<'a, K, S: Sizes, const D: usize> {
     pub task: FixedTask<'a, K, S, D>,
     /// Entry k of a vector is the `order[k]`-th of `[node][component]`.
-    pub order: &'a [u32],
+    pub order: &'a Order,
     pub memory: &'a mut Kept,
     pub target: &'a mut [f64],
     /// Adds to what is there.
@@ -48,7 +47,6 @@ impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedVectors<'_,
         let listed = self.task.listed;
         let buffers = recall::<Buffers<L>>(self.memory);
         let size = <S::Nodes<f64> as Array<f64>>::LENGTH * K::TEST_COMPONENTS;
-        let order = &self.order[..size];
         let mut start = 0;
         while start < listed.count {
             let filled = L::WIDTH.min(listed.count - start);
@@ -57,7 +55,7 @@ impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedVectors<'_,
                 2 => self.task.sums::<L, 2>(start, filled, buffers),
                 _ => self.task.sums::<L, MOST_COMPONENTS>(start, filled, buffers),
             }
-            let source = &Ordered { values: &buffers.sums, order };
+            let source = &Ordered::new(&buffers.sums, self.order, size);
             let target = &mut self.target[start * size..][..filled * size];
             put_out(source, size, filled, target, self.add);
             start += filled;

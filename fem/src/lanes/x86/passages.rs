@@ -23,23 +23,35 @@ impl SimdLane for Avx2 {
     #[inline(always)]
     fn store_transposed<const ADD: bool>(
         source: &(impl Entries<Self> + ?Sized),
-        count: usize,
         filled: usize,
         target: &mut [f64],
         stride: usize,
     ) {
-        let mut done = 0;
+        let (mut done, count) = (0, source.count());
         if filled == Self::WIDTH {
             assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
-            while done + 4 <= count {
-                let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
+            while let Some(first) = next_tile::<ADD>(done, count) {
+                let entry = |k: usize| std::ptr::from_ref(source.entry(first + k)).cast::<f64>();
                 let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
-                // SAFETY: each entry is four doubles; `done + 4 <= count`, and each lane has room for `count`.
-                unsafe { store_tile::<ADD>(a, b, c, d, target.as_mut_ptr().add(done), stride) };
-                done += 4;
+                // SAFETY: each entry is four doubles; `first + 4 <= count`, and each lane has room for `count`.
+                unsafe { store_tile::<ADD>(a, b, c, d, target.as_mut_ptr().add(first), stride) };
+                done = first + 4;
             }
         }
         store_entries::<ADD, _>(source, done..count, filled, target, stride);
+    }
+}
+
+/// Where the next four of `count` entries begin. The last four may have been written in part before, which does not matter
+/// unless they are added.
+#[inline(always)]
+fn next_tile<const ADD: bool>(done: usize, count: usize) -> Option<usize> {
+    if done + 4 <= count {
+        Some(done)
+    } else if !ADD && done < count && count >= 4 {
+        Some(count - 4)
+    } else {
+        None
     }
 }
 
@@ -140,28 +152,116 @@ impl SimdLane for Avx512 {
     #[inline(always)]
     fn store_transposed<const ADD: bool>(
         source: &(impl Entries<Self> + ?Sized),
-        count: usize,
         filled: usize,
         target: &mut [f64],
         stride: usize,
     ) {
-        let mut done = 0;
+        let (mut done, count) = (0, source.count());
         if filled == Self::WIDTH {
             assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
-            while done + 4 <= count {
-                let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
+            let row = target.as_mut_ptr();
+            let squares = count / 8;
+            // SAFETY: each entry is eight doubles; no square goes beyond `count`, for which each lane has room.
+            unsafe {
+                if count < BEYOND_THE_FIRST_CACHE {
+                    store_squares::<ADD, false>(source, squares, row, stride);
+                } else {
+                    store_squares::<ADD, true>(source, squares, row, stride);
+                }
+            }
+            done = 8 * squares;
+            while let Some(first) = next_tile::<ADD>(done, count) {
+                let entry = |k: usize| std::ptr::from_ref(source.entry(first + k)).cast::<f64>();
                 let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
-                // SAFETY: each entry is eight doubles; `done + 4 <= count`, and each lane has room for `count`.
+                // SAFETY: each entry is eight doubles; `first + 4 <= count`, and each lane has room for `count`.
                 unsafe {
-                    let row = target.as_mut_ptr().add(done);
+                    let row = target.as_mut_ptr().add(first);
                     store_tile::<ADD>(a, b, c, d, row, stride);
                     store_tile::<ADD>(a.add(4), b.add(4), c.add(4), d.add(4), row.add(4 * stride), stride);
                 }
-                done += 4;
+                done = first + 4;
             }
         }
         store_entries::<ADD, _>(source, done..count, filled, target, stride);
     }
+}
+
+/// Entries per lane from which eight lanes of results and the values they are made from do not fit the first cache.
+const BEYOND_THE_FIRST_CACHE: usize = 448;
+
+/// Writes the first `8 * squares` entries, lane by lane, or adds them, eight entries of eight lanes at a time. If FETCH,
+/// the lines that come next are asked for before they are written: otherwise the writes wait for them one after the other,
+/// which takes twice the time (docs/decisions/lanes.md).
+///
+/// # Safety
+/// There are as many entries, and each of eight rows of the target (`stride` apart) can be read and written for as many
+/// doubles.
+#[inline(always)]
+unsafe fn store_squares<const ADD: bool, const FETCH: bool>(
+    source: &(impl Entries<Avx512> + ?Sized),
+    squares: usize,
+    target: *mut f64,
+    stride: usize,
+) {
+    for square in 0..squares {
+        let mut entries = [std::ptr::null::<f64>(); 8];
+        for k in 0..8 {
+            entries[k] = std::ptr::from_ref(source.entry(8 * square + k)).cast();
+        }
+        // SAFETY: the caller's contract; a prefetch may go anywhere.
+        unsafe {
+            let rows = target.add(8 * square);
+            if FETCH {
+                for lane in 0..8 {
+                    _mm_prefetch::<_MM_HINT_T0>(rows.wrapping_add(lane * stride + 24).cast());
+                }
+            }
+            store_half_square::<ADD>(&entries, 0, rows, stride);
+            store_half_square::<ADD>(&entries, 4, rows.add(4 * stride), stride);
+        }
+    }
+}
+
+/// Writes four lanes, from `lane` on, of eight entries, lane by lane, or adds them.
+///
+/// # Safety
+/// Each entry can be read for four doubles from `lane` on, each of four rows of the target (`stride` apart) read and written
+/// for eight.
+#[inline(always)]
+unsafe fn store_half_square<const ADD: bool>(
+    entries: &[*const f64; 8],
+    lane: usize,
+    target: *mut f64,
+    stride: usize,
+) {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe {
+        // Four lanes of entries k and k + 4 side by side: that part of the shuffling is done by the loads.
+        let mut pairs = [_mm512_setzero_pd(); 4];
+        for k in 0..4 {
+            let (first, second) = (entries[k].add(lane), entries[k + 4].add(lane));
+            let low = _mm512_castpd256_pd512(_mm256_loadu_pd(first));
+            pairs[k] = _mm512_insertf64x4::<1>(low, _mm256_loadu_pd(second));
+        }
+        let even = [_mm512_unpacklo_pd(pairs[0], pairs[1]), _mm512_unpacklo_pd(pairs[2], pairs[3])];
+        let odd = [_mm512_unpackhi_pd(pairs[0], pairs[1]), _mm512_unpackhi_pd(pairs[2], pairs[3])];
+        let first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+        let second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+        put_long_row::<ADD>(target, _mm512_permutex2var_pd(even[0], first, even[1]));
+        put_long_row::<ADD>(target.add(stride), _mm512_permutex2var_pd(odd[0], first, odd[1]));
+        put_long_row::<ADD>(target.add(2 * stride), _mm512_permutex2var_pd(even[0], second, even[1]));
+        put_long_row::<ADD>(target.add(3 * stride), _mm512_permutex2var_pd(odd[0], second, odd[1]));
+    }
+}
+
+/// Writes or adds eight numbers of a row.
+///
+/// # Safety
+/// Eight numbers can be read and written there.
+#[inline(always)]
+unsafe fn put_long_row<const ADD: bool>(row: *mut f64, values: __m512d) {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe { _mm512_storeu_pd(row, if ADD { _mm512_add_pd(_mm512_loadu_pd(row), values) } else { values }) }
 }
 
 /// COUNT (at most four) entries from each lane's place on.

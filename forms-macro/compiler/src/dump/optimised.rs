@@ -36,8 +36,12 @@ impl Dump {
                 self.text += &costs::of_linear(integral, optimised, module);
             }
         }
-        for integral in &optimised.tangent {
-            self.text += &tangent(integral, graph, module, fields);
+        for (what, integrals) in
+            [("tangent", &optimised.tangent), ("whole tangent", &optimised.joined_tangent)]
+        {
+            for integral in integrals {
+                self.text += &tangent(what, integral, graph, module, fields);
+            }
         }
         for (what, integrals) in [("switches", &optimised.switches), ("density", &optimised.density)] {
             for integral in integrals {
@@ -59,7 +63,7 @@ fn roots(optimised: &Optimised) -> Vec<Scalar> {
     for integral in optimised.residual.iter().chain(&optimised.joined).chain(&optimised.action) {
         roots.extend(integral.flux.values());
     }
-    for integral in &optimised.tangent {
+    for integral in optimised.tangent.iter().chain(&optimised.joined_tangent) {
         roots.extend(integral.plan.roots());
     }
     for integral in optimised.switches.iter().chain(&optimised.density) {
@@ -69,9 +73,15 @@ fn roots(optimised: &Optimised) -> Vec<Scalar> {
     roots
 }
 
-fn tangent(integral: &BilinearIntegral, graph: &Graph, module: &Module, fields: &[FieldInfo]) -> String {
+fn tangent(
+    what: &str,
+    integral: &BilinearIntegral,
+    graph: &Graph,
+    module: &Module,
+    fields: &[FieldInfo],
+) -> String {
     let mut text = format!(
-        "tangent {}, {} with {}, {}\n",
+        "{what} {}, {} with {}, {}\n",
         description(&integral.description, module),
         sided(integral.test, fields),
         sided(integral.trial, fields),

@@ -194,8 +194,8 @@ fn implementation(
 ) -> TokenStream {
     let kernels_name = format_ident!("kernels_{dimension}");
     let mut kernels = TokenStream::new();
-    let [mut residual, mut whole, mut tangent, mut action, mut switches, mut density] =
-        [const { Vec::new() }; 6];
+    let [mut residual, mut whole, mut tangent, mut whole_tangent, mut action, mut switches, mut density] =
+        [const { Vec::new() }; 7];
     let mut value = None;
     let mut fields = fields_of(module, function, dimension);
     if let Some(mut optimised) = optimised {
@@ -220,18 +220,28 @@ fn implementation(
                 list.push(visit(description, &kernel));
             }
         }
-        if !whole.is_empty() {
-            let joined = |region: usize| optimised.joined.iter().any(|one| one.description.region == region);
-            let apart = optimised.residual.iter().zip(&residual);
-            let apart = apart.filter(|(integral, _)| !joined(integral.description.region));
-            whole.extend(apart.map(|(_, visit)| visit.clone()));
+        for (list, integrals, prefix) in [
+            (&mut tangent, &optimised.tangent, "Tangent"),
+            (&mut whole_tangent, &optimised.joined_tangent, "JoinedTangent"),
+        ] {
+            for (index, integral) in integrals.iter().enumerate() {
+                let kernel = format_ident!("{prefix}{index}");
+                kernels.extend(writer.bilinear(&kernel, integral));
+                let arguments = [integral.test, integral.trial].map(|one| argument(one, &fields));
+                let description = describe(&integral.description, used, arguments, integral.symmetric);
+                list.push(visit(description, &kernel));
+            }
         }
-        for (index, integral) in optimised.tangent.iter().enumerate() {
-            let kernel = format_ident!("Tangent{index}");
-            kernels.extend(writer.bilinear(&kernel, integral));
-            let arguments = [integral.test, integral.trial].map(|one| argument(one, &fields));
-            let description = describe(&integral.description, used, arguments, integral.symmetric);
-            tangent.push(visit(description, &kernel));
+        // What is joined on no region stands by itself in the whole, too.
+        if !whole.is_empty() {
+            let regions: Vec<usize> = optimised.joined.iter().map(|one| one.description.region).collect();
+            let apart = |region: usize| !regions.contains(&region);
+            let residuals = optimised.residual.iter().zip(&residual);
+            let residuals = residuals.filter(|(integral, _)| apart(integral.description.region));
+            whole.extend(residuals.map(|(_, visit)| visit.clone()));
+            let tangents = optimised.tangent.iter().zip(&tangent);
+            let tangents = tangents.filter(|(integral, _)| apart(integral.description.region));
+            whole_tangent.extend(tangents.map(|(_, visit)| visit.clone()));
         }
         for (list, integrals, prefix) in
             [(&mut switches, &optimised.switches, "Switches"), (&mut density, &optimised.density, "Density")]
@@ -257,6 +267,10 @@ fn implementation(
         quote! {
             fn whole_residual<V: contract::LinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
                 #(#whole)*
+                Ok(())
+            }
+            fn whole_tangent<V: contract::BilinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
+                #(#whole_tangent)*
                 Ok(())
             }
         }

@@ -42,6 +42,8 @@ pub struct Optimised {
     /// On regions where several integrals of the residual depend on the unknowns, all of them as one.
     pub joined: Vec<LinearIntegral>,
     pub tangent: Vec<BilinearIntegral>,
+    /// On the same regions, all of the tangent as one.
+    pub joined_tangent: Vec<BilinearIntegral>,
     /// The tangent applied to a direction: the trial functions are fields as others are.
     pub action: Vec<LinearIntegral>,
     pub switches: Vec<ExpressionIntegral>,
@@ -132,6 +134,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         residual: vec![],
         joined: vec![],
         tangent: vec![],
+        joined_tangent: vec![],
         action: vec![],
         switches: vec![],
         density: densities(&density, &mut scalariser, &mut degrees),
@@ -147,7 +150,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         result.map_err(Failure::NotLinear)?;
         planned.switches.extend(switches);
     }
-    whole::plan(wholes, &mut graph, &mut planned).map_err(Failure::NotLinear)?;
+    whole::plan(wholes, from_energy, &mut graph, &entities, &mut planned).map_err(Failure::NotLinear)?;
     planned.graph = graph;
     if planned.graph.exhausted { Err(Failure::TooLarge) } else { Ok(planned) }
 }
@@ -295,31 +298,41 @@ fn plan_group(
         planned.action.extend(linear_integral(graph, description, test, &flux));
         for (trial, derivative) in &group.tangent {
             let derivative = without(graph, *derivative, &others);
-            let [this, other] = SidedField::on_sides(*trial);
-            for (trial, rest) in [(this, other), (other, this)] {
-                let density = without(graph, derivative, &[rest]);
-                let [first, second] = [test, trial].map(|function| &fields[function.field]);
-                let diagonal = matches!((first.role, second.role), (FieldRole::Test(a), FieldRole::Trial(b)) if a == b)
-                    && first.shape == second.shape
-                    && test.side == trial.side;
-                let components = [first, second].map(|field| field.shape.iter().product());
-                let form = Bilinear { density, test, trial, components, diagonal, from_energy };
-                let found = factor::plan(graph, &form, description, &setting).ok_or_else(not_linear)?;
-                if let Some(factor::Planned { plan, symmetric, candidates }) = found {
-                    let description = description.clone();
-                    planned.tangent.push(BilinearIntegral {
-                        description,
-                        test,
-                        trial,
-                        symmetric,
-                        plan,
-                        candidates,
-                    });
-                }
-            }
+            let integrals =
+                bilinear_integrals(graph, description, (test, *trial), derivative, from_energy, &setting);
+            planned.tangent.extend(integrals.ok_or_else(not_linear)?);
         }
     }
     Ok(())
+}
+
+/// The integrals of a test function and a trial function on both sides; `None` where they are not linear in them.
+fn bilinear_integrals(
+    graph: &mut Graph,
+    description: &Description,
+    (test, trial): (SidedField, usize),
+    derivative: Scalar,
+    from_energy: bool,
+    setting: &Setting,
+) -> Option<Vec<BilinearIntegral>> {
+    let mut integrals = Vec::new();
+    let [this, other] = SidedField::on_sides(trial);
+    for (trial, rest) in [(this, other), (other, this)] {
+        let density = without(graph, derivative, &[rest]);
+        let [first, second] = [test, trial].map(|function| &setting.fields[function.field]);
+        let diagonal = matches!((first.role, second.role), (FieldRole::Test(a), FieldRole::Trial(b)) if a == b)
+            && first.shape == second.shape
+            && test.side == trial.side;
+        let components = [first, second].map(|field| field.shape.iter().product());
+        let form = Bilinear { density, test, trial, components, diagonal, from_energy };
+        if let Some(factor::Planned { plan, symmetric, candidates }) =
+            factor::plan(graph, &form, description, setting)?
+        {
+            let description = description.clone();
+            integrals.push(BilinearIntegral { description, test, trial, symmetric, plan, candidates });
+        }
+    }
+    Some(integrals)
 }
 
 /// The test functions that a density holds, on the sides on which they stand.

@@ -1,4 +1,4 @@
-//! Residuals that are asked for as a whole: what [`super::Dependence`] keeps apart on a region, for Newton's method, is one
+//! Residuals and tangents that are asked for as a whole: what [`super::Dependence`] keeps apart on a region, for Newton's method, is one
 //! integral here, so that geometry and fields of a facet are computed once.
 
 use std::collections::BTreeMap;
@@ -6,14 +6,16 @@ use std::collections::BTreeMap;
 use super::degree::Degree;
 use super::linear::{Linear, SidedField, without};
 use super::scalar::{Graph, Scalar};
-use super::{Dependence, Description, Group, Optimised, linear_integral, tests};
+use super::{Dependence, Description, Group, Optimised, Setting, bilinear_integrals, linear_integral, tests};
+use crate::parse::syntax::Entity;
 use crate::tensor::{FieldInfo, FieldRole};
 
-/// The sum of a region's densities.
+/// The sum of a region's densities, and of their tangents per trial function.
 pub(super) struct Whole {
     region: usize,
     degree: Degree,
     density: Scalar,
+    tangent: BTreeMap<usize, Scalar>,
 }
 
 /// The regions on which at least two groups depend on the unknowns. None where the form has a history, whose points
@@ -35,22 +37,45 @@ pub(super) fn densities(groups: &[Group], fields: &[FieldInfo], graph: &mut Grap
         let densities: Vec<Scalar> = groups.iter().map(|group| group.density).collect();
         let degrees = groups.iter().map(|group| group.description.degree.clone());
         let degree = degrees.reduce(Degree::largest).unwrap_or_else(|| Degree::constant(0));
-        wholes.push(Whole { region, degree, density: graph.sum(&densities) });
+        let mut tangent = BTreeMap::new();
+        for (trial, derivative) in groups.iter().flat_map(|group| &group.tangent) {
+            let sum = match tangent.get(trial) {
+                Some(known) => graph.add(*known, *derivative),
+                None => *derivative,
+            };
+            tangent.insert(*trial, sum);
+        }
+        wholes.push(Whole { region, degree, density: graph.sum(&densities), tangent });
     }
     wholes
 }
 
 /// Splits each by test function. `Err` has the name of one in which a density is not linear, which `check` rules out.
-pub(super) fn plan(wholes: Vec<Whole>, graph: &mut Graph, planned: &mut Optimised) -> Result<(), String> {
-    for Whole { region, degree, density } in wholes {
+pub(super) fn plan(
+    wholes: Vec<Whole>,
+    from_energy: bool,
+    graph: &mut Graph,
+    entities: &[Entity],
+    planned: &mut Optimised,
+) -> Result<(), String> {
+    let fields = &planned.fields;
+    let setting = Setting { dimension: planned.dimension, fields, entities };
+    for Whole { region, degree, density, tangent } in wholes {
         let description = Description { region, dependence: Dependence::Nonlinear, degree };
-        let tests = tests(&planned.fields, density, graph);
+        let tests = tests(fields, density, graph);
         for test in tests.iter().copied() {
             let others: Vec<SidedField> = tests.iter().copied().filter(|other| *other != test).collect();
+            let not_linear = || fields[test.field].name.clone();
             let density = without(graph, density, &others);
-            let flux = Linear::new(graph, test).coefficients(density);
-            let flux = flux.ok_or_else(|| planned.fields[test.field].name.clone())?;
+            let flux = Linear::new(graph, test).coefficients(density).ok_or_else(not_linear)?;
             planned.joined.extend(linear_integral(graph, &description, test, &flux));
+            for (trial, derivative) in &tangent {
+                let derivative = without(graph, *derivative, &others);
+                let functions = (test, *trial);
+                let integrals =
+                    bilinear_integrals(graph, &description, functions, derivative, from_energy, &setting);
+                planned.joined_tangent.extend(integrals.ok_or_else(not_linear)?);
+            }
         }
     }
     Ok(())

@@ -268,22 +268,31 @@ impl Comparison<'_> {
         tally: &mut Tally,
     ) -> Result<(), Difference> {
         let [first, second] = &self.nodes;
-        let mut found = vec![0.0; test.components * trial.components];
-        for integral in self.on(&self.emitted.tangent, region) {
-            if (integral.test, integral.trial) == ((test.number, test.side), (trial.number, trial.side)) {
-                let block = bilinear(&integral.kernel, points, first, second);
-                found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
-            }
-        }
-        let rows: Vec<f64> =
-            found.chunks(trial.components).map(|row| dot(row, &trial.coefficients)).collect();
         let reference = |at: &Evaluator, point: usize| {
             let row = combination(&first[point], &test.coefficients);
             let column = combination(&second[point], &trial.coefficients);
             at.tangent(region, (test.field, test.side, &row), (trial.field, trial.side, &column))
         };
-        let what = format!("tangent {} {:?}, {} {:?}", test.number, test.side, trial.number, trial.side);
-        self.near(&what, dot(&rows, &test.coefficients), points, reference, tally)
+        let functions = ((test.number, test.side), (trial.number, trial.side));
+        for (name, integrals) in
+            [("tangent", &self.emitted.tangent), ("whole tangent", &self.emitted.whole_tangent)]
+        {
+            if integrals.is_empty() && name == "whole tangent" {
+                continue;
+            }
+            let mut found = vec![0.0; test.components * trial.components];
+            for integral in self.on(integrals, region) {
+                if (integral.test, integral.trial) == functions {
+                    let block = bilinear(&integral.kernel, points, first, second);
+                    found.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
+                }
+            }
+            let rows: Vec<f64> =
+                found.chunks(trial.components).map(|row| dot(row, &trial.coefficients)).collect();
+            let what = format!("{name} {} {:?}, {} {:?}", test.number, test.side, trial.number, trial.side);
+            self.near(&what, dot(&rows, &test.coefficients), points, reference, tally)?;
+        }
+        Ok(())
     }
 
     /// The action is the tangent with the directions for trial functions, on both sides at once.

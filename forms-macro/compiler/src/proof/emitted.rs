@@ -19,6 +19,7 @@ pub struct Function {
     pub residual: Vec<Integral>,
     /// Empty where it would be the residual's.
     pub whole_residual: Vec<Integral>,
+    pub whole_tangent: Vec<Integral>,
     pub tangent: Vec<Integral>,
     pub action: Vec<Integral>,
     /// The index of each unknown's direction among the fields.
@@ -160,6 +161,7 @@ fn read_function(module: &ItemMod) -> Function {
                 "residual" => &mut function.residual,
                 "whole_residual" => &mut function.whole_residual,
                 "tangent" => &mut function.tangent,
+                "whole_tangent" => &mut function.whole_tangent,
                 "action" => &mut function.action,
                 "fields" => {
                     function.directions = directions(&method.block);

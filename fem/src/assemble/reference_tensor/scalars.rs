@@ -1,0 +1,158 @@
+//! The reference tensor of forms whose block is a number.
+//!
+//! There are so few blocks of pairs of directions (three for gradients in the plane, six in space, for a symmetric form)
+//! that all of them stay in registers while the pairs of nodes pass: every pair takes every block, zeros included, which
+//! costs less than to look up which ones it needs.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
+
+use crate::assemble::walk::GroupSide;
+use crate::lanes::SimdLane;
+
+/// Axes of the reference cell, and the value: directions in which a basis function is known.
+pub(super) const fn directions<K: BilinearKernel<D>, const D: usize>() -> usize {
+    let gradients = if K::REQUIREMENTS.basis_gradient { D } else { 0 };
+    gradients + K::REQUIREMENTS.basis_value as usize
+}
+
+/// Blocks of pairs of directions (a, b); of a symmetric form those with a ≤ b.
+pub(super) const fn products<K: BilinearKernel<D>, const D: usize>() -> usize {
+    let directions = directions::<K, D>();
+    if K::SYMMETRIC { directions * (directions + 1) / 2 } else { directions * directions }
+}
+
+/// R_ab(i, j) for the pairs of nodes that are computed, pair after pair; of a symmetric form R_ab + R_ba.
+pub(super) fn coefficients<K: BilinearKernel<D>, const D: usize>(
+    side: &GroupSide<D>,
+    elements: [usize; 2],
+    weights: &[f64],
+    symmetric: bool,
+) -> Vec<f64> {
+    let [tests, trials] = elements.map(|element| components::<K, D>(side, element, weights.len()));
+    let directions = directions::<K, D>();
+    let mut coefficients = Vec::new();
+    for (i, test) in tests.chunks_exact(weights.len() * directions).enumerate() {
+        for (j, trial) in trials.chunks_exact(weights.len() * directions).enumerate() {
+            if symmetric && j < i {
+                continue;
+            }
+            let entry = |a: usize, b: usize| -> f64 {
+                let at = |(q, weight): (usize, &f64)| {
+                    weight * test[q * directions + a] * trial[q * directions + b]
+                };
+                weights.iter().enumerate().map(at).sum()
+            };
+            for a in 0..directions {
+                for b in if K::SYMMETRIC { a } else { 0 }..directions {
+                    let mirrored = if K::SYMMETRIC && a != b { entry(b, a) } else { 0.0 };
+                    coefficients.push(entry(a, b) + mirrored);
+                }
+            }
+        }
+    }
+    coefficients
+}
+
+/// Of each node and point, the basis function's slopes and value, as far as the kernel reads them.
+fn components<K: BilinearKernel<D>, const D: usize>(
+    side: &GroupSide<D>,
+    element: usize,
+    points: usize,
+) -> Vec<f64> {
+    let Requirements { basis_gradient, basis_value, .. } = K::REQUIREMENTS;
+    let table = &side.elements[element];
+    let mut components = Vec::new();
+    for node in 0..table.nodes {
+        for q in 0..points {
+            if basis_gradient {
+                components.extend(table.gradient[q * table.nodes + node]);
+            }
+            if basis_value {
+                components.push(table.value[q * table.nodes + node]);
+            }
+        }
+    }
+    components
+}
+
+/// The numbers of all pairs.
+#[inline(always)]
+pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+    kernel: &K,
+    cell: &K::Cell<L>,
+    coefficients: &[f64],
+    determinant: L,
+    inverse: &[[L; D]; D],
+    blocks: &mut [L],
+) {
+    // A constant block: only the case that is used is compiled.
+    match const { products::<K, D>() } {
+        1 => contract_products::<K, L, 1, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        3 => contract_products::<K, L, 3, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        4 => contract_products::<K, L, 4, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        6 => contract_products::<K, L, 6, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        9 => contract_products::<K, L, 9, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        10 => contract_products::<K, L, 10, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        16 => contract_products::<K, L, 16, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        _ => unreachable!("at most three axes and the value"),
+    }
+}
+
+#[inline(always)]
+fn contract_products<K: BilinearKernel<D>, L: SimdLane, const PRODUCTS: usize, const D: usize>(
+    kernel: &K,
+    cell: &K::Cell<L>,
+    coefficients: &[f64],
+    determinant: L,
+    inverse: &[[L; D]; D],
+    blocks: &mut [L],
+) {
+    let zero = L::splat(0.0);
+    let geometry =
+        PointGeometry { weight: determinant, position: [zero; D], normal: [zero; D], curvature: zero };
+    let point = kernel.point(cell, &geometry, &[]);
+    let hessian = [[zero; D]; D];
+    let mut products = [zero; PRODUCTS];
+    let directions = const { directions::<K, D>() };
+    let mut product = 0;
+    for a in 0..directions {
+        let test = kernel.test(&point, &direction::<K, L, D>(inverse, a), &hessian);
+        for b in if K::SYMMETRIC { a } else { 0 }..directions {
+            let trial = kernel.trial(&point, &direction::<K, L, D>(inverse, b), &hessian);
+            let mut sum = K::zero::<L>();
+            K::pair(&mut sum, &test, &trial);
+            products[product] = kernel.finish(cell, &sum).as_ref()[0];
+            product += 1;
+        }
+    }
+    let (coefficients, _) = coefficients.as_chunks::<PRODUCTS>();
+    let blocks = &mut blocks[..coefficients.len()];
+    for pair in 0..coefficients.len() {
+        let mut sum = products[0] * L::splat(coefficients[pair][0]);
+        for product in 1..PRODUCTS {
+            sum = products[product].multiply_add(L::splat(coefficients[pair][product]), sum);
+        }
+        blocks[pair] = sum;
+    }
+}
+
+/// A function whose derivative along one axis of the reference cell is one, or whose value is.
+#[inline(always)]
+fn direction<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+    inverse: &[[L; D]; D],
+    number: usize,
+) -> Basis<L, D> {
+    let zero = L::splat(0.0);
+    let mut basis = Basis { value: zero, gradient: [zero; D] };
+    if K::REQUIREMENTS.basis_gradient && number < D {
+        for i in 0..D {
+            basis.gradient[i] = inverse[i][number];
+        }
+    } else {
+        basis.value = L::splat(1.0);
+    }
+    basis
+}
