@@ -121,30 +121,36 @@ impl<P: Place> LaneWork for Fill<'_, '_, P> {
     #[inline(always)]
     fn run<L: SimdLane>(self) -> bool {
         let Fill { rows: Rows { cliques, around, begins, pointers, columns, seen }, places } = self;
-        let mapped = begins.len() - 1;
+        let (mapped, seen) = (begins.len() - 1, &mut seen[..]);
+        let mut row = vec![0; 64];
         for node in pointers.len() - 1..around.starts.len() - 1 {
-            let start = columns.len();
-            for &(clique, _) in around.node(node) {
-                for &column in cliques.columns[clique as usize] {
-                    let seen = &mut seen[column as usize].0;
-                    if *seen != node as u32 {
-                        *seen = node as u32;
-                        columns.push(column);
-                    }
+            let around = around.node(node);
+            let mut count = 0;
+            for &(clique, _) in around {
+                let own = cliques.columns[clique as usize];
+                if row.len() < count + own.len() {
+                    row.resize(2 * (count + own.len()), 0);
                 }
+                // Each is written behind the row, which grows only by those that are new: no branch to mispredict.
+                let behind = &mut row[count..][..own.len()];
+                let mut new = 0;
+                for k in 0..own.len() {
+                    let last = &mut seen[own[k] as usize].0;
+                    behind[new] = own[k];
+                    new += usize::from(*last != node as u32);
+                    *last = node as u32;
+                }
+                count += new;
             }
-            let row = &mut columns[start..];
-            if row.len() > P::LONGEST_ROW {
-                columns.truncate(start);
+            if count > P::LONGEST_ROW {
                 // No row has been seen: this one is made again.
                 seen.fill((u32::MAX, 0));
                 return false;
             }
-            sort(row);
-            for place in 0..row.len() {
-                seen[row[place] as usize].1 = place as u32;
-            }
-            for &(clique, i) in around.node(node) {
+            let start = columns.len();
+            columns.resize(start + count, 0);
+            sort(&mut row, count, &mut columns[start..], seen);
+            for &(clique, i) in around {
                 if (clique as usize) < mapped {
                     let columns = cliques.columns[clique as usize];
                     let first = begins[clique as usize] + i as usize * columns.len();
@@ -154,38 +160,50 @@ impl<P: Place> LaneWork for Fill<'_, '_, P> {
                     }
                 }
             }
-            pointers.push(columns.len());
+            pointers.push(start + count);
         }
         true
     }
 }
 
-/// Sorts different numbers.
+/// Sorts the first `count` numbers, all different, and notes the place of each. There are 64 at least.
 #[inline(always)]
-fn sort(row: &mut [u32]) {
-    match row.len() {
-        0..=16 => sort_by_rank::<16>(row),
-        17..=32 => sort_by_rank::<32>(row),
-        33..=64 => sort_by_rank::<64>(row),
-        _ => row.sort_unstable(),
+fn sort(numbers: &mut [u32], count: usize, sorted: &mut [u32], places: &mut [(u32, u32)]) {
+    match count {
+        0..=16 => sort_by_rank::<16>(numbers, count, sorted, places),
+        17..=32 => sort_by_rank::<32>(numbers, count, sorted, places),
+        33..=64 => sort_by_rank::<64>(numbers, count, sorted, places),
+        _ => {
+            numbers[..count].sort_unstable();
+            sorted.copy_from_slice(&numbers[..count]);
+            for place in 0..count {
+                places[sorted[place] as usize].1 = place as u32;
+            }
+        }
     }
 }
 
 /// Sorts at most LENGTH different numbers: the place of each is how many are smaller. That is many comparisons, but without
 /// a branch to mispredict, and several at a time.
 #[inline(always)]
-fn sort_by_rank<const LENGTH: usize>(row: &mut [u32]) {
-    let mut numbers = [u32::MAX; LENGTH];
-    numbers[..row.len()].copy_from_slice(row);
+fn sort_by_rank<const LENGTH: usize>(
+    numbers: &[u32],
+    count: usize,
+    sorted: &mut [u32],
+    places: &mut [(u32, u32)],
+) {
+    let numbers = &numbers[..LENGTH];
     let mut ranks = [0_u32; LENGTH];
-    for k in 0..row.len() {
+    for k in 0..count {
         let number = numbers[k];
+        // What stands behind the numbers gets a rank, too, which nothing reads.
         for other in 0..LENGTH {
             ranks[other] += u32::from(number < numbers[other]);
         }
     }
-    for k in 0..row.len() {
-        row[ranks[k] as usize] = numbers[k];
+    for k in 0..count {
+        sorted[ranks[k] as usize] = numbers[k];
+        places[numbers[k] as usize].1 = ranks[k];
     }
 }
 
@@ -195,12 +213,17 @@ mod tests {
 
     #[test]
     fn rows_of_every_length_are_sorted() {
-        for length in 0..100_u32 {
-            let mut row: Vec<u32> = (0..length).map(|k| k * 7_919 % 65_521).collect();
+        for length in 0..100_usize {
+            let mut row: Vec<u32> = (0..length as u32).map(|k| k * 7_919 % 65_521).collect();
             let mut expected = row.clone();
             expected.sort_unstable();
-            sort(&mut row);
-            assert_eq!(row, expected);
+            row.resize(length.max(64), 7);
+            let (mut sorted, mut places) = (vec![0; length], vec![(0, u32::MAX); 65_521]);
+            sort(&mut row, length, &mut sorted, &mut places);
+            assert_eq!(sorted, expected);
+            for (place, number) in expected.iter().enumerate() {
+                assert_eq!(places[*number as usize].1 as usize, place);
+            }
         }
     }
 

@@ -263,10 +263,13 @@ fn add_row<P: Place, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: 
         let (row, _) = row.as_chunks_mut::<BLOCK>();
         let (blocks, _) = blocks.as_chunks::<BLOCK>();
         for (place, values) in places.iter().zip(blocks) {
-            let sums = &mut row[place.index()];
+            // By way of copies: in place the compiler would add one number after the other.
+            let entry = &mut row[place.index()];
+            let mut sums = *entry;
             for k in 0..BLOCK {
                 sums[k] += values[k];
             }
+            *entry = sums;
         }
         return;
     }

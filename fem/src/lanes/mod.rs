@@ -119,14 +119,21 @@ pub(crate) struct Starts {
 }
 
 impl Starts {
-    /// Lists of one length, one after the other: those of `filled` cells from `first` on; other lanes repeat the
-    /// last.
+    /// Lists of one length, one after the other: those of `filled` cells from `first` on, in the lanes of a type; other
+    /// lanes repeat the last.
     #[inline(always)]
-    pub(crate) fn new(first: usize, filled: usize, length: usize) -> Self {
+    pub(crate) fn new<L: Lane>(first: usize, filled: usize, length: usize) -> Self {
         let (mut places, mut place) = ([first * length; WIDEST], first * length);
-        for lane in 1..WIDEST {
-            place += if lane < filled { length } else { 0 };
-            places[lane] = place;
+        if filled == L::WIDTH {
+            for lane in 1..L::WIDTH {
+                places[lane] = place + lane * length;
+            }
+            place += (L::WIDTH - 1) * length;
+        } else {
+            for lane in 1..L::WIDTH {
+                place += if lane < filled { length } else { 0 };
+                places[lane] = place;
+            }
         }
         Starts { places, largest: place }
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_size};
+use super::large_pages::zeros;
 use crate::threads::Threads;
 
 /// A real sparse matrix over the unknowns of several spaces: blocks of row components × column components on a
@@ -19,7 +20,7 @@ pub struct BlockMatrix {
 impl BlockMatrix {
     /// The zero matrix.
     pub fn zero(sparsity: &Arc<BlockSparsity>) -> Self {
-        BlockMatrix { sparsity: sparsity.clone(), values: vec![0.0; sparsity.entries()] }
+        BlockMatrix { sparsity: sparsity.clone(), values: zeros(sparsity.entries()) }
     }
 
     /// A matrix with these values at these positions.

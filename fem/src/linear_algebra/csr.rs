@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::error::{LinearAlgebraError, check_size};
+use super::large_pages::zeros;
 use super::pattern::SparsityPattern;
 use super::restriction::Entry;
 use crate::threads::Threads;
@@ -18,7 +19,7 @@ pub struct CsrMatrix {
 impl CsrMatrix {
     /// The zero matrix on a pattern.
     pub fn zero(pattern: &Arc<SparsityPattern>) -> Self {
-        Self { pattern: pattern.clone(), values: vec![0.0; pattern.entries()] }
+        Self { pattern: pattern.clone(), values: zeros(pattern.entries()) }
     }
 
     /// A matrix from a pattern and one value per stored entry.

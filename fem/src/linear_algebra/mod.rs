@@ -20,6 +20,7 @@ pub mod csr;
 pub mod error;
 pub mod gmres;
 pub mod krylov;
+mod large_pages;
 pub mod lu;
 pub mod minres;
 pub mod multigrid;

@@ -55,7 +55,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     else {
                         continue;
                     };
-                    let starts = Starts::new(start, self.filled, stride);
+                    let starts = Starts::new::<L>(start, self.filled, stride);
                     let coefficients = coefficients.chunks_exact_mut(slot.components);
                     for (node, target) in coefficients.enumerate() {
                         match target {

@@ -95,7 +95,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                 }
             }
             Cells::Given { coordinates, stride, offsets, .. } => {
-                let starts = Starts::new(start, filled, stride);
+                let starts = Starts::new::<L>(start, filled, stride);
                 let count = self.nodes.len();
                 let (nodes, offsets) = (&mut self.nodes[..count], &offsets[..count]);
                 for node in 0..count {
@@ -382,8 +382,9 @@ pub(in crate::assemble) fn surface<L: Lane, const D: usize>(
         square = normal[axis].multiply_add(normal[axis], square);
     }
     let length = square.sqrt();
+    let reciprocal = L::splat(1.0) / length;
     for axis in 0..D {
-        normal[axis] = normal[axis] / length;
+        normal[axis] = normal[axis] * reciprocal;
     }
     (length, normal)
 }

@@ -176,16 +176,10 @@ struct Matrices<'a, 'r, K, const D: usize> {
 /// Memory of the loops, whose types are known inside them.
 pub(in crate::assemble) type Kept = Option<Box<dyn Any + Send>>;
 
-/// The memory of a run before, if it was of the same type, or new memory.
+/// The memory of a run before, if it was of the same type, or new memory; to be put back after the run.
 #[inline(always)]
-pub(in crate::assemble) fn recall<T: Any + Send + Default>(memory: &mut Kept) -> &mut T {
-    if !memory.as_ref().is_some_and(|known| known.is::<T>()) {
-        *memory = Some(Box::new(T::default()));
-    }
-    match memory.as_mut().and_then(|known| known.downcast_mut::<T>()) {
-        Some(known) => known,
-        None => unreachable!("memory of this type was just put there"),
-    }
+pub(in crate::assemble) fn recall<T: Any + Send + Default>(memory: &mut Kept) -> Box<T> {
+    memory.take().and_then(|known| known.downcast().ok()).unwrap_or_default()
 }
 
 impl<K: BilinearKernel<D>, const D: usize> LaneWork for Matrices<'_, '_, K, D> {
@@ -193,9 +187,12 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Matrices<'_, '_, K, D> {
 
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
-        let buffers = recall::<MatrixBuffers<K, L, D>>(self.memory);
+        let mut buffers = recall::<MatrixBuffers<K, L, D>>(self.memory);
         let range = 0..self.count;
-        self.task.compute_in_lanes::<K, L>(self.kernel, self.order, range, buffers, self.receiver)
+        let done =
+            self.task.compute_in_lanes::<K, L>(self.kernel, self.order, range, &mut buffers, self.receiver);
+        *self.memory = Some(buffers);
+        done
     }
 }
 
@@ -213,8 +210,10 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Vectors<'_, '_, K, D> {
 
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
-        let buffers = recall::<VectorBuffers<L, D>>(self.memory);
-        let range = 0..self.count;
-        self.task.compute_in_lanes::<K, L>(self.kernel, Some(self.order), range, buffers, self.receiver)
+        let mut buffers = recall::<VectorBuffers<L, D>>(self.memory);
+        let (range, order) = (0..self.count, Some(self.order));
+        let done = self.task.compute_in_lanes::<K, L>(self.kernel, order, range, &mut buffers, self.receiver);
+        *self.memory = Some(buffers);
+        done
     }
 }

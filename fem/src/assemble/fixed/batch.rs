@@ -80,12 +80,12 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         buffers.prepare(requirements, tables);
         let mut nodes = S::GeometryNodes::filled([zero; D]);
         let count = nodes.entries().len();
-        let (offsets, starts) = (&listed.offsets[..count], Starts::new(start, filled, listed.stride));
+        let (offsets, starts) = (&listed.offsets[..count], Starts::new::<L>(start, filled, listed.stride));
         for node in 0..count {
             nodes.entries_mut()[node] = L::gather_from(listed.coordinates, &starts, offsets[node]);
         }
         if !requirements.fields.is_empty() {
-            let starts = Starts::new(start, filled, listed.coefficient_stride);
+            let starts = Starts::new::<L>(start, filled, listed.coefficient_stride);
             for index in 0..requirements.fields.len() {
                 let slot = &requirements.fields[index];
                 let Some(field) = &tables.fields[slot.field] else { continue };
@@ -204,23 +204,44 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
                 }
             }
         }
-        for index in 0..requirements.fields.len() {
-            let slot = &requirements.fields[index];
-            let Some(field) = &self.tables.fields[slot.field] else { continue };
-            let FieldBuffers { coefficients, fields } = &mut *buffers;
-            let coefficients = &coefficients[first_slot(requirements, index)][..];
-            let target = &mut fields[slot.offset..];
-            match slot.components {
-                1 => self.interpolate::<1>(slot, field, q, place, coefficients, target),
-                2 => self.interpolate::<2>(slot, field, q, place, coefficients, target),
-                _ => self.interpolate::<3>(slot, field, q, place, coefficients, target),
-            }
+        // One by one, so that each is compiled for its slot.
+        macro_rules! evaluate {
+            ($($index:literal)*) => {
+                $(if requirements.fields.len() > $index {
+                    self.evaluate_slot(requirements, $index, q, place, buffers);
+                })*
+            };
+        }
+        evaluate!(0 1 2 3);
+        for index in 4..requirements.fields.len() {
+            self.evaluate_slot(requirements, index, q, place, buffers);
         }
         PointGeometry {
             weight: place.measure * L::splat(self.tables.weights.entries()[q]),
             position,
             normal: place.normal,
             curvature: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_slot(
+        &self,
+        requirements: &Requirements,
+        index: usize,
+        q: usize,
+        place: &Place<L, D>,
+        buffers: &mut FieldBuffers<L>,
+    ) {
+        let slot = &requirements.fields[index];
+        let Some(field) = &self.tables.fields[slot.field] else { return };
+        let FieldBuffers { coefficients, fields } = buffers;
+        let coefficients = &coefficients[first_slot(requirements, index)][..];
+        let target = &mut fields[slot.offset..];
+        match slot.components {
+            1 => self.interpolate::<1>(slot, field, q, place, coefficients, target),
+            2 => self.interpolate::<2>(slot, field, q, place, coefficients, target),
+            _ => self.interpolate::<3>(slot, field, q, place, coefficients, target),
         }
     }
 

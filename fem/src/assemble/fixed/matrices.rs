@@ -50,7 +50,7 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedMatrices<
     #[inline(always)]
     fn run<L: SimdLane>(self) {
         let FixedTask { group, listed, .. } = self.task;
-        let buffers = recall::<Buffers<K, L, D>>(self.memory);
+        let mut buffers = recall::<Buffers<K, L, D>>(self.memory);
         let nodes = <S::Nodes<f64> as Array<f64>>::LENGTH;
         let pairs = if K::SYMMETRIC { nodes * (nodes + 1) / 2 } else { nodes * nodes };
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
@@ -64,12 +64,13 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedMatrices<
         let mut start = 0;
         while start < listed.count {
             let filled = L::WIDTH.min(listed.count - start);
-            self.task.blocks::<L>(start, filled, buffers);
+            self.task.blocks::<L>(start, filled, &mut buffers);
             let source = &Ordered::new(&buffers.blocks, self.order, size);
             let target = &mut self.target[start * size..][..filled * size];
             put_out(source, size, filled, target, self.add);
             start += filled;
         }
+        *self.memory = Some(buffers);
     }
 }
 

@@ -45,21 +45,22 @@ impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedVectors<'_,
     #[inline(always)]
     fn run<L: SimdLane>(self) {
         let listed = self.task.listed;
-        let buffers = recall::<Buffers<L>>(self.memory);
+        let mut buffers = recall::<Buffers<L>>(self.memory);
         let size = <S::Nodes<f64> as Array<f64>>::LENGTH * K::TEST_COMPONENTS;
         let mut start = 0;
         while start < listed.count {
             let filled = L::WIDTH.min(listed.count - start);
             match K::TEST_COMPONENTS {
-                1 => self.task.sums::<L, 1>(start, filled, buffers),
-                2 => self.task.sums::<L, 2>(start, filled, buffers),
-                _ => self.task.sums::<L, MOST_COMPONENTS>(start, filled, buffers),
+                1 => self.task.sums::<L, 1>(start, filled, &mut buffers),
+                2 => self.task.sums::<L, 2>(start, filled, &mut buffers),
+                _ => self.task.sums::<L, MOST_COMPONENTS>(start, filled, &mut buffers),
             }
             let source = &Ordered::new(&buffers.sums, self.order, size);
             let target = &mut self.target[start * size..][..filled * size];
             put_out(source, size, filled, target, self.add);
             start += filled;
         }
+        *self.memory = Some(buffers);
     }
 }
 

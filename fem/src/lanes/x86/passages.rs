@@ -170,6 +170,11 @@ impl SimdLane for Avx512 {
                 }
             }
             done = 8 * squares;
+            if done + 1 == count {
+                // SAFETY: each lane has room for `count` entries.
+                unsafe { store_last::<ADD>(source, done, row, stride) };
+                done = count;
+            }
             while let Some(first) = next_tile::<ADD>(done, count) {
                 let entry = |k: usize| std::ptr::from_ref(source.entry(first + k)).cast::<f64>();
                 let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
@@ -218,6 +223,27 @@ unsafe fn store_squares<const ADD: bool, const FETCH: bool>(
             }
             store_half_square::<ADD>(&entries, 0, rows, stride);
             store_half_square::<ADD>(&entries, 4, rows.add(4 * stride), stride);
+        }
+    }
+}
+
+/// Writes or adds one entry, lane by lane.
+///
+/// # Safety
+/// Each of eight rows of the target (`stride` apart) can be read and written at the entry's place.
+#[inline(always)]
+unsafe fn store_last<const ADD: bool>(
+    source: &(impl Entries<Avx512> + ?Sized),
+    k: usize,
+    target: *mut f64,
+    stride: usize,
+) {
+    let values = std::ptr::from_ref(source.entry(k)).cast::<f64>();
+    for lane in 0..8 {
+        // SAFETY: an entry is eight doubles, and each lane has room for entry k: the caller's contract.
+        unsafe {
+            let (value, row) = (*values.add(lane), target.add(lane * stride + k));
+            *row = if ADD { *row + value } else { value };
         }
     }
 }
@@ -274,6 +300,10 @@ unsafe fn gather_transposed<const COUNT: usize>(
     places: &[usize; WIDEST],
     offset: usize,
 ) -> [Avx512; COUNT] {
+    if const { COUNT == 2 } {
+        // SAFETY: the caller's contract: two entries are read from each place on.
+        return unsafe { gather_pairs(values.as_ptr().add(offset), places) };
+    }
     // Four lanes' entries each, transposed; what lies beyond the last entry is not read.
     let mask: __mmask8 = (1 << COUNT) - 1;
     let mut rows = [Avx2::splat(0.0); 8];
@@ -288,4 +318,27 @@ unsafe fn gather_transposed<const COUNT: usize>(
         entries[k] = simd!(Avx512(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[k].0), high[k].0)));
     }
     entries
+}
+
+/// The two entries from each lane's place on, and whatever in the other COUNT − 2.
+///
+/// # Safety
+/// From each place on, two doubles can be read.
+#[inline(always)]
+unsafe fn gather_pairs<const COUNT: usize>(values: *const f64, places: &[usize; WIDEST]) -> [Avx512; COUNT] {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe {
+        let pair = |lane: usize| _mm_loadu_pd(values.add(places[lane]));
+        // Lanes 0, 2, 4, 6 side by side, and 1, 3, 5, 7: what is left to do stays within pairs.
+        let mut halves = [_mm512_setzero_pd(); 2];
+        for odd in 0..2 {
+            let low = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(pair(odd)), pair(odd + 2));
+            let high = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(pair(odd + 4)), pair(odd + 6));
+            halves[odd] = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high);
+        }
+        let mut entries = [Avx512(halves[0]); COUNT];
+        entries[0] = Avx512(_mm512_unpacklo_pd(halves[0], halves[1]));
+        entries[1] = Avx512(_mm512_unpackhi_pd(halves[0], halves[1]));
+        entries
+    }
 }
