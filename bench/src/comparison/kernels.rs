@@ -44,7 +44,8 @@ impl KernelRow {
     }
 }
 
-/// Builds the plugin and gives its place.
+/// Builds the plugin and gives its place. It is asked for as what this program, an example, is linked with, which is
+/// built already: by itself it would be compiled once more, with other features of what it depends on.
 fn build() -> Result<PathBuf, ComparisonError> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
@@ -53,6 +54,8 @@ fn build() -> Result<PathBuf, ComparisonError> {
         "--release",
         "-p",
         "forms-bench",
+        "--example",
+        "compare_with_peers",
         "--message-format=json",
     ]);
     command.stderr(std::process::Stdio::inherit());

@@ -192,7 +192,7 @@ impl SimdLane for Avx512 {
 }
 
 /// Entries per lane from which eight lanes of results and the values they are made from do not fit the first cache.
-const BEYOND_THE_FIRST_CACHE: usize = 448;
+const BEYOND_THE_FIRST_CACHE: usize = 256;
 
 /// Writes the first `8 * squares` entries, lane by lane, or adds them, eight entries of eight lanes at a time. If FETCH,
 /// the lines that come next are asked for before they are written: otherwise the writes wait for them one after the other,
