@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use forms_fem::assemble::ElementCells;
+use forms_fem::assemble::{AssemblyError, ElementCells};
 
 use crate::element_batch::{Batch, BatchError};
 
@@ -41,6 +41,7 @@ pub type Prepare = fn(&[f64; CONSTANTS]) -> Result<(Lengths, Box<dyn Batch>), Ba
 /// As the plugin interface has it: A holds n element matrices, w and x the coefficients and coordinates of n cells,
 /// c three constants, entity the local facet (unless null).
 #[allow(clippy::too_many_arguments)]
+#[inline(always)]
 pub unsafe fn call(
     kept: &Kept,
     prepare: Prepare,
@@ -56,12 +57,9 @@ pub unsafe fn call(
     let mut kept = kept.borrow_mut();
     let ready = match &mut *kept {
         Some(ready) if ready.constants == constants => ready,
-        kept => match prepare(&constants) {
-            Ok((lengths, batch)) => kept.insert(Ready { constants, lengths, batch }),
-            Err(error) => {
-                eprintln!("{error}");
-                return;
-            }
+        kept => match make_ready(prepare, constants) {
+            Some(ready) => kept.insert(ready),
+            None => return,
         },
     };
     let count = n as usize;
@@ -84,7 +82,25 @@ pub unsafe fn call(
         (std::slice::from_raw_parts_mut(a, count * size), cells)
     };
     if let Err(error) = ready.batch.run(&cells, results) {
-        eprintln!("{error}");
-        results.fill(f64::NAN);
+        failed(&error, results);
     }
+}
+
+#[cold]
+#[inline(never)]
+fn make_ready(prepare: Prepare, constants: [f64; CONSTANTS]) -> Option<Ready> {
+    match prepare(&constants) {
+        Ok((lengths, batch)) => Some(Ready { constants, lengths, batch }),
+        Err(error) => {
+            eprintln!("{error}");
+            None
+        }
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn failed(error: &AssemblyError, results: &mut [f64]) {
+    eprintln!("{error}");
+    results.fill(f64::NAN);
 }

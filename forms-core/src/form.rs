@@ -195,12 +195,14 @@ pub trait Form<const D: usize> {
     fn residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
     /// Walks the same residual with one integral for all that [`Dependence`] keeps apart on a region where several
     /// integrals depend on the unknowns: each facet is visited once. Their degree is that of the highest.
+    #[inline]
     fn whole_residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error> {
         self.residual(visitor)
     }
     /// Walks the integrals of the tangent; those of [`Dependence::Constant`] do not appear.
     fn tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
     /// Walks the same tangent with one integral for all of a region, as [`Form::whole_residual`] does the residual.
+    #[inline]
     fn whole_tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error> {
         self.tangent(visitor)
     }
