@@ -22,6 +22,9 @@ mod shape_derivatives;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod vtk;
+mod vtk_errors;
+mod vtk_mutations;
 
 #[test]
 fn every_file_is_part_of_this_binary() {
