@@ -16,6 +16,7 @@ mod only_what_changes;
 mod owned_cells;
 mod positive_parts;
 mod related_unknowns;
+mod rotated_relations;
 mod second_derivatives;
 mod several_shapes;
 mod shape_derivatives;
