@@ -167,7 +167,7 @@ fn coincident<const D: usize>(mesh: &Mesh<D>, places: &[usize]) -> Option<Note> 
             first.get_or_insert([other, place]);
         }
     }
-    first.map(|pair| Note::Coincident { count, first: pair.map(|place| contents::point(place)) })
+    first.map(|pair| Note::Coincident { count, first: pair.map(contents::point) })
 }
 
 impl<const D: usize> Mesh<D> {
