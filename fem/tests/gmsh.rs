@@ -7,12 +7,12 @@ use forms_fem::mesh::gmsh::{GmshMesh, Note};
 use forms_fem::mesh::{Facet, Mesh, MeshError};
 use forms_fem::quadrature::cell_rule;
 
-fn path(name: &str) -> PathBuf {
+pub fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/meshes").join(name)
 }
 
 // Number of members, and sum of the coordinates of their vertices.
-fn sums<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(usize, [f64; 3]), MeshError> {
+pub fn sums<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(usize, [f64; 3]), MeshError> {
     let shape = |cell: u32| mesh.cell_shape(cell as usize);
     let mut total = [0.0; 3];
     let mut add = |cell: usize, vertices: &mut dyn Iterator<Item = usize>| {
@@ -122,7 +122,7 @@ fn nodes_stand_in_our_order() {
     assert!(largest_bend(&quarter) < sagitta + 1e-9);
 }
 
-fn volume<const D: usize>(mesh: &Mesh<D>) -> f64 {
+pub fn volume<const D: usize>(mesh: &Mesh<D>) -> f64 {
     let cell = |cell| -> f64 {
         let rule = cell_rule::<D>(mesh.cell_shape(cell), 8).unwrap();
         let points = rule.points.iter().zip(&rule.weights);
@@ -141,7 +141,7 @@ fn determinant<const D: usize>(a: &[[f64; D]; D]) -> f64 {
 }
 
 // Arcs become parabolas through their ends and midpoints: a triangle to the centre, and 2/3 of chord times sagitta.
-fn disk_of_parabolas(radius: f64, arcs: usize, angle: f64) -> f64 {
+pub fn disk_of_parabolas(radius: f64, arcs: usize, angle: f64) -> f64 {
     let half = 0.5 * angle / arcs as f64;
     let (sine, cosine) = half.sin_cos();
     radius * radius * arcs as f64 * (sine * cosine + 4.0 / 3.0 * sine * (1.0 - cosine))

@@ -461,7 +461,7 @@ fn notes() {
     assert_eq!(
         notes(more),
         [
-            "no cell uses 2 nodes, the first with the tag 8; they are left out",
+            "no cell uses 2 nodes, the first of which is node 8; they are left out",
             "the group \"wall\" has facets on the boundary and between cells; the latter are the region \"wall (interior)\"",
             "the group \"lid\" of curves has no elements",
             "the group \"tip\" of points is left out: regions hold cells and facets",

@@ -16,12 +16,16 @@ mod only_what_changes;
 mod owned_cells;
 mod positive_parts;
 mod related_unknowns;
+mod rotated_relations;
 mod second_derivatives;
 mod several_shapes;
 mod shape_derivatives;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod vtk;
+mod vtk_errors;
+mod vtk_mutations;
 
 #[test]
 fn every_file_is_part_of_this_binary() {

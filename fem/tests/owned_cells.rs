@@ -5,6 +5,8 @@ use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
 use forms_fem::solve::NonlinearProblem;
 
+use crate::several_shapes::patchwork;
+
 #[forms]
 mod terms {
     #[cells]
@@ -37,6 +39,17 @@ fn mesh() -> Arc<Mesh<2>> {
     Arc::new(rectangle([0.0; 2], [2.0, 1.0], [6, 3], CellShape::Quadrilateral, 1).unwrap())
 }
 
+/// One of quadrilaterals, and one of quadrilaterals and triangles, of which each share has some.
+fn meshes() -> [Arc<Mesh<2>>; 2] {
+    let mixed = patchwork(4, 1);
+    for cells in [&mixed.cell_order().cells()[..5], &mixed.cell_order().cells()[5..]] {
+        let shapes = [CellShape::Triangle, CellShape::Quadrilateral];
+        let has = |shape| cells.iter().any(|cell| mixed.cell_shape(*cell as usize) == shape);
+        assert!(shapes.into_iter().all(has));
+    }
+    [mesh(), Arc::new(mixed)]
+}
+
 /// Three assemblers on parts of unequal size, one of which owns no cell.
 fn shares(mesh: &Arc<Mesh<2>>) -> Vec<Assembler<2>> {
     let (first, last) = mesh.cell_order().cells().split_at(5);
@@ -66,82 +79,87 @@ fn products(matrix: &CsrMatrix) -> Vec<f64> {
 
 #[test]
 fn shares_of_cells_and_boundary_facets_add_up() {
-    let mesh = mesh();
-    let space = Space::vector(&mesh, 2).unwrap();
-    let u = wave(&space);
-    let (omega, wall) = (terms::Omega::on("all"), terms::Wall::on("boundary"));
-    let form = terms::body(&omega, &wall);
-    let energy = terms::energy(&omega, &wall, &u);
-    let whole = Assembler::new(&mesh);
-    let (mut residual, mut product, mut action, mut integral, mut active) = (vec![], vec![], vec![], 0.0, 0);
-    let mut entries = 0;
-    let count = |bits: Option<Vec<u32>>| bits.unwrap().iter().filter(|bits| **bits != 0).count();
-    for share in shares(&mesh) {
-        add(&mut residual, &share.residual(&form, &[&u], &[&space]).unwrap());
-        let tangent = share.tangent(&form, &[&u], &[&space]).unwrap();
-        add(&mut product, &products(&tangent));
-        entries = entries.max(tangent.values().len());
-        add(&mut action, &share.action(&form, &[&u], &[&u], &[&space]).unwrap());
-        integral += share.functional(&energy, &[]).unwrap();
-        active += count(share.active_set(&form, &[&u]).unwrap());
+    for mesh in meshes() {
+        let space = Space::vector(&mesh, 2).unwrap();
+        let u = wave(&space);
+        let (omega, wall) = (terms::Omega::on("all"), terms::Wall::on("boundary"));
+        let form = terms::body(&omega, &wall);
+        let energy = terms::energy(&omega, &wall, &u);
+        let whole = Assembler::new(&mesh);
+        let (mut residual, mut product, mut action, mut integral, mut active) =
+            (vec![], vec![], vec![], 0.0, 0);
+        let mut entries = 0;
+        let count = |bits: Option<Vec<u32>>| bits.unwrap().iter().filter(|bits| **bits != 0).count();
+        for share in shares(&mesh) {
+            add(&mut residual, &share.residual(&form, &[&u], &[&space]).unwrap());
+            let tangent = share.tangent(&form, &[&u], &[&space]).unwrap();
+            add(&mut product, &products(&tangent));
+            entries = entries.max(tangent.values().len());
+            add(&mut action, &share.action(&form, &[&u], &[&u], &[&space]).unwrap());
+            integral += share.functional(&energy, &[]).unwrap();
+            active += count(share.active_set(&form, &[&u]).unwrap());
+        }
+        let tangent = whole.tangent(&form, &[&u], &[&space]).unwrap();
+        assert_close(&residual, &whole.residual(&form, &[&u], &[&space]).unwrap());
+        assert_close(&product, &products(&tangent));
+        assert_close(&action, &whole.action(&form, &[&u], &[&u], &[&space]).unwrap());
+        assert_close(&[integral], &[whole.functional(&energy, &[]).unwrap()]);
+        assert_eq!(active, count(whole.active_set(&form, &[&u]).unwrap()));
+        assert!(active > 0 && entries < tangent.values().len());
     }
-    let tangent = whole.tangent(&form, &[&u], &[&space]).unwrap();
-    assert_close(&residual, &whole.residual(&form, &[&u], &[&space]).unwrap());
-    assert_close(&product, &products(&tangent));
-    assert_close(&action, &whole.action(&form, &[&u], &[&u], &[&space]).unwrap());
-    assert_close(&[integral], &[whole.functional(&energy, &[]).unwrap()]);
-    assert_eq!(active, count(whole.active_set(&form, &[&u]).unwrap()));
-    assert!(active > 0 && entries < tangent.values().len());
 }
 
 #[test]
 fn each_interior_facet_has_one_owner() {
-    let mesh = mesh();
-    let space = Space::discontinuous_scalar(&mesh, 1).unwrap();
-    let u = Field::interpolate(&space, |x: &[f64; 2]| x[0].exp() + x[1]).unwrap();
-    let form = terms::across(&terms::Inside::on("interior"));
-    let (mut residual, mut product) = (vec![], vec![]);
-    for share in shares(&mesh) {
-        add(&mut residual, &share.residual(&form, &[&u], &[&space]).unwrap());
-        add(&mut product, &products(&share.tangent(&form, &[&u], &[&space]).unwrap()));
+    for mesh in meshes() {
+        let space = Space::discontinuous_scalar(&mesh, 1).unwrap();
+        let u = Field::interpolate(&space, |x: &[f64; 2]| x[0].exp() + x[1]).unwrap();
+        let form = terms::across(&terms::Inside::on("interior"));
+        let (mut residual, mut product) = (vec![], vec![]);
+        for share in shares(&mesh) {
+            add(&mut residual, &share.residual(&form, &[&u], &[&space]).unwrap());
+            add(&mut product, &products(&share.tangent(&form, &[&u], &[&space]).unwrap()));
+        }
+        let whole = Assembler::new(&mesh);
+        assert_close(&residual, &whole.residual(&form, &[&u], &[&space]).unwrap());
+        assert_close(&product, &products(&whole.tangent(&form, &[&u], &[&space]).unwrap()));
     }
-    let whole = Assembler::new(&mesh);
-    assert_close(&residual, &whole.residual(&form, &[&u], &[&space]).unwrap());
-    assert_close(&product, &products(&whole.tangent(&form, &[&u], &[&space]).unwrap()));
 }
 
 /// The linear integrals once, the nonlinear ones at each iterate: both on the positions of the share.
 #[test]
 fn problems_of_shares_add_up_at_each_iterate() {
-    let mesh = mesh();
-    let space = Space::vector(&mesh, 2).unwrap();
-    let form = terms::contact(&terms::Omega::on("all"), &terms::Wall::on("boundary"));
-    let (shares, whole) = (shares(&mesh), Assembler::new(&mesh));
-    let mut problems: Vec<_> =
-        shares.iter().map(|share| FormProblem::new(&form, share, &space).unwrap()).collect();
-    let mut problem = FormProblem::new(&form, &whole, &space).unwrap();
-    let field = wave(&space);
-    for factor in [1.0, -2.0] {
-        let u: Vec<f64> = field.values().iter().map(|value| factor * value).collect();
-        let (mut residual, mut product) = (vec![], vec![]);
-        for share in &mut problems {
-            add(&mut residual, &share.residual(&u).unwrap());
-            add(&mut product, &products(&share.tangent(&u).unwrap().matrix.to_csr()));
+    for mesh in meshes() {
+        let space = Space::vector(&mesh, 2).unwrap();
+        let form = terms::contact(&terms::Omega::on("all"), &terms::Wall::on("boundary"));
+        let (shares, whole) = (shares(&mesh), Assembler::new(&mesh));
+        let mut problems: Vec<_> =
+            shares.iter().map(|share| FormProblem::new(&form, share, &space).unwrap()).collect();
+        let mut problem = FormProblem::new(&form, &whole, &space).unwrap();
+        let field = wave(&space);
+        for factor in [1.0, -2.0] {
+            let u: Vec<f64> = field.values().iter().map(|value| factor * value).collect();
+            let (mut residual, mut product) = (vec![], vec![]);
+            for share in &mut problems {
+                add(&mut residual, &share.residual(&u).unwrap());
+                add(&mut product, &products(&share.tangent(&u).unwrap().matrix.to_csr()));
+            }
+            assert_close(&residual, &problem.residual(&u).unwrap());
+            assert_close(&product, &products(&problem.tangent(&u).unwrap().matrix.to_csr()));
         }
-        assert_close(&residual, &problem.residual(&u).unwrap());
-        assert_close(&product, &products(&problem.tangent(&u).unwrap().matrix.to_csr()));
     }
 }
 
 #[test]
 fn projections_are_those_of_the_whole() {
-    let mesh = mesh();
-    let space = Space::scalar(&mesh, 1).unwrap();
-    let u = wave(&Space::vector(&mesh, 2).unwrap());
-    let square = terms::square(&u);
-    let whole = Assembler::new(&mesh).project(&square, &space).unwrap();
-    let share = shares(&mesh)[0].project(&square, &space).unwrap();
-    assert_eq!(whole.values(), share.values());
+    for mesh in meshes() {
+        let space = Space::scalar(&mesh, 1).unwrap();
+        let u = wave(&Space::vector(&mesh, 2).unwrap());
+        let square = terms::square(&u);
+        let whole = Assembler::new(&mesh).project(&square, &space).unwrap();
+        let share = shares(&mesh)[0].project(&square, &space).unwrap();
+        assert_eq!(whole.values(), share.values());
+    }
 }
 
 #[test]

@@ -35,6 +35,7 @@ mod identities;
 mod imported_operators;
 mod loaded_adjoint;
 mod operators_page;
+mod related_adjoint;
 mod separate_crate;
 mod shape_gradient;
 mod solver_paths;

@@ -8,6 +8,7 @@ mod error;
 mod generators;
 pub(crate) mod geometry;
 pub mod gmsh;
+mod imported;
 mod interior;
 #[cfg(test)]
 mod measures;
@@ -19,6 +20,7 @@ mod refine;
 mod regions;
 mod simplices;
 mod structured;
+pub mod vtk;
 
 use std::collections::BTreeMap;
 
@@ -37,6 +39,7 @@ pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
 pub use refine::{Surface, onto_sphere};
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
 pub use structured::{Grid, structured};
+pub use vtk::{VtkError, VtkMesh, VtkReader};
 
 /// A facet of a cell: the cell that owns it and its local number there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

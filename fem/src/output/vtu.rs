@@ -1,9 +1,10 @@
 //! `.vtu` files (VTK unstructured grid, XML), which ParaView and VisIt read.
 
+mod error;
+
 use std::io::Write;
 use std::path::Path;
 
-use thiserror::Error;
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer,
     UnstructuredGridPiece, Version, VertexNumbers, Vtk,
@@ -13,72 +14,10 @@ use super::atomic::write_whole;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::mesh::Mesh;
+use crate::mesh::vtk::kinds::nodes_in_order;
 use crate::space::Family;
 
-/// Why a `.vtu` file could not be written.
-#[derive(Debug, Error)]
-pub enum VtuError {
-    /// Data of the wrong length.
-    #[error("\"{name}\" has {found} values where {expected} are needed")]
-    Length {
-        /// Name of the data array.
-        name: String,
-        /// Number of values needed.
-        expected: usize,
-        /// Number of values given.
-        found: usize,
-    },
-    /// Values without components.
-    #[error("\"{name}\" has {components} components")]
-    Components {
-        /// Name of the data array.
-        name: String,
-        /// Number of components.
-        components: usize,
-    },
-    /// A value or a coordinate that is not a finite number.
-    #[error("value {index} of \"{name}\" is {value}")]
-    NotFinite {
-        /// Name of the data array.
-        name: String,
-        /// Number of the point or cell.
-        index: usize,
-        /// The value.
-        value: f64,
-    },
-    /// Two arrays of the same name at the points or at the cells.
-    #[error("there are two data arrays \"{name}\"")]
-    Twice {
-        /// Name of the data arrays.
-        name: String,
-    },
-    /// A field that has no values in cells.
-    #[error("the field \"{name}\" lives on the facets of \"{region}\" alone, and the file shows cells")]
-    OnFacets {
-        /// Name of the data array.
-        name: String,
-        /// The facet region of its space.
-        region: String,
-    },
-    /// A field on another mesh.
-    #[error("the field \"{name}\" lives on another mesh")]
-    OtherMesh {
-        /// Name of the data array.
-        name: String,
-    },
-    /// The data cannot be encoded.
-    #[error("the data cannot be encoded as .vtu: {reason}")]
-    Encoding {
-        /// What the encoder says.
-        reason: String,
-    },
-    /// The file cannot be written.
-    #[error("the .vtu file cannot be written: {source}")]
-    Write {
-        /// What the system says, with the name of the file.
-        source: std::io::Error,
-    },
-}
+pub use error::VtuError;
 
 /// A mesh and data on it, to be written as a `.vtu` file.
 ///
@@ -100,6 +39,8 @@ struct Array {
     name: String,
     components: usize,
     values: Vec<f64>,
+    /// Written as integers.
+    whole: bool,
 }
 
 impl<'a, const D: usize> VtuFile<'a, D> {
@@ -160,6 +101,32 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// name is taken.
     pub fn cell_data(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
         let array = Array::new::<D>(name, components, values, self.mesh.cell_count(), &self.cells)?;
+        self.cells.push(array);
+        Ok(self)
+    }
+
+    /// Adds regions of cells as an array "region" of whole numbers: 1 for the cells of the first region in the list, 2
+    /// for those of the second and so on, −1 for the cells of none. [`VtkReader`](crate::mesh::VtkReader) makes
+    /// regions of it again.
+    ///
+    /// # Errors
+    /// [`VtuError::Region`] if there is no such region of cells, or a cell belongs to two;
+    /// [`VtuError::Twice`] if there is an array "region".
+    pub fn regions(mut self, names: &[&str]) -> Result<Self, VtuError> {
+        let mut numbers = vec![-1.0; self.mesh.cell_count()];
+        for (region, number) in names.iter().zip(1_u32..) {
+            let problem = |reason: String| VtuError::Region { region: (*region).to_owned(), reason };
+            let cells = self.mesh.cell_region(region).map_err(|error| problem(error.to_string()))?;
+            for &cell in cells {
+                let before = std::mem::replace(&mut numbers[cell as usize], f64::from(number));
+                if before > 0.0 {
+                    let other = names[before as usize - 1];
+                    return Err(problem(format!("cell {cell} belongs to \"{other}\" too")));
+                }
+            }
+        }
+        let mut array = Array::new::<D>("region", 1, &numbers, self.mesh.cell_count(), &self.cells)?;
+        array.whole = true;
         self.cells.push(array);
         Ok(self)
     }
@@ -256,7 +223,7 @@ impl Array {
                 target[place] = value;
             }
         }
-        Ok(Array { name: name.into(), components: padded, values: all })
+        Ok(Array { name: name.into(), components: padded, values: all, whole: false })
     }
 
     fn attribute(&self) -> Attribute {
@@ -267,29 +234,27 @@ impl Array {
                 9 => ElementType::Tensors,
                 count => ElementType::Scalars { num_comp: count as u32, lookup_table: None },
             },
-            data: IOBuffer::F64(self.values.clone()),
+            data: match self.whole {
+                true => IOBuffer::I32(self.values.iter().map(|&value| value as i32).collect()),
+                false => IOBuffer::F64(self.values.clone()),
+            },
         })
     }
 }
 
-/// VTK's cell, and for each of its nodes the number of our node.
-///
-/// Vertices, edges and the centre stand in the same order; VTK's faces of the hexahedron are x = 0,
-/// x = 1, y = 0, y = 1, z = 0, z = 1 and ours z = 0, z = 1, y = 0, x = 1, y = 1, x = 0.
+/// VTK's cell, and for each of its points the number of our node.
 fn cell_type(shape: CellShape, degree: usize) -> (CellType, Vec<usize>) {
-    match (shape, degree) {
-        (CellShape::Triangle, 1) => (CellType::Triangle, (0..3).collect()),
-        (CellShape::Triangle, _) => (CellType::QuadraticTriangle, (0..6).collect()),
-        (CellShape::Quadrilateral, 1) => (CellType::Quad, (0..4).collect()),
-        (CellShape::Quadrilateral, _) => (CellType::BiquadraticQuad, (0..9).collect()),
-        (CellShape::Tetrahedron, 1) => (CellType::Tetra, (0..4).collect()),
-        (CellShape::Tetrahedron, _) => (CellType::QuadraticTetra, (0..10).collect()),
-        (CellShape::Hexahedron, 1) => (CellType::Hexahedron, (0..8).collect()),
-        (CellShape::Hexahedron, _) => {
-            let faces = [25, 23, 22, 24, 20, 21];
-            (CellType::TriquadraticHexahedron, (0..20).chain(faces).chain([26]).collect())
-        }
-    }
+    let cell_type = match (shape, degree) {
+        (CellShape::Triangle, 1) => CellType::Triangle,
+        (CellShape::Triangle, _) => CellType::QuadraticTriangle,
+        (CellShape::Quadrilateral, 1) => CellType::Quad,
+        (CellShape::Quadrilateral, _) => CellType::BiquadraticQuad,
+        (CellShape::Tetrahedron, 1) => CellType::Tetra,
+        (CellShape::Tetrahedron, _) => CellType::QuadraticTetra,
+        (CellShape::Hexahedron, 1) => CellType::Hexahedron,
+        (CellShape::Hexahedron, _) => CellType::TriquadraticHexahedron,
+    };
+    (cell_type, nodes_in_order(cell_type as u8))
 }
 
 #[cfg(test)]
@@ -405,6 +370,14 @@ mod tests {
         let file = VtuFile::new(&mesh);
         assert!(matches!(file.clone().cell_data("p", 1, &[]), Err(VtuError::Length { expected: 1, .. })));
         assert!(matches!(file.clone().cell_data("p", 0, &[]), Err(VtuError::Components { .. })));
+        assert_eq!(
+            file.clone().regions(&["all", "all"]).unwrap_err().to_string(),
+            "the region \"all\" has no number of its own: cell 0 belongs to \"all\" too"
+        );
+        assert_eq!(
+            file.clone().regions(&["steel"]).unwrap_err().to_string(),
+            "the region \"steel\" has no number of its own: there is no cell region \"steel\"; the mesh has \"all\""
+        );
         let twice = file.clone().cell_data("p", 1, &[0.0]).unwrap().cell_data("p", 1, &[0.0]);
         assert!(matches!(twice, Err(VtuError::Twice { .. })));
         let path = std::env::temp_dir().join("no such directory of forms-fem").join("mesh.vtu");

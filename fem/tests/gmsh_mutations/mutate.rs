@@ -1,10 +1,12 @@
 //! Mutations of files: bits, bytes, numbers, lines, pieces.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 /// Random numbers, the same at every run: SplitMix64 (Steele, Lea, Flood 2014).
-pub struct Random(u64);
+struct Random(u64);
 
 impl Random {
-    pub fn new(seed: u64) -> Self {
+    fn new(seed: u64) -> Self {
         Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
 
@@ -73,8 +75,40 @@ const VALUES: [u64; 14] = [
     u64::MAX,
 ];
 
+/// How many of so many mutated files a reader accepts; none may make it panic.
+pub fn accepted(corpus: &[Vec<u8>], mutations: u64, reads: impl Fn(&[u8]) -> bool + Sync) -> u64 {
+    let threads = std::thread::available_parallelism().map_or(1, |count| count.get()) as u64;
+    let start = std::time::Instant::now();
+    let run = |thread: u64| {
+        let mut accepted = 0;
+        for number in (thread..mutations).step_by(threads as usize) {
+            let mutated = mutate(corpus, &mut Random::new(number));
+            let read = catch_unwind(AssertUnwindSafe(|| reads(&mutated)));
+            accepted += u64::from(read.unwrap_or_else(|_| panic!("mutation {number} panics")));
+        }
+        accepted
+    };
+    let accepted: u64 = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|thread| {
+                scope.spawn({
+                    let run = &run;
+                    move || run(thread)
+                })
+            })
+            .collect();
+        workers.into_iter().map(|worker| worker.join().expect("no mutation panics")).sum()
+    });
+    println!(
+        "{mutations} mutated files: {accepted} read, {} refused, in {:.1} s",
+        mutations - accepted,
+        start.elapsed().as_secs_f64()
+    );
+    accepted
+}
+
 /// A file of the corpus with one to three changes.
-pub fn mutate(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+fn mutate(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let mut file = corpus[random.below(corpus.len())].clone();
     for _ in 0..1 + random.below(3) {
         if file.is_empty() {

@@ -18,7 +18,7 @@ fn rough(space: &Arc<Space<2>>) -> Field<2> {
 
 /// The unit square as n × n squares, of which every third is two triangles; cells begin at any of their vertices. Of
 /// degree 1 its vertices are moved at random, of degree 2 all its nodes by a smooth map, in both cases only inside.
-fn patchwork(n: usize, degree: usize) -> Mesh<2> {
+pub fn patchwork(n: usize, degree: usize) -> Mesh<2> {
     let [squares, triangles] = cells(n, degree);
     let blocks = vec![(CellShape::Quadrilateral, squares), (CellShape::Triangle, triangles)];
     with_names(Mesh::from_blocks(degree, nodes(n, degree), blocks).unwrap()).unwrap()

@@ -1,44 +1,7 @@
 //! Gmsh's element types, and the order in which they list their nodes.
 
 use crate::element::CellShape;
-
-/// A type of element.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct Kind {
-    /// The code in the file.
-    pub(super) code: u8,
-    pub(super) name: &'static str,
-    pub(super) dimension: usize,
-    pub(super) nodes: usize,
-    /// Number of vertices, which come first.
-    pub(super) vertices: usize,
-    /// The cells that it can be.
-    pub(super) cell: Option<Cell>,
-}
-
-/// A cell of a mesh.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct Cell {
-    pub(super) shape: CellShape,
-    pub(super) degree: usize,
-    /// For each of our nodes its place in Gmsh's list.
-    pub(super) order: &'static [u8],
-}
-
-const fn cell(shape: CellShape, degree: usize, order: &'static [u8]) -> Option<Cell> {
-    Some(Cell { shape, degree, order })
-}
-
-const fn kind(
-    code: u8,
-    name: &'static str,
-    dimension: usize,
-    nodes: usize,
-    vertices: usize,
-    cell: Option<Cell>,
-) -> Kind {
-    Kind { code, name, dimension, nodes, vertices, cell }
-}
+use crate::mesh::imported::{Kind, cell, kind};
 
 const KINDS: [Kind; 19] = [
     kind(15, "point", 0, 1, 1, None),
@@ -92,20 +55,18 @@ const KINDS: [Kind; 19] = [
     kind(14, "pyramid of 14 nodes", 3, 14, 5, None),
 ];
 
-impl Kind {
-    /// The type with a code, if it is of first or second order.
-    pub(super) fn of(code: i64) -> Option<&'static Kind> {
-        KINDS.iter().find(|kind| i64::from(kind.code) == code)
-    }
+/// The type with a code, if it is of first or second order.
+pub(super) fn of(code: i64) -> Option<&'static Kind> {
+    KINDS.iter().find(|kind| i64::from(kind.code) == code)
+}
 
-    /// What helps where a cell is not supported.
-    pub(super) fn advice(&self) -> &'static str {
-        match self.code {
-            16..=19 => {
-                "second-order cells need all their nodes (option Mesh.SecondOrderIncomplete = 0), and a mesh consists of \
-                 triangles, quadrilaterals, tetrahedra or hexahedra"
-            }
-            _ => "a mesh consists of triangles, quadrilaterals, tetrahedra or hexahedra",
+/// What helps where a cell is not supported.
+pub(super) fn advice(kind: &Kind) -> &'static str {
+    match kind.code {
+        16..=19 => {
+            "second-order cells need all their nodes (option Mesh.SecondOrderIncomplete = 0), and a mesh consists of \
+             triangles, quadrilaterals, tetrahedra or hexahedra"
         }
+        _ => "a mesh consists of triangles, quadrilaterals, tetrahedra or hexahedra",
     }
 }

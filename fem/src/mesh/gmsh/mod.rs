@@ -1,9 +1,6 @@
 //! Meshes from Gmsh's files: MSH 4.1 and 2.2, text and binary.
 
-mod cells;
-mod contents;
 mod error;
-mod facets;
 mod kinds;
 mod reader;
 mod sections;
@@ -13,9 +10,20 @@ mod version_4;
 use std::path::Path;
 
 use super::Mesh;
+use super::imported::{self, Words};
 use reader::Reader;
 
-pub use error::{GmshError, GmshProblem, Note, Place};
+pub use super::imported::{ImportProblem, Item, Note, Place};
+pub use error::{GmshError, GmshProblem};
+
+const WORDS: Words = Words {
+    node: "node",
+    element: "element",
+    unnamed: |dimension, tag| format!("physical {} {tag}", imported::entity(dimension)),
+    part: |surface| format!("surface {surface}"),
+    advice: kinds::advice,
+    bent: " (a second-order cell may bend too much: option Mesh.HighOrderOptimize, or smaller cells)",
+};
 
 /// A mesh from a file, and what is worth knowing of it.
 #[derive(Clone, Debug)]
@@ -52,12 +60,11 @@ impl<const D: usize> GmshMesh<D> {
         let contents = sections::read(&mut reader)?;
         // Cells and facets stand in this section.
         reader.section = Some("Elements".to_owned());
-        let mut notes = Vec::new();
-        let mut cells = cells::Cells::new(&reader, &contents, &mut notes)?;
-        cells.name_cells(&reader, &contents)?;
-        facets::name_facets(&mut cells, &reader, &contents, &mut notes)?;
-        facets::note_groups(&cells, &contents, D, &mut notes);
-        Ok(GmshMesh { mesh: cells.mesh, notes })
+        let imported = imported::import(&contents).map_err(|flaw| match flaw.at {
+            Some(at) => reader.error_at(at, flaw.problem.into()),
+            None => reader.error_of_file(flaw.problem.into()),
+        })?;
+        Ok(GmshMesh { mesh: imported.mesh, notes: imported.notes })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Numbers from the bytes of a file, written out or binary, and where each stands.
 
-use super::error::{GmshError, GmshProblem, Place};
+use super::error::{GmshError, GmshProblem};
+use crate::mesh::imported::{Place, shortened};
 
 /// How a file writes numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -193,9 +194,4 @@ impl<'a> Reader<'a> {
             None => Err(self.truncated(&mark)),
         }
     }
-}
-
-fn shortened(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(40)]);
-    if bytes.len() > 40 { format!("{text}…") } else { text.into_owned() }
 }

@@ -1,10 +1,10 @@
 //! From the bytes of a file to its contents, section by section.
 
-use super::contents::Contents;
 use super::error::{GmshError, GmshProblem};
 use super::reader::{Encoding, Reader};
 use super::version_4::Entities;
-use super::{version_2, version_4};
+use super::{WORDS, version_2, version_4};
+use crate::mesh::imported::Contents;
 
 type Result<T> = std::result::Result<T, GmshError>;
 
@@ -16,7 +16,7 @@ enum Version {
 
 /// Reads all sections. The reader knows the encoding afterwards.
 pub(super) fn read(reader: &mut Reader) -> Result<Contents> {
-    let mut contents = Contents::default();
+    let mut contents = Contents::new(&WORDS);
     let mut entities = Entities::default();
     let mut version = None;
     let mut seen: Vec<String> = Vec::new();

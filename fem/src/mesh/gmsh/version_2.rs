@@ -1,10 +1,10 @@
 //! The sections of MSH 2.2: numbers of nodes and elements are written out in either case, elements carry their
 //! tags themselves.
 
-use super::contents::{Contents, Element, Membership, Node};
 use super::error::{GmshError, GmshProblem};
-use super::kinds::Kind;
+use super::kinds;
 use super::reader::{Encoding, Item, Reader};
+use crate::mesh::imported::{Contents, Element, Kind, Membership, Node};
 
 type Result<T> = std::result::Result<T, GmshError>;
 
@@ -85,7 +85,7 @@ pub(super) fn elements(reader: &mut Reader, contents: &mut Contents) -> Result<(
 }
 
 fn known(reader: &Reader, at: usize, code: i64) -> Result<&'static Kind> {
-    Kind::of(code).ok_or_else(|| reader.error_at(at, GmshProblem::ElementType { code }))
+    kinds::of(code).ok_or_else(|| reader.error_at(at, GmshProblem::ElementType { code }))
 }
 
 fn number_of_tags(reader: &Reader, at: usize, tags: i64) -> Result<usize> {

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::contents::{Contents, Element, Membership, Node};
 use super::error::{GmshError, GmshProblem};
-use super::kinds::Kind;
+use super::kinds;
 use super::reader::{Item, Reader};
+use crate::mesh::imported::{Contents, Element, Membership, Node};
 
 type Result<T> = std::result::Result<T, GmshError>;
 
@@ -154,7 +154,7 @@ pub(super) fn elements(reader: &mut Reader, contents: &mut Contents, entities: &
         let code_at = reader.here();
         let code = reader.integer("an element type")?;
         let kind =
-            Kind::of(code).ok_or_else(|| reader.error_at(code_at, GmshProblem::ElementType { code }))?;
+            kinds::of(code).ok_or_else(|| reader.error_at(code_at, GmshProblem::ElementType { code }))?;
         if kind.dimension != dimension {
             let problem =
                 GmshProblem::BlockDimension { dimension, tag, kind: kind.name, found: kind.dimension };

@@ -3,18 +3,19 @@
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 
-use super::contents::{Contents, Element};
-use super::error::{GmshError, GmshProblem, Note};
+use super::contents::{Contents, Element, Node};
 use super::kinds::{Cell, Kind};
-use super::reader::Reader;
+use super::problem::{Flaw, ImportProblem, Note};
 use crate::element::{CellShape, Lagrange};
 use crate::mesh::{Mesh, MeshError};
 
-type Result<T> = std::result::Result<T, GmshError>;
+type Result<T> = std::result::Result<T, Flaw>;
 
 /// The mesh, and how its numbers belong to the file's tags.
 pub(super) struct Cells<const D: usize> {
     pub(super) mesh: Mesh<D>,
+    /// For each cell its place among the file's elements.
+    pub(super) elements: Vec<usize>,
     /// For each element of dimension D its cell: several elements can be one cell, one per group (MSH 2.2).
     cell_of_element: Vec<(usize, u32)>,
     /// For each of the file's nodes its number in the mesh; `u32::MAX` where no cell uses it.
@@ -29,16 +30,16 @@ pub(super) struct Tags {
 }
 
 impl Tags {
-    fn new(reader: &Reader, contents: &Contents) -> Result<Self> {
+    fn new(contents: &Contents) -> Result<Self> {
         if u32::try_from(contents.nodes.len()).is_err() {
-            return Err(reader.error_of_file(MeshError::TooLarge { what: "nodes" }.into()));
+            return Err(MeshError::TooLarge { what: "nodes" }.into());
         }
         let mut sorted: Vec<_> =
             contents.nodes.iter().enumerate().map(|(place, node)| (node.tag, place as u32)).collect();
         sorted.sort_unstable();
         if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
             let node = &contents.nodes[pair[1].1 as usize];
-            return Err(reader.error_at(node.at, GmshProblem::RepeatedNode { tag: node.tag }));
+            return Err(Flaw::at(node.at, ImportProblem::Repeated { item: contents.node(node.tag) }));
         }
         Ok(Tags { sorted })
     }
@@ -55,28 +56,34 @@ impl Tags {
     }
 }
 
-fn check_element_tags(reader: &Reader, contents: &Contents) -> Result<()> {
+fn check_element_tags(contents: &Contents) -> Result<()> {
     let mut sorted: Vec<_> = contents.elements.iter().map(|element| (element.tag, element.at)).collect();
     sorted.sort_unstable();
     match sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-        Some(pair) => Err(reader.error_at(pair[1].1, GmshProblem::RepeatedElement { tag: pair[1].0 })),
+        Some(pair) => Err(Flaw::at(pair[1].1, ImportProblem::Repeated { item: contents.element(pair[1].0) })),
         None => Ok(()),
     }
 }
 
 // For each entry of the elements' lists of nodes the node's place in the file's list.
-fn element_places(reader: &Reader, contents: &Contents, tags: &Tags) -> Result<Vec<u32>> {
+fn element_places(contents: &Contents, tags: &Tags) -> Result<Vec<u32>> {
     let mut places = Vec::with_capacity(contents.element_nodes.len());
     for element in &contents.elements {
         let nodes = contents.nodes_of(element);
         for (position, &node) in nodes.iter().enumerate() {
             let Some(place) = tags.find(node) else {
-                let problem = GmshProblem::MissingNode { element: element.tag, node };
-                return Err(reader.error_at(element.at, problem));
+                let problem = ImportProblem::MissingNode {
+                    element: contents.element(element.tag),
+                    node: contents.node(node),
+                };
+                return Err(Flaw::at(element.at, problem));
             };
             if nodes[..position].contains(&node) {
-                let problem = GmshProblem::NodeTwice { element: element.tag, node };
-                return Err(reader.error_at(element.at, problem));
+                let problem = ImportProblem::NodeTwice {
+                    element: contents.element(element.tag),
+                    node: contents.node(node),
+                };
+                return Err(Flaw::at(element.at, problem));
             }
             places.push(place as u32);
         }
@@ -91,18 +98,18 @@ struct Chosen<'a> {
     elements: Vec<(usize, &'a Element)>,
 }
 
-fn choose<'a>(reader: &Reader, contents: &'a Contents, dimension: usize) -> Result<Chosen<'a>> {
+fn choose<'a>(contents: &'a Contents, dimension: usize) -> Result<Chosen<'a>> {
     let highest = contents.elements.iter().map(|element| element.kind.dimension).max().unwrap_or(0);
     if highest < 2 {
-        return Err(reader.error_of_file(GmshProblem::NoCells));
+        return Err(ImportProblem::NoCells.into());
     }
     let elements = contents.elements.iter().enumerate();
     let mut cells: Vec<_> = elements.filter(|(_, element)| element.kind.dimension == highest).collect();
     let first = cells[0].1;
     if highest != dimension {
-        let (found, kind, element) = (highest, first.kind.name, first.tag);
-        let problem = GmshProblem::Dimension { found, asked: dimension, element, kind };
-        return Err(reader.error_at(first.at, problem));
+        let (found, kind, element) = (highest, first.kind.name, contents.element(first.tag));
+        let problem = ImportProblem::Dimension { found, asked: dimension, element, kind };
+        return Err(Flaw::at(first.at, problem));
     }
     let mut kinds: Vec<(&'static Kind, &'static Cell)> = Vec::with_capacity(2);
     for (_, element) in &cells {
@@ -120,17 +127,17 @@ fn choose<'a>(reader: &Reader, contents: &'a Contents, dimension: usize) -> Resu
                 continue;
             }
             (None, None) => {
-                let (kind, advice) = (kind.name, kind.advice());
-                GmshProblem::Unsupported { element: element.tag, kind, advice }
+                let (kind, advice) = (kind.name, (contents.words.advice)(kind));
+                ImportProblem::Unsupported { element: contents.element(element.tag), kind, advice }
             }
-            (_, Some(_)) => GmshProblem::Mixed {
+            (_, Some(_)) => ImportProblem::Mixed {
                 first: first.kind.name,
-                first_element: first.tag,
+                first_element: contents.element(first.tag),
                 second: kind.name,
-                second_element: element.tag,
+                second_element: contents.element(element.tag),
             },
         };
-        return Err(reader.error_at(element.at, problem));
+        return Err(Flaw::at(element.at, problem));
     }
     // The order within a type stays.
     cells.sort_by_key(|(_, element)| kinds.iter().position(|(kind, _)| kind.code == element.kind.code));
@@ -145,22 +152,25 @@ fn vertices(nodes: &[u32], kind: &Kind) -> [u32; 8] {
 }
 
 // MSH 2.2 lists a cell once for each of its groups; a cell that stands twice otherwise is a mistake.
-fn check_other_group(reader: &Reader, contents: &Contents, element: &Element, other: usize) -> Result<()> {
+fn check_other_group(contents: &Contents, element: &Element, other: usize) -> Result<()> {
     let other = &contents.elements[other];
     let (groups, others) = (&contents.membership(element).groups, &contents.membership(other).groups);
     if groups.is_empty() || others.is_empty() || groups.iter().any(|group| others.contains(group)) {
-        let problem = GmshProblem::SameCell { first: other.tag, second: element.tag };
-        return Err(reader.error_at(element.at, problem));
+        let problem = ImportProblem::SameCell {
+            first: contents.element(other.tag),
+            second: contents.element(element.tag),
+        };
+        return Err(Flaw::at(element.at, problem));
     }
     Ok(())
 }
 
 impl<const D: usize> Cells<D> {
-    pub(super) fn new(reader: &Reader, contents: &Contents, notes: &mut Vec<Note>) -> Result<Self> {
-        let tags = Tags::new(reader, contents)?;
-        check_element_tags(reader, contents)?;
-        let places = element_places(reader, contents, &tags)?;
-        let Chosen { kinds, elements } = choose(reader, contents, D)?;
+    pub(super) fn new(contents: &Contents, notes: &mut Vec<Note>) -> Result<Self> {
+        let tags = Tags::new(contents)?;
+        check_element_tags(contents)?;
+        let places = element_places(contents, &tags)?;
+        let Chosen { kinds, elements } = choose(contents, D)?;
         let places_of = |element: &Element| &places[element.start..element.start + element.kind.nodes];
 
         // Elements with the same vertices are one cell.
@@ -179,7 +189,7 @@ impl<const D: usize> Cells<D> {
                     let cell = *occupied.get();
                     let same = again.entry(cell).or_insert_with(|| vec![cells[cell as usize]]);
                     for &other in same.iter() {
-                        check_other_group(reader, contents, element, other)?;
+                        check_other_group(contents, element, other)?;
                     }
                     same.push(index);
                     cell_of_element.push((index, cell));
@@ -201,19 +211,20 @@ impl<const D: usize> Cells<D> {
             if *number == 0 {
                 *number = positions.len() as u32;
                 if node.position.iter().any(|x| !x.is_finite()) {
-                    let problem = GmshProblem::NotFinite { node: node.tag, position: node.position };
-                    return Err(reader.error_at(node.at, problem));
+                    let problem =
+                        ImportProblem::NotFinite { node: contents.node(node.tag), position: node.position };
+                    return Err(Flaw::at(node.at, problem));
                 }
                 positions.push(std::array::from_fn(|k| node.position[k]));
                 used.push(node);
             }
         }
         if D == 2 {
-            check_plane(reader, &used)?;
+            check_plane(contents, &used)?;
         }
         let unused = contents.nodes.iter().zip(&numbers).filter(|(_, number)| **number == u32::MAX);
         if let Some((first, _)) = unused.clone().next() {
-            notes.push(Note::UnusedNodes { count: unused.count(), first: first.tag });
+            notes.push(Note::UnusedNodes { count: unused.count(), first: contents.node(first.tag) });
         }
 
         let (mut blocks, mut entities) = (Vec::with_capacity(kinds.len()), Vec::with_capacity(cells.len()));
@@ -229,15 +240,11 @@ impl<const D: usize> Cells<D> {
         }
         let degree = kinds[0].1.degree;
         if D == 2 {
-            turn_clockwise_surfaces(degree, &positions, &mut blocks, &entities, notes);
+            turn_clockwise_surfaces(contents, &positions, (degree, &mut blocks), &entities, notes);
         }
-        let mesh = Mesh::from_blocks(degree, positions, blocks).map_err(|error| {
-            let element = |cell: usize| &contents.elements[cells[cell]];
-            in_tags(reader, error, degree == 2, &|cell| (element(cell).tag, element(cell).at), &|node| {
-                used[node].tag
-            })
-        })?;
-        Ok(Cells { mesh, cell_of_element, numbers, tags })
+        let mesh = Mesh::from_blocks(degree, positions, blocks)
+            .map_err(|error| in_tags(contents, error, degree == 2, &cells, &used))?;
+        Ok(Cells { mesh, elements: cells, cell_of_element, numbers, tags })
     }
 
     /// The number of a node in the mesh, if a cell uses it.
@@ -245,8 +252,13 @@ impl<const D: usize> Cells<D> {
         self.tags.find(tag).map(|place| self.numbers[place]).filter(|number| *number != u32::MAX)
     }
 
+    /// For each of the mesh's nodes its place in the file's list.
+    pub(super) fn nodes(&self) -> Vec<usize> {
+        (0..self.numbers.len()).filter(|&place| self.numbers[place] != u32::MAX).collect()
+    }
+
     /// Groups and partitions of cells become regions.
-    pub(super) fn name_cells(&mut self, reader: &Reader, contents: &Contents) -> Result<()> {
+    pub(super) fn name_cells(&mut self, contents: &Contents) -> Result<()> {
         let mut regions: BTreeMap<String, Vec<u32>> = BTreeMap::new();
         for &(element, cell) in &self.cell_of_element {
             let membership = contents.membership(&contents.elements[element]);
@@ -262,26 +274,25 @@ impl<const D: usize> Cells<D> {
             cells.dedup();
             // "all" may be named again.
             if self.mesh.cell_region(&name) != Ok(&cells) {
-                let named = self.mesh.name_listed_cells(&name, &cells);
-                named.map_err(|error| reader.error_of_file(error.into()))?;
+                self.mesh.name_listed_cells(&name, &cells)?;
             }
         }
         Ok(())
     }
 }
 
-fn check_plane(reader: &Reader, nodes: &[&super::contents::Node]) -> Result<()> {
+fn check_plane(contents: &Contents, nodes: &[&Node]) -> Result<()> {
     let first = nodes[0];
     let extent = nodes.iter().flat_map(|node| node.position.map(f64::abs)).fold(0.0, f64::max);
-    let z = |node: &super::contents::Node| node.position[2];
-    // Gmsh writes 16 digits.
+    let z = |node: &Node| node.position[2];
+    // Files are written with 16 digits.
     match nodes.iter().find(|node| (z(node) - z(first)).abs() > 1e-12 * extent) {
-        Some(other) => Err(reader.error_at(
+        Some(other) => Err(Flaw::at(
             other.at,
-            GmshProblem::NotPlane {
-                first: first.tag,
+            ImportProblem::NotPlane {
+                first: contents.node(first.tag),
                 first_z: z(first),
-                second: other.tag,
+                second: contents.node(other.tag),
                 second_z: z(other),
             },
         )),
@@ -289,11 +300,11 @@ fn check_plane(reader: &Reader, nodes: &[&super::contents::Node]) -> Result<()> 
     }
 }
 
-// Gmsh orients the cells of a surface alike, and clockwise where the surface's normal points down.
+// The cells of a surface are oriented alike, and clockwise where the surface's normal points down.
 fn turn_clockwise_surfaces<const D: usize>(
-    degree: usize,
+    contents: &Contents,
     nodes: &[[f64; D]],
-    blocks: &mut [(CellShape, Vec<u32>)],
+    (degree, blocks): (usize, &mut [(CellShape, Vec<u32>)]),
     entities: &[i64],
     notes: &mut Vec<Note>,
 ) {
@@ -337,29 +348,29 @@ fn turn_clockwise_surfaces<const D: usize>(
             }
         }
     }
-    notes.extend(surfaces.into_iter().map(|(surface, (cells, _))| Note::Turned { surface, cells }));
+    let part = |entity| (contents.words.part)(entity);
+    notes.extend(surfaces.into_iter().map(|(entity, (cells, _))| Note::Turned { part: part(entity), cells }));
 }
 
 // What a mesh says of its own numbers, said of the file's tags.
-fn in_tags(
-    reader: &Reader,
-    error: MeshError,
-    curved: bool,
-    element: &dyn Fn(usize) -> (u64, usize),
-    node_tag: &dyn Fn(usize) -> u64,
-) -> GmshError {
+fn in_tags(contents: &Contents, error: MeshError, curved: bool, cells: &[usize], nodes: &[&Node]) -> Flaw {
+    let element = |cell: usize| {
+        let element = &contents.elements[cells[cell]];
+        (contents.element(element.tag), element.at)
+    };
     match error {
         MeshError::Inverted { cell, determinant, position } => {
             let (element, at) = element(cell);
-            reader.error_at(at, GmshProblem::Inverted { element, determinant, position, curved })
+            let advice = if curved { contents.words.bent } else { "" };
+            Flaw::at(at, ImportProblem::Inverted { element, determinant, position, advice })
         }
         MeshError::SharedFacet { vertices, cells } => {
             let elements: Vec<_> = cells.into_iter().map(|cell| element(cell as usize)).collect();
             let at = elements.last().map_or(0, |(_, at)| *at);
-            let elements = elements.into_iter().map(|(tag, _)| tag).collect();
-            let nodes = vertices.into_iter().map(|node| node_tag(node as usize)).collect();
-            reader.error_at(at, GmshProblem::SharedFacet { nodes, elements })
+            let elements = elements.into_iter().map(|(item, _)| item).collect();
+            let nodes = vertices.into_iter().map(|node| contents.node(nodes[node as usize].tag)).collect();
+            Flaw::at(at, ImportProblem::SharedFacet { nodes, elements })
         }
-        other => reader.error_of_file(other.into()),
+        other => other.into(),
     }
 }

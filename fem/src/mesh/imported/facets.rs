@@ -4,11 +4,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::cells::Cells;
 use super::contents::{Contents, Element};
-use super::error::{GmshError, GmshProblem, Note};
-use super::reader::Reader;
+use super::problem::{Flaw, ImportProblem, Note};
 use crate::mesh::{Facet, Mesh};
 
-type Result<T> = std::result::Result<T, GmshError>;
+type Result<T> = std::result::Result<T, Flaw>;
 
 /// The sides of the facets that are asked for by their sorted vertices; of those that do not exist there are none.
 fn find_sides<const D: usize>(mesh: &Mesh<D>, sides: &mut HashMap<[u32; 4], Vec<Facet>>) {
@@ -46,7 +45,6 @@ struct Group {
 /// Groups of facets become regions.
 pub(super) fn name_facets<const D: usize>(
     cells: &mut Cells<D>,
-    reader: &Reader,
     contents: &Contents,
     notes: &mut Vec<Note>,
 ) -> Result<()> {
@@ -72,8 +70,9 @@ pub(super) fn name_facets<const D: usize>(
         for &group in &contents.membership(element).groups {
             let name = contents.group_name(D - 1, group);
             let Some((sides, numbers)) = found else {
-                let problem = GmshProblem::StrayFacet { element: element.tag, group: name };
-                return Err(reader.error_at(element.at, problem));
+                let problem =
+                    ImportProblem::StrayFacet { element: contents.element(element.tag), group: name };
+                return Err(Flaw::at(element.at, problem));
             };
             let group = groups.entry(name).or_default();
             match sides.as_slice() {
@@ -89,7 +88,7 @@ pub(super) fn name_facets<const D: usize>(
         }
     }
     for (name, group) in groups {
-        name_group(&mut cells.mesh, name, group, notes).map_err(|problem| reader.error_of_file(problem))?;
+        name_group(&mut cells.mesh, name, group, notes)?;
     }
     Ok(())
 }
@@ -99,9 +98,9 @@ fn name_group<const D: usize>(
     name: String,
     mut group: Group,
     notes: &mut Vec<Note>,
-) -> std::result::Result<(), GmshProblem> {
+) -> Result<()> {
     if mesh.cell_region(&name).is_ok() {
-        return Err(GmshProblem::NameTwice { name, cells: D });
+        return Err(ImportProblem::NameTwice { name, cells: D }.into());
     }
     group.exterior.sort_unstable();
     group.exterior.dedup();
@@ -121,23 +120,17 @@ fn name_group<const D: usize>(
 }
 
 /// Notes of groups that are no regions.
-pub(super) fn note_groups<const D: usize>(
-    cells: &Cells<D>,
-    contents: &Contents,
-    dimension: usize,
-    notes: &mut Vec<Note>,
-) {
+pub(super) fn note_groups<const D: usize>(mesh: &Mesh<D>, contents: &Contents, notes: &mut Vec<Note>) {
     let mut low = BTreeSet::new();
-    for element in contents.elements.iter().filter(|element| element.kind.dimension + 1 < dimension) {
+    for element in contents.elements.iter().filter(|element| element.kind.dimension + 1 < D) {
         for &group in &contents.membership(element).groups {
             low.insert((element.kind.dimension, contents.group_name(element.kind.dimension, group)));
         }
     }
-    let mesh = &cells.mesh;
     for (&(group, _), name) in &contents.names {
         let exists = match group {
-            _ if group == dimension => mesh.cell_region(name).is_ok(),
-            _ if group + 1 == dimension => mesh.sides_of(name).is_ok(),
+            _ if group == D => mesh.cell_region(name).is_ok(),
+            _ if group + 1 == D => mesh.sides_of(name).is_ok(),
             _ => low.contains(&(group, name.clone())),
         };
         if !exists {

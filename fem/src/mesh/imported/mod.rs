@@ -1,0 +1,38 @@
+//! From what a file says to a mesh with regions: the same for every format.
+//!
+//! A format's reader fills [`Contents`], with the file's own numbers; the kinds of cells are its own table. What is wrong
+//! with them is told in the file's words and numbers.
+
+mod cells;
+mod contents;
+mod facets;
+mod kinds;
+mod problem;
+
+use super::Mesh;
+
+pub(super) use contents::{Contents, Element, Membership, Node, Words};
+pub(super) use kinds::{Kind, cell, kind};
+pub(super) use problem::{Flaw, dimensions, entities, entity, shortened};
+pub use problem::{ImportProblem, Item, Note, Place};
+
+/// A mesh, and how its numbers belong to the file's.
+pub(super) struct Imported<const D: usize> {
+    pub(super) mesh: Mesh<D>,
+    pub(super) notes: Vec<Note>,
+    /// For each node of the mesh its place among [`Contents::nodes`].
+    pub(super) nodes: Vec<usize>,
+    /// For each cell of the mesh its place among [`Contents::elements`].
+    pub(super) cells: Vec<usize>,
+}
+
+/// The mesh that a file describes, its regions named.
+pub(super) fn import<const D: usize>(contents: &Contents) -> Result<Imported<D>, Flaw> {
+    let mut notes = Vec::new();
+    let mut cells = cells::Cells::new(contents, &mut notes)?;
+    cells.name_cells(contents)?;
+    facets::name_facets(&mut cells, contents, &mut notes)?;
+    facets::note_groups(&cells.mesh, contents, &mut notes);
+    let nodes = cells.nodes();
+    Ok(Imported { mesh: cells.mesh, notes, nodes, cells: cells.elements })
+}

@@ -1,0 +1,76 @@
+//! Why a `.vtu` file cannot be written.
+
+use thiserror::Error;
+
+/// Why a `.vtu` file could not be written.
+#[derive(Debug, Error)]
+pub enum VtuError {
+    /// Data of the wrong length.
+    #[error("\"{name}\" has {found} values where {expected} are needed")]
+    Length {
+        /// Name of the data array.
+        name: String,
+        /// Number of values needed.
+        expected: usize,
+        /// Number of values given.
+        found: usize,
+    },
+    /// Values without components.
+    #[error("\"{name}\" has {components} components")]
+    Components {
+        /// Name of the data array.
+        name: String,
+        /// Number of components.
+        components: usize,
+    },
+    /// A value or a coordinate that is not a finite number.
+    #[error("value {index} of \"{name}\" is {value}")]
+    NotFinite {
+        /// Name of the data array.
+        name: String,
+        /// Number of the point or cell.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// Two arrays of the same name at the points or at the cells.
+    #[error("there are two data arrays \"{name}\"")]
+    Twice {
+        /// Name of the data arrays.
+        name: String,
+    },
+    /// A field that has no values in cells.
+    #[error("the field \"{name}\" lives on the facets of \"{region}\" alone, and the file shows cells")]
+    OnFacets {
+        /// Name of the data array.
+        name: String,
+        /// The facet region of its space.
+        region: String,
+    },
+    /// A field on another mesh.
+    #[error("the field \"{name}\" lives on another mesh")]
+    OtherMesh {
+        /// Name of the data array.
+        name: String,
+    },
+    /// No region of cells, or one that holds a cell of another one.
+    #[error("the region \"{region}\" has no number of its own: {reason}")]
+    Region {
+        /// The region's name.
+        region: String,
+        /// Why.
+        reason: String,
+    },
+    /// The data cannot be encoded.
+    #[error("the data cannot be encoded as .vtu: {reason}")]
+    Encoding {
+        /// What the encoder says.
+        reason: String,
+    },
+    /// The file cannot be written.
+    #[error("the .vtu file cannot be written: {source}")]
+    Write {
+        /// What the system says, with the name of the file.
+        source: std::io::Error,
+    },
+}
