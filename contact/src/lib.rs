@@ -3,10 +3,11 @@
 //! solve them.
 //!
 //! [`operators`] are there to be imported into forms; [`nitsche`] holds the paper's equations. [`states`] solves direct → adjoint on any mesh;
-//! [`shape_gradient`] differentiates the criterion by the shape, as the volume form of the discrete problem; [`boundary_form`] is the paper's form on the boundary; [`hollow_cylinder`] is the paper's experiment; [`shape_problem`] hands contact to a descent of shapes, with the criteria of [`load_and_pressure`], too; [`threshold`] says when γ₀ is too small.
+//! [`shape_gradient`] differentiates the criterion by the shape, as the volume form of the discrete problem; [`boundary_form`] is the paper's form on the boundary; [`hollow_cylinder`] is the paper's experiment; [`hertz`] holds contacts with closed forms; [`shape_problem`] hands contact to a descent of shapes, with the criteria of [`load_and_pressure`], too; [`threshold`] says when γ₀ is too small.
 //! Nothing here knows an element or loops over cells.
 
 pub mod boundary_form;
+pub mod hertz;
 pub mod hollow_cylinder;
 pub mod load_and_pressure;
 pub mod nitsche;

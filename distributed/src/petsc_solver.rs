@@ -173,6 +173,48 @@ impl<'w> PetscSolver<'w> {
         Err(LinearAlgebraError::SizeMismatch { what, expected, found })
     }
 
+    /// The error with PETSc's reason and the residuals.
+    fn not_converged(&self, solver: Object) -> Result<SolverError, PetscError> {
+        let (mut text, mut values, mut count, mut iterations) = (null(), null(), 0, 0);
+        let mut history = vec![];
+        // SAFETY: PETSc writes a string of its own, and lends the list of residuals with its length.
+        let reason = unsafe {
+            call!(KSPGetConvergedReasonString(solver, &mut text))?;
+            call!(KSPGetIterationNumber(solver, &mut iterations))?;
+            if self.method != Method::Direct {
+                call!(KSPGetResidualHistory(solver, &mut values, &mut count))?;
+            }
+            if !values.is_null() {
+                history.extend_from_slice(std::slice::from_raw_parts(values, count.max(0) as usize));
+            }
+            if text.is_null() { "for no known reason".into() } else { CStr::from_ptr(text).to_string_lossy() }
+        };
+        let why = format!("stopped after {iterations} iterations: {reason}");
+        Ok(SolverError::Other { solver: self.method.name(), why, history })
+    }
+}
+
+impl LinearSolver for PetscSolver<'_> {
+    fn set_matrix(&mut self, share: CsrMatrix) -> Result<(), SolverError> {
+        let start = Instant::now();
+        let fit = self.check_size("the set of rows", share.rows());
+        self.world.agree(fit.and_then(|()| share.check_finite()))?;
+        // All processes tell their positions anew if one has to.
+        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&share));
+        let mut system = match self.system.take() {
+            Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,
+            Some(_) => self.new_system(&share)?,
+            None => self.new_system(&share)?,
+        };
+        system.matrix.assemble(&share)?;
+        let matrix = system.matrix.handle();
+        // SAFETY: handles of the system, which keeps both.
+        unsafe { call!(KSPSetOperators(system.solver, matrix, matrix))? };
+        self.system = Some(system);
+        self.report.assembly_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
     fn solve_side(
         &mut self,
         b: &[f64],
@@ -224,60 +266,6 @@ impl<'w> PetscSolver<'w> {
         self.report.largest_residual = self.report.largest_residual.max(relative_residual);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         Ok(LinearSolution { solution, relative_residual, iterations })
-    }
-
-    /// The error with PETSc's reason and the residuals.
-    fn not_converged(&self, solver: Object) -> Result<SolverError, PetscError> {
-        let (mut text, mut values, mut count, mut iterations) = (null(), null(), 0, 0);
-        let mut history = vec![];
-        // SAFETY: PETSc writes a string of its own, and lends the list of residuals with its length.
-        let reason = unsafe {
-            call!(KSPGetConvergedReasonString(solver, &mut text))?;
-            call!(KSPGetIterationNumber(solver, &mut iterations))?;
-            if self.method != Method::Direct {
-                call!(KSPGetResidualHistory(solver, &mut values, &mut count))?;
-            }
-            if !values.is_null() {
-                history.extend_from_slice(std::slice::from_raw_parts(values, count.max(0) as usize));
-            }
-            if text.is_null() { "for no known reason".into() } else { CStr::from_ptr(text).to_string_lossy() }
-        };
-        let why = format!("stopped after {iterations} iterations: {reason}");
-        Ok(SolverError::Other { solver: self.method.name(), why, history })
-    }
-}
-
-impl LinearSolver for PetscSolver<'_> {
-    fn set_matrix(&mut self, share: CsrMatrix) -> Result<(), SolverError> {
-        let start = Instant::now();
-        let fit = self.check_size("the set of rows", share.rows());
-        self.world.agree(fit.and_then(|()| share.check_finite()))?;
-        // All processes tell their positions anew if one has to.
-        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&share));
-        let mut system = match self.system.take() {
-            Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,
-            Some(_) => self.new_system(&share)?,
-            None => self.new_system(&share)?,
-        };
-        system.matrix.assemble(&share)?;
-        let matrix = system.matrix.handle();
-        // SAFETY: handles of the system, which keeps both.
-        unsafe { call!(KSPSetOperators(system.solver, matrix, matrix))? };
-        self.system = Some(system);
-        self.report.assembly_seconds += start.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, false)
-    }
-
-    fn solve_transposed(
-        &mut self,
-        b: &[f64],
-        absolute_tolerance: f64,
-    ) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, true)
     }
 }
 

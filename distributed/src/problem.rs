@@ -73,7 +73,7 @@ impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
         progress: &mut dyn FnMut(&NewtonStep),
     ) -> Result<Solved<D>, NewtonError<SharedAssemblyError>> {
         let u = start.values().to_vec();
-        let elimination = match elimination(constraints) {
+        let elimination = match Elimination::of(&[constraints]) {
             Ok(elimination) => elimination,
             Err(why) => return Err(NewtonError { why: NewtonFailure::Mismatch(why), history: vec![], u }),
         };
@@ -93,9 +93,8 @@ impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
         constraints: &Constraints<D>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Field<D>, SharedAffineError> {
-        let mut elimination = elimination(constraints)?;
-        let mut lifted = vec![0.0; elimination.size()];
-        elimination.impose(&mut lifted)?;
+        let mut elimination = Elimination::of(&[constraints])?;
+        let mut lifted = elimination.lifted()?;
         let rest = self.residual(&lifted)?;
         let rest: Vec<f64> = elimination.reduce(&rest)?.iter().map(|value| -value).collect();
         let tangent = self.tangent(&lifted)?;
@@ -107,12 +106,6 @@ impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
         let not_finite = |_| LinearAlgebraError::Inaccurate { backward_error: f64::NAN };
         Ok(Field::from_values(&self.space, lifted).map_err(not_finite)?)
     }
-}
-
-/// The constraints of a space as those of a system.
-fn elimination<const D: usize>(constraints: &Constraints<D>) -> Result<Elimination, LinearAlgebraError> {
-    Elimination::new(constraints.space().unknowns(), constraints.prescribed())?
-        .with_relations(constraints.relations().clone())
 }
 
 /// A functional of which each process integrates its share.

@@ -12,16 +12,13 @@ use std::error::Error;
 
 use clap::Parser;
 use forms_contact::forms;
-use forms_contact::states::{ContactProblem, Regions};
+use forms_contact::hertz::{CONTACT, CONTACT_CELLS, Hertz, in_space, quarter_place};
 use forms_contact::threshold::threshold;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::prelude::*;
 
-use bodies::{Body, RADIUS, WIDTH, graded};
+use bodies::Contact;
 
-const YOUNG: f64 = 200.0; // MPa
-const POISSON: f64 = 0.3;
-const PUSH: f64 = 0.05; // mm
 const DIVISIONS: usize = 12; // cells in each direction
 
 /// Presses an elastic body onto a rigid obstacle and compares the pressure with Hertz's.
@@ -29,41 +26,16 @@ const DIVISIONS: usize = 12; // cells in each direction
 #[command(version, name = "hertz")]
 struct Options {
     /// What is pressed onto what
-    body: Body,
+    body: Contact,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let body = Options::parse().body;
-    let mut mesh =
-        forms_fem::mesh::structured([DIVISIONS; 3], CellShape::Hexahedron, 2, |point| body.map(point))?;
-    mesh.name_facets("contact", "bottom", |centre| centre[0].max(centre[1]) < 0.75)?;
-    mesh.name_cells_of_facets("contact cells", "contact")?;
-    let mesh = Arc::new(mesh);
-    let space = Space::vector(&mesh, 2)?;
-    let mut constraints = Constraints::new(&space);
-    constraints.fix_component("left", 0, |_| 0.0)?;
-    constraints.fix_component("front", 1, |_| 0.0)?;
-    constraints.fix_component("top", 2, |_| -PUSH)?;
-
-    let (obstacle_normal, gap) = body.obstacle();
-    let data = forms::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta: -1.0,
-        gamma0: 10.0 * YOUNG,
-        extension: 0.0,
-        obstacle_normal,
-        gap,
-        body_force: Given::constant([0.0; 3]),
-        traction: Given::constant([0.0; 3]),
-        criterion_force: Given::constant([0.0; 3]),
-        criterion_weight: Given::constant(0.0),
-    };
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    let problem =
-        ContactProblem::new(assembler, &space, data, Regions::new("right", "contact"), constraints)?;
+    let contact = Options::parse().body;
+    let body = contact.body();
+    let problem = in_space(body, DIVISIONS)?;
+    let (mesh, space) = (problem.space.mesh(), &problem.space);
     // θ = −1 is stable for every γ₀; other variants would be warned about here.
-    if let Some(warning) = threshold(&problem, "contact cells")?.warning() {
+    if let Some(warning) = threshold(&problem, CONTACT_CELLS)?.warning() {
         eprintln!("warning: {warning}");
     }
     let mut solver = CondensedSolver::default();
@@ -77,29 +49,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{} unknowns, {path}, {count} of them", space.unknowns());
     }
 
-    // Hertz: a³ = 3PR/4E′, p = p0 √(1 − r²/a²).
     let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
     let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[])?;
-    let a = (3.0 * force * RADIUS * (1.0 - POISSON * POISSON) / (4.0 * YOUNG)).cbrt();
-    let p0 = 3.0 * force / (2.0 * std::f64::consts::PI * a * a);
-    let hertz = |r: f64| p0 * (1.0 - r * r / (a * a)).max(0.0).sqrt();
-    let pressure = forms::contact_pressure(data, &u);
-    let points = assembler.at_quadrature_points(&pressure, Entity::Facets, "contact", 8)?;
-    let (mut difference, mut whole) = (0.0, 0.0);
-    for ((x, weight), value) in points.positions.iter().zip(&points.weights).zip(&points.values) {
-        let r = x[0].hypot(x[1]);
-        difference += weight * (value[0] - hertz(r)).powi(2);
-        whole += weight * hertz(r).powi(2);
-    }
-    let error = (difference / whole).sqrt();
+    let hertz = Hertz::of_point(force);
+    let Hertz { reach: a, peak: p0 } = hertz;
+    let error = hertz.profile_error(&problem, &u)?;
     println!("force {force:.4} N, Hertz: radius of contact {a:.4} mm, pressure {p0:.3} MPa in the middle");
     println!("pressure profile: {:.2} % from Hertz in the L² norm", 100.0 * error);
 
     std::fs::create_dir_all("out")?;
-    let picture = |part: &str| format!("out/{}{part}.png", body.name());
+    let pressure = forms::contact_pressure(data, &u);
+    let picture = |part: &str| format!("out/{}{part}.png", contact.name());
     // Along the x axis, at the nodes.
-    let scalars = Space::scalar(&mesh, 2)?;
-    let on_body = assembler.at_facet_nodes(&pressure, "contact", &scalars)?;
+    let scalars = Space::scalar(mesh, 2)?;
+    let on_body = assembler.at_facet_nodes(&pressure, CONTACT, &scalars)?;
     let along = scalars
         .positions()
         .iter()
@@ -110,15 +73,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [radii, values] = [0, 1].map(|k| samples.iter().map(|sample| sample[k]).collect::<Vec<_>>());
     let line: Vec<f64> = (0..=200).map(|k| 1.2 * a * f64::from(k) / 200.0).collect();
     LinePlot::new()
-        .title(body.title())
+        .title(contact.title())
         .x_axis("distance from the axis [mm]", Scale::Linear)
         .y_axis("contact pressure [MPa]", Scale::Linear)
-        .curve(Curve::new("Hertz", &line, &line.iter().map(|r| hertz(*r)).collect::<Vec<_>>()))
+        .curve(Curve::new("Hertz", &line, &line.iter().map(|r| hertz.pressure(*r)).collect::<Vec<_>>()))
         .curve(Curve::new("computed, at nodes", &radii, &values).dashed())
         .write_png(picture(""))?;
 
     // Seen from below: the pressure on the deformed surface's plan.
-    let flat = |[s, t]: [f64; 2]| [WIDTH * graded(s), WIDTH * graded(t)];
+    let flat = |[s, t]: [f64; 2]| [quarter_place(s), quarter_place(t)];
     let plan = Arc::new(forms_fem::mesh::structured([DIVISIONS; 2], CellShape::Quadrilateral, 2, flat)?);
     let plan_space = Space::scalar(&plan, 2)?;
     let below =
@@ -133,7 +96,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // The plane of symmetry y = 0, deformed, each displacement as large as it is.
     let section = |[s, w]: [f64; 2]| {
-        let [x, _, z] = body.map([s, 0.0, w]);
+        let [x, _, z] = body.place([s, 0.0, w]);
         [x, z]
     };
     let section =
@@ -141,7 +104,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let section_space = Space::vector(&section, 2)?;
     let cut = section_space.positions().iter().map(|x| u.evaluate(&[x[0], 0.0, x[1]]).map(|u| [u[0], u[2]]));
     let cut = Field::from_values(&section_space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;
-    let (outline, obstacle) = body.outline();
+    let (outline, obstacle) = contact.outline();
     FieldMap::of(&cut, Shown::Component(1), "u_{z} [mm]")
         .length_unit("mm")
         .title("The plane y = 0")

@@ -27,7 +27,7 @@ const POISSON: f64 = 0.3;
 
 /// The rectangle.
 pub fn mesh(options: &Options) -> Outcome<Arc<Mesh<2>>> {
-    let cells = [10, 3].map(|count| count * options.cells_per_side);
+    let cells = [10, 3].map(|count| count * options.cells_per_side());
     let mut mesh = rectangle([0.0; 2], SIZE, cells, CellShape::Quadrilateral, 2)?;
     let above_support = |x: &[f64; 2]| x[0] > SUPPORT[0] * SIZE[0] && x[0] < SUPPORT[1] * SIZE[0];
     mesh.name_facets("contact", "bottom", above_support)?;

@@ -24,10 +24,11 @@ pub struct Options {
     /// Radius of a hole (cm)
     #[arg(long, value_name = "R", default_value_t = 2.0)]
     pub hole_radius: f64,
-    /// Cells along a side of a sector of the ring, a quarter of a hole; a tenth of the cantilever's length
-    #[arg(long, value_name = "N", default_value_t = 4)]
-    pub cells_per_side: usize,
-    /// Cells between a hole and the sides of its sector
+    /// Cells along a side of a sector of the ring, a quarter of a hole; a tenth of the cantilever's length [default: 4, 8 for
+    /// even-pressure]
+    #[arg(long, value_name = "N")]
+    cells_per_side: Option<usize>,
+    /// Cells between a hole and the sides of its sector [default: 4]
     #[arg(long, value_name = "N", default_value_t = 4)]
     pub layers: usize,
     /// What the moving boundary costs as it is at first, in units of the criterion: its length has a price, which
@@ -100,6 +101,15 @@ impl Options {
         })
     }
 
+    /// Cells along a side of a sector of the ring, or of a tenth of the cantilever's length. A pressure that is to become even
+    /// needs a contact zone of many cells.
+    pub fn cells_per_side(&self) -> usize {
+        self.cells_per_side.unwrap_or(match self.case {
+            Case::EvenPressure => 8,
+            _ => 4,
+        })
+    }
+
     /// How the descent goes.
     pub fn descent(&self) -> DescentOptions {
         let inner_product = InnerProduct { outline: self.smoothing, ..InnerProduct::elasticity(0.0) };
@@ -119,7 +129,7 @@ impl Options {
             "holes": self.holes,
             "rows": self.rows,
             "hole_radius": self.hole_radius,
-            "cells_per_side": self.cells_per_side,
+            "cells_per_side": self.cells_per_side(),
             "layers": self.layers,
             "outline_price": self.outline_price(),
         });

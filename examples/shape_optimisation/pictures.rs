@@ -14,6 +14,7 @@ use forms_fem::shape_optimisation::{history_picture, strip};
 use crate::Outcome;
 use crate::cantilever;
 use crate::options::{Case, Options};
+use crate::ring::EVEN_OVER;
 use crate::runs::Run;
 
 /// Samples per facet of curves and outlines.
@@ -149,13 +150,22 @@ fn outlines(mesh: &Mesh<2>) -> Outcome<Vec<Vec<[f64; 2]>>> {
     Ok(curves)
 }
 
-/// The contact pressure before and after.
+/// The contact pressure before and after; where its unevenness is the criterion, over its mean on the length L, for the force
+/// changes too and the criterion does not see it.
 fn pressures(runs: &[Run]) -> Outcome<Drawing> {
     let Some(first) = runs.first() else { return Err("no run".into()) };
-    let mut curves = vec![("initial shape".to_owned(), pressure(&first.start)?)];
+    let name = |name: &str, state: &ContactState<2>| match state.pressure {
+        Some(_) => format!("{name}: J = {:.4}", state.criterion),
+        None => name.to_owned(),
+    };
+    let mut curves = vec![(name("initial shape", &first.start), pressure(&first.start)?)];
     for run in runs {
-        curves.push((format!("optimal with {}", run.number), pressure(&run.end)?));
+        curves.push((name(&format!("optimal with {}", run.number), &run.end), pressure(&run.end)?));
     }
+    let axis = match first.start.pressure {
+        Some(_) => format!("pressure over its mean, p L/∫p, L = {EVEN_OVER} cm"),
+        None => "contact pressure [MPa]".to_owned(),
+    };
     let touched = || curves.iter().flat_map(|(_, curve)| curve).filter(|[_, p]| *p > 0.0).map(|[x, _]| *x);
     let (first, last) =
         (touched().fold(f64::INFINITY, f64::min), touched().fold(f64::NEG_INFINITY, f64::max));
@@ -163,7 +173,7 @@ fn pressures(runs: &[Run]) -> Outcome<Drawing> {
     let [low, high] = [first - margin, last + margin];
     let mut plot = LinePlot::new()
         .x_axis("x [cm]", Scale::Linear)
-        .y_axis("contact pressure [MPa]", Scale::Linear)
+        .y_axis(&axis, Scale::Linear)
         .x_range(low, high)
         .size(420.0, 260.0)
         .grid();
@@ -178,11 +188,12 @@ fn pressures(runs: &[Run]) -> Outcome<Drawing> {
 
 fn pressure(state: &ContactState<2>) -> Outcome<Vec<[f64; 2]>> {
     let (problem, u) = (&state.problem, &state.u);
+    let unit = state.pressure.map_or(1.0, |[force, _]| force / EVEN_OVER);
     let pressure = forms::contact_pressure(&problem.data, u);
     let samples = problem.assembler.along_facets_uniformly(&pressure, CONTACT, SAMPLES)?;
     let mut facets: Vec<Vec<[f64; 2]>> = samples
         .chunks(SAMPLES)
-        .map(|facet| facet.iter().map(|sample| [sample.position[0], sample.value[0]]).collect())
+        .map(|facet| facet.iter().map(|sample| [sample.position[0], sample.value[0] / unit]).collect())
         .collect();
     // The curve jumps where two facets meet: only whole facets may change places.
     facets.iter_mut().for_each(|facet| facet.sort_by(|a, b| a[0].total_cmp(&b[0])));

@@ -28,7 +28,7 @@ pub fn mesh(options: &Options) -> Outcome<Arc<Mesh<2>>> {
         rows: options.rows,
         holes_around: options.holes,
         hole_radius: options.hole_radius,
-        cells_per_side: options.cells_per_side,
+        cells_per_side: options.cells_per_side(),
         layers: options.layers,
         shape: CellShape::Quadrilateral,
         degree: 2,

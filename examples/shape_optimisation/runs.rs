@@ -57,7 +57,7 @@ impl Run {
         }
         let progress = Progress::new(name, options.steps);
         let mut hear = |report: &Report<ContactState<2>, 2>| {
-            progress.hear(report.state);
+            progress.hear(report.state, report.solved.criterion);
             logbook.write(report, &[("displacement", &report.solved.u)])
         };
         let best = descent.run(from, &mut hear)?;
@@ -79,14 +79,23 @@ impl Run {
     }
 }
 
-/// What came out, one line per run.
+/// What came out, one line per run: J alone, and with the outline's price, which is what the descent makes small.
 pub fn table(runs: &[Run]) -> String {
     let mut text = format!(
-        "{:<8}{:>14}{:>14}{:>10}{:>12}{:>10}{:>7}{:>9}  why it stopped\n",
-        "adjoint", "J at first", "J at last", "change", "volume off", "quality", "steps", "seconds"
+        "{:<8}{:>14}{:>14}{:>10}{:>14}{:>14}{:>12}{:>10}{:>7}{:>9}  why it stopped\n",
+        "adjoint",
+        "J at first",
+        "J at last",
+        "change",
+        "with price",
+        "at last",
+        "volume off",
+        "quality",
+        "steps",
+        "seconds"
     );
     for Run { number, state, seconds, start, end, .. } in runs {
-        let Some(last) = state.history.last() else { continue };
+        let [Some(first), Some(last)] = [state.history.first(), state.history.last()] else { continue };
         let finish = match &state.finish {
             Some(Finish::Converged) => "the derivative vanishes",
             Some(Finish::Stalled) => "hardly any decrease",
@@ -98,10 +107,12 @@ pub fn table(runs: &[Run]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{number:<8}{:>14.6}{:>14.6}{:>9.2}%{:>12.1e}{:>10.3}{:>7}{seconds:>9.1}  {finish}",
+            "{number:<8}{:>14.6}{:>14.6}{:>9.2}%{:>14.6}{:>14.6}{:>12.1e}{:>10.3}{:>7}{seconds:>9.1}  {finish}",
             start.criterion,
             end.criterion,
             100.0 * (end.criterion / start.criterion - 1.0),
+            first.criterion,
+            last.criterion,
             last.constraint.unwrap_or(0.0),
             last.quality,
             state.iterations()
@@ -130,14 +141,17 @@ impl Progress {
         Progress { bar, name }
     }
 
-    fn hear(&self, state: &DescentState) {
+    /// Tells of a step: J alone, and what the descent makes small, J with the outline's price.
+    fn hear(&self, state: &DescentState, alone: f64) {
         let Some(row) = state.history.last() else { return };
         let step = row.step.as_ref().map_or_else(String::new, |step| {
             format!(", moved {:.3} cm, derivative {:.2e}", step.longest_move, step.gradient_norm)
         });
         let volume = row.constraint.unwrap_or(0.0);
-        let text =
-            format!("J = {:.6}, volume off by {volume:.1e}, quality {:.2}{step}", row.criterion, row.quality);
+        let text = format!(
+            "J = {alone:.6}, with price {:.6}, volume off by {volume:.1e}, quality {:.2}{step}",
+            row.criterion, row.quality
+        );
         match &self.bar {
             Some(bar) => {
                 bar.set_position(state.iterations() as u64);

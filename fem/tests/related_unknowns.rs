@@ -102,9 +102,7 @@ fn reduced_residual_and_tangent_belong_together() {
     let (data, assembler) = (data(), Assembler::new(&mesh));
     let form = bodies::hardening(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
     let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    let mut elimination = Elimination::new(space.unknowns(), rollers.prescribed())
-        .and_then(|elimination| elimination.with_relations(rollers.relations().clone()))
-        .unwrap();
+    let mut elimination = Elimination::of(&[&rollers]).unwrap();
     let count = elimination.free().len();
     let at: Vec<f64> = (0..count).map(|k| 0.1 * (1.7 * k as f64).sin()).collect();
     let direction: Vec<f64> = (0..count).map(|k| 0.1 * (0.9 * k as f64 + 1.0).cos()).collect();
@@ -324,9 +322,7 @@ fn adjoint_states_of_a_rigid_body_give_the_derivative_by_the_load() {
         )
     };
     let (constraints, (start, tangent)) = (plate(space), residual(0.0));
-    let mut elimination = Elimination::new(space.unknowns(), constraints.prescribed())
-        .and_then(|elimination| elimination.with_relations(constraints.relations().clone()))
-        .unwrap();
+    let mut elimination = Elimination::of(&[&constraints]).unwrap();
     let solver = &mut TangentSolver::default();
     let adjoint =
         forms_fem::solve::solve_linear_transposed(&tangent.into(), &criterion, &mut elimination, solver)

@@ -3,7 +3,7 @@
 
 use crate::closed_forms::{HalfPlaneField, Potential};
 use crate::convergence::{digits, order};
-use crate::half_plane::{INTENSITY, direct_problem, error, material, mesh, on_sides, solve_direct};
+use crate::half_plane::{INTENSITY, error, material, on_sides, solved_direct};
 use crate::loaded_adjoint::adjoint;
 use forms_fem::prelude::*;
 
@@ -14,9 +14,7 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) ->
     let exact = HalfPlaneField { material: material(), potential: Potential::AdjointTransition(INTENSITY) };
     let mut h1 = vec![];
     for &divisions in divisions {
-        let mesh = mesh(shape, divisions);
-        let problem = direct_problem(&mesh, degree, theta);
-        let u = solve_direct(&problem);
+        let (problem, u) = solved_direct(shape, divisions, degree, theta);
         let data = adjoint::Data {
             lambda: problem.data.lambda,
             mu: problem.data.mu,

@@ -2,7 +2,7 @@
 //! lifts off for x > 0, solved by (14). u ∈ H^{5/2−ε}: H¹ order 3/2 with degree 2, and 1 with degree 1.
 
 use crate::convergence::{digits, order};
-use crate::half_plane::{INTENSITY, direct_problem, error, mesh, signorini_transition, solve_direct};
+use crate::half_plane::{INTENSITY, direct_problem, error, mesh, signorini_transition, solved_direct};
 use forms_contact::forms;
 use forms_contact::states::{ContactProblem, Regions};
 use forms_fem::prelude::*;
@@ -36,8 +36,7 @@ struct Measured {
 fn measure(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) -> Measured {
     let (mut h1, mut pressures, mut lengths) = (vec![], vec![], vec![]);
     for &divisions in divisions {
-        let problem = direct_problem(&mesh(shape, divisions), degree, theta);
-        let u = solve_direct(&problem);
+        let (problem, u) = solved_direct(shape, divisions, degree, theta);
         h1.push(error(&problem.assembler, &u, signorini_transition()).h1);
         pressures.push(pressure_error(&problem, &u));
         lengths.push((contact_length(&problem, &u) - CONTACT_LENGTH).abs());

@@ -1,6 +1,8 @@
 //! The volume form of the shape derivative with (21) against central differences of J_h, the direct problem solved anew
 //! on each moved mesh: on free, loaded, clamped and contact boundary, with u_D depending on x, for both conventions of h_T.
 
+use std::collections::BTreeMap;
+
 use forms_contact::forms;
 use forms_contact::shape_gradient::Diameters;
 use forms_contact::states::{Adjoint, ContactProblem, Regions};
@@ -92,16 +94,30 @@ fn problem(mesh: &Arc<Mesh<2>>, theta: f64) -> ContactProblem<2> {
     ContactProblem::new(assembler, &space, data(theta), Regions::new("loaded", "below"), constraints).unwrap()
 }
 
-fn options() -> NewtonOptions {
-    NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() }
+/// u, J_h and which points are in contact.
+struct Solution {
+    u: Field<2>,
+    criterion: f64,
+    active: Option<Vec<u32>>,
+    /// ‖R‖₂ at which Newton's method stops: rounding, where it starts from zero.
+    residual: f64,
 }
 
-/// J_h and which points are in contact, with diameters as they are, or as they were on another mesh.
-fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>) -> (f64, Field<2>, Option<Vec<u32>>) {
+/// With diameters as they are, or as they were on another mesh. Newton's method starts from zero, or near a solution.
+fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Option<&Solution>) -> Solution {
     let ContactProblem { assembler, space, data, regions, constraints, .. } = problem;
     let mut solver = TangentSolver::default();
-    let u = match before {
-        None => problem.solve_direct(&mut solver, &options(), &mut |_| ()).unwrap().result.field,
+    let start = near.map_or_else(
+        || Field::zero(space),
+        |near| Field::from_values(space, near.u.values().to_vec()).unwrap(),
+    );
+    let options = NewtonOptions {
+        relative_tolerance: 1e-13,
+        absolute_tolerance: near.map_or(1e-300, |near| near.residual),
+        ..NewtonOptions::default()
+    };
+    let solved = match before {
+        None => problem.solve_direct_from(&start, &mut solver, &options, &mut |_| ()).unwrap().result,
         Some(before) => {
             let cells = Space::discontinuous_scalar(space.mesh(), 0).unwrap();
             let mut gamma0 = vec![0.0; cells.unknowns()];
@@ -122,15 +138,14 @@ fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>) -> (f64, Fi
             let (omega, gamma_n) = (frozen::Omega::on("all"), frozen::GammaN::on("loaded"));
             let form = frozen::direct(&data, &omega, &gamma_n, &frozen::GammaC::on("below"));
             let mut problem = FormProblem::new(&form, assembler, space).unwrap();
-            problem
-                .solve(&Field::zero(space), constraints, &mut solver, &options(), &mut |_| ())
-                .unwrap()
-                .field
+            problem.solve(&start, constraints, &mut solver, &options, &mut |_| ()).unwrap()
         }
     };
+    let residual = near.map_or(1e-13 * solved.history[0].residual, |near| near.residual);
+    let u = solved.field;
     let criterion = forms::criterion(data, &regions.omega, &regions.boundary, &u);
     let active = assembler.active_set(&problem.direct_form(), &[&u]).unwrap();
-    (assembler.functional(&criterion, &[]).unwrap(), u, active)
+    Solution { criterion: assembler.functional(&criterion, &[]).unwrap(), u, active, residual }
 }
 
 /// A movement of the points near a place of the boundary, radially and around.
@@ -143,6 +158,10 @@ fn near(mesh: &Arc<Mesh<2>>, centre: [f64; 2]) -> Field<2> {
     Field::interpolate(&Space::of_geometry(mesh).unwrap(), movement).unwrap()
 }
 
+fn sample(solution: &Solution) -> Sample {
+    Sample { value: vec![solution.criterion], active_set: solution.active.clone() }
+}
+
 const PIECES: [(&str, [f64; 2]); 4] =
     [("free", [-2.1, 2.1]), ("loaded", [2.1, 2.1]), ("clamped", [-2.0, 0.0]), ("contact", [0.3, -3.0])];
 
@@ -152,33 +171,44 @@ fn with_the_discrete_adjoint_it_is_the_derivative_of_the_discrete_criterion() {
         let mesh = ring(shape, degree);
         for theta in [-1.0, 0.0, 1.0] {
             let here = problem(&mesh, theta);
-            let (_, u, active) = solve(&here, None);
+            let start = solve(&here, None, None);
+            let Solution { u, active, .. } = &start;
             let in_contact =
                 active.as_ref().map_or(0, |points| points.iter().filter(|point| **point > 0).count());
             assert!(in_contact > 3, "{in_contact} points in contact");
-            let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
+            let p = here.solve_adjoint(Adjoint::Discrete, u, &mut TangentSolver::default()).unwrap().result;
             for (diameters, before) in [(Diameters::Frozen, Some(&mesh)), (Diameters::Moving, None)] {
-                let gradient = here.shape_gradient(&u, &p, diameters, Some(&imposed_slope)).unwrap();
-                let kept = here.shape_gradient(&u, &p, diameters, None).unwrap();
+                let gradient = here.shape_gradient(u, &p, diameters, Some(&imposed_slope)).unwrap();
+                let kept = here.shape_gradient(u, &p, diameters, None).unwrap();
                 for (piece, centre) in PIECES {
                     let label = format!("{shape:?}, θ = {theta}, {diameters:?}, {piece}");
                     let along = near(&mesh, centre);
                     let found = gradient.along(&along).unwrap();
-                    let moved = |step: f64| {
-                        let (criterion, _, points) =
-                            solve(&problem(&along.move_mesh(step).unwrap(), theta), before);
-                        assert_eq!(points, active, "{label}: another active set at the step {step}");
-                        criterion
+                    // Differences and Taylor's test share steps.
+                    let mut known = BTreeMap::from([(0.0_f64.to_bits(), sample(&start))]);
+                    let mut moved = |step: f64| -> Sample {
+                        let at = || {
+                            let mesh = along.move_mesh(step).unwrap();
+                            sample(&solve(&problem(&mesh, theta), before, Some(&start)))
+                        };
+                        known.entry(step.to_bits()).or_insert_with(at).clone()
                     };
-                    let central = |step: f64| (moved(step) - moved(-step)) / (2.0 * step);
+                    let mut kept_active = |step: f64| {
+                        let Sample { value, active_set } = moved(step);
+                        assert_eq!(
+                            active_set, start.active,
+                            "{label}: another active set at the step {step}"
+                        );
+                        value[0]
+                    };
+                    let mut central = |step: f64| (kept_active(step) - kept_active(-step)) / (2.0 * step);
                     // Of fourth order, from two steps.
                     let difference = (4.0 * central(STEP) - central(2.0 * STEP)) / 3.0;
                     let relative = (found - difference).abs() / difference.abs();
                     println!("{label}: {found:.6e}, differences {difference:.6e}, relative {relative:.1e}");
                     assert!(relative < 1e-7, "{label}: {found} against {difference} ({relative:.1e})");
-                    let report = verification::shape(&along, 64.0 * STEP, found, |mesh| {
-                        let (criterion, _, active_set) = solve(&problem(mesh, theta), before);
-                        Ok::<_, MovementError>(Sample { value: vec![criterion], active_set })
+                    let report = verification::taylor(64.0 * STEP, &[found], |step| {
+                        Ok::<_, MovementError>(moved(step))
                     });
                     let report = report.unwrap();
                     report.second_order().unwrap_or_else(|failure| panic!("{label}: {failure}"));
@@ -196,7 +226,7 @@ fn with_the_discrete_adjoint_it_is_the_derivative_of_the_discrete_criterion() {
 fn diameters_matter_on_the_contact_boundary() {
     let mesh = ring(CellShape::Quadrilateral, 2);
     let here = problem(&mesh, 0.0);
-    let (_, u, _) = solve(&here, None);
+    let u = solve(&here, None, None).u;
     let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
     let [frozen, moving] = [Diameters::Frozen, Diameters::Moving]
         .map(|diameters| here.shape_gradient(&u, &p, diameters, None).unwrap());
@@ -223,13 +253,15 @@ fn with_split_facets_it_is_the_derivative_across_changes_of_the_contact_zone() {
         let mesh = ring(shape, degree);
         let split = |mesh: &Arc<Mesh<2>>| problem(mesh, theta).with_split_facets();
         let here = split(&mesh);
-        let (_, u, _) = solve(&here, None);
-        let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
-        let gradient = here.shape_gradient(&u, &p, Diameters::Moving, Some(&imposed_slope)).unwrap();
+        let start = solve(&here, None, None);
+        let u = &start.u;
+        let p = here.solve_adjoint(Adjoint::Discrete, u, &mut TangentSolver::default()).unwrap().result;
+        let gradient = here.shape_gradient(u, &p, Diameters::Moving, Some(&imposed_slope)).unwrap();
         for (piece, centre) in PIECES {
             let along = near(&mesh, centre);
             let found = gradient.along(&along).unwrap();
-            let moved = |step: f64| solve(&split(&along.move_mesh(step).unwrap()), None).0;
+            let moved =
+                |step: f64| solve(&split(&along.move_mesh(step).unwrap()), None, Some(&start)).criterion;
             let central = |step: f64| (moved(step) - moved(-step)) / (2.0 * step);
             let difference = (4.0 * central(STEP) - central(2.0 * STEP)) / 3.0;
             let relative = (found - difference).abs() / difference.abs();
@@ -237,7 +269,7 @@ fn with_split_facets_it_is_the_derivative_across_changes_of_the_contact_zone() {
             println!("{label}: {found:.6e}, differences {difference:.6e}, relative {relative:.1e}");
             assert!(relative < 1e-7, "{label}: {found} against {difference} ({relative:.1e})");
             let report = verification::shape(&along, 64.0 * STEP, found, |mesh| {
-                let value = vec![solve(&split(mesh), None).0];
+                let value = vec![solve(&split(mesh), None, Some(&start)).criterion];
                 Ok::<_, MovementError>(Sample { value, active_set: None })
             });
             report.unwrap().second_order().unwrap_or_else(|failure| panic!("{label}: {failure}"));

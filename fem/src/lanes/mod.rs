@@ -222,20 +222,35 @@ impl SimdLane for f64 {
 }
 
 impl InstructionSet {
+    const ALL: [InstructionSet; 4] =
+        [InstructionSet::Plain, InstructionSet::Neon, InstructionSet::Avx2, InstructionSet::Avx512];
+
     /// The best set of this machine; found once.
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| Self::available().into_iter().next_back().unwrap_or(InstructionSet::Plain))
     }
 
-    /// Those of this machine, from the plain one to the best.
+    /// Those of this machine that were compiled, from the plain one to the best.
     pub fn available() -> Vec<Self> {
-        use InstructionSet::{Avx2, Avx512, Neon, Plain};
-        [Plain, Neon, Avx2, Avx512].into_iter().filter(|set| set.is_available()).collect()
+        Self::ALL.into_iter().filter(|set| set.is_available()).collect()
     }
 
-    /// Whether this machine has it.
+    /// Whether this machine has it and it was compiled. Release builds have all sets of their target, debug builds the plain
+    /// one and the best of the machine they were built on.
     pub fn is_available(self) -> bool {
+        self.is_compiled() && self.is_of_machine()
+    }
+
+    fn is_compiled(self) -> bool {
+        match self {
+            InstructionSet::Avx2 => cfg!(not(without_avx2)),
+            InstructionSet::Avx512 => cfg!(not(without_avx512)),
+            InstructionSet::Plain | InstructionSet::Neon => true,
+        }
+    }
+
+    fn is_of_machine(self) -> bool {
         match self {
             InstructionSet::Plain => true,
             InstructionSet::Neon => cfg!(target_arch = "aarch64"),
@@ -257,13 +272,13 @@ impl InstructionSet {
         }
     }
 
-    /// This set if the machine has it, else the plain one.
+    /// This set if it is available, else the plain one.
     pub(crate) fn checked(self) -> Checked {
         Checked(if self.is_available() { self } else { InstructionSet::Plain })
     }
 }
 
-/// A set that the machine has.
+/// A set that is available.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Checked(InstructionSet);
 
@@ -273,10 +288,10 @@ impl Checked {
     pub(crate) fn run<W: LaneWork>(self, work: W) -> W::Output {
         match self.0 {
             // SAFETY: a checked set is one that the machine has.
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
             InstructionSet::Avx512 => unsafe { x86::run_avx512(work) },
             // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
             InstructionSet::Avx2 => unsafe { x86::run_avx2(work) },
             #[cfg(target_arch = "aarch64")]
             InstructionSet::Neon => neon::run_neon(work),

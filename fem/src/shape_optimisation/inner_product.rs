@@ -113,8 +113,7 @@ impl InnerProduct {
         let zero = Field::zero(movements);
         let assembler = Assembler::new(movements.mesh());
         assembler.add_tangent(&form, &[&zero], &[movements], Parts::ALL, &pattern, &mut matrix)?;
-        let mut elimination = Elimination::new(movements.unknowns(), held.prescribed())?
-            .with_relations(held.relations().clone())?;
+        let mut elimination = Elimination::of(&[held])?;
         let mut solver = TangentSolver::default();
         let solve = |functional: &&[f64]| {
             Ok(solve_linear(&matrix, functional, &mut elimination, &mut solver)?.solution)

@@ -231,58 +231,6 @@ impl CondensedSolver {
         self.current = Some(Current::Fallback);
         Ok(())
     }
-
-    fn solve_side(
-        &mut self,
-        b: &[f64],
-        tolerance: f64,
-        transposed: bool,
-    ) -> Result<LinearSolution, SolverError> {
-        let (matrix, dense) = match &self.current {
-            None => return Err(SolverError::NoMatrix),
-            Some(Current::Fallback) if transposed => return self.fallback.solve_transposed(b, tolerance),
-            Some(Current::Fallback) => return self.fallback.solve(b, tolerance),
-            Some(Current::Condensed { matrix, dense }) => (matrix, dense),
-        };
-        let Some(condensation) = &self.condensation else { return Err(SolverError::NoMatrix) };
-        crate::linear_algebra::error::check_size("the right-hand side", matrix.base.rows(), b.len())?;
-        crate::linear_algebra::error::check_finite("the right-hand side", b)?;
-        let start = Instant::now();
-        let scale = norm(b);
-        let mut x = condensation.solve(b, dense.as_ref(), transposed)?;
-        let mut rest = residual(matrix, &x, b, transposed)?;
-        let mut relative_residual = if scale == 0.0 { 0.0 } else { norm(&rest) / scale };
-        for _ in 0..REFINEMENTS {
-            if relative_residual <= ACCURATE || relative_residual * scale <= tolerance {
-                break;
-            }
-            let change = condensation.solve(&rest, dense.as_ref(), transposed)?;
-            let candidate: Vec<f64> = x.iter().zip(&change).map(|(x, change)| x + change).collect();
-            let next = residual(matrix, &candidate, b, transposed)?;
-            let next_relative = norm(&next) / scale;
-            if next_relative >= relative_residual {
-                break;
-            }
-            let stalled = next_relative > 0.5 * relative_residual;
-            (x, rest, relative_residual) = (candidate, next, next_relative);
-            if stalled {
-                break;
-            }
-        }
-        self.report.solve_seconds += start.elapsed().as_secs_f64();
-        let accepted = relative_residual <= ACCEPTED
-            || largest(&rest) <= BACKWARD * (matrix.base.row_sum_norm() * largest(&x) + largest(b));
-        if accepted {
-            self.report.solves += 1;
-            self.report.path = Some(SolverPath::Condensed);
-            self.report.iterations.push(0);
-            self.report.largest_residual = self.report.largest_residual.max(relative_residual);
-            return Ok(LinearSolution { solution: x, relative_residual, iterations: 0 });
-        }
-        let matrix = matrix.to_matrix()?;
-        self.fall_back(matrix)?;
-        self.solve_side(b, tolerance, transposed)
-    }
 }
 
 /// What entries of T add to those of K.
@@ -372,16 +320,55 @@ impl LinearSolver for CondensedSolver {
         (self.linear_part.is_some() && !self.refused).then_some(self)
     }
 
-    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, false)
-    }
-
-    fn solve_transposed(
+    fn solve_side(
         &mut self,
         b: &[f64],
-        absolute_tolerance: f64,
+        tolerance: f64,
+        transposed: bool,
     ) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, true)
+        let (matrix, dense) = match &self.current {
+            None => return Err(SolverError::NoMatrix),
+            Some(Current::Fallback) => return self.fallback.solve_side(b, tolerance, transposed),
+            Some(Current::Condensed { matrix, dense }) => (matrix, dense),
+        };
+        let Some(condensation) = &self.condensation else { return Err(SolverError::NoMatrix) };
+        crate::linear_algebra::error::check_size("the right-hand side", matrix.base.rows(), b.len())?;
+        crate::linear_algebra::error::check_finite("the right-hand side", b)?;
+        let start = Instant::now();
+        let scale = norm(b);
+        let mut x = condensation.solve(b, dense.as_ref(), transposed)?;
+        let mut rest = residual(matrix, &x, b, transposed)?;
+        let mut relative_residual = if scale == 0.0 { 0.0 } else { norm(&rest) / scale };
+        for _ in 0..REFINEMENTS {
+            if relative_residual <= ACCURATE || relative_residual * scale <= tolerance {
+                break;
+            }
+            let change = condensation.solve(&rest, dense.as_ref(), transposed)?;
+            let candidate: Vec<f64> = x.iter().zip(&change).map(|(x, change)| x + change).collect();
+            let next = residual(matrix, &candidate, b, transposed)?;
+            let next_relative = norm(&next) / scale;
+            if next_relative >= relative_residual {
+                break;
+            }
+            let stalled = next_relative > 0.5 * relative_residual;
+            (x, rest, relative_residual) = (candidate, next, next_relative);
+            if stalled {
+                break;
+            }
+        }
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        let accepted = relative_residual <= ACCEPTED
+            || largest(&rest) <= BACKWARD * (matrix.base.row_sum_norm() * largest(&x) + largest(b));
+        if accepted {
+            self.report.solves += 1;
+            self.report.path = Some(SolverPath::Condensed);
+            self.report.iterations.push(0);
+            self.report.largest_residual = self.report.largest_residual.max(relative_residual);
+            return Ok(LinearSolution { solution: x, relative_residual, iterations: 0 });
+        }
+        let matrix = matrix.to_matrix()?;
+        self.fall_back(matrix)?;
+        self.solve_side(b, tolerance, transposed)
     }
 }
 

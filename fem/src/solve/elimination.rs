@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use crate::constraints::Relation;
+use crate::constraints::{Constraints, Relation};
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
 
@@ -36,6 +36,27 @@ impl Elimination {
         }
         let free = (0..size).filter(|unknown| !prescribed.contains_key(unknown)).collect();
         Ok(Self { size, prescribed: prescribed.clone(), relations: BTreeMap::new(), free, restriction: None })
+    }
+
+    /// Elimination of what constraints prescribe and relate. Those of several spaces are one system, in which the unknowns
+    /// of the spaces stand one after the other.
+    ///
+    /// # Errors
+    /// If a prescribed value or a number of a relation is not finite.
+    pub fn of<const D: usize>(constraints: &[&Constraints<D>]) -> Result<Self, LinearAlgebraError> {
+        let (mut prescribed, mut relations) = (BTreeMap::new(), BTreeMap::new());
+        let mut offset = 0;
+        for constraints in constraints {
+            prescribed
+                .extend(constraints.prescribed().iter().map(|(unknown, value)| (offset + unknown, *value)));
+            relations.extend(constraints.relations().iter().map(|(unknown, relation)| {
+                let mut relation = relation.clone();
+                relation.terms.iter_mut().for_each(|term| term.0 += offset);
+                (offset + unknown, relation)
+            }));
+            offset += constraints.space().unknowns();
+        }
+        Elimination::new(offset, &prescribed)?.with_relations(relations)
     }
 
     /// The same with unknowns that free ones give.
@@ -92,6 +113,16 @@ impl Elimination {
                 relation.terms.iter().fold(relation.value, |sum, (free, a)| sum + a * full[*free]);
         }
         Ok(())
+    }
+
+    /// d: the prescribed and given values where free unknowns are zero.
+    ///
+    /// # Errors
+    /// None; as [`Elimination::impose`].
+    pub fn lifted(&self) -> Result<Vec<f64>, LinearAlgebraError> {
+        let mut lifted = vec![0.0; self.size];
+        self.impose(&mut lifted)?;
+        Ok(lifted)
     }
 
     /// Cᵀ times a full vector of residuals or loads: its free entries, with what others pass on to them.
@@ -198,9 +229,9 @@ pub fn solve_linear(
     elimination: &mut Elimination,
     solver: &mut dyn LinearSolver,
 ) -> Result<LinearSolution, SolverError> {
-    let lifted = lift(elimination)?;
+    let lifted = elimination.lifted()?;
     let rest = difference(b, &matrix.multiply(&lifted)?)?;
-    finish(matrix, rest, lifted, elimination, solver, |solver, rest| solver.solve(rest, 0.0))
+    finish(matrix, rest, lifted, elimination, solver, false)
 }
 
 /// Solves Aᵀ u = b in the same way.
@@ -213,16 +244,9 @@ pub fn solve_linear_transposed(
     elimination: &mut Elimination,
     solver: &mut dyn LinearSolver,
 ) -> Result<LinearSolution, SolverError> {
-    let lifted = lift(elimination)?;
+    let lifted = elimination.lifted()?;
     let rest = difference(b, &matrix.multiply_transposed(&lifted)?)?;
-    finish(matrix, rest, lifted, elimination, solver, |solver, rest| solver.solve_transposed(rest, 0.0))
-}
-
-/// d: the prescribed and given values where free unknowns are zero.
-fn lift(elimination: &Elimination) -> Result<Vec<f64>, LinearAlgebraError> {
-    let mut lifted = vec![0.0; elimination.size()];
-    elimination.impose(&mut lifted)?;
-    Ok(lifted)
+    finish(matrix, rest, lifted, elimination, solver, true)
 }
 
 fn difference(b: &[f64], product: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
@@ -237,11 +261,11 @@ fn finish(
     mut lifted: Vec<f64>,
     elimination: &mut Elimination,
     solver: &mut dyn LinearSolver,
-    solve: impl FnOnce(&mut dyn LinearSolver, &[f64]) -> Result<LinearSolution, SolverError>,
+    transposed: bool,
 ) -> Result<LinearSolution, SolverError> {
     let reduced = elimination.reduce(&rest)?;
     solver.set_matrix(elimination.reduce_matrix(matrix)?)?;
-    let mut result = solve(solver, &reduced)?;
+    let mut result = solver.solve_side(&reduced, 0.0, transposed)?;
     for (&unknown, &value) in elimination.free().iter().zip(&result.solution) {
         lifted[unknown] = value;
     }

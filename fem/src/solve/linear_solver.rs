@@ -55,19 +55,38 @@ pub trait LinearSolver {
         None
     }
 
-    /// Solves A x = b. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would
-    /// gain nothing from a smaller one; 0 asks for the solver's own accuracy. Direct solvers may ignore it.
+    /// Solves A x = b, or Aᵀ x = b where `transposed`. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the
+    /// caller, who would gain nothing from a smaller one; 0 asks for the solver's own accuracy. Direct solvers may
+    /// ignore it.
     ///
     /// # Errors
     /// If no matrix was set, the size is wrong, or no accurate solution was found.
-    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError>;
+    fn solve_side(
+        &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+        transposed: bool,
+    ) -> Result<LinearSolution, SolverError>;
 
-    /// Solves Aᵀ x = b, to the same accuracy.
+    /// Solves A x = b.
     ///
     /// # Errors
-    /// As [`LinearSolver::solve`].
-    fn solve_transposed(&mut self, b: &[f64], absolute_tolerance: f64)
-    -> Result<LinearSolution, SolverError>;
+    /// As [`LinearSolver::solve_side`].
+    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, false)
+    }
+
+    /// Solves Aᵀ x = b.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve_side`].
+    fn solve_transposed(
+        &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+    ) -> Result<LinearSolution, SolverError> {
+        self.solve_side(b, absolute_tolerance, true)
+    }
 }
 
 /// The solution of one linear system, and how good it is.

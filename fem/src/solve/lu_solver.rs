@@ -30,8 +30,26 @@ impl LuSolver {
     pub fn matrix(&self) -> Option<&CsrMatrix> {
         self.system.as_ref().map(|(matrix, _)| matrix)
     }
+}
 
-    fn solve_side(&self, b: &[f64], transposed: bool) -> Result<LinearSolution, SolverError> {
+impl LinearSolver for LuSolver {
+    fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
+        if self.matrix() == Some(&matrix) {
+            return Ok(()); // an adjoint problem with the tangent that is already factored
+        }
+        let earlier = self.system.take().filter(|(known, _)| known.same_pattern(&matrix));
+        let factor = LuFactor::new(&matrix, earlier.as_ref().map(|(_, factor)| factor))?;
+        self.factorisations += 1;
+        self.system = Some((matrix, factor));
+        Ok(())
+    }
+
+    fn solve_side(
+        &mut self,
+        b: &[f64],
+        _absolute_tolerance: f64,
+        transposed: bool,
+    ) -> Result<LinearSolution, SolverError> {
         let (matrix, factor) = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
         let matrix_norm = if transposed { matrix.column_sum_norm() } else { matrix.row_sum_norm() };
         let residual = |x: &[f64]| -> Result<(Vec<f64>, f64), LinearAlgebraError> {
@@ -67,30 +85,5 @@ impl LuSolver {
         let scale = norm(b);
         let relative_residual = if scale == 0.0 { 0.0 } else { norm(&rest) / scale };
         Ok(LinearSolution { solution: x, relative_residual, iterations: 0 })
-    }
-}
-
-impl LinearSolver for LuSolver {
-    fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
-        if self.matrix() == Some(&matrix) {
-            return Ok(()); // an adjoint problem with the tangent that is already factored
-        }
-        let earlier = self.system.take().filter(|(known, _)| known.same_pattern(&matrix));
-        let factor = LuFactor::new(&matrix, earlier.as_ref().map(|(_, factor)| factor))?;
-        self.factorisations += 1;
-        self.system = Some((matrix, factor));
-        Ok(())
-    }
-
-    fn solve(&mut self, b: &[f64], _absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, false)
-    }
-
-    fn solve_transposed(
-        &mut self,
-        b: &[f64],
-        _absolute_tolerance: f64,
-    ) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, true)
     }
 }

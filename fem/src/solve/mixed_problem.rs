@@ -2,7 +2,6 @@
 //! ask for, with the integrals that no iterate changes assembled once.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -223,19 +222,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         constraints: [&Constraints<D>; N],
     ) -> Result<Result<Elimination, LinearAlgebraError>, AssemblyError> {
         self.check_spaces("constraints", constraints.map(|constraints| constraints.space()))?;
-        let mut all = BTreeMap::new();
-        let mut relations = BTreeMap::new();
-        let mut offset = 0;
-        for (space, constraints) in self.system.spaces.iter().zip(constraints) {
-            all.extend(constraints.prescribed().iter().map(|(unknown, value)| (offset + unknown, *value)));
-            relations.extend(constraints.relations().iter().map(|(unknown, relation)| {
-                let mut relation = relation.clone();
-                relation.terms.iter_mut().for_each(|term| term.0 += offset);
-                (offset + unknown, relation)
-            }));
-            offset += space.unknowns();
-        }
-        Ok(Elimination::new(offset, &all).and_then(|elimination| elimination.with_relations(relations)))
+        Ok(Elimination::of(&constraints))
     }
 
     fn check_spaces(&self, what: &'static str, given: [&Arc<Space<D>>; N]) -> Result<(), AssemblyError> {

@@ -121,69 +121,6 @@ impl MultigridSolver {
     pub fn report(&self) -> &MultigridSolverReport {
         &self.report
     }
-
-    fn solve_side(
-        &mut self,
-        b: &[f64],
-        absolute: f64,
-        transposed: bool,
-    ) -> Result<LinearSolution, SolverError> {
-        let Some(current) = &mut self.current else { return Err(SolverError::NoMatrix) };
-        check_size("the right-hand side", self.blocks.free_unknowns(), b.len())?;
-        check_finite("the right-hand side", b)?;
-        let start = Instant::now();
-        let all = self.blocks.spread(b);
-        let mut x = vec![0.0; all.len()];
-        let threads = self.options.threads;
-        let found = match &current.transposed {
-            None => {
-                let options = KrylovOptions {
-                    tolerance: self.options.tolerance,
-                    absolute_tolerance: absolute,
-                    max_iterations: self.options.max_iterations,
-                    threads,
-                };
-                let operator = OnThreads(&*current.matrix, threads);
-                cg(&operator, &mut current.multigrid, &all, &mut x, &options).map_err(failed)
-            }
-            Some(other) => {
-                let matrix = if transposed { other } else { &*current.matrix };
-                let options = GmresOptions {
-                    tolerance: self.options.tolerance,
-                    absolute_tolerance: absolute,
-                    max_iterations: self.options.max_iterations,
-                    threads,
-                    ..GmresOptions::default()
-                };
-                by_gmres(matrix, &mut current.multigrid, &all, &mut x, &options)
-            }
-        };
-        self.report.solve_seconds += start.elapsed().as_secs_f64();
-        let found = found.map_err(|error| {
-            match &error {
-                SolverError::Krylov { report, .. } => self.report.history.clone_from(&report.history),
-                SolverError::NotConverged(report) => self.report.history.clone_from(&report.history),
-                _ => {}
-            }
-            self.blocks.singular(&current.matrix).map_or(error, SolverError::from)
-        })?;
-        // A motion that nothing resists is multiplied by rounding alone: the solution is then that motion, and huge.
-        let resistance = largest(b) / (current.scale * largest(&x));
-        if resistance < NOTHING && largest(b) > absolute {
-            let solution = self.blocks.gather(&x);
-            let moved = solution.iter().position(|value| value.abs() == largest(&solution)).unwrap_or(0);
-            return Err(LinearAlgebraError::Singular { unknown: moved, ratio: resistance }.into());
-        }
-        self.report.solves += 1;
-        self.report.iterations.push(found.iterations);
-        self.report.largest_residual = self.report.largest_residual.max(found.relative_residual);
-        self.report.history = found.history;
-        Ok(LinearSolution {
-            solution: self.blocks.gather(&x),
-            relative_residual: found.relative_residual,
-            iterations: found.iterations,
-        })
-    }
 }
 
 fn failed(error: KrylovError) -> SolverError {
@@ -282,16 +219,67 @@ impl LinearSolver for MultigridSolver {
         Ok(())
     }
 
-    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, false)
-    }
-
-    fn solve_transposed(
+    fn solve_side(
         &mut self,
         b: &[f64],
-        absolute_tolerance: f64,
+        absolute: f64,
+        transposed: bool,
     ) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, true)
+        let Some(current) = &mut self.current else { return Err(SolverError::NoMatrix) };
+        check_size("the right-hand side", self.blocks.free_unknowns(), b.len())?;
+        check_finite("the right-hand side", b)?;
+        let start = Instant::now();
+        let all = self.blocks.spread(b);
+        let mut x = vec![0.0; all.len()];
+        let threads = self.options.threads;
+        let found = match &current.transposed {
+            None => {
+                let options = KrylovOptions {
+                    tolerance: self.options.tolerance,
+                    absolute_tolerance: absolute,
+                    max_iterations: self.options.max_iterations,
+                    threads,
+                };
+                let operator = OnThreads(&*current.matrix, threads);
+                cg(&operator, &mut current.multigrid, &all, &mut x, &options).map_err(failed)
+            }
+            Some(other) => {
+                let matrix = if transposed { other } else { &*current.matrix };
+                let options = GmresOptions {
+                    tolerance: self.options.tolerance,
+                    absolute_tolerance: absolute,
+                    max_iterations: self.options.max_iterations,
+                    threads,
+                    ..GmresOptions::default()
+                };
+                by_gmres(matrix, &mut current.multigrid, &all, &mut x, &options)
+            }
+        };
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        let found = found.map_err(|error| {
+            match &error {
+                SolverError::Krylov { report, .. } => self.report.history.clone_from(&report.history),
+                SolverError::NotConverged(report) => self.report.history.clone_from(&report.history),
+                _ => {}
+            }
+            self.blocks.singular(&current.matrix).map_or(error, SolverError::from)
+        })?;
+        // A motion that nothing resists is multiplied by rounding alone: the solution is then that motion, and huge.
+        let resistance = largest(b) / (current.scale * largest(&x));
+        if resistance < NOTHING && largest(b) > absolute {
+            let solution = self.blocks.gather(&x);
+            let moved = solution.iter().position(|value| value.abs() == largest(&solution)).unwrap_or(0);
+            return Err(LinearAlgebraError::Singular { unknown: moved, ratio: resistance }.into());
+        }
+        self.report.solves += 1;
+        self.report.iterations.push(found.iterations);
+        self.report.largest_residual = self.report.largest_residual.max(found.relative_residual);
+        self.report.history = found.history;
+        Ok(LinearSolution {
+            solution: self.blocks.gather(&x),
+            relative_residual: found.relative_residual,
+            iterations: found.iterations,
+        })
     }
 }
 

@@ -61,13 +61,6 @@ impl Default for TangentSolverOptions {
 /// A factor with a pivot below this part of its scale is asked whether the matrix is singular.
 const DOUBTFUL: f64 = 1e-9;
 
-/// Which of the two systems is meant.
-#[derive(Clone, Copy, PartialEq)]
-enum Side {
-    Matrix,
-    Transposed,
-}
-
 /// A symmetric matrix is factored (LLᵀ, or LBLᵀ if it is indefinite) and solved directly with refinement. An
 /// unsymmetric one is solved by GMRES, preconditioned with the factor of the symmetric part of itself or of an
 /// earlier matrix; its transpose too, with the same factor. Analysis and factor are kept between matrices.
@@ -129,12 +122,11 @@ impl TangentSolver {
     pub fn estimate_condition(&mut self) -> Result<ConditionEstimate, SolverError> {
         let matrix = self.matrix.clone().ok_or(SolverError::NoMatrix)?;
         let this = std::cell::RefCell::new(&mut *self);
-        let solved = |x: &mut Vec<f64>, side| -> Result<(), SolverError> {
-            *x = this.borrow_mut().solve_side(x, 0.0, side)?.solution;
+        let solved = |x: &mut Vec<f64>, transposed| -> Result<(), SolverError> {
+            *x = this.borrow_mut().solve_side(x, 0.0, transposed)?.solution;
             Ok(())
         };
-        let found =
-            condition_estimate(&matrix, |x| solved(x, Side::Matrix), |x| solved(x, Side::Transposed))?;
+        let found = condition_estimate(&matrix, |x| solved(x, false), |x| solved(x, true))?;
         self.report.condition = Some(found.condition);
         Ok(found)
     }
@@ -192,48 +184,11 @@ impl TangentSolver {
         result
     }
 
-    fn solve_by_lu(&mut self, b: &[f64], side: Side) -> Result<LinearSolution, SolverError> {
+    fn solve_by_lu(&mut self, b: &[f64], transposed: bool) -> Result<LinearSolution, SolverError> {
         let start = Instant::now();
-        let solution = match side {
-            Side::Matrix => self.lu.solve(b, 0.0),
-            Side::Transposed => self.lu.solve_transposed(b, 0.0),
-        };
+        let solution = self.lu.solve_side(b, 0.0, transposed);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         solution
-    }
-
-    fn solve_side(
-        &mut self,
-        b: &[f64],
-        absolute_tolerance: f64,
-        side: Side,
-    ) -> Result<LinearSolution, SolverError> {
-        let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
-        check_size("the right-hand side", matrix.rows(), b.len())?;
-        let found = if self.by_lu {
-            self.solve_by_lu(b, side)
-        } else if self.symmetric {
-            self.solve_directly(b)
-        } else {
-            self.solve_iteratively(b, absolute_tolerance, side)
-        };
-        let solution = match found {
-            Err(error) if !self.by_lu && error.is_for_lu() => {
-                self.factor_by_lu()?;
-                self.solve_by_lu(b, side)?
-            }
-            found => found?,
-        };
-        self.report.path = Some(match (self.by_lu, self.symmetric, self.is_positive_definite()) {
-            (true, ..) => SolverPath::Lu,
-            (_, false, _) => SolverPath::Gmres,
-            (_, _, Some(false)) => SolverPath::Indefinite,
-            _ => SolverPath::Cholesky,
-        });
-        self.report.solves += 1;
-        self.report.iterations.push(solution.iterations);
-        self.report.largest_residual = self.report.largest_residual.max(solution.relative_residual);
-        Ok(solution)
     }
 
     fn solve_directly(&mut self, b: &[f64]) -> Result<LinearSolution, SolverError> {
@@ -255,12 +210,12 @@ impl TangentSolver {
         &mut self,
         b: &[f64],
         absolute_tolerance: f64,
-        side: Side,
+        transposed: bool,
     ) -> Result<LinearSolution, SolverError> {
         loop {
             let mut x = vec![0.0; b.len()];
             let start = Instant::now();
-            let result = self.run_gmres(b, &mut x, absolute_tolerance, side);
+            let result = self.run_gmres(b, &mut x, absolute_tolerance, transposed);
             self.report.solve_seconds += start.elapsed().as_secs_f64();
             let report = match result {
                 Ok(report) => report,
@@ -313,7 +268,7 @@ impl TangentSolver {
         b: &[f64],
         x: &mut [f64],
         absolute_tolerance: f64,
-        side: Side,
+        transposed: bool,
     ) -> Result<GmresReport, GmresError<SolverError>> {
         let (Some(matrix), Some(factor)) = (&self.matrix, &self.factor) else {
             return Err(GmresError::Operator(SolverError::NoMatrix));
@@ -327,17 +282,14 @@ impl TangentSolver {
             absolute_tolerance,
             restart: self.options.restart,
             max_iterations: self.options.max_iterations,
-            operator_norm: Some(match side {
-                Side::Matrix => matrix.row_sum_norm(),
-                Side::Transposed => matrix.column_sum_norm(),
-            }),
+            operator_norm: Some(if transposed { matrix.column_sum_norm() } else { matrix.row_sum_norm() }),
             flexible: false,
             threads: self.options.threads,
         };
         gmres(
-            |v, w| match side {
-                Side::Matrix => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
-                Side::Transposed => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
+            |v, w| match transposed {
+                false => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
+                true => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
             },
             |v| factor.solve_in_place(v).map_err(SolverError::from),
             b,
@@ -376,16 +328,38 @@ impl LinearSolver for TangentSolver {
         result
     }
 
-    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, Side::Matrix)
-    }
-
-    fn solve_transposed(
+    fn solve_side(
         &mut self,
         b: &[f64],
         absolute_tolerance: f64,
+        transposed: bool,
     ) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, Side::Transposed)
+        let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
+        check_size("the right-hand side", matrix.rows(), b.len())?;
+        let found = if self.by_lu {
+            self.solve_by_lu(b, transposed)
+        } else if self.symmetric {
+            self.solve_directly(b)
+        } else {
+            self.solve_iteratively(b, absolute_tolerance, transposed)
+        };
+        let solution = match found {
+            Err(error) if !self.by_lu && error.is_for_lu() => {
+                self.factor_by_lu()?;
+                self.solve_by_lu(b, transposed)?
+            }
+            found => found?,
+        };
+        self.report.path = Some(match (self.by_lu, self.symmetric, self.is_positive_definite()) {
+            (true, ..) => SolverPath::Lu,
+            (_, false, _) => SolverPath::Gmres,
+            (_, _, Some(false)) => SolverPath::Indefinite,
+            _ => SolverPath::Cholesky,
+        });
+        self.report.solves += 1;
+        self.report.iterations.push(solution.iterations);
+        self.report.largest_residual = self.report.largest_residual.max(solution.relative_residual);
+        Ok(solution)
     }
 }
 

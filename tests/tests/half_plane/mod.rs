@@ -2,6 +2,9 @@
 //! values on the top, exact tractions on the sides.
 #![allow(dead_code, reason = "each test uses a part")]
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock};
+
 use forms_contact::forms;
 use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
@@ -67,10 +70,28 @@ pub fn direct_problem(mesh: &Arc<Mesh<2>>, degree: usize, theta: f64) -> Contact
     problem
 }
 
-/// u_h of (14).
-pub fn solve_direct(problem: &ContactProblem<2>) -> Field<2> {
-    let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
-    problem.solve_direct(&mut solver, &options, &mut |_| ()).unwrap().result.field
+/// A shape, the cells along Γ_C, a degree, the bits of θ.
+type Case = (CellShape, usize, usize, u64);
+
+/// u_h of (14) by the case, solved for once: the tests of problems A and B share the cases.
+static SOLVED: Mutex<BTreeMap<Case, Arc<OnceLock<Vec<f64>>>>> = Mutex::new(BTreeMap::new());
+
+/// Problem A on a mesh of its own, and u_h of (14).
+pub fn solved_direct(
+    shape: CellShape,
+    divisions: usize,
+    degree: usize,
+    theta: f64,
+) -> (ContactProblem<2>, Field<2>) {
+    let problem = direct_problem(&mesh(shape, divisions), degree, theta);
+    let case = (shape, divisions, degree, theta.to_bits());
+    let values = SOLVED.lock().unwrap().entry(case).or_default().clone();
+    let solve = || {
+        let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
+        problem.solve_direct(&mut solver, &options, &mut |_| ()).unwrap().result.field.values().to_vec()
+    };
+    let u = Field::from_values(&problem.space, values.get_or_init(solve).clone()).unwrap();
+    (problem, u)
 }
 
 /// The error of a state.

@@ -32,10 +32,7 @@ fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
     let b = load();
     solver.set_matrix(matrix.clone()).unwrap();
     for transposed in [false, true] {
-        let found = match transposed {
-            false => solver.solve(&b, 0.0).unwrap(),
-            true => solver.solve_transposed(&b, 0.0).unwrap(),
-        };
+        let found = solver.solve_side(&b, 0.0, transposed).unwrap();
         let matrix = Sum { base: Arc::new(matrix.clone()), additions: vec![] };
         let rest = residual(&matrix, &found.solution, &b, transposed).unwrap();
         assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
@@ -112,10 +109,7 @@ fn changed_entries_make_the_same_matrix() {
     for (solver, linear_part, entries, whole) in solvers {
         solver.set_changed(linear_part, entries).unwrap();
         for transposed in [false, true] {
-            let found = match transposed {
-                false => solver.solve(&b, 0.0).unwrap(),
-                true => solver.solve_transposed(&b, 0.0).unwrap(),
-            };
+            let found = solver.solve_side(&b, 0.0, transposed).unwrap();
             let whole = Sum { base: Arc::new(whole.clone()), additions: vec![] };
             let rest = residual(&whole, &found.solution, &b, transposed).unwrap();
             assert!(norm(&rest) <= 1e-12 * norm(&b), "residual {:e}", norm(&rest));

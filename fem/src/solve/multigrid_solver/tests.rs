@@ -29,7 +29,7 @@ fn system(n: usize, degree: usize, drift: f64) -> (Constraints<3>, CsrMatrix, Ve
     let assembler = Assembler::new(&mesh);
     let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
     let zero = vec![0.0; space.unknowns()];
-    let mut elimination = Elimination::new(zero.len(), constraints.prescribed()).unwrap();
+    let mut elimination = Elimination::of(&[&constraints]).unwrap();
     let residual = problem.residual(&zero).unwrap();
     let load = elimination.reduce(&residual).unwrap().iter().map(|value| -value).collect();
     let matrix = elimination.reduce_matrix(&problem.tangent(&zero).unwrap().matrix).unwrap();
@@ -76,11 +76,7 @@ fn unsymmetric_systems_and_their_transposes_go_to_gmres() {
     let mut solver = MultigridSolver::new(&constraints, options()).unwrap();
     solver.set_matrix(matrix.clone()).unwrap();
     for transposed in [false, true] {
-        let found = match transposed {
-            false => solver.solve(&load, 0.0),
-            true => solver.solve_transposed(&load, 0.0),
-        };
-        let solution = found.unwrap().solution;
+        let solution = solver.solve_side(&load, 0.0, transposed).unwrap().solution;
         let product = match transposed {
             false => matrix.multiply(&solution),
             true => matrix.multiply_transposed(&solution),
@@ -132,7 +128,7 @@ fn conjugate_gradients_without_a_matrix() {
     let form = body::balance(&body::Data { drift: 0.0 }, &body::Omega::on("all"));
     let (assembler, u) = (Assembler::new(space.mesh()), Field::zero(space));
     let tangent = TangentAction::new(&assembler, &form, &[&u]).with_constraints(&[&constraints]);
-    let elimination = Elimination::new(space.unknowns(), constraints.prescribed()).unwrap();
+    let elimination = Elimination::of(&[&constraints]).unwrap();
     let b = elimination.extend_by_zero(&load).unwrap();
     let mut x = vec![0.0; b.len()];
     let stop = KrylovOptions { tolerance: 1e-12, ..KrylovOptions::default() };
