@@ -127,8 +127,17 @@ fn density(text: &str) -> TokenStream {
     source.parse().expect("tokens")
 }
 
+/// The stack of rustc's threads, on which macros run.
+const STACK: usize = 8 << 20;
+
+/// Without optimisation, as macros are compiled in anyone's debug builds, this takes four to six megabytes.
 #[test]
 fn deep_nesting() {
+    let deep = std::thread::Builder::new().stack_size(STACK).spawn(nest_deep).expect("a thread");
+    assert!(deep.join().is_ok());
+}
+
+fn nest_deep() {
     for depth in [100, 10_000] {
         let around = |open: &str, inner: &str, close: &str| {
             format!("{}{inner}{}", open.repeat(depth), close.repeat(depth))
