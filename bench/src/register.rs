@@ -80,8 +80,11 @@ macro_rules! register {
                 thread_local! {
                     static KEPT: Kept = const { Kept::new(None) };
                 }
-                // SAFETY: the plugin interface, which is this function's contract.
-                KEPT.with(|kept| unsafe { call(kept, ready, n, a, w, c, x, entity) });
+                // The call outside of the closure costs a third of the instructions that do not compute.
+                let kept = KEPT.with(std::ptr::from_ref);
+                // SAFETY: a thread's value lives as long as the thread; the rest is the plugin interface, which is this
+                // function's contract.
+                unsafe { call(&*kept, ready, n, a, w, c, x, entity) };
             }
             $crate::register::Entry { name: stringify!($name), setting: SETTING, lengths, batch }
         },)*];

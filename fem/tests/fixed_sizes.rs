@@ -82,8 +82,8 @@ fn results<F: Form<D>, S: Sizes, const D: usize>(
         noise(CELLS * (width + linear.nodes())).iter().map(|value| 0.1 * value).collect();
     let cells = ElementCells { count: CELLS, coordinates: &coordinates, coefficients: &coefficients, facet };
     let quadrature = Quadrature::Degree(2);
-    let kernel = ElementKernel::<F, S, D>::with_sizes(form, layout, &quadrature);
-    let mut kernel = kernel.expect("it fits").with_instructions(set);
+    let kernel = ElementKernel::<F, S, D>::with_instructions(form, layout, &quadrature, set);
+    let mut kernel = kernel.expect("it fits");
     let size = kernel.size();
     let mut matrices = vec![f64::NAN; CELLS * size * size];
     let mut vectors = vec![f64::NAN; CELLS * size];

@@ -147,7 +147,7 @@ pub struct Operations {
 ///
 /// `test` is linear in its basis function (value, gradient and second derivatives together): a backend may ask for
 /// other functions and combine the results.
-pub trait LinearKernel<const D: usize>: Send + Sync + 'static {
+pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;
     /// Number of scalar components of the test function.
@@ -184,7 +184,7 @@ pub trait LinearKernel<const D: usize>: Send + Sync + 'static {
 /// `test` and `trial` are linear in their basis function (value, gradient and second derivatives together), `pair` adds
 /// what is bilinear in their results, and `finish` is linear in the accumulator: a backend may put other linear
 /// functions in place of basis functions, as a reference tensor and sum factorisation do.
-pub trait BilinearKernel<const D: usize>: Send + Sync + 'static {
+pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     /// What is read at each point.
     const REQUIREMENTS: Requirements;
     /// Number of scalar components of the test function.
@@ -236,6 +236,8 @@ pub trait BilinearKernel<const D: usize>: Send + Sync + 'static {
         basis: &Basis<L, D>,
         hessian: &Hessian<L, D>,
     ) -> Self::Trial<L>;
+    /// Factors of a basis function that is zero: what memory holds before others are made.
+    fn zero_factors<L: Lane>() -> (Self::Test<L>, Self::Trial<L>);
     /// An empty accumulator.
     fn zero<L: Lane>() -> Self::Accumulator<L>;
     /// Per point and node pair.

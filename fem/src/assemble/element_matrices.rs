@@ -13,7 +13,7 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::pairs::Pairs;
 use super::receiver::{Buffered, Deliver, Receiver};
-use super::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract, suits};
+use super::reference_tensor::{ReferenceTensor, contract, suits};
 use super::sum_factorisation::{Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit};
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
@@ -41,7 +41,7 @@ pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usiz
     /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j.
     blocks: Vec<L>,
     /// Blocks of pairs of directions, of a reference tensor.
-    directions: Vec<[L; LARGEST_BLOCK]>,
+    directions: Vec<L>,
     stages: MatrixStages<L>,
     /// The reference tensor, once it is known whether there is one.
     tensor: Option<Option<ReferenceTensor>>,
@@ -112,6 +112,10 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let [rows, columns] = if factorised.is_some() { [asked; 2] } else { self.nodes() };
         let points = self.group.points();
         let none = &[[[zero; D]; D]; 4][..asked];
+        let (test, trial) = K::zero_factors::<L>();
+        tests.resize(rows * points, test);
+        trials.resize(columns * points, trial);
+        let (tests, trials) = (&mut tests[..], &mut trials[..]);
         for q in 0..points {
             let geometry = batch.point(q)?;
             let point = kernel.point(cell, &geometry, batch.fields());
@@ -126,12 +130,6 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 basis = &batch.basis(self.sides[0], self.elements[0])[..rows];
                 hessians = &batch.hessians(self.sides[0], self.elements[0])[..rows];
             }
-            // There is no empty factor: the memory is made with the first one.
-            if tests.len() != rows * points {
-                tests.clear();
-                tests.resize(rows * points, kernel.test(&point, &basis[0], &hessians[0]));
-            }
-            let tests = &mut tests[..rows * points];
             for i in 0..rows {
                 tests[i * points + q] = kernel.test(&point, &basis[i], &hessians[i]);
             }
@@ -139,11 +137,6 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 basis = &batch.basis(self.sides[1], self.elements[1])[..columns];
                 hessians = &batch.hessians(self.sides[1], self.elements[1])[..columns];
             }
-            if trials.len() != columns * points {
-                trials.clear();
-                trials.resize(columns * points, kernel.trial(&point, &basis[0], &hessians[0]));
-            }
-            let trials = &mut trials[..columns * points];
             for j in 0..columns {
                 trials[j * points + q] = kernel.trial(&point, &basis[j], &hessians[j]);
             }

@@ -8,6 +8,9 @@ use forms_core::contract::BilinearKernel;
 
 use crate::lanes::SimdLane;
 
+/// Bytes of trial factors that stay in the first cache, whose size is three times that or more, while others pass by.
+const KEPT: usize = 16 << 10;
+
 /// The sums over the points of a cell, pair by pair.
 pub(super) struct Pairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     pub kernel: &'a K,
@@ -27,47 +30,60 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
     pub fn sum(&self, blocks: &mut [L]) {
         // Each factor that is loaded serves several pairs, as many as there are registers for accumulators.
         // A constant block: only the tile that is used is compiled.
-        match const { size_of::<K::Accumulator<L>>() / size_of::<L>() } {
-            0 | 1 => self.sweep::<4, 4>(blocks),
-            2..=4 => self.sweep::<1, 4>(blocks),
-            5..=9 => self.sweep::<2, 1>(blocks),
+        match const { (size_of::<K::Accumulator<L>>() / size_of::<L>(), L::REGISTERS >= 32) } {
+            (0 | 1, true) => self.sweep::<4, 4>(blocks),
+            (0 | 1, false) => self.sweep::<2, 4>(blocks),
+            (2..=4, true) => self.sweep::<1, 4>(blocks),
+            (2..=4, false) => self.sweep::<1, 2>(blocks),
+            (5..=9, true) => self.sweep::<2, 1>(blocks),
             _ => self.sweep::<1, 1>(blocks),
         }
     }
 
-    /// All blocks, in tiles of ROWS × COLUMNS pairs.
+    /// All blocks, in tiles of ROWS × COLUMNS pairs, for some trial functions after the other: as many as the first cache keeps
+    /// while the test functions pass by.
     #[inline(always)]
     fn sweep<const ROWS: usize, const COLUMNS: usize>(&self, blocks: &mut [L]) {
         let [rows, columns] = self.nodes;
-        let mut i = 0;
-        while i + ROWS <= rows {
-            let mut j = if self.symmetric { i } else { 0 };
-            while j + COLUMNS <= columns {
-                self.tile::<ROWS, COLUMNS>(i, j, blocks);
-                j += COLUMNS;
+        let fitting = KEPT / (self.points * size_of::<K::Trial<L>>()).max(1);
+        let width = if fitting < columns { (fitting / COLUMNS).max(1) * COLUMNS } else { columns };
+        let mut start = 0;
+        while start < columns {
+            let end = columns.min(start + width);
+            let last = if self.symmetric { end } else { rows };
+            let mut i = 0;
+            while i + ROWS <= last {
+                self.row::<ROWS, COLUMNS>(i, start, end, blocks);
+                i += ROWS;
             }
-            if const { COLUMNS > 1 } {
-                while j < columns {
-                    self.tile::<ROWS, 1>(i, j, blocks);
-                    j += 1;
+            if const { ROWS > 1 } {
+                while i < last {
+                    self.row::<1, COLUMNS>(i, start, end, blocks);
+                    i += 1;
                 }
             }
-            i += ROWS;
+            start = end;
         }
-        if const { ROWS > 1 } {
-            while i < rows {
-                let mut j = if self.symmetric { i } else { 0 };
-                while j + COLUMNS <= columns {
-                    self.tile::<1, COLUMNS>(i, j, blocks);
-                    j += COLUMNS;
-                }
-                if const { COLUMNS > 1 } {
-                    while j < columns {
-                        self.tile::<1, 1>(i, j, blocks);
-                        j += 1;
-                    }
-                }
-                i += 1;
+    }
+
+    /// The blocks of ROWS test functions and the trial functions in a range.
+    #[inline(always)]
+    fn row<const ROWS: usize, const COLUMNS: usize>(
+        &self,
+        i: usize,
+        start: usize,
+        end: usize,
+        blocks: &mut [L],
+    ) {
+        let mut j = if self.symmetric { start.max(i) } else { start };
+        while j + COLUMNS <= end {
+            self.tile::<ROWS, COLUMNS>(i, j, blocks);
+            j += COLUMNS;
+        }
+        if const { COLUMNS > 1 } {
+            while j < end {
+                self.tile::<ROWS, 1>(i, j, blocks);
+                j += 1;
             }
         }
     }

@@ -6,20 +6,18 @@
 //! tensor R_ab(i, j) = Σ_q w_q c_a^i(x_q) c_b^j(x_q), made once. A value of a basis function counts as one more
 //! direction. R is sparse: for quadratic elements a pair has one to four terms.
 
-// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
-// loops over lane values are plain.
-#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
-
+mod blocks;
 mod scalars;
 
-use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
+use forms_core::contract::BilinearKernel;
 
+use self::blocks::Terms;
 use super::element_matrices::scalar;
 use super::walk::GroupSide;
 use crate::lanes::SimdLane;
 
 /// Entries of a block, at most, for which sums are kept in registers.
-pub(super) const LARGEST_BLOCK: usize = 16;
+const LARGEST_BLOCK: usize = 16;
 
 /// Whether a kernel allows for a reference tensor on some cell.
 pub(super) const fn suits<K: BilinearKernel<D>, const D: usize>() -> bool {
@@ -27,17 +25,11 @@ pub(super) const fn suits<K: BilinearKernel<D>, const D: usize>() -> bool {
 }
 
 /// R, for the pairs of nodes that are computed.
-pub(super) struct ReferenceTensor {
-    /// Number of directions: D + 1 gradients of barycentric coordinates, and the value.
-    pub directions: usize,
-    /// The direction that stands for the value.
-    pub value: Option<usize>,
-    /// Number of terms of each pair, pair after pair in rows.
-    lengths: Vec<u32>,
-    /// a · directions + b, and the coefficient.
-    terms: Vec<(u32, f64)>,
-    /// All coefficients, zeros included, where blocks are numbers; then there are no terms.
-    scalars: Vec<f64>,
+pub(super) enum ReferenceTensor {
+    /// Of forms whose block is a number: all coefficients, zeros included.
+    Numbers(Vec<f64>),
+    /// Of others.
+    Blocks(Terms),
 }
 
 impl ReferenceTensor {
@@ -63,105 +55,16 @@ impl ReferenceTensor {
             let made = directions * (count.test + count.trial)
                 + products * (count.pair + count.finish)
                 + pairs * products;
-            let scalars = scalars::coefficients::<K, D>(side, elements, weights, symmetric);
-            let tensor = ReferenceTensor { directions, value: None, lengths: vec![], terms: vec![], scalars };
-            return (made < loops).then_some(tensor);
+            let coefficients = || scalars::coefficients::<K, D>(side, elements, weights, symmetric);
+            return (made < loops).then(|| ReferenceTensor::Numbers(coefficients()));
         }
         let nonzero = K::NONZERO.iter().filter(|nonzero| **nonzero).count();
-        let tensor = Self::new(side, elements, weights, symmetric, &K::REQUIREMENTS);
-        let directions = tensor.directions;
+        let terms = Terms::new(side, elements, weights, symmetric, &K::REQUIREMENTS);
+        let directions = terms.directions();
         let blocks = directions * directions * (count.pair + count.finish);
-        let made = blocks + directions * (count.test + count.trial) + tensor.terms.len() * nonzero;
-        (made < loops).then_some(tensor)
+        let made = blocks + directions * (count.test + count.trial) + terms.count() * nonzero;
+        (made < loops).then_some(ReferenceTensor::Blocks(terms))
     }
-
-    fn new<const D: usize>(
-        side: &GroupSide<D>,
-        elements: [usize; 2],
-        weights: &[f64],
-        symmetric: bool,
-        requirements: &Requirements,
-    ) -> Self {
-        let gradients = if requirements.basis_gradient { D + 1 } else { 0 };
-        let directions = gradients + usize::from(requirements.basis_value);
-        // Components of each node in the directions, at `(node * points + q) * directions`.
-        let components = |element: usize| -> Vec<f64> {
-            let table = &side.elements[element];
-            let mut all = Vec::with_capacity(table.nodes * weights.len() * directions);
-            for node in 0..table.nodes {
-                let slopes: Vec<[f64; D]> =
-                    (0..weights.len()).map(|q| table.gradient[q * table.nodes + node]).collect();
-                let barycentric = sparse_components(&slopes);
-                for q in 0..weights.len() {
-                    if gradients > 0 {
-                        all.extend(&barycentric[q * (D + 1)..(q + 1) * (D + 1)]);
-                    }
-                    if requirements.basis_value {
-                        all.push(table.value[q * table.nodes + node]);
-                    }
-                }
-            }
-            all
-        };
-        let (tests, trials) = (components(elements[0]), components(elements[1]));
-        let per_node = weights.len() * directions;
-        let mut tensor = ReferenceTensor {
-            directions,
-            value: requirements.basis_value.then_some(gradients),
-            lengths: vec![],
-            terms: vec![],
-            scalars: vec![],
-        };
-        for (i, test) in tests.chunks_exact(per_node).enumerate() {
-            for (j, trial) in trials.chunks_exact(per_node).enumerate() {
-                if symmetric && j < i {
-                    continue;
-                }
-                let before = tensor.terms.len();
-                for a in 0..directions {
-                    for b in 0..directions {
-                        let (mut sum, mut scale) = (0.0_f64, 0.0_f64);
-                        for (q, weight) in weights.iter().enumerate() {
-                            let part = weight * test[q * directions + a] * trial[q * directions + b];
-                            sum += part;
-                            scale += part.abs();
-                        }
-                        // What is rounding only is zero.
-                        if sum.abs() > 1e-14 * scale {
-                            tensor.terms.push(((a * directions + b) as u32, sum));
-                        }
-                    }
-                }
-                tensor.lengths.push((tensor.terms.len() - before) as u32);
-            }
-        }
-        tensor
-    }
-}
-
-/// Components c_a of a gradient along ∇λ_0 … ∇λ_D at each point. Σ_a ∇λ_a = 0 leaves one of them free at each point:
-/// the choice that makes one of them zero everywhere and leaves the most zeros is taken.
-fn sparse_components<const D: usize>(slopes: &[[f64; D]]) -> Vec<f64> {
-    let largest = slopes.as_flattened().iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));
-    let negligible = 1e-14 * largest;
-    let mut best: Option<(usize, Vec<f64>)> = None;
-    for free in 0..=D {
-        let mut components = Vec::with_capacity(slopes.len() * (D + 1));
-        for slope in slopes {
-            let component = |a: usize| if a == 0 { 0.0 } else { slope[a - 1] };
-            let shift = component(free);
-            components.extend((0..=D).map(|a| {
-                let difference = component(a) - shift;
-                if difference.abs() <= negligible { 0.0 } else { difference }
-            }));
-        }
-        let directions =
-            (0..=D).filter(|a| components.iter().skip(*a).step_by(D + 1).any(|c| *c != 0.0)).count();
-        if best.as_ref().is_none_or(|(known, _)| directions < *known) {
-            best = Some((directions, components));
-        }
-    }
-    best.map(|(_, components)| components).unwrap_or_default()
 }
 
 /// The blocks of all pairs by a reference tensor. `directions` is memory that is kept.
@@ -172,139 +75,33 @@ pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
     tensor: &ReferenceTensor,
     determinant: L,
     inverse: &[[L; D]; D],
-    directions: &mut Vec<[L; LARGEST_BLOCK]>,
+    directions: &mut Vec<L>,
     blocks: &mut [L],
 ) {
-    // A constant block: only the case that is used is compiled.
-    match const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS } {
-        1 => scalars::contract::<K, L, D>(kernel, cell, &tensor.scalars, determinant, inverse, blocks),
-        4 => contract_blocks::<K, L, 4, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
-        9 => contract_blocks::<K, L, 9, D>(kernel, cell, tensor, determinant, inverse, directions, blocks),
-        _ => contract_blocks::<K, L, LARGEST_BLOCK, D>(
-            kernel,
-            cell,
-            tensor,
-            determinant,
-            inverse,
-            directions,
-            blocks,
-        ),
-    }
-}
-
-/// The same for blocks of at most ENTRIES entries.
-#[inline(always)]
-fn contract_blocks<K: BilinearKernel<D>, L: SimdLane, const ENTRIES: usize, const D: usize>(
-    kernel: &K,
-    cell: &K::Cell<L>,
-    tensor: &ReferenceTensor,
-    determinant: L,
-    inverse: &[[L; D]; D],
-    directions: &mut Vec<[L; LARGEST_BLOCK]>,
-    blocks: &mut [L],
-) {
-    let zero = L::splat(0.0);
-    let entries = (K::TEST_COMPONENTS * K::TRIAL_COMPONENTS).min(ENTRIES);
-    let count = tensor.directions;
-    let geometry =
-        PointGeometry { weight: determinant, position: [zero; D], normal: [zero; D], curvature: zero };
-    let point = kernel.point(cell, &geometry, &[]);
-    let hessian = [[zero; D]; D];
-    if directions.len() != count * count {
-        directions.resize(count * count, [zero; LARGEST_BLOCK]);
-    }
-    for a in 0..count {
-        let test = kernel.test(&point, &direction(tensor, inverse, a), &hessian);
-        for b in if K::SYMMETRIC { a } else { 0 }..count {
-            let trial = kernel.trial(&point, &direction(tensor, inverse, b), &hessian);
-            let mut accumulator = K::zero::<L>();
-            K::pair(&mut accumulator, &test, &trial);
-            let block = kernel.finish(cell, &accumulator);
-            let block = &block.as_ref()[..entries];
-            let target = &mut directions[a * count + b];
-            for entry in 0..entries {
-                target[entry] = block[entry];
-            }
-            if K::SYMMETRIC && b != a {
-                let target = &mut directions[b * count + a];
-                for entry in 0..entries {
-                    target[entry % K::TEST_COMPONENTS * K::TEST_COMPONENTS + entry / K::TEST_COMPONENTS] =
-                        block[entry];
-                }
+    match tensor {
+        // Constant blocks: only the case that is used is compiled.
+        ReferenceTensor::Numbers(coefficients) => {
+            if const { scalar::<K, D>() } {
+                scalars::contract::<K, L, D>(kernel, cell, coefficients, determinant, inverse, blocks);
             }
         }
-    }
-    let (directions, mut terms) = (&directions[..], &tensor.terms[..]);
-    let pairs = tensor.lengths.len();
-    let blocks = &mut blocks[..pairs * entries];
-    for pair in 0..pairs {
-        let (own, others) = terms.split_at(tensor.lengths[pair] as usize);
-        terms = others;
-        let mut sums = [zero; ENTRIES];
-        for term in 0..own.len() {
-            let (place, coefficient) = own[term];
-            let (block, coefficient) = (&directions[place as usize], L::splat(coefficient));
-            for entry in 0..entries {
-                if K::NONZERO[entry] {
-                    sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
-                }
+        ReferenceTensor::Blocks(terms) => match const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS } {
+            1 => {}
+            4 => {
+                blocks::contract::<K, L, 4, D>(kernel, cell, terms, determinant, inverse, directions, blocks)
             }
-        }
-        let target = &mut blocks[pair * entries..][..entries];
-        for entry in 0..entries {
-            target[entry] = sums[entry];
-        }
-    }
-}
-
-/// A function whose gradient is that of a barycentric coordinate, or whose value is one.
-#[inline(always)]
-fn direction<L: SimdLane, const D: usize>(
-    tensor: &ReferenceTensor,
-    inverse: &[[L; D]; D],
-    a: usize,
-) -> Basis<L, D> {
-    let zero = L::splat(0.0);
-    let mut basis = Basis { value: zero, gradient: [zero; D] };
-    if tensor.value == Some(a) {
-        basis.value = L::splat(1.0);
-    } else if a == 0 {
-        for i in 0..D {
-            let mut sum = inverse[i][0];
-            for j in 1..D {
-                sum += inverse[i][j];
+            9 => {
+                blocks::contract::<K, L, 9, D>(kernel, cell, terms, determinant, inverse, directions, blocks)
             }
-            basis.gradient[i] = -sum;
-        }
-    } else {
-        for i in 0..D {
-            basis.gradient[i] = inverse[i][a - 1];
-        }
-    }
-    basis
-}
-
-#[cfg(test)]
-mod tests {
-    use super::sparse_components;
-
-    #[test]
-    fn a_vertex_function_has_one_direction_and_an_edge_function_two() {
-        // P2 on the triangle at three points: φ_0 = λ_0 (2 λ_0 − 1), φ_01 = 4 λ_0 λ_1.
-        let points = [[0.2, 0.3], [0.1, 0.6], [0.5, 0.25]];
-        let count = |slopes: &[[f64; 2]]| -> usize {
-            let components = sparse_components(slopes);
-            for (slope, components) in slopes.iter().zip(components.chunks(3)) {
-                for k in 0..2 {
-                    // ∇λ_0 = (−1, −1), ∇λ_1 = (1, 0), ∇λ_2 = (0, 1).
-                    assert!((components[k + 1] - components[0] - slope[k]).abs() < 1e-14);
-                }
-            }
-            (0..3).filter(|a| components.chunks(3).any(|components| components[*a] != 0.0)).count()
-        };
-        let first = points.map(|[x, y]| [1.0 - 4.0 * (1.0 - x - y); 2]);
-        assert_eq!(count(&first), 1);
-        let edge = points.map(|[x, y]| [4.0 * (1.0 - x - y) - 4.0 * x, -4.0 * x]);
-        assert_eq!(count(&edge), 2);
+            _ => blocks::contract::<K, L, LARGEST_BLOCK, D>(
+                kernel,
+                cell,
+                terms,
+                determinant,
+                inverse,
+                directions,
+                blocks,
+            ),
+        },
     }
 }

@@ -1,7 +1,7 @@
 //! Numbers of nodes and points: counted when a program runs, or fixed when it is compiled.
 
 /// A list whose length is part of its type.
-pub trait Array<T: Copy>: Copy {
+pub trait Array<T: Copy + Send + 'static>: Copy + Send + 'static {
     /// Its length.
     const LENGTH: usize;
     /// The same value in each place.
@@ -12,7 +12,7 @@ pub trait Array<T: Copy>: Copy {
     fn entries_mut(&mut self) -> &mut [T];
 }
 
-impl<T: Copy, const LENGTH: usize> Array<T> for [T; LENGTH] {
+impl<T: Copy + Send + 'static, const LENGTH: usize> Array<T> for [T; LENGTH] {
     const LENGTH: usize = LENGTH;
 
     #[inline(always)]
@@ -34,11 +34,11 @@ pub trait Sizes: Copy + Send + Sync + 'static {
     /// Whether the lengths are those of the arrays; if not, they are counted.
     const FIXED: bool;
     /// A value per node of the test (and trial) functions' element.
-    type Nodes<T: Copy>: Array<T>;
+    type Nodes<T: Copy + Send + 'static>: Array<T>;
     /// A value per quadrature point.
-    type Points<T: Copy>: Array<T>;
+    type Points<T: Copy + Send + 'static>: Array<T>;
     /// A value per node of the geometry map.
-    type GeometryNodes<T: Copy>: Array<T>;
+    type GeometryNodes<T: Copy + Send + 'static>: Array<T>;
 }
 
 /// Any element and rule.
@@ -47,9 +47,9 @@ pub struct Counted;
 
 impl Sizes for Counted {
     const FIXED: bool = false;
-    type Nodes<T: Copy> = [T; 0];
-    type Points<T: Copy> = [T; 0];
-    type GeometryNodes<T: Copy> = [T; 0];
+    type Nodes<T: Copy + Send + 'static> = [T; 0];
+    type Points<T: Copy + Send + 'static> = [T; 0];
+    type GeometryNodes<T: Copy + Send + 'static> = [T; 0];
 }
 
 /// One element and one rule: loops are compiled for their lengths.
@@ -60,7 +60,7 @@ impl<const NODES: usize, const POINTS: usize, const GEOMETRY_NODES: usize> Sizes
     for Fixed<NODES, POINTS, GEOMETRY_NODES>
 {
     const FIXED: bool = true;
-    type Nodes<T: Copy> = [T; NODES];
-    type Points<T: Copy> = [T; POINTS];
-    type GeometryNodes<T: Copy> = [T; GEOMETRY_NODES];
+    type Nodes<T: Copy + Send + 'static> = [T; NODES];
+    type Points<T: Copy + Send + 'static> = [T; POINTS];
+    type GeometryNodes<T: Copy + Send + 'static> = [T; GEOMETRY_NODES];
 }

@@ -47,6 +47,7 @@ pub(super) struct GroupSide<const D: usize> {
 }
 
 /// Tables that integrate 1 over a cell and a facet.
+#[derive(Clone)]
 pub(super) struct Measure<const D: usize> {
     pub cell: Tables<D>,
     pub cell_weights: Vec<f64>,

@@ -59,6 +59,9 @@ pub(crate) trait SharedWork<L> {
 
 /// A lane type with the passages between memory and lanes.
 pub(crate) trait SimdLane: Lane {
+    /// How many values the processor's registers hold.
+    const REGISTERS: usize;
+
     /// Runs some work in a function compiled for the lane type's instructions that is not inlined: what does
     /// not depend on the kernel is compiled once for all kernels.
     fn call<W: SharedWork<Self>>(work: W) -> W::Output;
@@ -126,9 +129,9 @@ impl Starts {
         let (mut places, mut place) = ([first * length; WIDEST], first * length);
         if filled == L::WIDTH {
             for lane in 1..L::WIDTH {
-                places[lane] = place + lane * length;
+                place += length;
+                places[lane] = place;
             }
-            place += (L::WIDTH - 1) * length;
         } else {
             for lane in 1..L::WIDTH {
                 place += if lane < filled { length } else { 0 };
@@ -215,6 +218,8 @@ fn power<L: Lane>(base: L, exponent: i32) -> L {
 }
 
 impl SimdLane for f64 {
+    const REGISTERS: usize = 16;
+
     #[inline(never)]
     fn call<W: SharedWork<Self>>(work: W) -> W::Output {
         work.run()

@@ -209,6 +209,9 @@ impl Lane for Neon {
 }
 
 impl SimdLane for Neon {
+    // Two of 32 registers each.
+    const REGISTERS: usize = 16;
+
     #[inline(never)]
     fn call<W: SharedWork<Self>>(work: W) -> W::Output {
         work.run()

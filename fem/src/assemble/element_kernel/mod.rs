@@ -2,24 +2,24 @@
 //! assembly of their own, and for comparisons of kernels.
 
 mod layout;
+mod prepare;
 mod run;
 mod tables;
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use forms_core::contract::{Form, Role};
 
 pub use layout::{ElementCells, ElementLayout, FieldLayout};
-pub(super) use run::{Kept, recall};
 
+use self::prepare::{Prepare, Prepared, of_facet};
 use self::run::Run;
-use self::tables::{ElementTables, Prepare};
+use self::tables::ElementTables;
 use super::AssemblyError;
 use super::binding::{Binding, Tabulated};
 use super::element_matrices::block_order;
-use super::fixed::FixedTables;
 use super::sizes::{Counted, Sizes};
-use super::walk::Group;
 use crate::element::CellShape;
 use crate::lanes::{InstructionSet, Order};
 use crate::mesh::Mesh;
@@ -32,18 +32,25 @@ use crate::quadrature::Quadrature;
 pub struct ElementKernel<F, S: Sizes, const D: usize> {
     form: F,
     tables: ElementTables<D>,
-    /// The tables of each integral's groups, if sizes are fixed.
-    fixed_tangent: Vec<Vec<FixedTables<S, D>>>,
-    fixed_residual: Vec<Vec<FixedTables<S, D>>>,
-    memory: Memory,
+    tangent: Integrals<D>,
+    residual: Integrals<D>,
+    sizes: PhantomData<S>,
 }
 
-/// Memory of the loops, whose types are known inside them.
-#[derive(Default)]
-struct Memory {
-    tangent: Vec<Kept>,
-    residual: Vec<Kept>,
+/// The integrals of a tangent or of a residual.
+struct Integrals<const D: usize> {
+    list: Vec<Prepared<D>>,
+    /// None of them counts its lengths.
+    all_fixed: bool,
+    /// Where results are made before they are added.
     addend: Vec<f64>,
+}
+
+impl<const D: usize> Integrals<D> {
+    fn new(list: Vec<Prepared<D>>) -> Self {
+        let all_fixed = list.iter().all(|integral| matches!(integral, Prepared::Fixed(_)));
+        Integrals { list, all_fixed, addend: vec![] }
+    }
 }
 
 impl<F: Form<D>, const D: usize> ElementKernel<F, Counted, D> {
@@ -65,6 +72,19 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         form: F,
         layout: ElementLayout,
         quadrature: &Quadrature<D>,
+    ) -> Result<Self, AssemblyError> {
+        Self::with_instructions(form, layout, quadrature, InstructionSet::best())
+    }
+
+    /// The same with kernels compiled for a certain set of instructions; for the plain one if the machine does not have it.
+    ///
+    /// # Errors
+    /// As [`ElementKernel::with_sizes`].
+    pub fn with_instructions(
+        form: F,
+        layout: ElementLayout,
+        quadrature: &Quadrature<D>,
+        instructions: InstructionSet,
     ) -> Result<Self, AssemblyError> {
         let name = form.name();
         let unsuited = |what: String| AssemblyError::Layout { form: name, what };
@@ -130,38 +150,21 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             reference: Arc::new(reference),
             layout,
             known: None,
-            tangent: vec![],
-            residual: vec![],
             orders,
-            instructions: InstructionSet::best().checked(),
+            instructions: instructions.checked(),
         };
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
         binding.tabulated(Tabulated { degree: tables.layout.element.degree, on_facets: false });
         let listed: Option<Vec<_>> = tables.listed(&form, &mut binding).into_iter().collect();
         let elements = binding.elements.to_vec();
         tables.known = listed.map(|listed| (listed, elements));
-        let mut prepare = Prepare { tables: &tables, form: &form, quadrature, found: vec![] };
-        form.whole_tangent(&mut prepare)?;
-        let tangent = prepare.found;
-        let mut prepare = Prepare { tables: &tables, form: &form, quadrature, found: vec![] };
-        form.whole_residual(&mut prepare)?;
-        let residual = prepare.found;
-        (tables.tangent, tables.residual) = (tangent, residual);
-        let (fixed_tangent, fixed_residual) = if S::FIXED {
-            (tables.fixed(&form, &tables.tangent)?, tables.fixed(&form, &tables.residual)?)
-        } else {
-            (vec![], vec![])
-        };
-        let memory = |groups: &[Vec<Group<D>>]| groups.iter().map(|_| None).collect();
-        let memory =
-            Memory { tangent: memory(&tables.tangent), residual: memory(&tables.residual), addend: vec![] };
-        Ok(ElementKernel { form, tables, fixed_tangent, fixed_residual, memory })
-    }
-
-    /// The same with kernels compiled for a certain set of instructions.
-    pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
-        self.tables.instructions = instructions.checked();
-        self
+        let prepare =
+            || Prepare { tables: &tables, form: &form, quadrature, found: vec![], sizes: PhantomData::<S> };
+        let (mut tangent, mut residual) = (prepare(), prepare());
+        form.whole_tangent(&mut tangent)?;
+        form.whole_residual(&mut residual)?;
+        let [tangent, residual] = [tangent.found, residual.found].map(Integrals::new);
+        Ok(ElementKernel { form, tables, tangent, residual, sizes: PhantomData })
     }
 
     /// The form.
@@ -180,24 +183,13 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     /// What the form's data have to say, or the lengths of the lists.
     #[inline]
     pub fn matrices(&mut self, cells: &ElementCells, matrices: &mut [f64]) -> Result<(), AssemblyError> {
-        let ElementKernel { form, tables, fixed_tangent, memory, .. } = self;
-        let size = tables.layout.rows.len();
-        let mut run = Run::<F, S, D> {
-            form,
-            tables,
-            groups: &tables.tangent,
-            fixed: fixed_tangent,
-            memory: &mut memory.tangent,
-            addend: &mut memory.addend,
-            cells,
-            target: target(form.name(), matrices, cells.count * size * size)?,
-            index: 0,
-        };
-        form.whole_tangent(&mut run)?;
-        if run.index == 0 {
-            run.target.fill(0.0);
+        let size = self.size();
+        let form = self.form.name();
+        let target = target(form, matrices, cells.count * size * size)?;
+        if self.tangent.all_fixed {
+            return run_fixed(form, &mut self.tangent.list, cells, target);
         }
-        Ok(())
+        self.walk_tangent(cells, target)
     }
 
     /// Element vectors of the residual, one after the other.
@@ -206,24 +198,46 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     /// As [`ElementKernel::matrices`].
     #[inline]
     pub fn vectors(&mut self, cells: &ElementCells, vectors: &mut [f64]) -> Result<(), AssemblyError> {
-        let ElementKernel { form, tables, fixed_residual, memory, .. } = self;
-        let mut run = Run::<F, S, D> {
-            form,
-            tables,
-            groups: &tables.residual,
-            fixed: fixed_residual,
-            memory: &mut memory.residual,
-            addend: &mut memory.addend,
-            cells,
-            target: target(form.name(), vectors, cells.count * tables.layout.rows.len())?,
-            index: 0,
-        };
-        form.whole_residual(&mut run)?;
-        if run.index == 0 {
-            run.target.fill(0.0);
+        let form = self.form.name();
+        let target = target(form, vectors, cells.count * self.size())?;
+        if self.residual.all_fixed {
+            return run_fixed(form, &mut self.residual.list, cells, target);
         }
-        Ok(())
+        self.walk_residual(cells, target)
     }
+
+    #[inline(never)]
+    fn walk_tangent(&mut self, cells: &ElementCells, target: &mut [f64]) -> Result<(), AssemblyError> {
+        let ElementKernel { form, tables, tangent: Integrals { list: integrals, addend, .. }, .. } = self;
+        let sizes = PhantomData::<S>;
+        form.whole_tangent(&mut Run { form, tables, integrals, addend, cells, target, index: 0, sizes })
+    }
+
+    #[inline(never)]
+    fn walk_residual(&mut self, cells: &ElementCells, target: &mut [f64]) -> Result<(), AssemblyError> {
+        let ElementKernel { form, tables, residual: Integrals { list: integrals, addend, .. }, .. } = self;
+        let sizes = PhantomData::<S>;
+        form.whole_residual(&mut Run { form, tables, integrals, addend, cells, target, index: 0, sizes })
+    }
+}
+
+/// Runs integrals all of which have fixed lengths.
+#[inline(always)]
+fn run_fixed<const D: usize>(
+    form: &'static str,
+    integrals: &mut [Prepared<D>],
+    cells: &ElementCells,
+    target: &mut [f64],
+) -> Result<(), AssemblyError> {
+    if integrals.is_empty() {
+        target.fill(0.0);
+    }
+    for (index, integral) in integrals.iter_mut().enumerate() {
+        if let Prepared::Fixed(groups) = integral {
+            of_facet(form, groups, cells.facet)?.run(cells, target, index > 0);
+        }
+    }
+    Ok(())
 }
 
 #[inline(always)]
@@ -233,8 +247,14 @@ fn target<'a>(
     expected: usize,
 ) -> Result<&'a mut [f64], AssemblyError> {
     let found = values.len();
-    values.get_mut(..expected).ok_or_else(|| AssemblyError::Layout {
+    values.get_mut(..expected).ok_or_else(|| too_short(form, found, expected))
+}
+
+#[cold]
+#[inline(never)]
+fn too_short(form: &'static str, found: usize, expected: usize) -> AssemblyError {
+    AssemblyError::Layout {
         form,
         what: format!("the results have room for {found} numbers, not for {expected}"),
-    })
+    }
 }

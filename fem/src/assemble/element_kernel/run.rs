@@ -1,166 +1,98 @@
-//! One call of an element kernel: a walk over the form's integrals.
+//! A call of an element kernel that has loops which count their lengths: a walk over the form's integrals, since their types
+//! must be known.
 
-use std::any::Any;
 use std::marker::PhantomData;
 
-use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, Form, Integral, LinearKernel, LinearVisitor, Requirements,
-};
+use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, LinearKernel, LinearVisitor};
 
 use super::ElementCells;
+use super::prepare::{Kept, Lengths, Prepared, of_facet};
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
-use crate::assemble::element_matrices::{ElementMatrices, MatrixBuffers, along_axes, scalar};
+use crate::assemble::element_matrices::{ElementMatrices, MatrixBuffers};
 use crate::assemble::element_vectors::{ElementVectors, VectorBuffers};
-use crate::assemble::fixed::{FixedMatrices, FixedTables, FixedTask, FixedVectors, fits};
 use crate::assemble::receiver::Direct;
 use crate::assemble::sizes::Sizes;
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, SimdLane};
 
-/// One call: a walk over the integrals.
+/// One call.
 pub(super) struct Run<'a, F, S: Sizes, const D: usize> {
     pub form: &'a F,
     pub tables: &'a ElementTables<D>,
-    /// The groups of each integral, and their tables if their sizes are fixed.
-    pub groups: &'a [Vec<Group<D>>],
-    pub fixed: &'a [Vec<FixedTables<S, D>>],
-    /// One per integral.
-    pub memory: &'a mut Vec<Kept>,
+    pub integrals: &'a mut [Prepared<D>],
     pub addend: &'a mut Vec<f64>,
     pub cells: &'a ElementCells<'a>,
     pub target: &'a mut [f64],
     /// Number of integrals that were walked.
     pub index: usize,
+    pub sizes: PhantomData<S>,
 }
 
-#[cold]
-fn no_facet(form: &'static str, facet: usize) -> AssemblyError {
-    AssemblyError::Layout { form, what: format!("there is no facet {facet}") }
+/// An integral whose loops count their lengths, on the cells or on the facet that was asked for.
+struct Counted<'a, const D: usize> {
+    group: &'a Group<D>,
+    memory: &'a mut Kept,
+    receiver: Direct<'a>,
 }
 
-/// The entry of the facet that was asked for, or of the cells.
-#[inline(always)]
-fn choose<T>(groups: &[T], facet: usize) -> Option<&T> {
-    if groups.len() == 1 { groups.first() } else { groups.get(facet) }
-}
-
-impl<'a, F: Form<D>, S: Sizes, const D: usize> Run<'a, F, S, D> {
-    /// The group of the next integral.
-    #[inline(always)]
-    fn group(&self) -> Result<&'a Group<D>, AssemblyError> {
-        let facet = self.cells.facet;
-        choose(&self.groups[self.index], facet).ok_or_else(|| no_facet(self.form.name(), facet))
-    }
-
-    #[inline(always)]
-    fn fixed_matrices<K: BilinearKernel<D>>(&mut self, kernel: &K) -> Result<(), AssemblyError> {
-        let (tables, add) = (self.tables, self.index > 0);
-        let (group, fixed) = (self.group()?, self.fixed()?);
-        tables.instructions.run(FixedMatrices {
-            task: FixedTask { kernel, group, tables: fixed, listed: tables.listed_cells(self.cells) },
-            order: &tables.orders[usize::from(K::SYMMETRIC)],
-            memory: &mut self.memory[self.index],
-            target: &mut *self.target,
-            add,
-        });
+impl<F: Form<D>, S: Sizes, const D: usize> Run<'_, F, S, D> {
+    /// The next integral, unless its lengths are fixed: such a one is done here.
+    fn next(&mut self) -> Result<Option<Counted<'_, D>>, AssemblyError> {
+        let (index, form) = (self.index, self.form.name());
         self.index += 1;
-        Ok(())
-    }
-
-    /// Whether the loops that count their lengths do with fewer operations: those with fixed ones do not sum along axes.
-    fn sums_along_axes<K: BilinearKernel<D>>(&self) -> Result<bool, AssemblyError> {
-        let tables = self.group()?.sides[0].products[0].as_ref();
-        Ok(tables.is_some_and(|tables| along_axes::<K, D>(tables, K::SYMMETRIC)))
-    }
-
-    #[inline(always)]
-    fn fixed(&self) -> Result<&'a FixedTables<S, D>, AssemblyError> {
-        let facet = self.cells.facet;
-        choose(&self.fixed[self.index], facet).ok_or_else(|| no_facet(self.form.name(), facet))
-    }
-}
-
-/// Whether a kernel's loops have fixed lengths.
-struct Path<K, S>(PhantomData<(K, S)>);
-
-impl<K, S: Sizes> Path<K, S> {
-    const fn fixed(requirements: &Requirements, components: usize) -> bool {
-        S::FIXED && components <= 3 && fits(requirements)
+        match &mut self.integrals[index] {
+            Prepared::Fixed(groups) => {
+                let group = of_facet(form, groups, self.cells.facet)?;
+                group.run(self.cells, self.target, index > 0);
+                Ok(None)
+            }
+            Prepared::Counted { groups, memory } => {
+                let group = of_facet(form, groups, self.cells.facet)?;
+                let addend = (index > 0).then_some(&mut *self.addend);
+                Ok(Some(Counted { group, memory, receiver: Direct { target: &mut *self.target, addend } }))
+            }
+        }
     }
 }
 
 impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, F, S, D> {
     type Error = AssemblyError;
 
-    #[inline]
     fn visit<K: BilinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        let (tables, add) = (self.tables, self.index > 0);
-        let order = &tables.orders[usize::from(K::SYMMETRIC)];
-        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) && !scalar::<K, D>() } {
-            return self.fixed_matrices(kernel);
+        let (form, tables, cells) = (self.form, self.tables, self.cells);
+        let Some(Counted { group, memory, mut receiver }) = self.next()? else { return Ok(()) };
+        if const { Lengths::<K, S>::of_matrices_always() } {
+            return Ok(());
         }
-        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) }
-            && !self.sums_along_axes::<K>()?
-        {
-            return self.fixed_matrices(kernel);
-        }
-        let (binding, group) = (tables.bind(self.form)?, self.group()?);
         let task = ElementMatrices {
-            binding: &binding,
+            binding: &tables.bind(form)?,
             group,
-            cells: tables.cells(self.cells),
+            cells: tables.cells(cells),
             sides: [0, 0],
             elements: [0, 0],
             symmetric: K::SYMMETRIC,
         };
-        let mut receiver = Direct { target: &mut *self.target, addend: add.then_some(&mut *self.addend) };
-        let result = tables.instructions.run(Matrices::<K, D> {
-            task: &task,
-            kernel,
-            order,
-            count: self.cells.count,
-            memory: &mut self.memory[self.index],
-            receiver: &mut receiver,
-        });
-        self.index += 1;
-        result
+        let order = &tables.orders[usize::from(K::SYMMETRIC)];
+        let (task, receiver) = (&task, &mut receiver);
+        tables.instructions.run(Matrices { task, kernel, order, count: cells.count, memory, receiver })
     }
 }
 
 impl<F: Form<D>, S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, F, S, D> {
     type Error = AssemblyError;
 
-    #[inline]
     fn visit<K: LinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        let (tables, add) = (self.tables, self.index > 0);
-        let order = &tables.orders[2];
-        if const { Path::<K, S>::fixed(&K::REQUIREMENTS, K::TEST_COMPONENTS) } {
-            let (group, fixed) = (self.group()?, self.fixed()?);
-            tables.instructions.run(FixedVectors {
-                task: FixedTask { kernel, group, tables: fixed, listed: tables.listed_cells(self.cells) },
-                order,
-                memory: &mut self.memory[self.index],
-                target: &mut *self.target,
-                add,
-            });
-            self.index += 1;
+        let (form, tables, cells) = (self.form, self.tables, self.cells);
+        let Some(Counted { group, memory, mut receiver }) = self.next()? else { return Ok(()) };
+        if const { Lengths::<K, S>::of_vectors() } {
             return Ok(());
         }
-        let (binding, group) = (tables.bind(self.form)?, self.group()?);
+        let binding = tables.bind(form)?;
         let task =
-            ElementVectors { binding: &binding, group, cells: tables.cells(self.cells), side: 0, element: 0 };
-        let mut receiver = Direct { target: &mut *self.target, addend: add.then_some(&mut *self.addend) };
-        let result = tables.instructions.run(Vectors::<K, D> {
-            task: &task,
-            kernel,
-            order,
-            count: self.cells.count,
-            memory: &mut self.memory[self.index],
-            receiver: &mut receiver,
-        });
-        self.index += 1;
-        result
+            ElementVectors { binding: &binding, group, cells: tables.cells(cells), side: 0, element: 0 };
+        let (task, order, receiver) = (&task, &tables.orders[2], &mut receiver);
+        tables.instructions.run(Vectors { task, kernel, order, count: cells.count, memory, receiver })
     }
 }
 
@@ -173,12 +105,8 @@ struct Matrices<'a, 'r, K, const D: usize> {
     receiver: &'a mut Direct<'r>,
 }
 
-/// Memory of the loops, whose types are known inside them.
-pub(in crate::assemble) type Kept = Option<Box<dyn Any + Send>>;
-
 /// The memory of a run before, if it was of the same type, or new memory; to be put back after the run.
-#[inline(always)]
-pub(in crate::assemble) fn recall<T: Any + Send + Default>(memory: &mut Kept) -> Box<T> {
+fn recall<T: Send + Default + 'static>(memory: &mut Kept) -> Box<T> {
     memory.take().and_then(|known| known.downcast().ok()).unwrap_or_default()
 }
 

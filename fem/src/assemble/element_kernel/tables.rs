@@ -1,22 +1,18 @@
-//! What an element kernel prepares once: the groups of its integrals, with their tables.
+//! What the integrals of an element kernel share: where the caller's lists have what, and the reference cell.
 
 use std::sync::Arc;
 
-use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, FieldDescription, Form, Integral, LinearKernel, LinearVisitor,
-    Requirements, Role,
-};
+use forms_core::contract::{FieldDescription, Form, Role};
 
 use super::{ElementCells, ElementLayout};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::Cells;
 use crate::assemble::binding::{Binding, List, Tabulated, Values};
-use crate::assemble::fixed::{FixedTables, Listed};
+use crate::assemble::fixed::FixedTables;
 use crate::assemble::sizes::{Array, Sizes};
-use crate::assemble::walk::{Group, groups};
+use crate::assemble::walk::Group;
 use crate::lanes::{Checked, Order};
 use crate::mesh::Mesh;
-use crate::quadrature::Quadrature;
 
 /// What is prepared once.
 pub(super) struct ElementTables<const D: usize> {
@@ -25,9 +21,6 @@ pub(super) struct ElementTables<const D: usize> {
     pub layout: ElementLayout,
     /// Values and elements of the form's fields, if the caller lists all of them.
     pub known: Option<(Vec<Values<'static, D>>, Vec<Tabulated>)>,
-    /// Per integral of the tangent, and of the residual: one group on cells, one per local facet.
-    pub tangent: Vec<Vec<Group<D>>>,
-    pub residual: Vec<Vec<Group<D>>>,
     /// Orders of the entries of a matrix, of a symmetric one, and of a vector.
     pub orders: [Order; 3],
     pub instructions: Checked,
@@ -74,44 +67,28 @@ impl<const D: usize> ElementTables<D> {
         Ok(binding)
     }
 
-    /// The groups' tables as arrays, whose lengths must be the groups'.
-    pub fn fixed<S: Sizes, F: Form<D>>(
+    /// A group's tables as arrays, whose lengths must be the group's.
+    pub fn fixed<S: Sizes>(
         &self,
-        form: &F,
-        groups: &[Vec<Group<D>>],
-    ) -> Result<Vec<Vec<FixedTables<S, D>>>, AssemblyError> {
-        let unsuited = |what: String| AssemblyError::Layout { form: form.name(), what };
+        form: &'static str,
+        group: &Group<D>,
+    ) -> Result<FixedTables<S, D>, AssemblyError> {
+        let unsuited = |what: String| AssemblyError::Layout { form, what };
         let Some((values, _)) = &self.known else {
             let what = "with fixed sizes the caller lists the coefficients of every field";
             return Err(unsuited(what.to_owned()));
         };
-        let affine = self.reference.is_affine();
-        let tables = |group: &Group<D>| {
-            let side = &group.sides[0];
-            for (what, found, fixed) in [
-                ("nodes", side.elements[0].nodes, <S::Nodes<f64> as Array<f64>>::LENGTH),
-                ("points", group.points(), <S::Points<f64> as Array<f64>>::LENGTH),
-                ("geometry nodes", side.geometry.nodes, <S::GeometryNodes<f64> as Array<f64>>::LENGTH),
-            ] {
-                if found != fixed {
-                    return Err(unsuited(format!("there are {found} {what}, and {fixed} are fixed")));
-                }
+        let side = &group.sides[0];
+        for (what, found, fixed) in [
+            ("nodes", side.elements[0].nodes, <S::Nodes<f64> as Array<f64>>::LENGTH),
+            ("points", group.points(), <S::Points<f64> as Array<f64>>::LENGTH),
+            ("geometry nodes", side.geometry.nodes, <S::GeometryNodes<f64> as Array<f64>>::LENGTH),
+        ] {
+            if found != fixed {
+                return Err(unsuited(format!("there are {found} {what}, and {fixed} are fixed")));
             }
-            Ok(FixedTables::new(group, values, affine))
-        };
-        groups.iter().map(|groups| groups.iter().map(tables).collect()).collect()
-    }
-
-    #[inline(always)]
-    pub fn listed_cells<'a>(&'a self, cells: &ElementCells<'a>) -> Listed<'a> {
-        Listed {
-            count: cells.count,
-            coordinates: cells.coordinates,
-            stride: self.layout.coordinate_stride,
-            offsets: &self.layout.coordinate_offsets,
-            coefficients: cells.coefficients,
-            coefficient_stride: self.layout.coefficient_stride,
         }
+        Ok(FixedTables::new(group, values, &self.layout))
     }
 
     pub fn cells<'a>(&'a self, cells: &ElementCells<'a>) -> Cells<'a, D> {
@@ -122,45 +99,5 @@ impl<const D: usize> ElementTables<D> {
             coefficients: cells.coefficients,
             coefficient_stride: self.layout.coefficient_stride,
         }
-    }
-}
-
-/// Collects the groups of each integral.
-pub(super) struct Prepare<'a, F, const D: usize> {
-    pub tables: &'a ElementTables<D>,
-    pub form: &'a F,
-    pub quadrature: &'a Quadrature<D>,
-    pub found: Vec<Vec<Group<D>>>,
-}
-
-impl<F: Form<D>, const D: usize> Prepare<'_, F, D> {
-    fn add(&mut self, integral: &Integral, requirements: &Requirements) -> Result<(), AssemblyError> {
-        let binding = self.tables.bind(self.form)?;
-        let degree = self.tables.layout.element.degree;
-        let degrees: Vec<usize> = binding.degrees(&[]).into_iter().collect();
-        let degrees: Vec<usize> = (self.form.fields().iter().zip(degrees))
-            .map(|(field, found)| match field.role {
-                Role::Test(_) | Role::Unknown(_) => degree,
-                _ => found,
-            })
-            .collect();
-        self.found.push(groups(&binding, integral, self.quadrature, &degrees, requirements)?);
-        Ok(())
-    }
-}
-
-impl<F: Form<D>, const D: usize> BilinearVisitor<D> for Prepare<'_, F, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
-        self.add(integral, &K::REQUIREMENTS)
-    }
-}
-
-impl<F: Form<D>, const D: usize> LinearVisitor<D> for Prepare<'_, F, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
-        self.add(integral, &K::REQUIREMENTS)
     }
 }

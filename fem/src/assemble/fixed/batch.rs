@@ -6,10 +6,10 @@
 
 use forms_core::contract::{Basis, CellGeometry, FieldSlot, Order, PointGeometry, Requirements};
 
-use super::tables::{FieldTables, FixedTables, Listed};
+use super::tables::{FieldTables, FixedTables};
 use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
+use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::sizes::{Array, Sizes};
-use crate::assemble::walk::Group;
 use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts};
 
@@ -22,7 +22,6 @@ pub(super) struct FieldBuffers<L> {
 
 /// The cells at hand.
 pub(super) struct FixedBatch<'a, L: SimdLane, S: Sizes, const D: usize> {
-    group: &'a Group<D>,
     tables: &'a FixedTables<S, D>,
     nodes: S::GeometryNodes<[L; D]>,
     /// Of affine cells.
@@ -40,27 +39,15 @@ pub(super) struct Place<L, const D: usize> {
     normal: [L; D],
 }
 
-impl<L> Default for FieldBuffers<L> {
-    fn default() -> Self {
-        FieldBuffers { coefficients: vec![], fields: vec![] }
-    }
-}
-
 impl<L: SimdLane> FieldBuffers<L> {
-    /// Makes room for what a kernel reads.
-    #[inline(always)]
-    fn prepare<S: Sizes, const D: usize>(&mut self, requirements: &Requirements, tables: &FixedTables<S, D>) {
-        if self.coefficients.len() == requirements.fields.len()
-            && self.fields.len() == requirements.field_length
-        {
-            return;
-        }
-        self.fields.resize(requirements.field_length, L::splat(0.0));
-        self.coefficients.clear();
-        for slot in requirements.fields {
+    /// Room for what a kernel reads.
+    pub fn new<S: Sizes, const D: usize>(requirements: &Requirements, tables: &FixedTables<S, D>) -> Self {
+        let zero = L::splat(0.0);
+        let coefficients = requirements.fields.iter().map(|slot| {
             let nodes = tables.fields[slot.field].as_ref().map_or(0, |field| field.tables.nodes);
-            self.coefficients.push(vec![L::splat(0.0); nodes * slot.components]);
-        }
+            vec![zero; nodes * slot.components]
+        });
+        FieldBuffers { coefficients: coefficients.collect(), fields: vec![zero; requirements.field_length] }
     }
 }
 
@@ -69,35 +56,33 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
     #[inline(always)]
     pub fn load(
         requirements: &Requirements,
-        group: &'a Group<D>,
         tables: &'a FixedTables<S, D>,
-        listed: &Listed,
+        cells: &ElementCells,
         start: usize,
         filled: usize,
         buffers: &mut FieldBuffers<L>,
     ) -> Self {
         let zero = L::splat(0.0);
-        buffers.prepare(requirements, tables);
         let mut nodes = S::GeometryNodes::filled([zero; D]);
-        let count = nodes.entries().len();
-        let (offsets, starts) = (&listed.offsets[..count], Starts::new::<L>(start, filled, listed.stride));
-        for node in 0..count {
-            nodes.entries_mut()[node] = L::gather_from(listed.coordinates, &starts, offsets[node]);
+        let (offsets, nodes_mut) = (tables.coordinate_offsets.entries(), nodes.entries_mut());
+        let starts = Starts::new::<L>(start, filled, tables.coordinate_stride);
+        for node in 0..nodes_mut.len() {
+            nodes_mut[node] = L::gather_from(cells.coordinates, &starts, offsets[node]);
         }
         if !requirements.fields.is_empty() {
-            let starts = Starts::new::<L>(start, filled, listed.coefficient_stride);
+            let starts = Starts::new::<L>(start, filled, tables.coefficient_stride);
             for index in 0..requirements.fields.len() {
                 let slot = &requirements.fields[index];
                 let Some(field) = &tables.fields[slot.field] else { continue };
                 if first_slot(requirements, index) == index {
                     let target = &mut buffers.coefficients[index];
-                    gather_field(listed.coefficients, &starts, &field.offsets, slot.components, target);
+                    gather_field(cells.coefficients, &starts, &field.offsets, slot.components, target);
                 }
             }
         }
         let none = Place { measure: zero, determinant: zero, inverse: [[zero; D]; D], normal: [zero; D] };
-        let mut batch = FixedBatch { group, tables, nodes, affine: none };
-        if tables.affine {
+        let mut batch = FixedBatch { tables, nodes, affine: none };
+        if const { FixedTables::<S, D>::AFFINE } {
             batch.affine = batch.place_of(&batch.jacobian(tables.geometry.slopes.entries()[0].entries()));
         }
         batch
@@ -106,7 +91,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
     /// The map at the q-th point.
     #[inline(always)]
     pub fn place(&self, q: usize) -> Place<L, D> {
-        if self.tables.affine {
+        if const { FixedTables::<S, D>::AFFINE } {
             self.affine
         } else {
             self.place_of(&self.jacobian(self.tables.geometry.slopes.entries()[q].entries()))
@@ -116,9 +101,9 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
     #[inline(always)]
     fn place_of(&self, jacobian: &[[L; D]; D]) -> Place<L, D> {
         let (determinant, inverse) = inverse_transposed(jacobian);
-        let (measure, normal) = match &self.group.sides[0].facet {
+        let (measure, normal) = match &self.tables.tangents {
             None => (determinant, [L::splat(0.0); D]),
-            Some((_, tangents)) => surface(jacobian, tangents),
+            Some(tangents) => surface(jacobian, tangents),
         };
         Place { measure, determinant, inverse, normal }
     }
@@ -150,13 +135,12 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
             opposite_diameter: zero,
             opposite_volume: zero,
         };
-        let side = &self.group.sides[0];
         if requirements.diameter {
-            geometry.diameter = largest_distance(&self.nodes.entries()[..side.shape.vertices()]);
+            geometry.diameter = largest_distance(&self.nodes.entries()[..self.tables.vertices]);
         }
         if requirements.cell_volume {
-            let measure = &side.measure;
-            geometry.cell_volume = if self.tables.affine {
+            let measure = &self.tables.measure;
+            geometry.cell_volume = if const { FixedTables::<S, D>::AFFINE } {
                 self.affine.determinant * L::splat(total(&measure.cell_weights))
             } else {
                 let mut volume = zero;
@@ -168,9 +152,10 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
             };
         }
         if requirements.facet_area
-            && let (Some((map, weights)), Some((_, tangents))) = (&side.measure.facet, &side.facet)
+            && let (Some((map, weights)), Some(tangents)) =
+                (&self.tables.measure.facet, &self.tables.tangents)
         {
-            geometry.facet_area = if self.tables.affine {
+            geometry.facet_area = if const { FixedTables::<S, D>::AFFINE } {
                 self.affine.measure * L::splat(total(weights))
             } else {
                 let mut area = zero;

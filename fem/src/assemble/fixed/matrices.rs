@@ -6,25 +6,30 @@
 use forms_core::contract::{Basis, BilinearKernel};
 
 use super::batch::{FieldBuffers, FixedBatch};
-use super::{FixedTask, put_out};
-use crate::assemble::element_kernel::{Kept, recall};
+use super::{Call, FixedIntegral, FixedTables, put_out};
+use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::pairs::Pairs;
-use crate::assemble::reference_tensor::{LARGEST_BLOCK, ReferenceTensor, contract, suits};
+use crate::assemble::reference_tensor::{ReferenceTensor, contract, suits};
 use crate::assemble::sizes::{Array, Sizes};
-use crate::lanes::{LaneWork, Order, Ordered, SimdLane};
+use crate::assemble::walk::Group;
+use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 
-/// Sums over more points are loops.
-const UNROLLED_POINTS: usize = 4;
-
-/// One run over the cells that the caller lists.
-pub(in crate::assemble) struct FixedMatrices<'a, K, S: Sizes, const D: usize> {
-    pub task: FixedTask<'a, K, S, D>,
+/// Makes an integral of a tangent ready for a lane type.
+pub(in crate::assemble) struct PrepareMatrices<'a, K, S: Sizes, const D: usize> {
+    pub kernel: &'a K,
+    pub group: &'a Group<D>,
+    pub tables: FixedTables<S, D>,
     /// Where the computed blocks have the entries of a matrix.
     pub order: &'a Order,
-    pub memory: &'a mut Kept,
-    pub target: &'a mut [f64],
-    /// Adds to what is there.
-    pub add: bool,
+}
+
+/// An integral of a tangent.
+struct Matrices<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> {
+    kernel: K,
+    tables: FixedTables<S, D>,
+    order: Order,
+    tensor: Option<ReferenceTensor>,
+    buffers: Buffers<K, L, D>,
 }
 
 struct Buffers<K: BilinearKernel<D>, L: SimdLane, const D: usize> {
@@ -33,67 +38,84 @@ struct Buffers<K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     tests: Vec<K::Test<L>>,
     trials: Vec<K::Trial<L>>,
     blocks: Vec<L>,
-    directions: Vec<[L; LARGEST_BLOCK]>,
-    tensor: Option<Option<ReferenceTensor>>,
+    directions: Vec<L>,
 }
 
-impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Default for Buffers<K, L, D> {
-    fn default() -> Self {
-        let fields = FieldBuffers::default();
-        Buffers { fields, tests: vec![], trials: vec![], blocks: vec![], directions: vec![], tensor: None }
+/// Numbers of nodes and points, of entries of a block, and of blocks that are computed.
+const fn lengths<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> [usize; 4] {
+    let nodes = <S::Nodes<f64> as Array<f64>>::LENGTH;
+    let pairs = if K::SYMMETRIC { nodes * (nodes + 1) / 2 } else { nodes * nodes };
+    [nodes, <S::Points<f64> as Array<f64>>::LENGTH, K::TEST_COMPONENTS * K::TRIAL_COMPONENTS, pairs]
+}
+
+impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrices<'_, K, S, D> {
+    type Output = Box<dyn FixedIntegral>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let PrepareMatrices { kernel, group, tables, order } = self;
+        let [nodes, points, entries, pairs] = const { lengths::<K, S, D>() };
+        let (test, trial) = K::zero_factors::<L>();
+        let blocks = vec![L::splat(0.0); pairs * entries];
+        let tensor =
+            ReferenceTensor::for_kernel::<K, D>(&group.sides[0], [0, 0], &group.weights, K::SYMMETRIC);
+        let buffers = Buffers {
+            fields: FieldBuffers::new(&K::REQUIREMENTS, &tables),
+            tests: vec![test; nodes * points],
+            trials: vec![trial; nodes * points],
+            blocks,
+            directions: vec![],
+        };
+        Box::new(Matrices::<K, L, S, D> {
+            kernel: kernel.clone(),
+            tables,
+            order: order.clone(),
+            tensor,
+            buffers,
+        })
     }
 }
 
-impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedMatrices<'_, K, S, D> {
+impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> FixedIntegral for Matrices<K, L, S, D> {
+    fn run(&mut self, cells: &ElementCells, target: &mut [f64], add: bool) {
+        L::call(Call { integral: self, cells, target, add });
+    }
+}
+
+impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
+    for Call<'_, Matrices<K, L, S, D>>
+{
     type Output = ();
 
     #[inline(always)]
-    fn run<L: SimdLane>(self) {
-        let FixedTask { group, listed, .. } = self.task;
-        let mut buffers = recall::<Buffers<K, L, D>>(self.memory);
-        let nodes = <S::Nodes<f64> as Array<f64>>::LENGTH;
-        let pairs = if K::SYMMETRIC { nodes * (nodes + 1) / 2 } else { nodes * nodes };
-        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
+    fn run(self) {
+        let Call { integral, cells, target, add } = self;
+        let [nodes, _, entries, _] = const { lengths::<K, S, D>() };
         let size = nodes * nodes * entries;
-        if buffers.blocks.len() != pairs * entries {
-            let tensor =
-                ReferenceTensor::for_kernel::<K, D>(&group.sides[0], [0, 0], &group.weights, K::SYMMETRIC);
-            buffers.tensor = Some(tensor);
-            buffers.blocks.resize(pairs * entries, L::splat(0.0));
-        }
         let mut start = 0;
-        while start < listed.count {
-            let filled = L::WIDTH.min(listed.count - start);
-            self.task.blocks::<L>(start, filled, &mut buffers);
-            let source = &Ordered::new(&buffers.blocks, self.order, size);
-            let target = &mut self.target[start * size..][..filled * size];
-            put_out(source, size, filled, target, self.add);
+        while start < cells.count {
+            let filled = L::WIDTH.min(cells.count - start);
+            integral.blocks(cells, start, filled);
+            let source = &Ordered::new(&integral.buffers.blocks, &integral.order, size);
+            put_out(source, size, filled, &mut target[start * size..][..filled * size], add);
             start += filled;
         }
-        *self.memory = Some(buffers);
     }
 }
 
-impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
+impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L, S, D> {
+    /// The blocks of `filled` cells from `start` on.
     #[inline(always)]
-    fn blocks<L: SimdLane>(&self, start: usize, filled: usize, buffers: &mut Buffers<K, L, D>) {
+    fn blocks(&mut self, cells: &ElementCells, start: usize, filled: usize) {
         let requirements = &K::REQUIREMENTS;
-        let points = <S::Points<f64> as Array<f64>>::LENGTH;
-        let nodes = <S::Nodes<f64> as Array<f64>>::LENGTH;
-        let kernel = self.kernel;
-        let Buffers { fields, tests, trials, blocks, directions, tensor } = buffers;
-        let batch = FixedBatch::<L, S, D>::load(
-            requirements,
-            self.group,
-            self.tables,
-            &self.listed,
-            start,
-            filled,
-            fields,
-        );
+        let [nodes, points, _, _] = const { lengths::<K, S, D>() };
+        let Matrices { kernel, tables, tensor, buffers, .. } = self;
+        let Buffers { fields, tests, trials, blocks, directions } = buffers;
+        let kernel = &*kernel;
+        let batch = FixedBatch::<L, S, D>::load(requirements, tables, cells, start, filled, fields);
         let cell = kernel.cell(&batch.cell_geometry(requirements));
         if const { suits::<K, D>() }
-            && let Some(Some(tensor)) = tensor
+            && let Some(tensor) = tensor
         {
             let place = batch.place(0);
             contract::<K, L, D>(kernel, &cell, tensor, place.determinant, &place.inverse, directions, blocks);
@@ -108,9 +130,9 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
             let point = kernel.point(&cell, &geometry, &fields.fields);
             batch.evaluate_basis(requirements, 0, &place, &mut basis);
             let basis = basis.entries();
-            let mut tests = S::Nodes::filled(kernel.test(&point, &basis[0], &hessian));
-            let mut trials = S::Nodes::filled(kernel.trial(&point, &basis[0], &hessian));
-            for i in 1..nodes {
+            let (test, trial) = K::zero_factors::<L>();
+            let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
+            for i in 0..nodes {
                 tests.entries_mut()[i] = kernel.test(&point, &basis[i], &hessian);
                 trials.entries_mut()[i] = kernel.trial(&point, &basis[i], &hessian);
             }
@@ -120,26 +142,20 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
                 .sum(blocks);
             return;
         }
+        let (tests, trials) = (&mut tests[..nodes * points], &mut trials[..nodes * points]);
         for q in 0..points {
             let place = batch.place(q);
             let geometry = batch.point(requirements, q, &place, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
             batch.evaluate_basis(requirements, q, &place, &mut basis);
             let basis = basis.entries();
-            // There is no empty factor: the memory is made with the first one.
-            if tests.len() != nodes * points {
-                tests.resize(nodes * points, kernel.test(&point, &basis[0], &hessian));
-                trials.resize(nodes * points, kernel.trial(&point, &basis[0], &hessian));
-            }
-            let (tests, trials) = (&mut tests[..nodes * points], &mut trials[..nodes * points]);
             for i in 0..nodes {
                 tests[i * points + q] = kernel.test(&point, &basis[i], &hessian);
                 trials[i * points + q] = kernel.trial(&point, &basis[i], &hessian);
             }
         }
-        // Of many points an unrolled loop would load all factors first, and spill them.
-        let points = if points > UNROLLED_POINTS { self.group.points() } else { points };
-        let (tests, trials) = (&tests[..nodes * points], &trials[..nodes * points]);
+        // The compiler is not to see the number of points: it would unroll, load all factors first, and spill them.
+        let points = tables.points;
         let symmetric = K::SYMMETRIC;
         Pairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }.sum(blocks);
     }

@@ -1,26 +1,34 @@
 //! Element kernels whose loops are compiled for one element, one rule and one geometry map: the quickest way
-//! through one batch of cells. Everything that a batch needs is in arrays of known lengths; nothing is looked
-//! up or checked per batch but the lengths of the caller's lists.
+//! through one batch of cells. Each integral is prepared once, with its kernel, tables and memory for one instruction set;
+//! nothing is looked up or checked per call but the lengths of the caller's lists.
 
 mod batch;
 mod matrices;
 mod tables;
 mod vectors;
 
-pub(super) use matrices::FixedMatrices;
-pub(super) use tables::{FixedTables, Listed, fits};
-pub(super) use vectors::FixedVectors;
+pub(super) use matrices::PrepareMatrices;
+pub(super) use tables::{FixedTables, fits};
+pub(super) use vectors::PrepareVectors;
 
-use super::sizes::Sizes;
-use super::walk::Group;
+use super::element_kernel::ElementCells;
 use crate::lanes::{Ordered, SimdLane};
 
-/// A kernel, a group and the cells to run it on.
-pub(super) struct FixedTask<'a, K, S: Sizes, const D: usize> {
-    pub kernel: &'a K,
-    pub group: &'a Group<D>,
-    pub tables: &'a FixedTables<S, D>,
-    pub listed: Listed<'a>,
+/// An integral with all that its loops need, for one lane type.
+pub(super) trait FixedIntegral: Send {
+    /// Computes the results of the cells and writes them to `target`, one after the other, or adds them to what is there.
+    ///
+    /// # Panics
+    /// When a list is too short.
+    fn run(&mut self, cells: &ElementCells, target: &mut [f64], add: bool);
+}
+
+/// A call of an integral, to be run in the functions that are compiled for its lanes.
+struct Call<'a, T> {
+    integral: &'a mut T,
+    cells: &'a ElementCells<'a>,
+    target: &'a mut [f64],
+    add: bool,
 }
 
 /// Writes results of `size` numbers each, or adds them to what is there.

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use forms_core::contract::{Order, Requirements, Side};
 
 use crate::assemble::binding::Values;
+use crate::assemble::element_kernel::ElementLayout;
 use crate::assemble::sizes::{Array, Sizes};
-use crate::assemble::walk::Group;
+use crate::assemble::walk::{Group, Measure};
 use crate::element::Tables;
 
 /// Components of a field, at most.
@@ -69,27 +70,31 @@ pub(in crate::assemble) struct FixedTables<S: Sizes, const D: usize> {
     pub(super) arguments: ArgumentTables<S, D>,
     /// By the form's index; `None` where there are no coefficients.
     pub(super) fields: Vec<Option<FieldTables<D>>>,
-    /// The map is affine: one Jacobian serves all points.
-    pub(super) affine: bool,
-}
-
-/// The lists that the caller hands over.
-#[derive(Clone, Copy)]
-pub(in crate::assemble) struct Listed<'a> {
-    pub count: usize,
-    pub coordinates: &'a [f64],
-    pub stride: usize,
-    pub offsets: &'a [usize],
-    pub coefficients: &'a [f64],
-    pub coefficient_stride: usize,
+    /// Where the coordinates of a cell's geometry nodes are, and from one cell's to the next's; see [`ElementLayout`].
+    pub(super) coordinate_offsets: S::GeometryNodes<usize>,
+    pub(super) coordinate_stride: usize,
+    pub(super) coefficient_stride: usize,
+    /// Reference tangents of the facet; `None` inside cells.
+    pub(super) tangents: Option<[[f64; D]; 2]>,
+    /// For |T| and |F|.
+    pub(super) measure: Measure<D>,
+    /// Of the cell.
+    pub(super) vertices: usize,
+    /// Number of points, for loops that are to stay loops.
+    pub(super) points: usize,
 }
 
 impl<S: Sizes, const D: usize> FixedTables<S, D> {
+    /// The map is affine, one Jacobian serves all points: only simplices with straight edges have as many geometry nodes.
+    pub(super) const AFFINE: bool = <S::GeometryNodes<f64> as Array<f64>>::LENGTH == D + 1;
+
     /// Copies a group's tables; their lengths are those of the arrays.
-    pub fn new(group: &Group<D>, values: &[Values<D>], affine: bool) -> Self {
+    pub fn new(group: &Group<D>, values: &[Values<D>], layout: &ElementLayout) -> Self {
         let side = &group.sides[0];
         let mut weights = S::Points::filled(0.0);
         weights.entries_mut().copy_from_slice(&group.weights);
+        let mut coordinate_offsets = S::GeometryNodes::filled(0);
+        coordinate_offsets.entries_mut().copy_from_slice(&layout.coordinate_offsets);
         let fields = values.iter().map(|values| match values {
             Values::Given { element, offsets } => Some(FieldTables {
                 offsets: offsets.clone(),
@@ -111,13 +116,19 @@ impl<S: Sizes, const D: usize> FixedTables<S, D> {
             geometry: BasisTables { values: places, slopes: map },
             arguments: BasisTables { values, slopes },
             fields: fields.collect(),
-            affine,
+            coordinate_offsets,
+            coordinate_stride: layout.coordinate_stride,
+            coefficient_stride: layout.coefficient_stride,
+            tangents: side.facet.map(|(_, tangents)| tangents),
+            measure: side.measure.clone(),
+            vertices: side.shape.vertices(),
+            points: group.points(),
         }
     }
 }
 
 /// A list as rows of equal lengths.
-fn rows<A: Array<R>, R: Array<T>, T: Copy>(list: &[T]) -> A {
+fn rows<A: Array<R>, R: Array<T>, T: Copy + Send + 'static>(list: &[T]) -> A {
     let mut rows = A::filled(R::filled(list[0]));
     for (row, entries) in rows.entries_mut().iter_mut().zip(list.chunks_exact(R::LENGTH)) {
         row.entries_mut().copy_from_slice(entries);

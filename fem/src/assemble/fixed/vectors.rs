@@ -12,79 +12,85 @@ use forms_core::contract::{Basis, LinearKernel};
 
 use super::batch::{FieldBuffers, FixedBatch};
 use super::tables::MOST_COMPONENTS;
-use super::{FixedTask, put_out};
-use crate::assemble::element_kernel::{Kept, recall};
+use super::{Call, FixedIntegral, FixedTables, put_out};
+use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::sizes::{Array, Sizes};
-use crate::lanes::{LaneWork, Order, Ordered, SimdLane};
+use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 
-/// One run over the cells that the caller lists.
-pub(in crate::assemble) struct FixedVectors<'a, K, S: Sizes, const D: usize> {
-    pub task: FixedTask<'a, K, S, D>,
+/// Makes an integral of a residual ready for a lane type.
+pub(in crate::assemble) struct PrepareVectors<'a, K, S: Sizes, const D: usize> {
+    pub kernel: &'a K,
+    pub tables: FixedTables<S, D>,
     /// Entry k of a vector is the `order[k]`-th of `[node][component]`.
     pub order: &'a Order,
-    pub memory: &'a mut Kept,
-    pub target: &'a mut [f64],
-    /// Adds to what is there.
-    pub add: bool,
 }
 
-struct Buffers<L> {
+/// An integral of a residual.
+struct Vectors<K, L, S: Sizes, const D: usize> {
+    kernel: K,
+    tables: FixedTables<S, D>,
+    order: Order,
     fields: FieldBuffers<L>,
     sums: Vec<L>,
 }
 
-impl<L> Default for Buffers<L> {
-    fn default() -> Self {
-        Buffers { fields: FieldBuffers::default(), sums: vec![] }
+impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareVectors<'_, K, S, D> {
+    type Output = Box<dyn FixedIntegral>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let PrepareVectors { kernel, tables, order } = self;
+        let size = <S::Nodes<f64> as Array<f64>>::LENGTH * K::TEST_COMPONENTS;
+        let fields = FieldBuffers::new(&K::REQUIREMENTS, &tables);
+        let sums = vec![L::splat(0.0); size];
+        Box::new(Vectors::<K, L, S, D> { kernel: kernel.clone(), tables, order: order.clone(), fields, sums })
     }
 }
 
-impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for FixedVectors<'_, K, S, D> {
+impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> FixedIntegral for Vectors<K, L, S, D> {
+    fn run(&mut self, cells: &ElementCells, target: &mut [f64], add: bool) {
+        L::call(Call { integral: self, cells, target, add });
+    }
+}
+
+impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
+    for Call<'_, Vectors<K, L, S, D>>
+{
     type Output = ();
 
     #[inline(always)]
-    fn run<L: SimdLane>(self) {
-        let listed = self.task.listed;
-        let mut buffers = recall::<Buffers<L>>(self.memory);
-        let size = <S::Nodes<f64> as Array<f64>>::LENGTH * K::TEST_COMPONENTS;
+    fn run(self) {
+        let Call { integral, cells, target, add } = self;
+        let size = const { <S::Nodes<f64> as Array<f64>>::LENGTH * K::TEST_COMPONENTS };
         let mut start = 0;
-        while start < listed.count {
-            let filled = L::WIDTH.min(listed.count - start);
+        while start < cells.count {
+            let filled = L::WIDTH.min(cells.count - start);
             match K::TEST_COMPONENTS {
-                1 => self.task.sums::<L, 1>(start, filled, &mut buffers),
-                2 => self.task.sums::<L, 2>(start, filled, &mut buffers),
-                _ => self.task.sums::<L, MOST_COMPONENTS>(start, filled, &mut buffers),
+                1 => integral.sums::<1>(cells, start, filled),
+                2 => integral.sums::<2>(cells, start, filled),
+                _ => integral.sums::<MOST_COMPONENTS>(cells, start, filled),
             }
-            let source = &Ordered::new(&buffers.sums, self.order, size);
-            let target = &mut self.target[start * size..][..filled * size];
-            put_out(source, size, filled, target, self.add);
+            let source = &Ordered::new(&integral.sums, &integral.order, size);
+            put_out(source, size, filled, &mut target[start * size..][..filled * size], add);
             start += filled;
         }
-        *self.memory = Some(buffers);
     }
 }
 
-impl<K: LinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
+impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Vectors<K, L, S, D> {
+    /// The sums of `filled` cells from `start` on.
     #[inline(always)]
-    fn sums<L: SimdLane, const C: usize>(&self, start: usize, filled: usize, buffers: &mut Buffers<L>) {
+    fn sums<const C: usize>(&mut self, cells: &ElementCells, start: usize, filled: usize) {
         let requirements = &K::REQUIREMENTS;
         let zero = L::splat(0.0);
-        let kernel = self.kernel;
-        let Buffers { fields, sums } = buffers;
-        let batch = FixedBatch::<L, S, D>::load(
-            requirements,
-            self.group,
-            self.tables,
-            &self.listed,
-            start,
-            filled,
-            fields,
-        );
+        let Vectors { kernel, tables, fields, sums, .. } = self;
+        let (kernel, tables) = (&*kernel, &*tables);
+        let batch = FixedBatch::<L, S, D>::load(requirements, tables, cells, start, filled, fields);
         let cell = kernel.cell(&batch.cell_geometry(requirements));
         let mut totals = S::Nodes::filled([zero; C]);
         let totals = totals.entries_mut();
         let hessian = [[zero; D]; D];
-        let arguments = &self.tables.arguments;
+        let arguments = &tables.arguments;
         for q in 0..<S::Points<f64> as Array<f64>>::LENGTH {
             let place = batch.place(q);
             let geometry = batch.point(requirements, q, &place, fields);
@@ -126,7 +132,6 @@ impl<K: LinearKernel<D>, S: Sizes, const D: usize> FixedTask<'_, K, S, D> {
                 }
             }
         }
-        sums.resize(totals.len() * C, zero);
         let sums = &mut sums[..totals.len() * C];
         for i in 0..totals.len() {
             for component in 0..C {

@@ -11,6 +11,8 @@ use super::{Avx2, Avx512, simd};
 use crate::lanes::{Entries, SharedWork, SimdLane, Starts, WIDEST, store_entries};
 
 impl SimdLane for Avx2 {
+    const REGISTERS: usize = 16;
+
     #[inline(always)]
     fn call<W: SharedWork<Avx2>>(work: W) -> W::Output {
         #[target_feature(enable = "avx2,fma")]
@@ -110,6 +112,8 @@ fn transposed(a: Avx2, b: Avx2, c: Avx2, d: Avx2) -> [Avx2; 4] {
 }
 
 impl SimdLane for Avx512 {
+    const REGISTERS: usize = 32;
+
     #[inline(always)]
     fn call<W: SharedWork<Avx512>>(work: W) -> W::Output {
         #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]

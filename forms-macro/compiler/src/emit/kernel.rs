@@ -174,6 +174,10 @@ impl KernelWriter<'_> {
                     [#(#trial_results),*]
                 }
                 #[inline(always)]
+                fn zero_factors<L: Lane>() -> ([L; #test_count], [L; #trial_count]) {
+                    ([L::splat(0.0); #test_count], [L::splat(0.0); #trial_count])
+                }
+                #[inline(always)]
                 fn zero<L: Lane>() -> [L; #sum_count] {
                     [L::splat(0.0); #sum_count]
                 }
@@ -289,6 +293,7 @@ impl KernelWriter<'_> {
             false => (quote! {}, quote! {}),
         };
         quote! {
+            #[derive(Clone)]
             pub struct #name {
                 form: [f64; #count],
                 #member
