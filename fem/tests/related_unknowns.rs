@@ -239,6 +239,22 @@ fn a_rigid_plate_feels_the_force_and_the_moment_alone() {
     }
 }
 
+// Slip along the lower side is what rollers there alone leave open: a motion in a direction that is no axis.
+#[test]
+fn what_rollers_leave_open_is_told_in_words() {
+    let mesh = turned(CellShape::Triangle);
+    let space = Space::vector(&mesh, 2).unwrap();
+    let mut constraints = Constraints::new(&space);
+    constraints.slide_along("bottom", |_| 0.0).unwrap();
+    assert!(!constraints.relations().is_empty());
+    let (data, assembler) = (data(), Assembler::new(&mesh));
+    let form = bodies::elasticity(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
+    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let error = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap_err().to_string();
+    let motion = "the body can move rigidly: translation along (0.921061, 0.389418)";
+    assert!(error.ends_with(motion), "{error}");
+}
+
 #[test]
 fn a_rigid_face_in_space_keeps_distances_to_first_order() {
     let mesh =

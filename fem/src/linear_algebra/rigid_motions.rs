@@ -46,28 +46,27 @@ pub fn rigid_motions<const D: usize>(positions: &[[f64; D]]) -> Vec<Vec<f64>> {
     motions
 }
 
-/// Length, relative to a motion's, below which the forces of a motion and its values where unknowns are prescribed are
-/// rounding. A body held at one node of 10⁶ leaves more than 1e-4.
+/// Length, relative to a motion's, below which what hinders it is rounding. A body held at one node of 10⁶ leaves more than 1e-4.
 const NOTHING: f64 = 1e-11;
 
-/// The rigid motions that a matrix does not resist and that leave the prescribed unknowns alone, each in words:
+/// The rigid motions that a matrix does not resist and that constraints allow, each in words:
 /// "translation along x", "rotation about (0, 0, 1) through (0.5, 0.5, 0)". The unknowns of the nodes at `positions`
-/// start at `offset` of the matrix, which has all rows and columns; `prescribed` tells which are prescribed.
+/// start at `offset` of the matrix, which has all rows and columns. `hindrance` makes one vector of a motion and of its forces (relative to the
+/// largest entry of the matrix), linear in them and zero if constraints allow the motion and nothing free resists it.
 ///
 /// # Errors
-/// If the matrix is smaller than the unknowns.
+/// If the matrix is smaller than the unknowns, or those of `hindrance`.
 pub fn free_motions<const D: usize>(
     matrix: &BlockMatrix,
     offset: usize,
     positions: &[[f64; D]],
-    prescribed: impl Fn(usize) -> bool,
+    hindrance: impl Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError>,
 ) -> Result<Vec<String>, LinearAlgebraError> {
     let scale = super::vector::largest(matrix.values());
     if D < 2 || positions.is_empty() || !scale.is_finite() {
         return Ok(Vec::new());
     }
-    // Forces on free unknowns and values on prescribed ones, as one vector per motion.
-    let mut traces = Vec::new();
+    let mut hindrances = Vec::new();
     for motion in rigid_motions(positions) {
         let mut all = vec![0.0; matrix.columns()];
         let Some(own) = all.get_mut(offset..offset + motion.len()) else {
@@ -75,17 +74,15 @@ pub fn free_motions<const D: usize>(
             return Err(LinearAlgebraError::SizeMismatch { what, expected, found });
         };
         own.copy_from_slice(&motion);
-        let mut trace = matrix.multiply(&all)?;
-        for (unknown, trace) in trace.iter_mut().enumerate() {
-            *trace = if prescribed(unknown) { all[unknown] } else { *trace / scale.max(f64::MIN_POSITIVE) };
-        }
-        traces.push(trace);
+        let mut forces = matrix.multiply(&all)?;
+        forces.iter_mut().for_each(|force| *force /= scale.max(f64::MIN_POSITIVE));
+        hindrances.push(hindrance(&all, &forces)?);
     }
-    let count = traces.len();
+    let count = hindrances.len();
     let nodes = positions.len() as f64;
     // Singular values and not the eigenvalues of a Gram matrix, whose rounding would hide a small resistance.
-    let tall = Mat::from_fn(matrix.rows(), count, |i, k| traces[k][i] / nodes.sqrt());
-    drop(traces);
+    let tall = Mat::from_fn(matrix.rows(), count, |i, k| hindrances[k][i] / nodes.sqrt());
+    drop(hindrances);
     let triangle = tall.qr().thin_R().to_owned();
     let Ok(found) = triangle.svd() else { return Ok(Vec::new()) };
     let (values, vectors) = (found.S().column_vector(), found.V());
@@ -202,37 +199,48 @@ mod tests {
         assert_eq!(rigid_motions(&[[0.0], [1.0]]).len(), 1);
     }
 
+    /// The hindrance where some unknowns are prescribed.
+    fn prescribing(
+        prescribed: impl Fn(usize) -> bool,
+    ) -> impl Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        move |motion, forces| {
+            let one = |unknown| if prescribed(unknown) { motion[unknown] } else { forces[unknown] };
+            Ok((0..motion.len()).map(one).collect())
+        }
+    }
+
     #[test]
     fn a_floating_body_has_six_motions_and_a_clamped_one_has_none() {
         let matrix = springs(&SOLID);
-        let found = free_motions(&matrix, 0, &SOLID, |_| false).unwrap();
+        let found = free_motions(&matrix, 0, &SOLID, prescribing(|_| false)).unwrap();
         assert_eq!(found.len(), 6);
         assert!(found[..3].iter().all(|motion| motion.starts_with("translation along ")), "{found:?}");
         assert!(
             found[3..].iter().any(|motion| motion == "rotation about z through (1, 0.5, 0.5)"),
             "{found:?}"
         );
-        assert!(free_motions(&matrix, 0, &SOLID, |unknown| unknown < 9).unwrap().is_empty());
+        assert!(free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown < 9)).unwrap().is_empty());
     }
 
     #[test]
     fn what_is_left_by_partial_supports_is_told() {
         let matrix = springs(&SOLID);
         // Held at the origin.
-        let hinge = free_motions(&matrix, 0, &SOLID, |unknown| unknown < 3).unwrap();
+        let hinge = free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown < 3)).unwrap();
         assert_eq!(hinge.len(), 3);
         for (axis, motion) in ["x", "y", "z"].iter().zip(&hinge) {
             assert!(motion.starts_with(&format!("rotation about {axis} through (")), "{hinge:?}");
         }
         // No node may move along z.
-        let sliding = free_motions(&matrix, 0, &SOLID, |unknown| unknown % 3 == 2).unwrap();
+        let sliding = free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown % 3 == 2)).unwrap();
         assert_eq!(sliding[..2], ["translation along x", "translation along y"]);
         assert_eq!(sliding[2], "rotation about z through (1, 0.5, 0.5)");
         // Held at two points: the axis through both is left.
-        let axis = free_motions(&matrix, 0, &SOLID, |unknown| unknown < 6).unwrap();
+        let axis = free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown < 6)).unwrap();
         assert_eq!(axis, ["rotation about x through (1, 0, 0)"]);
         let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let pinned = free_motions(&springs(&triangle), 0, &triangle, |unknown| unknown < 2).unwrap();
+        let pinned =
+            free_motions(&springs(&triangle), 0, &triangle, prescribing(|unknown| unknown < 2)).unwrap();
         assert_eq!(pinned, ["rotation about (0, 0)"]);
     }
 }

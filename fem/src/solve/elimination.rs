@@ -157,6 +157,22 @@ impl Elimination {
         Ok(full)
     }
 
+    /// What hinders a motion from being an increment without resistance, zero where nothing does: Cᵀ times its forces for the
+    /// free unknowns, and for each of the others how far its value is from what the free ones give.
+    ///
+    /// # Errors
+    /// If a size is wrong.
+    pub fn hindrance(&self, motion: &[f64], forces: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        check_size("the vector of all unknowns", self.size, motion.len())?;
+        let free: Vec<f64> = self.free.iter().map(|&unknown| motion[unknown]).collect();
+        let given = self.extend_by_zero(&free)?;
+        let mut hindrance: Vec<f64> = motion.iter().zip(&given).map(|(value, given)| value - given).collect();
+        for (&unknown, force) in self.free.iter().zip(self.reduce(forces)?) {
+            hindrance[unknown] = force;
+        }
+        Ok(hindrance)
+    }
+
     /// Cᵀ K C of a full matrix K: its free rows and columns, and what relations add to them.
     ///
     /// # Errors

@@ -157,11 +157,14 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         };
         let guess = self.guess(&u, constraints);
         let start = Start { u, guess };
-        let (free, related) = (elimination.free().to_vec(), !elimination.only_prescribes());
         let found = newton_eliminating(self, elimination, start, solver, options, progress).map_err(
             |mut error| {
                 if let NewtonFailure::LinearSolver(source) = error.why {
-                    error.why = NewtonFailure::LinearSolver(self.named(source, &free, related));
+                    let named = match Elimination::of(&constraints) {
+                        Ok(elimination) => self.named(source, &elimination),
+                        Err(_) => source,
+                    };
+                    error.why = NewtonFailure::LinearSolver(named);
                 }
                 error
             },
@@ -211,8 +214,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         }
         let tangent = self.tangent(&zero)?;
         let found = solve_linear(&tangent.matrix, &load, &mut elimination, solver);
-        let solution =
-            found.map_err(|error| self.named(error, elimination.free(), !elimination.only_prescribes()))?;
+        let solution = found.map_err(|error| self.named(error, &elimination))?;
         Ok(self.system.fields(&solution.solution))
     }
 
@@ -236,22 +238,20 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine.
-    fn named(&self, error: SolverError, free: &[usize], related: bool) -> SolverError {
+    fn named(&self, error: SolverError, elimination: &Elimination) -> SolverError {
         let SolverError::LinearAlgebra(LinearAlgebraError::Singular { unknown, ratio }) = error else {
             return error;
         };
-        let mut index = free.get(unknown).copied().unwrap_or(0);
+        let mut index = elimination.free().get(unknown).copied().unwrap_or(0);
         for (number, space) in self.system.spaces.iter().enumerate() {
             if index < space.unknowns() {
                 let components = space.components();
-                // Motions are looked for where unknowns are prescribed or free, and nothing between.
-                let motions = if related { vec![] } else { self.free_motions(number, free) };
                 return SolverError::Undetermined {
                     field: self.system.unknown_name(number),
                     component: (components > 1).then_some(index % components),
                     position: space.positions()[index / components].to_vec(),
                     ratio,
-                    motions,
+                    motions: self.free_motions(number, elimination),
                 };
             }
             index -= space.unknowns();
@@ -260,15 +260,15 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.
-    fn free_motions(&self, number: usize, free: &[usize]) -> Vec<String> {
+    fn free_motions(&self, number: usize, elimination: &Elimination) -> Vec<String> {
         let (spaces, space) = (&self.system.spaces, &self.system.spaces[number]);
         let Some(assembled) = self.assembled.as_ref().filter(|_| space.components() == D) else {
             return vec![];
         };
         let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
-        let is_prescribed = |unknown| free.binary_search(&unknown).is_err();
         // What cannot be said is left out: the error is reported in any case.
-        free_motions(assembled.matrix(), offset, space.positions(), is_prescribed).unwrap_or_default()
+        let hindrance = |motion: &[f64], forces: &[f64]| elimination.hindrance(motion, forces);
+        free_motions(assembled.matrix(), offset, space.positions(), hindrance).unwrap_or_default()
     }
 
     /// The system, with what no iterate changes assembled.

@@ -306,7 +306,12 @@ unsafe fn gather_transposed<const COUNT: usize>(
 ) -> [Avx512; COUNT] {
     if const { COUNT == 2 } {
         // SAFETY: the caller's contract: two entries are read from each place on.
-        return unsafe { gather_pairs(values.as_ptr().add(offset), places) };
+        let pair = unsafe { gather_pairs(values.as_ptr().add(offset), places) };
+        let mut entries = [Avx512::splat(0.0); COUNT];
+        for k in 0..COUNT {
+            entries[k] = pair[k];
+        }
+        return entries;
     }
     // Four lanes' entries each, transposed; what lies beyond the last entry is not read.
     let mask: __mmask8 = (1 << COUNT) - 1;
@@ -324,12 +329,12 @@ unsafe fn gather_transposed<const COUNT: usize>(
     entries
 }
 
-/// The two entries from each lane's place on, and whatever in the other COUNT − 2.
+/// The two entries from each lane's place on.
 ///
 /// # Safety
 /// From each place on, two doubles can be read.
 #[inline(always)]
-unsafe fn gather_pairs<const COUNT: usize>(values: *const f64, places: &[usize; WIDEST]) -> [Avx512; COUNT] {
+unsafe fn gather_pairs(values: *const f64, places: &[usize; WIDEST]) -> [Avx512; 2] {
     // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
     unsafe {
         let pair = |lane: usize| _mm_loadu_pd(values.add(places[lane]));
@@ -340,9 +345,6 @@ unsafe fn gather_pairs<const COUNT: usize>(values: *const f64, places: &[usize; 
             let high = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(pair(odd + 4)), pair(odd + 6));
             halves[odd] = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high);
         }
-        let mut entries = [Avx512(halves[0]); COUNT];
-        entries[0] = Avx512(_mm512_unpacklo_pd(halves[0], halves[1]));
-        entries[1] = Avx512(_mm512_unpackhi_pd(halves[0], halves[1]));
-        entries
+        [Avx512(_mm512_unpacklo_pd(halves[0], halves[1])), Avx512(_mm512_unpackhi_pd(halves[0], halves[1]))]
     }
 }

@@ -140,19 +140,32 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         density: densities(&density, &mut scalariser, &mut degrees),
         fields,
     };
-    let wholes = whole::densities(&groups, &planned.fields, scalariser.graph);
-    for group in groups {
-        let switches = switches(&group, &arena, &mut scalariser, &planned.fields);
-        let result = plan_group(group, from_energy, scalariser.graph, &entities, &mut planned);
-        if scalariser.graph.exhausted {
-            return Err(Failure::TooLarge);
-        }
-        result.map_err(Failure::NotLinear)?;
-        planned.switches.extend(switches);
+    let wholes = whole::groups(&groups, &planned.fields, scalariser.graph);
+    let setting = Setting { dimension, fields: &planned.fields, entities: &entities };
+    for group in &groups {
+        planned.switches.extend(switches(group, &arena, &mut scalariser, setting.fields));
+        let graph = &mut *scalariser.graph;
+        let split = split(group, from_energy, graph, &setting);
+        let (residual, tangent) = checked(split, graph)?;
+        let action = action(group, graph, &setting);
+        planned.action.extend(checked(action, graph)?);
+        planned.residual.extend(residual);
+        planned.tangent.extend(tangent);
     }
-    whole::plan(wholes, from_energy, &mut graph, &entities, &mut planned).map_err(Failure::NotLinear)?;
+    for group in &wholes {
+        let split = split(group, from_energy, scalariser.graph, &setting);
+        let (residual, tangent) = checked(split, scalariser.graph)?;
+        planned.joined.extend(residual);
+        planned.joined_tangent.extend(tangent);
+    }
+    checked(Ok(()), &graph)?;
     planned.graph = graph;
-    if planned.graph.exhausted { Err(Failure::TooLarge) } else { Ok(planned) }
+    Ok(planned)
+}
+
+/// What was planned, unless it is too large; an error is the name of an argument in which an integral is not linear.
+fn checked<T>(result: Result<T, String>, graph: &Graph) -> Result<T, Failure> {
+    if graph.exhausted { Err(Failure::TooLarge) } else { result.map_err(Failure::NotLinear) }
 }
 
 /// Start of each data member in the flattened parameters (`Given` members take no room).
@@ -169,12 +182,30 @@ pub fn parameter_offsets(module: &Module, dimension: usize) -> Vec<usize> {
 }
 
 /// All parts on one region with one dependence.
+#[derive(Clone)]
 struct Group {
     description: Description,
     parts: Vec<Tensor>,
     density: Scalar,
     /// Per trial function (field index), the sum of the parts' tangents.
     tangent: BTreeMap<usize, Scalar>,
+}
+
+impl Group {
+    /// Takes in what stands on the same region, and its dependence.
+    fn join(&mut self, other: Group, graph: &mut Graph) {
+        let degree = self.description.degree.clone().largest(other.description.degree.clone());
+        self.description = Description { degree, ..other.description };
+        self.parts.extend(other.parts);
+        self.density = graph.add(self.density, other.density);
+        for (trial, derivative) in other.tangent {
+            let sum = match self.tangent.get(&trial) {
+                Some(known) => graph.add(*known, derivative),
+                None => derivative,
+            };
+            self.tangent.insert(trial, sum);
+        }
+    }
 }
 
 fn group(
@@ -253,57 +284,50 @@ fn join_on_cells(
             before == region && first == Dependence::Linear && dependence == Dependence::Nonlinear
         });
         match before {
-            Some(before) if unknowns == 1 && entities[region] == Entity::Cells => {
-                let degree = before.description.degree.clone().largest(group.description.degree.clone());
-                before.description = Description { degree, ..group.description };
-                before.parts.extend(group.parts);
-                before.density = graph.add(before.density, group.density);
-                for (trial, derivative) in group.tangent {
-                    let sum = match before.tangent.get(&trial) {
-                        Some(known) => graph.add(*known, derivative),
-                        None => derivative,
-                    };
-                    before.tangent.insert(trial, sum);
-                }
-            }
+            Some(before) if unknowns == 1 && entities[region] == Entity::Cells => before.join(group, graph),
             _ => joined.push(group),
         }
     }
     joined
 }
 
-/// Splits a group by test function, trial function, and the sides on which they stand.
-fn plan_group(
-    group: Group,
+/// Splits residual and tangent of a group by test function, trial function, and the sides on which they stand. `Err` has the
+/// name of a function in which a density is not linear.
+fn split(
+    group: &Group,
     from_energy: bool,
     graph: &mut Graph,
-    entities: &[Entity],
-    planned: &mut Optimised,
-) -> Result<(), String> {
-    let fields = &planned.fields;
-    let setting = Setting { dimension: planned.dimension, fields, entities };
-    let tests = tests(fields, group.density, graph);
-    for test in tests.iter().copied() {
-        // What is linear in several functions is a sum; each takes its own share.
-        let others: Vec<SidedField> = tests.iter().copied().filter(|other| *other != test).collect();
-        let not_linear = || fields[test.field].name.clone();
+    setting: &Setting,
+) -> Result<(Vec<LinearIntegral>, Vec<BilinearIntegral>), String> {
+    let (mut residual, mut tangent) = (vec![], vec![]);
+    for (test, others) in tests(setting.fields, group.density, graph) {
+        let not_linear = || setting.fields[test.field].name.clone();
+        let description = &group.description;
         let density = without(graph, group.density, &others);
         let flux = Linear::new(graph, test).coefficients(density).ok_or_else(not_linear)?;
-        let description = &group.description;
-        planned.residual.extend(linear_integral(graph, description, test, &flux));
-        let derivatives: Vec<Scalar> = group.tangent.values().copied().collect();
-        let action = graph.sum(&derivatives);
-        let action = without(graph, action, &others);
-        let flux = Linear::new(graph, test).coefficients(action).ok_or_else(not_linear)?;
-        planned.action.extend(linear_integral(graph, description, test, &flux));
+        residual.extend(linear_integral(graph, description, test, &flux));
         for (trial, derivative) in &group.tangent {
             let derivative = without(graph, *derivative, &others);
             let integrals =
-                bilinear_integrals(graph, description, (test, *trial), derivative, from_energy, &setting);
-            planned.tangent.extend(integrals.ok_or_else(not_linear)?);
+                bilinear_integrals(graph, description, (test, *trial), derivative, from_energy, setting);
+            tangent.extend(integrals.ok_or_else(not_linear)?);
         }
     }
-    Ok(())
+    Ok((residual, tangent))
+}
+
+/// The tangent of a group applied to directions, by test function. `Err` as from [`split`].
+fn action(group: &Group, graph: &mut Graph, setting: &Setting) -> Result<Vec<LinearIntegral>, String> {
+    let derivatives: Vec<Scalar> = group.tangent.values().copied().collect();
+    let action = graph.sum(&derivatives);
+    let mut integrals = vec![];
+    for (test, others) in tests(setting.fields, group.density, graph) {
+        let action = without(graph, action, &others);
+        let flux = Linear::new(graph, test).coefficients(action);
+        let flux = flux.ok_or_else(|| setting.fields[test.field].name.clone())?;
+        integrals.extend(linear_integral(graph, &group.description, test, &flux));
+    }
+    Ok(integrals)
 }
 
 /// The integrals of a test function and a trial function on both sides; `None` where they are not linear in them.
@@ -335,13 +359,16 @@ fn bilinear_integrals(
     Some(integrals)
 }
 
-/// The test functions that a density holds, on the sides on which they stand.
-fn tests(fields: &[FieldInfo], density: Scalar, graph: &Graph) -> Vec<SidedField> {
-    (0..fields.len())
+/// The test functions that a density holds, on the sides on which they stand, each with the others: what is linear in several
+/// functions is a sum, and each takes its own share.
+fn tests(fields: &[FieldInfo], density: Scalar, graph: &Graph) -> Vec<(SidedField, Vec<SidedField>)> {
+    let tests: Vec<SidedField> = (0..fields.len())
         .filter(|field| matches!(fields[*field].role, FieldRole::Test(_)))
         .flat_map(SidedField::on_sides)
         .filter(|test| graph.depends(density, |node| test.owns(node)))
-        .collect()
+        .collect();
+    let others = |test: &SidedField| tests.iter().copied().filter(|other| other != test).collect();
+    tests.iter().map(|test| (*test, others(test))).collect()
 }
 
 /// With common factors taken out of the coefficients; `None` if there are none.
