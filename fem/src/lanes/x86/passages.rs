@@ -1,7 +1,8 @@
 //! Between memory and lanes: numbers of several cells become lane values, and back.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lanes are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use std::arch::x86_64::*;
 

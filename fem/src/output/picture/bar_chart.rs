@@ -112,14 +112,26 @@ impl Picture for BarChart {
             };
             drawing.rectangle(bar, Some(Colour::of_series(usize::from(*ratio < 1.0))), None);
             drawing.text(name, TICK_TEXT, [area.left - GAP, middle], Anchor::at(1.0, 0.5));
-            let beside = [start.max(end) + GAP / 2.0, middle];
-            drawing.text(&significant(*ratio), TICK_TEXT - 1.0, beside, Anchor::at(0.0, 0.5));
         }
         for (ratio, label) in self.lines.iter().filter(|(ratio, _)| ratio.is_finite() && *ratio > 0.0) {
             let x = place(*ratio);
             let dotted = Stroke::dashed(Colour::BLACK, 0.9, &[1.5, 2.0]);
             drawing.polyline(&[[x, area.top], [x, area.bottom()]], dotted, None);
             drawing.text(label, TICK_TEXT, [x, area.top - GAP], Anchor::at(0.5, 0.0));
+        }
+        // Above the lines, which would cross them.
+        for (row, (_, ratio)) in self.bars.iter().enumerate() {
+            let beside =
+                [start.max(place(*ratio)) + GAP / 2.0, area.top + GAP / 2.0 + ROW * (row as f64 + 0.5)];
+            let (number, size) = (significant(*ratio), TICK_TEXT - 1.0);
+            let ground = Rectangle {
+                left: beside[0],
+                top: beside[1] - 0.45 * size,
+                width: drawing.text_width(&number, size),
+                height: 0.9 * size,
+            };
+            drawing.rectangle(ground, Some(Colour::grey(255)), None);
+            drawing.text(&number, size, beside, Anchor::at(0.0, 0.5));
         }
         drawing.rectangle(area, None, Some(Stroke::solid(Colour::BLACK, AXIS_LINE)));
         let under = area.bottom() + 2.5 * GAP + TICK_TEXT * CAPITAL_HEIGHT;
