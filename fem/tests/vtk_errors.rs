@@ -154,6 +154,15 @@ fn truncated_files() {
     );
 }
 
+// Data that were read have the sizes of the first sections.
+#[test]
+fn sections_that_stand_twice() {
+    let again = "CELLS 4 15\n3 0 1 2  3 0 2 3  2 0 1  2 1 2\nCELL_TYPES 4\n5 5 3 3\n";
+    assert_eq!(message(&format!("{LEGACY}{again}")), "square: array \"CELLS\": the section stands twice");
+    let points = "POINTS 1 double\n0 0 0\n";
+    assert_eq!(message(&format!("{LEGACY}{points}")), "square: array \"POINTS\": the section stands twice");
+}
+
 #[test]
 fn arrays() {
     assert_eq!(

@@ -34,9 +34,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Grid> {
     }
     let mut file = File { reader, found: [false; 3], grid: Grid { before_9, ..Grid::default() } };
     file.sections()?;
-    let names = ["section POINTS", "section CELLS", "section CELL_TYPES"];
     if let Some(place) = file.found.iter().position(|found| !found) {
-        return Err(VtkProblem::missing(names[place]));
+        return Err(VtkProblem::missing(format!("section {}", SECTIONS[place])));
     }
     let (cells, types) = (file.grid.ends.len(), file.grid.types.len());
     if cells != types {
@@ -45,9 +44,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Grid> {
     Ok(file.grid)
 }
 
+/// Those that a file has once: data have their sizes.
+const SECTIONS: [&str; 3] = ["POINTS", "CELLS", "CELL_TYPES"];
+
 struct File<'a> {
     reader: Reader<'a>,
-    /// Points, cells and types.
+    /// Which of [`SECTIONS`] were read.
     found: [bool; 3],
     grid: Grid,
 }
@@ -68,6 +70,12 @@ impl File<'_> {
             let at = self.reader.at;
             let Some(section) = self.reader.word() else { return Ok(()) };
             let section = section.to_ascii_uppercase();
+            if let Some(place) = SECTIONS.iter().position(|known| *known == section) {
+                if self.found[place] {
+                    return Err(VtkProblem::array(&section, "the section stands twice"));
+                }
+                self.found[place] = true;
+            }
             match section.as_str() {
                 "POINTS" => self.points()?,
                 "CELLS" => self.cells()?,
@@ -100,7 +108,6 @@ impl File<'_> {
         let values = self.reader.numbers("POINTS", number, count.checked_mul(3))?;
         self.grid.points =
             (0..count).map(|point| std::array::from_fn(|k| values.real(3 * point + k))).collect();
-        self.found[0] = true;
         Ok(())
     }
 
@@ -144,7 +151,6 @@ impl File<'_> {
                 ));
             }
         }
-        self.found[1] = true;
         Ok(())
     }
 
@@ -152,7 +158,6 @@ impl File<'_> {
         let count = self.reader.count("the number of types")?;
         let values = self.reader.numbers("CELL_TYPES", NumberType::INT, Some(count))?;
         self.grid.types = values.integers("CELL_TYPES")?;
-        self.found[2] = true;
         Ok(())
     }
 
