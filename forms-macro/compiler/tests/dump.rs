@@ -52,7 +52,8 @@ fn every_stage_is_printed_once_per_dimension() {
 fn operations_of_poissons_equation() {
     for (d, text) in [(2, dump("balance:2")), (3, dump("balance:3"))] {
         let tangent = counts(&text, "Tangent0");
-        let expected = format!("point 1, test 0, trial {d}, zero_factors 0, zero 0, pair {}, finish 0", 2 * d);
+        let expected =
+            format!("point 1, test 0, trial {d}, zero_factors 0, zero 0, pair {}, finish 0", 2 * d);
         assert!(tangent.ends_with(&expected), "{tangent}");
         // Per element, linear simplex: D + 1 nodes, one point, the pairs of one half.
         let (nodes, pairs) = (d + 1, (d + 1) * (d + 2) / 2);
