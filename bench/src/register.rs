@@ -80,7 +80,7 @@ macro_rules! register {
                 thread_local! {
                     static KEPT: Kept = const { Kept::new(None) };
                 }
-                // The call outside of the closure costs a third of the instructions that do not compute.
+                // Called outside of the closure, which the compiler does not inline and which takes its arguments from memory.
                 let kept = KEPT.with(std::ptr::from_ref);
                 // SAFETY: a thread's value lives as long as the thread; the rest is the plugin interface, which is this
                 // function's contract.

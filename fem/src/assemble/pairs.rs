@@ -8,7 +8,7 @@ use forms_core::contract::BilinearKernel;
 
 use crate::lanes::SimdLane;
 
-/// Bytes of trial factors that stay in the first cache, whose size is three times that or more, while others pass by.
+/// Bytes of trial factors that stay in the first cache while others pass by: half of the 32 KB that the smaller ones hold.
 const KEPT: usize = 16 << 10;
 
 /// The sums over the points of a cell, pair by pair.

@@ -40,7 +40,7 @@ pub struct ElementKernel<F, S: Sizes, const D: usize> {
 /// The integrals of a tangent or of a residual.
 struct Integrals<const D: usize> {
     list: Vec<Prepared<D>>,
-    /// None of them counts its lengths.
+    /// None of them counts its lengths: known beforehand, because it decides at each call.
     all_fixed: bool,
     /// Where results are made before they are added.
     addend: Vec<f64>,

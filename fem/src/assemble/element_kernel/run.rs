@@ -62,6 +62,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, F, S, 
     fn visit<K: BilinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         let (form, tables, cells) = (self.form, self.tables, self.cells);
         let Some(Counted { group, memory, mut receiver }) = self.next()? else { return Ok(()) };
+        // `prepare` gave these loops of fixed lengths, so that this is not reached: it keeps others from being compiled.
         if const { Lengths::<K, S>::of_matrices_always() } {
             return Ok(());
         }
@@ -85,6 +86,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, F, S, D>
     fn visit<K: LinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         let (form, tables, cells) = (self.form, self.tables, self.cells);
         let Some(Counted { group, memory, mut receiver }) = self.next()? else { return Ok(()) };
+        // As above.
         if const { Lengths::<K, S>::of_vectors() } {
             return Ok(());
         }

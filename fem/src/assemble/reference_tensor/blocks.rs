@@ -84,7 +84,7 @@ impl Terms {
         tensor
     }
 
-    /// What the directions take of a kernel: functions of one direction, and of pairs of them.
+    /// Number of directions.
     pub fn directions(&self) -> usize {
         self.directions
     }
