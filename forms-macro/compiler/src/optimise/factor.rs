@@ -13,7 +13,7 @@ use super::blocks::{Entries, Product, factored};
 use super::elements::{StandardElement, elements};
 use super::linear::{self, Coefficients, Linear, SidedField, Slot};
 use super::plan::{BilinearPlan, Operations};
-use super::polynomial;
+use super::polynomial::Expansion;
 use super::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use super::{Description, Setting};
 use crate::tensor::Geometry;
@@ -122,9 +122,10 @@ fn entries(matrix: &Matrix) -> Entries {
 }
 
 fn is_symmetric(graph: &Graph, matrix: &Matrix) -> bool {
+    let mut expansion = Expansion::new(graph);
     matrix.iter().all(|(row, entries)| {
         entries.iter().all(|(column, entry)| match matrix.get(column).and_then(|other| other.get(row)) {
-            Some(mirrored) => polynomial::equal(graph, *entry, *mirrored),
+            Some(mirrored) => expansion.are_equal(*entry, *mirrored),
             None => false,
         })
     })
@@ -141,6 +142,10 @@ fn cheapest(
     weigh: &Weigh,
 ) -> Candidate {
     let entries = entries(matrix);
+    if graph.work() > MOST_WORK {
+        let plan = factored(graph, products, &entries, form.components, false);
+        return weigh(graph, name, plan);
+    }
     let [first, second] = [true, false].map(|peel| {
         let plan = factored(graph, products, &entries, form.components, peel);
         let collected = plan.collected(graph);
@@ -157,6 +162,10 @@ fn cheaper(first: Candidate, second: Candidate) -> Candidate {
 const MOST_PRODUCTS: usize = 8;
 const MOST_TRIED: usize = 8;
 
+/// After this much work on a function ([`Graph::work`]), no more ways are tried: three times what the largest form in this
+/// repository takes, and about two seconds. What is found until then stands. Without an end, large forms take minutes.
+const MOST_WORK: usize = 20_000_000;
+
 /// Products that are taken out one by one, at each step the one that leaves the cheapest plan. A step may cost a
 /// little where a later one gains more.
 fn with_products(graph: &mut Graph, form: &Bilinear, weigh: &Weigh) -> Option<Candidate> {
@@ -171,11 +180,17 @@ fn with_products(graph: &mut Graph, form: &Bilinear, weigh: &Weigh) -> Option<Ca
     let mut products: Vec<Product> = Vec::new();
     let mut density = form.density;
     let mut best: Option<Candidate> = None;
+    if graph.work() > MOST_WORK {
+        return None;
+    }
     let mut lowest = roughly(graph, &products, density)?;
     while products.len() < MOST_PRODUCTS {
         let start = graph.len();
         let mut next: Option<(f64, Scalar, Argument)> = None;
         for (node, argument) in linear_expressions(graph, density, form) {
+            if graph.work() > MOST_WORK {
+                return best;
+            }
             let total = split(graph, density, node, argument, form)
                 .and_then(|(product, rest)| roughly(graph, &[&products[..], &[product]].concat(), rest));
             let exhausted = graph.exhausted;

@@ -13,30 +13,40 @@ type Polynomial = BTreeMap<Monomial, f64>;
 const LARGEST: usize = 20_000;
 
 /// True if the difference expands to zero; false if it does not, or is too large to expand.
+#[cfg(test)]
 pub fn equal(graph: &Graph, a: Scalar, b: Scalar) -> bool {
-    if a == b {
-        return true;
-    }
-    let mut expansion = Expansion { graph, known: HashMap::new(), budget: 20 * LARGEST };
-    let (Some(first), Some(second)) = (expansion.expand(a), expansion.expand(b)) else { return false };
-    let largest =
-        first.values().chain(second.values()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    // Only rounding in sums of literals may differ.
-    let same =
-        |value: Option<&f64>, other: f64| (value.copied().unwrap_or(0.0) - other).abs() <= 1e-14 * largest;
-    first.iter().all(|(monomial, value)| same(second.get(monomial), *value))
-        && second.iter().all(|(monomial, value)| same(first.get(monomial), *value))
+    Expansion::new(graph).are_equal(a, b)
 }
 
-/// One expansion: shared nodes are expanded once.
-struct Expansion<'g> {
+/// What several proofs expand: shared nodes are expanded once.
+pub struct Expansion<'g> {
     graph: &'g Graph,
     known: HashMap<Scalar, Option<Rc<Polynomial>>>,
     /// Monomials that may still be made.
     budget: usize,
 }
 
-impl Expansion<'_> {
+impl<'g> Expansion<'g> {
+    pub fn new(graph: &'g Graph) -> Self {
+        Expansion { graph, known: HashMap::new(), budget: 100 * LARGEST }
+    }
+
+    /// As [`equal`]; all proofs of an expansion share its budget.
+    pub fn are_equal(&mut self, a: Scalar, b: Scalar) -> bool {
+        if a == b {
+            return true;
+        }
+        let (Some(first), Some(second)) = (self.expand(a), self.expand(b)) else { return false };
+        let largest =
+            first.values().chain(second.values()).fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        // Only rounding in sums of literals may differ.
+        let same = |value: Option<&f64>, other: f64| {
+            (value.copied().unwrap_or(0.0) - other).abs() <= 1e-14 * largest
+        };
+        first.iter().all(|(monomial, value)| same(second.get(monomial), *value))
+            && second.iter().all(|(monomial, value)| same(first.get(monomial), *value))
+    }
+
     fn expand(&mut self, scalar: Scalar) -> Option<Rc<Polynomial>> {
         if let Some(known) = self.known.get(&scalar) {
             return known.clone();

@@ -140,6 +140,10 @@ fn corner(term: &Monomial, first: &Monomial, second: &Monomial) -> Monomial {
 /// The first column and the first row of a product that the term at `place` belongs to: at least two of each.
 type Family = (Vec<(Derivative, Monomial)>, Vec<(Derivative, Monomial)>);
 
+/// With more terms to compare than this, none are: ten derivatives (in space, to the second order) with one term each are
+/// fewer, and the search grows with the fourth power.
+const MOST_RECTANGLES: usize = 100;
+
 fn family(terms: &Terms, place: (Derivative, Derivative), term: &Monomial) -> Option<Family> {
     let has = |row: Derivative, column: Derivative, wanted: &Monomial| {
         terms.get(&(row, column)).is_some_and(|list| list.contains(wanted))
@@ -154,6 +158,9 @@ fn family(terms: &Terms, place: (Derivative, Derivative), term: &Monomial) -> Op
         .filter(|(key, _)| key.1 == place.1 && key.0 != place.0)
         .flat_map(|(key, list)| list.iter().map(|term| (key.0, term)))
         .collect();
+    if in_row.len() * in_column.len() > MOST_RECTANGLES {
+        return None;
+    }
     let mut best: Option<Family> = None;
     for (row, first) in &in_column {
         let mut columns = vec![(place.1, term.clone())];

@@ -33,14 +33,19 @@ impl Graph {
 
     /// Every node that `roots` are made of, operands first.
     pub fn reachable(&self, roots: &[Scalar]) -> Vec<Scalar> {
-        let mut seen = vec![false; self.len()];
+        let mut seen = vec![false; roots.iter().map(|root| root.0 as usize + 1).max().unwrap_or(0)];
         let mut pending = roots.to_vec();
+        let mut found = Vec::new();
         while let Some(scalar) = pending.pop() {
             if !std::mem::replace(&mut seen[scalar.0 as usize], true) {
+                found.push(scalar);
                 self.each_operand(scalar, |operand| pending.push(operand));
             }
         }
-        (0..self.len() as u32).map(Scalar).filter(|scalar| seen[scalar.0 as usize]).collect()
+        self.count_work(found.len());
+        // Operands are older than what is made of them.
+        found.sort_unstable();
+        found
     }
 
     /// Does the expression hold a terminal for which `test` is true?
@@ -61,6 +66,7 @@ impl Graph {
     /// Which nodes hold a terminal for which `test` is true: operands stand before what is made of them.
     pub fn mark(&self, test: impl Fn(&Node) -> bool) -> Vec<bool> {
         let mut marks = vec![false; self.len()];
+        self.count_work(self.len());
         for index in 0..self.len() {
             let mut mark = test(self.node(Scalar(index as u32)));
             self.each_operand(Scalar(index as u32), |operand| mark |= marks[operand.0 as usize]);
@@ -73,6 +79,7 @@ impl Graph {
     pub fn mark_above(&self, node: Scalar) -> Vec<bool> {
         let mut marks = vec![false; self.len()];
         marks[node.0 as usize] = true;
+        self.count_work(self.len() - node.0 as usize);
         for index in node.0 as usize + 1..self.len() {
             let mut mark = false;
             self.each_operand(Scalar(index as u32), |operand| mark |= marks[operand.0 as usize]);

@@ -1,6 +1,7 @@
 //! Scalar expressions in normal form: sums of coefficients times products of powers, hash-consed, so
 //! that equal expressions are one node (common subexpressions) and zeros vanish as they are built.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 
 use crate::tensor::{External, Function, Geometry, Side};
@@ -119,6 +120,8 @@ pub struct Graph {
     size: usize,
     /// Larger than can be handled: what has been built since means nothing.
     pub exhausted: bool,
+    /// Nodes and operands that were looked at so far.
+    work: Cell<usize>,
 }
 
 /// More nodes and operands than any form has, and few enough for a second and some hundred megabytes.
@@ -137,6 +140,7 @@ impl Graph {
 
     /// The node as it is, shared with an equal one.
     pub fn intern(&mut self, node: Node) -> Scalar {
+        self.count_work(node.size());
         if let Some(known) = self.known.get(&node) {
             return *known;
         }
@@ -149,6 +153,16 @@ impl Graph {
         let scalar = Scalar(self.nodes.len() as u32 - 1);
         self.known.insert(node, scalar);
         scalar
+    }
+
+    /// Nodes and operands that were looked at so far, given up or not: what has been done, as a number that does not depend
+    /// on the machine.
+    pub fn work(&self) -> usize {
+        self.work.get()
+    }
+
+    pub fn count_work(&self, work: usize) {
+        self.work.set(self.work.get() + work);
     }
 
     /// How many nodes there are.

@@ -6,7 +6,7 @@ use super::data::{Random, combination, points};
 use super::emitted::{Function, Integral, read};
 use super::source::Source;
 use crate::check::{CheckedFunction, Content};
-use crate::reference::{Condition, Evaluator};
+use crate::reference::{Condition, Evaluator, Patience};
 use crate::tensor::{FieldRole, Side};
 
 /// Arguments nearer to a kink or a singularity than this are not compared.
@@ -16,7 +16,10 @@ const MAGNITUDE: f64 = 1e6;
 /// Relative to the largest intermediate number: 4e6 units in the last place, for what cancels twice.
 const TOLERANCE: f64 = 1e-9;
 
-/// How many numbers were compared, and how many were left out as badly conditioned.
+/// What the reference may cost for all numbers of a module, in products: two to five seconds.
+const PATIENCE: u64 = 2_000_000_000;
+
+/// How many numbers were compared, and how many were left out as badly conditioned or for lack of patience.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     pub compared: usize,
@@ -32,6 +35,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
     let module = source.module();
     let emitted = read(source.emitted());
     let mut tally = Tally::default();
+    let patience = &Patience::new(PATIENCE);
     for checked in &checked {
         let name = module.functions[checked.function].name.to_string();
         let emitted = emitted.get(&name).ok_or_else(|| format!("`{name}` was not emitted"))?;
@@ -55,8 +59,18 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
         }
         let nodes =
             [0, 1].map(|_| -> Vec<_> { here.iter().map(|_| random.jet(1, checked.dimension)).collect() });
-        let comparison =
-            Comparison { checked, emitted, regions, count_of_regions, seed, name, here, elsewhere, nodes };
+        let comparison = Comparison {
+            checked,
+            emitted,
+            patience,
+            regions,
+            count_of_regions,
+            seed,
+            name,
+            here,
+            elsewhere,
+            nodes,
+        };
         comparison.run(&mut tally)?;
     }
     Ok(tally)
@@ -65,6 +79,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
 struct Comparison<'a> {
     checked: &'a CheckedFunction,
     emitted: &'a Function,
+    patience: &'a Patience,
     /// The module's region of each region of the emitted form.
     regions: Vec<usize>,
     count_of_regions: usize,
@@ -135,7 +150,7 @@ impl Comparison<'_> {
         let mut expected = 0.0;
         let mut condition = Condition { distance: f64::INFINITY, magnitude: 1.0 };
         for (index, (weight, point)) in points.iter().enumerate() {
-            let evaluator = Evaluator::new(self.checked, point);
+            let evaluator = Evaluator::new(self.checked, point, self.patience);
             expected += weight * reference(&evaluator, index);
             let own = evaluator.condition();
             condition.distance = condition.distance.min(own.distance);

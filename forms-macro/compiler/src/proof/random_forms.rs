@@ -12,7 +12,9 @@ use crate::check::builtins::{BUILTINS, CONSTANTS};
 
 /// `PROPTEST_CASES` gives another number of cases.
 fn configuration(cases: u32) -> ProptestConfig {
-    let mut configuration = ProptestConfig { max_shrink_iters: 2048, ..ProptestConfig::default() };
+    // A failure is made simpler for two minutes, in ms.
+    let mut configuration =
+        ProptestConfig { max_shrink_iters: 2048, max_shrink_time: 120_000, ..ProptestConfig::default() };
     if std::env::var_os("PROPTEST_CASES").is_none() {
         configuration.cases = cases;
     }
@@ -47,6 +49,19 @@ proptest! {
 fn fixed(seed: u64) -> Vec<u32> {
     let mut random = Random(seed);
     (0..200).map(|_| random.bits() as u32).collect()
+}
+
+/// Large forms, whose every integral could be planned in many ways, are planned in bounded work; without an end these took half
+/// a minute to a minute.
+#[test]
+fn no_form_is_planned_for_long() {
+    for seed in [559, 1_000_171] {
+        let mut random = Random(u64::wrapping_mul(seed, 0x9e37_79b9_7f4a_7c15));
+        let length = random.bits() as usize % 150;
+        let list: Vec<u32> = (0..length).map(|_| random.bits() as u32).collect();
+        let work = Source::new(3, &generator::module(&list, 3)).work();
+        assert!((1_000_000..60_000_000).contains(&work), "seed {seed}: {work} nodes were looked at");
+    }
 }
 
 /// Operators that random forms do not hold, with the test that compares them with outside values instead.

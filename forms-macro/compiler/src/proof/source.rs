@@ -4,6 +4,8 @@ use proc_macro2::TokenStream;
 
 use crate::check::{CheckedFunction, check};
 use crate::diagnostics::Diagnostics;
+use crate::differentiate::differentiate;
+use crate::optimise::optimise;
 use crate::parse::parse;
 use crate::parse::syntax::Module;
 
@@ -35,6 +37,17 @@ impl Source {
         let checked = check(&module, self.dimension, &mut diagnostics);
         let errors = diagnostics.into_tokens();
         if errors.is_empty() { Ok(checked.functions) } else { Err(errors.to_string()) }
+    }
+
+    /// The most work that planning one of the functions takes ([`crate::optimise::scalar::Graph::work`]).
+    pub fn work(&self) -> usize {
+        let (module, mut diagnostics) = (self.module(), Diagnostics::default());
+        let functions = check(&module, self.dimension, &mut diagnostics).functions;
+        let planned = functions.into_iter().filter_map(|checked| {
+            let derived = differentiate(checked, &module.regions, &mut diagnostics);
+            optimise(derived, &module).ok()
+        });
+        planned.map(|planned| planned.graph.work()).max().unwrap_or(0)
     }
 
     /// What the attribute gives.

@@ -2,64 +2,46 @@
 
 use std::cell::Cell;
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use super::functions;
 use super::matrices::*;
 use super::number::Number;
+use super::patience::Patience;
 use super::point::{Jet, Point};
+use super::surroundings::{SIDES, Surroundings, place_of_size};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::parse::syntax::Comparison;
-use crate::tensor::{FieldRole, Function, Geometry, NEARLY_ZERO, Operator, Side, Tensor, Truth, Variable};
+use crate::tensor::{Function, Geometry, NEARLY_ZERO, Operator, Side, Tensor, Truth, Variable};
 
 /// How well the numbers of a walk are conditioned.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
     /// The smallest distance of an argument from a kink, a jump or a singularity.
     pub distance: f64,
-    /// The largest number that occurred.
+    /// The largest number that occurred; infinite where the walk was given up.
     pub magnitude: f64,
-}
-
-/// The numbers that stand for the symbols of a form. Moving them by an infinitesimal is how a
-/// derivative is taken.
-#[derive(Clone)]
-pub(super) struct Surroundings {
-    /// Per side, field and order of derivative.
-    pub fields: [Vec<Vec<Vec<Number>>>; 2],
-    /// From which side the expression at hand is seen.
-    side: Side,
-    parameters: Vec<Vec<Number>>,
-    /// Per side, from which the same point may move elsewhere.
-    pub position: [Vec<Number>; 2],
-    /// Per side, as this side's outward normal.
-    pub normal: [Vec<Number>; 2],
-    /// Diameter, cell volume and facet area, per side.
-    sizes: [[Number; 3]; 2],
-    /// What is added to the value of intermediate results.
-    added: HashMap<Tensor, Vec<Number>>,
-    /// Number of infinitesimals in use.
-    pub level: usize,
 }
 
 /// A field moves on one side of a facet: its index, the side, where to.
 pub type Move<'a> = (usize, Side, &'a Jet);
 
 /// What is known already, per node and side.
-type Known = HashMap<(Tensor, Side), Vec<Number>>;
-
-pub(super) const SIDES: [Side; 2] = [Side::This, Side::Other];
+type Known = HashMap<(Tensor, Side), Rc<Vec<Number>>>;
 
 /// Evaluates one function at one point.
 pub struct Evaluator<'a> {
     pub(super) checked: &'a CheckedFunction,
-    point: &'a Point,
+    pub(super) point: &'a Point,
     condition: Cell<Condition>,
+    pub(super) patience: &'a Patience,
 }
 
 impl<'a> Evaluator<'a> {
-    pub fn new(checked: &'a CheckedFunction, point: &'a Point) -> Self {
+    /// Gives up when it loses patience: what it finds then means nothing, and its condition has an infinite magnitude.
+    pub fn new(checked: &'a CheckedFunction, point: &'a Point, patience: &'a Patience) -> Self {
         let condition = Cell::new(Condition { distance: f64::INFINITY, magnitude: 0.0 });
-        Evaluator { checked, point, condition }
+        Evaluator { checked, point, condition, patience }
     }
 
     /// Of everything evaluated so far.
@@ -108,51 +90,12 @@ impl<'a> Evaluator<'a> {
         checked.arena.reachable(&roots).iter().any(is_other)
     }
 
-    fn start(&self) -> Surroundings {
-        let numbers = |list: &Vec<f64>| list.iter().map(|value| Number::real(*value)).collect();
-        let jet = |jet: &Jet| jet.iter().map(numbers).collect();
-        Surroundings {
-            fields: [0, 1].map(|side| self.point.fields[side].iter().map(jet).collect()),
-            side: Side::This,
-            parameters: self.point.parameters.iter().map(numbers).collect(),
-            position: [(); 2].map(|()| numbers(&self.point.position)),
-            normal: [(); 2].map(|()| numbers(&self.point.normal)),
-            sizes: [0, 1].map(|side| {
-                let point = self.point;
-                [point.diameter[side], point.cell_volume[side], point.facet_area].map(Number::real)
-            }),
-            added: HashMap::new(),
-            level: 0,
-        }
-    }
-
-    /// A form's test functions are fields of their own; the test function of an energy is a direction.
-    fn tested<'m>(&self, test: Move<'m>) -> (Surroundings, Vec<Move<'m>>) {
-        let mut around = self.start();
-        if let Content::Energy(_) = self.checked.content {
-            return (around, vec![test]);
-        }
-        for (index, field) in self.checked.fields.iter().enumerate() {
-            if matches!(field.role, FieldRole::Test(_)) {
-                for side in SIDES {
-                    let chosen = (index, side) == (test.0, test.1);
-                    let orders = around.fields[side as usize][index].iter_mut().zip(test.2);
-                    for (numbers, jet) in orders {
-                        for (entry, number) in numbers.iter_mut().enumerate() {
-                            *number = Number::real(if chosen { jet[entry] } else { 0.0 });
-                        }
-                    }
-                }
-            }
-        }
-        (around, vec![])
-    }
-
     /// Σ of a region's densities, differentiated once along each of the moves.
     fn sum(&self, region: usize, around: &Surroundings, moves: &[Move]) -> f64 {
         let mut around = around.clone();
         for (field, side, jet) in moves {
-            for (numbers, direction) in around.fields[*side as usize][*field].iter_mut().zip(*jet) {
+            let moving = Rc::make_mut(&mut around.fields[*side as usize][*field]);
+            for (numbers, direction) in moving.iter_mut().zip(*jet) {
                 for (number, direction) in numbers.iter_mut().zip(direction) {
                     *number = number.moved(&Number::real(*direction), around.level);
                 }
@@ -176,25 +119,34 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Row-major components of a node.
-    fn walk(&self, tensor: Tensor, around: &Surroundings) -> Vec<Number> {
+    fn walk(&self, tensor: Tensor, around: &Surroundings) -> Rc<Vec<Number>> {
         self.walk_known(tensor, around, &mut Known::new())
     }
 
-    fn walk_known(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Vec<Number> {
+    fn walk_known(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Rc<Vec<Number>> {
         if let Some(known) = known.get(&(tensor, around.side)) {
             return known.clone();
         }
+        let mut condition = self.condition.get();
+        if self.patience.is_lost() {
+            condition.magnitude = f64::INFINITY;
+            self.condition.set(condition);
+            let count = self.checked.arena.shape(tensor).iter().product();
+            return Rc::new(vec![Number::real(f64::NAN); count]);
+        }
         let mut numbers = self.rule(tensor, around, known);
+        self.patience.spend(&numbers);
         if let Some(added) = around.added.get(&tensor) {
             numbers.iter_mut().zip(added).for_each(|(number, added)| *number = number.plus(added));
         }
-        let mut condition = self.condition.get();
+        condition = self.condition.get();
         for number in &numbers {
             let magnitude = if number.is_finite() { number.magnitude() } else { f64::INFINITY };
             condition.magnitude = condition.magnitude.max(magnitude);
         }
         self.condition.set(condition);
-        known.insert((tensor, around.side), numbers.clone());
+        let numbers = Rc::new(numbers);
+        known.insert((tensor, around.side), Rc::clone(&numbers));
         numbers
     }
 
@@ -224,23 +176,25 @@ impl<'a> Evaluator<'a> {
             Identity if shape.len() == 4 => identity_of_tensors(shape[0], 1.0, 0.0),
             Identity => identity(shape[0]),
             SymmetricIdentity => identity_of_tensors(shape[0], 0.5, 0.5),
-            Parameter(index) => around.parameters[*index].clone(),
+            Parameter(index) => around.parameters[*index].to_vec(),
             Field { field, order } => around.fields[around.side as usize][*field][*order].clone(),
-            Restrict(side, a) => self.walk_known(*a, &Surroundings { side: *side, ..around.clone() }, known),
+            Restrict(side, a) => {
+                self.walk_known(*a, &Surroundings { side: *side, ..around.clone() }, known).to_vec()
+            }
             Geometry(geometry) => self.geometry(*geometry, around),
             Add(a, b) => pairs(&walk(*a), &walk(*b), self::Number::plus),
             Negate(a) => walk(*a).iter().map(|a| a.scaled(-1.0)).collect(),
             Scale(factor, a) => {
-                let factor = walk(*factor).remove(0);
+                let factor = walk(*factor)[0].clone();
                 walk(*a).iter().map(|a| a.times(&factor)).collect()
             }
             Divide(a, divisor) => {
-                let number = walk(*divisor).remove(0);
+                let number = walk(*divisor)[0].clone();
                 self.note(number.value().abs(), &[*divisor]);
                 walk(*a).iter().map(|a| a.over(&number)).collect()
             }
             DivideOrZero(a, divisor) => {
-                let number = walk(*divisor).remove(0);
+                let number = walk(*divisor)[0].clone();
                 self.note(number.value().abs(), &[*divisor]);
                 if number.value() <= NEARLY_ZERO {
                     return vec![self::Number::real(0.0); count];
@@ -284,25 +238,25 @@ impl<'a> Evaluator<'a> {
                     indices.iter().zip(arena.shape(*a)).fold(0, |start, (i, extent)| start * extent + i);
                 walk(*a)[start * count..(start + 1) * count].to_vec()
             }
-            Stack(entries) => entries.iter().flat_map(|entry| walk(*entry)).collect(),
+            Stack(entries) => entries.iter().flat_map(|entry| walk(*entry).to_vec()).collect(),
             Apply(function, a) => {
-                let number = walk(*a).remove(0);
+                let number = walk(*a)[0].clone();
                 self.note(functions::distance_from_kink(*function, number.value()), &[*a]);
                 vec![functions::function(*function, &number)]
             }
             Power(a, b) => {
-                let (base, exponent) = (walk(*a).remove(0), walk(*b).remove(0));
+                let (base, exponent) = (walk(*a)[0].clone(), walk(*b)[0].clone());
                 let whole = exponent.is_real() && exponent.value().fract() == 0.0 && exponent.value() >= 0.0;
                 self.note(if whole { f64::INFINITY } else { base.value().abs() }, &[*a]);
                 vec![functions::power(&base, &exponent)]
             }
             Atan2(a, b) => {
-                let (first, second) = (walk(*a).remove(0), walk(*b).remove(0));
+                let (first, second) = (walk(*a)[0].clone(), walk(*b)[0].clone());
                 self.note(functions::distance_from_cut(first.value(), second.value()), &[*a, *b]);
                 vec![functions::angle(&first, &second)]
             }
             Minimum(a, b) | Maximum(a, b) => {
-                let (first, second) = (walk(*a).remove(0), walk(*b).remove(0));
+                let (first, second) = (walk(*a)[0].clone(), walk(*b)[0].clone());
                 self.note((first.value() - second.value()).abs(), &[*a, *b]);
                 let greater = first.value() > second.value();
                 let maximum = matches!(arena.node(tensor).operator, Maximum(..));
@@ -310,9 +264,9 @@ impl<'a> Evaluator<'a> {
             }
             Select(truth, a, b) => {
                 if self.truth(truth, &mut walk) {
-                    walk(*a)
+                    walk(*a).to_vec()
                 } else {
-                    walk(*b)
+                    walk(*b).to_vec()
                 }
             }
             Gradient(a) => {
@@ -369,7 +323,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn truth(&self, truth: &Truth, walk: &mut dyn FnMut(Tensor) -> Vec<Number>) -> bool {
+    fn truth(&self, truth: &Truth, walk: &mut dyn FnMut(Tensor) -> Rc<Vec<Number>>) -> bool {
         match truth {
             Truth::Compare(comparison, a, b) => {
                 let (left, right) = (walk(*a)[0].value(), walk(*b)[0].value());
@@ -400,26 +354,6 @@ impl<'a> Evaluator<'a> {
         self.slope(tensor, &self.shifted(axis, around), around.level)
     }
 
-    fn shifted(&self, axis: usize, around: &Surroundings) -> Surroundings {
-        let (dimension, level) = (self.checked.dimension, around.level);
-        let mut shifted = around.clone();
-        let jets = around.fields.iter().flatten().zip(shifted.fields.iter_mut().flatten());
-        for (jet, moved) in jets {
-            for (order, numbers) in moved.iter_mut().enumerate() {
-                for (entry, number) in numbers.iter_mut().enumerate() {
-                    let unknown = Number::real(f64::NAN);
-                    let next = jet.get(order + 1).map_or(&unknown, |next| &next[entry * dimension + axis]);
-                    *number = number.moved(next, level);
-                }
-            }
-        }
-        for (position, before) in shifted.position.iter_mut().zip(&around.position) {
-            position[axis] = before[axis].moved(&Number::real(1.0), level);
-        }
-        shifted.level += 1;
-        shifted
-    }
-
     fn slope(&self, tensor: Tensor, around: &Surroundings, level: usize) -> Vec<Number> {
         self.walk(tensor, around).iter().map(|number| number.slope(level)).collect()
     }
@@ -427,7 +361,7 @@ impl<'a> Evaluator<'a> {
     /// An expression with its derivatives in space up to an order, as [`Jet`].
     fn jet(&self, tensor: Tensor, orders: usize, around: &Surroundings) -> Vec<Vec<Number>> {
         let (dimension, level) = (self.checked.dimension, around.level);
-        let mut jet = vec![self.walk(tensor, around)];
+        let mut jet = vec![self.walk(tensor, around).to_vec()];
         if orders > 0 {
             let along: Vec<Vec<Vec<Number>>> = (0..dimension)
                 .map(|axis| self.jet(tensor, orders - 1, &self.shifted(axis, around)))
@@ -440,47 +374,6 @@ impl<'a> Evaluator<'a> {
             }
         }
         jet
-    }
-
-    /// The surroundings after a variable has moved by a direction, given as far as it is needed.
-    fn moved(
-        &self,
-        around: &Surroundings,
-        variable: Variable,
-        directions: &[Vec<Vec<Number>>; 2],
-    ) -> Surroundings {
-        let (mut moved, level) = (around.clone(), around.level);
-        moved.level += 1;
-        let shift = |numbers: &mut Vec<Number>, direction: &[Number]| {
-            numbers
-                .iter_mut()
-                .zip(direction)
-                .for_each(|(number, direction)| *number = number.moved(direction, level));
-        };
-        match variable {
-            Variable::Field(field) => {
-                for (fields, direction) in moved.fields.iter_mut().zip(directions) {
-                    let jet = fields[field].iter_mut();
-                    jet.zip(direction).for_each(|(numbers, direction)| shift(numbers, direction));
-                }
-            }
-            Variable::Parameter(index) => {
-                shift(&mut moved.parameters[index], &directions[around.side as usize][0]);
-            }
-            Variable::Node(node) => {
-                let direction = &directions[around.side as usize][0];
-                let zero = vec![Number::real(0.0); direction.len()];
-                shift(moved.added.entry(node).or_insert(zero), direction);
-            }
-            Variable::Size(size) => {
-                for (sizes, direction) in moved.sizes.iter_mut().zip(directions) {
-                    let number = &mut sizes[place_of_size(size)];
-                    *number = number.moved(&direction[0][0], level);
-                }
-            }
-            Variable::Shape(_) => return self.after_points_moved(around, directions),
-        }
-        moved
     }
 
     /// The highest derivative of a field that an expression reads; `None` if it reads nothing of it.
@@ -510,14 +403,5 @@ impl<'a> Evaluator<'a> {
             orders.insert(node, order);
         }
         orders[&expression]
-    }
-}
-
-/// Among [`Surroundings::sizes`].
-fn place_of_size(size: Geometry) -> usize {
-    match size {
-        Geometry::Diameter => 0,
-        Geometry::CellVolume => 1,
-        _ => 2,
     }
 }

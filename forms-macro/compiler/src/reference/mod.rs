@@ -9,10 +9,13 @@ mod functions;
 mod matrices;
 mod moving_points;
 mod number;
+mod patience;
 mod point;
+mod surroundings;
 
 pub use evaluator::{Condition, Evaluator};
 pub use functions::error_function;
+pub use patience::Patience;
 pub use point::{Jet, Point};
 
 mod tests;

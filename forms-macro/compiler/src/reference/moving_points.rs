@@ -1,9 +1,12 @@
 //! What a form reads at a point after all points have moved by ε Θ, at fixed reference coordinates. Nothing is
 //! linearised by hand: the map's gradient F = I + ε ∇Θ is inverted, and normals and measures are pulled through it.
 
-use super::evaluator::{Evaluator, SIDES, Surroundings};
+use std::rc::Rc;
+
+use super::evaluator::Evaluator;
 use super::matrices::{cofactor, determinant, identity, matrix_product, pairs, total, transposed};
 use super::number::Number;
+use super::surroundings::{SIDES, Surroundings};
 use crate::parse::syntax::Entity;
 use crate::tensor::{FieldRole, Function, Tensor};
 
@@ -34,10 +37,10 @@ impl Evaluator<'_> {
             moved.normal[index] = turned.iter().map(|entry| entry.over(&length)).collect();
             let jets = around.fields[index].iter().zip(&mut moved.fields[index]);
             for ((jet, target), field) in jets.zip(&self.checked.fields) {
-                *target = match field.role {
+                *target = Rc::new(match field.role {
                     FieldRole::Given => seen_from_moved_point(jet, &direction[0], level),
                     _ => self.carried_along(jet, direction, &inverse, level),
-                };
+                });
             }
         }
         moved

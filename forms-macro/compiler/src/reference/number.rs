@@ -47,6 +47,11 @@ impl Number {
         value
     }
 
+    /// Of the products of infinitesimals, how many are held.
+    pub fn length(&self) -> usize {
+        self.0.len()
+    }
+
     fn is_zero(&self) -> bool {
         self.0.iter().all(|entry| *entry == 0.0)
     }
@@ -83,11 +88,19 @@ impl Number {
     /// Products of disjoint sets of infinitesimals; ε² = 0.
     pub fn times(&self, other: &Number) -> Self {
         let mut product = vec![0.0; self.0.len().max(other.0.len())];
-        for (i, a) in self.0.iter().enumerate() {
-            for (j, b) in other.0.iter().enumerate() {
-                if i & j == 0 && *a != 0.0 && *b != 0.0 {
-                    product[i | j] += a * b;
+        for (i, a) in self.0.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            // All subsets of the infinitesimals that `i` does not hold, the largest first.
+            let others = !i & (other.0.len() - 1);
+            let mut j = others;
+            loop {
+                // What is unknown, and NaN, is unknown no longer where it is multiplied by zero.
+                if other.0[j] != 0.0 {
+                    product[i | j] += a * other.0[j];
                 }
+                if j == 0 {
+                    break;
+                }
+                j = (j - 1) & others;
             }
         }
         // A value that is not finite must stay visible where it is multiplied by zero.

@@ -2,7 +2,7 @@
 
 use super::functions::{function, power};
 use super::number::Number;
-use super::{Evaluator, Point};
+use super::{Evaluator, Patience, Point};
 use crate::proof::source::Source;
 use crate::tensor::Function;
 
@@ -94,17 +94,19 @@ fn point() -> Point {
     }
 }
 
-/// The value of a body of `fn value(u: Vector, s: Scalar) -> Scalar`, `a` a parameter.
-fn value(body: &str) -> f64 {
-    let source = Source::new(
+/// A body of `fn value(u: Vector, s: Scalar) -> Scalar`, `a` a parameter.
+fn source(body: &str) -> Source {
+    Source::new(
         2,
         &format!(
             "mod m {{ struct Data {{ a: Param }} fn value(u: Vector, s: Scalar) -> Scalar {{ {body} }} }}"
         ),
-    );
-    let checked = source.checked().expect("no mistake");
-    let point = point();
-    Evaluator::new(&checked[0], &point).components()[0]
+    )
+}
+
+fn value(body: &str) -> f64 {
+    let checked = source(body).checked().expect("no mistake");
+    Evaluator::new(&checked[0], &point(), &Patience::new(u64::MAX)).components()[0]
 }
 
 #[test]
@@ -133,4 +135,20 @@ fn derivatives_in_space_and_by_variables() {
     near("derivative(s * x[1], shape, u)", 0.8 * -0.25);
     near("derivative(h * h * s, h, a)", 2.0 * 0.5 * 2.5 * 0.8);
     near("if s > 0.5 { max(s, a) } else { sqrt(-s) }", 2.5);
+}
+
+/// Derivatives inside derivatives multiply; a walk without patience gives up, and says so.
+#[test]
+fn a_walk_gives_up_when_it_loses_patience() {
+    let checked = source("hess(exp(s * s))[0][1]").checked().expect("no mistake");
+    let with = |products: u64| {
+        let (point, patience) = (point(), Patience::new(products));
+        let evaluator = Evaluator::new(&checked[0], &point, &patience);
+        (evaluator.components()[0], evaluator.condition().magnitude)
+    };
+    // ∂²/∂x∂y of exp(s²), s = 0.8, ∇s = (1.5, −2), s_xy = 0.4.
+    let exact = 0.64_f64.exp() * ((2.0 + 4.0 * 0.64) * 1.5 * -2.0 + 2.0 * 0.8 * 0.4);
+    let (found, magnitude) = with(100_000);
+    assert!((found - exact).abs() < 1e-13 && magnitude.is_finite(), "{found}, {magnitude}");
+    assert_eq!(with(1000).1, f64::INFINITY);
 }

@@ -1,0 +1,44 @@
+//! How much the walks over one form may cost together. Derivatives inside derivatives multiply: a random form of
+//! twenty operators can ask for hours.
+
+use std::cell::Cell;
+
+use super::number::Number;
+use super::surroundings::Surroundings;
+
+/// A node costs as much as so many products of coefficients, if its numbers are real.
+const NODE: u64 = 50;
+
+/// A number of the surroundings costs as much as so many products when it is moved.
+const NUMBER: u64 = 5;
+
+/// What is left of the work that may be done, in products of coefficients.
+#[derive(Debug)]
+pub struct Patience(Cell<u64>);
+
+impl Patience {
+    pub fn new(products: u64) -> Self {
+        Patience(Cell::new(products))
+    }
+
+    pub fn is_lost(&self) -> bool {
+        self.0.get() == 0
+    }
+
+    /// Takes off what these results have cost: every coefficient of one operand meets every one of the other.
+    pub(super) fn spend(&self, results: &[Number]) {
+        let products: u64 = results.iter().map(|number| (number.length() as u64).pow(2)).sum();
+        self.take(NODE + products);
+    }
+
+    /// Takes off what it costs to move the surroundings: each of their numbers gets a further infinitesimal.
+    pub(super) fn spend_on_surroundings(&self, around: &Surroundings) {
+        let numbers: usize =
+            around.fields.iter().flatten().map(|jet| jet.iter().map(Vec::len).sum::<usize>()).sum();
+        self.take((NUMBER * numbers as u64) << around.level);
+    }
+
+    fn take(&self, products: u64) {
+        self.0.set(self.0.get().saturating_sub(products));
+    }
+}
