@@ -7,6 +7,8 @@
 
 use std::ops::Range;
 
+use crate::threads::Threads;
+
 /// Runs of entities begin at multiples of this, so that lanes fill alike for every number of threads.
 const ALIGNMENT: usize = 64;
 
@@ -24,22 +26,45 @@ impl Partition {
     /// A division of `count` entities whose rows `rows_of` tells, of `row_count` rows in all.
     pub fn new<'n>(
         count: usize,
-        threads: usize,
+        threads: Threads,
         row_count: usize,
-        rows_of: impl Fn(usize) -> &'n [u32],
+        rows_of: impl Fn(usize) -> &'n [u32] + Sync,
     ) -> Self {
-        let entities = runs(count, threads);
+        let entities = runs(count, threads.count());
         let mut rows = Vec::with_capacity(entities.len());
         let mut start = 0;
-        for run in &entities[..entities.len() - 1] {
-            let last = run.clone().filter_map(|entity| rows_of(entity).iter().max()).max();
-            let end = last.map_or(start, |last| start.max(*last as usize + 1));
+        for end in ends(&entities, threads, rows_of) {
+            let end = start.max(end);
             rows.push(start..end);
             start = end;
         }
         rows.push(start..row_count);
         Partition { entities, rows }
     }
+}
+
+/// The row after the last one that each run but the last touches. All threads look, each through its share of the entities.
+fn ends<'n>(
+    runs: &[Range<usize>],
+    threads: Threads,
+    rows_of: impl Fn(usize) -> &'n [u32] + Sync,
+) -> Vec<usize> {
+    let (runs, count) = (&runs[..runs.len() - 1], runs[runs.len() - 1].start);
+    let shares = threads.for_work(count);
+    let shares = (0..shares).map(|share| share * count / shares..(share + 1) * count / shares).collect();
+    let found = threads.run(shares, |share: Range<usize>| {
+        let end = |run: &Range<usize>| {
+            let mut end = 0;
+            for entity in run.start.max(share.start)..run.end.min(share.end) {
+                for row in rows_of(entity) {
+                    end = end.max(row + 1);
+                }
+            }
+            end as usize
+        };
+        runs.iter().map(end).collect::<Vec<_>>()
+    });
+    (0..runs.len()).map(|run| found.iter().map(|ends| ends[run]).max().unwrap_or(0)).collect()
 }
 
 /// Runs of entities for at most so many threads; at least one.
@@ -75,8 +100,25 @@ mod tests {
         // A chain: entity k touches the rows k and k + 1; entity 700 also the last row.
         let rows: Vec<Vec<u32>> =
             (0..1024).map(|k| if k == 700 { vec![k, k + 1, 1030] } else { vec![k, k + 1] }).collect();
-        let partition = Partition::new(1024, 4, 1031, |entity| &rows[entity][..]);
+        let partition = Partition::new(1024, Threads::new(4), 1031, |entity| &rows[entity][..]);
         assert_eq!(partition.entities, [0..256, 256..512, 512..768, 768..1024]);
         assert_eq!(partition.rows, [0..257, 257..513, 513..1031, 1031..1031]);
+    }
+
+    #[test]
+    fn threads_that_look_together_find_the_same_rows() {
+        // Enough entities that the look is shared; shares and runs end at different places.
+        let rows: Vec<[u32; 2]> =
+            (0..100_000).map(|k| [k, k + if k % 7919 == 0 { 60_000 } else { 1 }]).collect();
+        let partition = Partition::new(100_000, Threads::new(3), 200_000, |entity| &rows[entity][..]);
+        let last =
+            |run: &Range<usize>| rows[run.clone()].iter().flatten().max().map_or(0, |row| *row as usize + 1);
+        let mut start = 0;
+        for (run, rows) in partition.entities.iter().zip(&partition.rows).take(2) {
+            let end = start.max(last(run));
+            assert_eq!(*rows, start..end);
+            start = end;
+        }
+        assert_eq!(partition.rows[2], start..200_000);
     }
 }

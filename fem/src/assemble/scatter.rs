@@ -32,7 +32,7 @@ impl<'a, const D: usize> GroupNodes<'a, D> {
     /// The division of the group among threads.
     pub fn partition(&self, threads: Threads) -> Partition {
         let (count, rows) = (self.cells.len(), self.space.node_count());
-        Partition::new(count, threads.count(), rows, |entity| self.of(entity))
+        Partition::new(count, threads, rows, |entity| self.of(entity))
     }
 }
 
@@ -76,15 +76,24 @@ impl<const D: usize> MatrixScatter<'_, D> {
         values: &'v mut [f64],
         written: bool,
     ) -> Vec<(Range<usize>, OwnRows<'v>)> {
+        let values = self.of_rows(&partition.rows, values);
+        let parts = partition.entities.iter().zip(&partition.rows).zip(values);
+        let part = |((entities, rows), values): ((&Range<usize>, &Range<usize>), &'v mut [f64])| {
+            let written = if written { rows.end } else { rows.start };
+            let deferred = Deferred::default();
+            (entities.clone(), OwnRows { rows: rows.clone(), values, written, deferred })
+        };
+        parts.map(part).collect()
+    }
+
+    /// The values of runs of rows, which begin with the first row and follow each other.
+    fn of_rows<'v>(&self, runs: &[Range<usize>], values: &'v mut [f64]) -> Vec<&'v mut [f64]> {
         let mut rest = values;
         let mut parts = Vec::new();
-        for (entities, rows) in partition.entities.iter().zip(&partition.rows) {
+        for rows in runs {
             let (own, later) = rest.split_at_mut(self.entries(rows.clone()).len());
             rest = later;
-            let done = if written { rows.end } else { rows.start };
-            let part =
-                OwnRows { rows: rows.clone(), values: own, written: done, deferred: Deferred::default() };
-            parts.push((entities.clone(), part));
+            parts.push(own);
         }
         parts
     }
@@ -171,14 +180,51 @@ impl<const D: usize> MatrixScatter<'_, D> {
         deferred
     }
 
-    /// Adds what a thread kept for rows of others, in the values of all rows.
-    pub fn add_deferred(&self, deferred: &Deferred, values: &mut [f64]) {
+    /// Adds what threads kept for rows of others, in the values of all rows. Each row is one thread's, which adds to it in the
+    /// order of those that kept something.
+    pub fn add_deferred(&self, threads: Threads, deferred: &[Deferred], values: &mut [f64]) {
+        let mut touched: Vec<u32> = deferred.iter().flat_map(|deferred| &deferred.rows).copied().collect();
+        let Some(last) = touched.iter().max().map(|last| *last as usize + 1) else { return };
+        let parts = threads.for_work(touched.len() * self.nodes[1] * self.block);
+        // As many contributions for each thread; parts of equal rows are empty.
+        let mut bounds = vec![0];
+        for part in 1..parts {
+            let place = part * touched.len() / parts;
+            bounds.push(*touched.select_nth_unstable(place).1 as usize);
+        }
+        bounds.push(last);
+        let runs: Vec<Range<usize>> = bounds.windows(2).map(|pair| pair[0]..pair[1]).collect();
+        let values = self.of_rows(&runs, values);
+        threads.run(runs.into_iter().zip(values).collect(), |(rows, values)| {
+            for deferred in deferred {
+                match self.block {
+                    1 => self.add_deferred_by::<1>(deferred, &rows, values),
+                    4 => self.add_deferred_by::<4>(deferred, &rows, values),
+                    9 => self.add_deferred_by::<9>(deferred, &rows, values),
+                    _ => self.add_deferred_by::<0>(deferred, &rows, values),
+                }
+            }
+        });
+    }
+
+    /// Adds what a thread kept for some rows, in the values of these.
+    fn add_deferred_by<const BLOCK: usize>(
+        &self,
+        deferred: &Deferred,
+        rows: &Range<usize>,
+        values: &mut [f64],
+    ) {
         let width = self.nodes[1];
+        let offset = self.entries(0..rows.start).end;
         let places = deferred.places.chunks_exact(width);
         let blocks = deferred.values.chunks_exact(width * self.block);
         for ((&row, places), blocks) in deferred.rows.iter().zip(places).zip(blocks) {
-            let row = &mut values[self.entries(row as usize..row as usize + 1)];
-            add_row::<_, 0>(row, places, blocks, self.block);
+            let row = row as usize;
+            if rows.contains(&row) {
+                let entries = self.entries(row..row + 1);
+                let row = &mut values[entries.start - offset..entries.end - offset];
+                add_row::<_, BLOCK>(row, places, blocks, self.block);
+            }
         }
     }
 }

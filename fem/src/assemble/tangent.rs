@@ -293,9 +293,8 @@ impl<const D: usize> TangentVisitor<'_, D> {
                         Ok(scatter.finish(part))
                     });
                     *written = true;
-                    for deferred in done {
-                        scatter.add_deferred(&deferred?, values);
-                    }
+                    let deferred: Vec<_> = done.into_iter().collect::<Result<_, AssemblyError>>()?;
+                    scatter.add_deferred(self.threads, &deferred, values);
                 }
             }
         }
