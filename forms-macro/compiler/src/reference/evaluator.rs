@@ -127,10 +127,8 @@ impl<'a> Evaluator<'a> {
         if let Some(known) = known.get(&(tensor, around.side)) {
             return known.clone();
         }
-        let mut condition = self.condition.get();
         if self.patience.is_lost() {
-            condition.magnitude = f64::INFINITY;
-            self.condition.set(condition);
+            self.condition.set(Condition { magnitude: f64::INFINITY, ..self.condition.get() });
             let count = self.checked.arena.shape(tensor).iter().product();
             return Rc::new(vec![Number::real(f64::NAN); count]);
         }
@@ -139,7 +137,7 @@ impl<'a> Evaluator<'a> {
         if let Some(added) = around.added.get(&tensor) {
             numbers.iter_mut().zip(added).for_each(|(number, added)| *number = number.plus(added));
         }
-        condition = self.condition.get();
+        let mut condition = self.condition.get();
         for number in &numbers {
             let magnitude = if number.is_finite() { number.magnitude() } else { f64::INFINITY };
             condition.magnitude = condition.magnitude.max(magnitude);

@@ -93,7 +93,7 @@ impl Number {
             let others = !i & (other.0.len() - 1);
             let mut j = others;
             loop {
-                // What is unknown, and NaN, is unknown no longer where it is multiplied by zero.
+                // A derivative that is not known is NaN; times zero it does not matter.
                 if other.0[j] != 0.0 {
                     product[i | j] += a * other.0[j];
                 }
