@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use forms_fem::assemble::{Assembler, BlockPattern, Parts, TangentAction};
-use forms_fem::contract::Form;
+use forms_fem::dimension::{Dim, Dimension};
 use forms_fem::element::CellShape;
 use forms_fem::field::Field;
 use forms_fem::linear_algebra::BlockMatrix;
@@ -169,7 +169,7 @@ fn measure_on<const D: usize>(
     threads: usize,
 ) -> Result<Measured, Box<dyn Error>>
 where
-    crate::forms::linear_elastic::stiffness::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let space = Space::vector(&mesh, 2)?;
     let assembler =

@@ -165,7 +165,10 @@ fn pressed<const D: usize>(
     way: f64,
     (obstacle_normal, gap): (Given<[f64; D], D>, Given<f64, D>),
     degree: usize,
-) -> Result<ContactProblem<D>, HertzError> {
+) -> Result<ContactProblem<D>, HertzError>
+where
+    Dim: Dimension<D>,
+{
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
     let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2)?;
@@ -228,7 +231,7 @@ impl Hertz {
         u: &Field<D>,
     ) -> Result<f64, AssemblyError>
     where
-        forms::contact_pressure::Form<D>: Expression<D>,
+        Dim: Dimension<D>,
     {
         let pressure = forms::contact_pressure(&problem.data, u);
         let points = problem.assembler.at_quadrature_points(&pressure, Entity::Facets, CONTACT, 8)?;

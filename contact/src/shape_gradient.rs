@@ -89,9 +89,7 @@ impl<const D: usize> ContactProblem<D> {
         imposed: Option<ImposedSlope<D>>,
     ) -> Result<ShapeGradient<D>, ShapeError>
     where
-        forms::shape_gradient::Form<D>: Form<D>,
-        forms::diameter_gradient::Form<D>: Form<D>,
-        forms::discrete_adjoint::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let (assembler, regions) = (&self.assembler_at(u)?, &self.regions);
         let movements = Space::of_geometry(assembler.mesh())?;
@@ -126,7 +124,7 @@ impl<const D: usize> ContactProblem<D> {
         movements: &Arc<Space<D>>,
     ) -> Result<Vec<f64>, ShapeError>
     where
-        forms::discrete_adjoint::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let regions = &self.regions;
         let form =

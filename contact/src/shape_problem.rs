@@ -4,7 +4,6 @@ use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
     Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, outline, outline_derivative,
-    outline_form, volume_form,
 };
 
 use crate::boundary_form::boundary_form;
@@ -141,7 +140,7 @@ impl<F> ContactShape<F> {
         weights: [f64; 3],
     ) -> Result<f64, AssemblyError>
     where
-        load_and_pressure::criterion::Form<D>: Functional<D>,
+        Dim: Dimension<D>,
     {
         let (omega, gamma_n, gamma_c) = self.regions();
         let data = Self::weighted(problem, weights);
@@ -158,9 +157,7 @@ impl<F> ContactShape<F> {
         weights: [f64; 3],
     ) -> Result<Vec<f64>, Failure>
     where
-        load_and_pressure::adjoint::Form<D>: Form<D>,
-        load_and_pressure::shape_gradient::Form<D>: Form<D>,
-        load_and_pressure::diameter_gradient::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
@@ -186,12 +183,7 @@ impl<F> ContactShape<F> {
         state: &mut ContactState<D>,
     ) -> Result<Vec<f64>, Failure>
     where
-        forms::discrete_adjoint::Form<D>: Form<D>,
-        forms::consistent_adjoint::Form<D>: Form<D>,
-        forms::extended_adjoint::Form<D>: Form<D>,
-        forms::shape_gradient::Form<D>: Form<D>,
-        forms::diameter_gradient::Form<D>: Form<D>,
-        boundary_form::gradient_on_free::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
@@ -210,22 +202,7 @@ impl<F> ContactShape<F> {
 impl<F, const D: usize> ShapeProblem<D> for ContactShape<F>
 where
     F: Fn(&Arc<Mesh<D>>) -> Result<ContactProblem<D>, Failure>,
-    forms::direct::Form<D>: Form<D>,
-    forms::criterion::Form<D>: Functional<D>,
-    forms::discrete_adjoint::Form<D>: Form<D>,
-    forms::consistent_adjoint::Form<D>: Form<D>,
-    forms::extended_adjoint::Form<D>: Form<D>,
-    forms::shape_gradient::Form<D>: Form<D>,
-    forms::diameter_gradient::Form<D>: Form<D>,
-    boundary_form::gradient_on_free::Form<D>: Form<D>,
-    load_and_pressure::criterion::Form<D>: Functional<D>,
-    load_and_pressure::adjoint::Form<D>: Form<D>,
-    load_and_pressure::shape_gradient::Form<D>: Form<D>,
-    load_and_pressure::diameter_gradient::Form<D>: Form<D>,
-    volume_form::measure::Form<D>: Functional<D>,
-    volume_form::gradient::Form<D>: Form<D>,
-    outline_form::measure::Form<D>: Functional<D>,
-    outline_form::gradient::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     type State = ContactState<D>;
 

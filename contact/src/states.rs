@@ -49,11 +49,17 @@ pub struct ContactProblem<const D: usize> {
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
     pattern: Arc<BlockPattern<D>>,
-    split: Option<SplitAt<D>>,
+    contact_facets: ContactFacets,
 }
 
-/// Who assembles the integrals over Γ_C at a displacement, its facets split at the zeros of a contact zone's indicator.
-type SplitAt<const D: usize> = fn(&ContactProblem<D>, &Field<D>, Zone) -> Result<Assembler<D>, AssemblyError>;
+/// The quadrature on the facets of Γ_C.
+#[derive(Clone, Copy, Debug)]
+enum ContactFacets {
+    /// A facet is integrated as a whole.
+    Whole,
+    /// A facet is split at the zeros of the contact zone's indicator, anew at each displacement.
+    Split,
+}
 
 /// The contact zone of (14), (21) and (22), or that of (41).
 #[derive(Clone, Copy)]
@@ -111,7 +117,10 @@ pub struct Timed<T> {
     pub seconds: f64,
 }
 
-impl<const D: usize> ContactProblem<D> {
+impl<const D: usize> ContactProblem<D>
+where
+    Dim: Dimension<D>,
+{
     /// Prepares the matrix pattern that all states share.
     ///
     /// # Errors
@@ -126,31 +135,23 @@ impl<const D: usize> ContactProblem<D> {
         let pattern = BlockPattern::new(&[space], &[space])
             .map_err(|source| AssemblyError::LinearAlgebra { form: "direct", source })?;
         let (space, pattern) = (space.clone(), Arc::new(pattern));
-        Ok(ContactProblem { assembler, space, data, regions, constraints, pattern, split: None })
+        Ok(ContactProblem {
+            assembler,
+            space,
+            data,
+            regions,
+            constraints,
+            pattern,
+            contact_facets: ContactFacets::Whole,
+        })
     }
 
     /// The same with the facets of Γ_C split at the zeros of β_h of each iterate, so that \[·\]₋ and H(β_h) are integrated as
     /// exactly as what is smooth: an attribute of the integrals over Γ_C, for all states and the shape gradient. The
     /// integrand of (14) vanishes where a facet is split, so that its tangent, (21) and the shape derivative need no
     /// further term. Newton's method then stops on the residual, not on an active set.
-    pub fn with_split_facets(mut self) -> Self
-    where
-        forms::contact_indicator::Form<D>: Expression<D>,
-        forms::extended_indicator::Form<D>: Expression<D>,
-    {
-        self.split = Some(|problem, u, zone| {
-            let (assembler, region) = (&problem.assembler, &problem.regions.gamma_c.0.name);
-            match zone {
-                Zone::Touching => {
-                    let indicator = forms::contact_indicator(&problem.data, u);
-                    assembler.split_at_zeros(&indicator, region, RESOLUTION)
-                }
-                Zone::Extended => {
-                    let indicator = forms::extended_indicator(&problem.data, u);
-                    assembler.split_at_zeros(&indicator, region, RESOLUTION)
-                }
-            }
-        });
+    pub fn with_split_facets(mut self) -> Self {
+        self.contact_facets = ContactFacets::Split;
         self
     }
 
@@ -164,7 +165,18 @@ impl<const D: usize> ContactProblem<D> {
     }
 
     fn assembler_of(&self, u: &Field<D>, zone: Zone) -> Result<Assembler<D>, AssemblyError> {
-        self.split.map_or_else(|| Ok(self.assembler.clone()), |split| split(self, u, zone))
+        let region = &self.regions.gamma_c.0.name;
+        match (self.contact_facets, zone) {
+            (ContactFacets::Whole, _) => Ok(self.assembler.clone()),
+            (ContactFacets::Split, Zone::Touching) => {
+                let indicator = forms::contact_indicator(&self.data, u);
+                self.assembler.split_at_zeros(&indicator, region, RESOLUTION)
+            }
+            (ContactFacets::Split, Zone::Extended) => {
+                let indicator = forms::extended_indicator(&self.data, u);
+                self.assembler.split_at_zeros(&indicator, region, RESOLUTION)
+            }
+        }
     }
 
     /// A γ₀ that is not positive turns the obstacle's push into a pull.
@@ -181,7 +193,7 @@ impl<const D: usize> ContactProblem<D> {
     }
 
     /// The direct problem (14) as a form.
-    pub fn direct_form(&self) -> forms::direct::Form<D> {
+    pub fn direct_form(&self) -> forms::direct::Compiled<D> {
         let Regions { omega, gamma_n, gamma_c, .. } = &self.regions;
         forms::direct(&self.data, omega, gamma_n, gamma_c)
     }
@@ -195,10 +207,7 @@ impl<const D: usize> ContactProblem<D> {
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
-    ) -> Result<Timed<Solved<D>>, NewtonError<AssemblyError>>
-    where
-        forms::direct::Form<D>: Form<D>,
-    {
+    ) -> Result<Timed<Solved<D>>, NewtonError<AssemblyError>> {
         self.solve_direct_from(&Field::zero(&self.space), solver, options, progress)
     }
 
@@ -212,10 +221,7 @@ impl<const D: usize> ContactProblem<D> {
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
-    ) -> Result<Timed<Solved<D>>, NewtonError<AssemblyError>>
-    where
-        forms::direct::Form<D>: Form<D>,
-    {
+    ) -> Result<Timed<Solved<D>>, NewtonError<AssemblyError>> {
         let start = Instant::now();
         self.check_gamma0("direct").map_err(|error| NewtonError {
             why: NewtonFailure::Assembly(error),
@@ -224,7 +230,7 @@ impl<const D: usize> ContactProblem<D> {
         })?;
         let form = self.direct_form();
         let mut problem = FormProblem::with_pattern(&form, &self.assembler, &self.space, &self.pattern);
-        if self.split.is_some() {
+        if matches!(self.contact_facets, ContactFacets::Split) {
             problem = problem.with_assembler_at(|u| self.assembler_at(u));
         }
         let result = problem.solve(first, &self.constraints, solver, options, progress)?;
@@ -243,10 +249,7 @@ impl<const D: usize> ContactProblem<D> {
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(f64, &NewtonStep),
-    ) -> Result<LoadPath<Field<D>>, ThetaPathError<D>>
-    where
-        forms::direct::Form<D>: Form<D>,
-    {
+    ) -> Result<LoadPath<Field<D>>, ThetaPathError<D>> {
         let ThetaPath { from, steps, line_search } = path;
         let mut problem = self.clone();
         let mut solve_at = |theta: f64, line_search, first: &Field<D>| {
@@ -286,12 +289,7 @@ impl<const D: usize> ContactProblem<D> {
         adjoint: Adjoint,
         u: &Field<D>,
         solver: &mut dyn LinearSolver,
-    ) -> Result<Timed<Field<D>>, LinearProblemError>
-    where
-        forms::discrete_adjoint::Form<D>: Form<D>,
-        forms::consistent_adjoint::Form<D>: Form<D>,
-        forms::extended_adjoint::Form<D>: Form<D>,
-    {
+    ) -> Result<Timed<Field<D>>, LinearProblemError> {
         let Regions { omega, gamma_n: _, gamma_c, boundary } = &self.regions;
         match adjoint {
             Adjoint::Discrete => {

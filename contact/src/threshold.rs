@@ -49,8 +49,7 @@ pub fn required_gamma0<const D: usize>(
     contact_cells: &str,
 ) -> Result<f64, AssemblyError>
 where
-    forms::normal_stress_product::Form<D>: Form<D>,
-    forms::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     Ok(threshold(problem, contact_cells)?.required)
 }
@@ -65,8 +64,7 @@ pub fn threshold<const D: usize>(
     contact_cells: &str,
 ) -> Result<Threshold, AssemblyError>
 where
-    forms::normal_stress_product::Form<D>: Form<D>,
-    forms::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let (gamma0, theta) = (problem.data.gamma0, problem.data.theta);
     let factor = (1.0 + theta).powi(2) / 4.0;

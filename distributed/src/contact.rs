@@ -45,7 +45,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
         progress: &mut dyn FnMut(&NewtonStep),
     ) -> Result<Solved<D>, NewtonError<SharedAssemblyError>>
     where
-        forms::direct::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let ContactProblem { assembler, space, constraints, .. } = &self.problem;
         let form = self.problem.direct_form();
@@ -70,9 +70,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
         solver: &mut dyn LinearSolver,
     ) -> Result<Field<D>, SharedAffineError>
     where
-        forms::discrete_adjoint::Form<D>: Form<D>,
-        forms::consistent_adjoint::Form<D>: Form<D>,
-        forms::extended_adjoint::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let (data, regions) = (&self.problem.data, &self.problem.regions);
         let (omega, gamma_c, boundary) = (&regions.omega, &regions.gamma_c, &regions.boundary);
@@ -106,7 +104,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
     /// Data that do not fit.
     pub fn criterion(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError>
     where
-        forms::criterion::Form<D>: Functional<D>,
+        Dim: Dimension<D>,
     {
         let regions = &self.problem.regions;
         self.functional(&forms::criterion(&self.problem.data, &regions.omega, &regions.boundary, u))
@@ -118,7 +116,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
     /// Data that do not fit.
     pub fn contact_force(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError>
     where
-        forms::contact_force::Form<D>: Functional<D>,
+        Dim: Dimension<D>,
     {
         self.functional(&forms::contact_force(&self.problem.data, &self.problem.regions.gamma_c, u))
     }

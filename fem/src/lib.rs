@@ -55,6 +55,7 @@ extern crate self as forms_fem;
 pub mod assemble;
 mod coincident;
 pub mod constraints;
+pub mod dimension;
 pub mod element;
 pub mod field;
 pub mod history;
@@ -113,6 +114,7 @@ pub mod prelude {
     pub use crate::assemble::{Assembler, AssemblyError, Parts, TangentAction};
     pub use crate::constraints::Constraints;
     pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Real, Table};
+    pub use crate::dimension::{Dim, Dimension};
     pub use crate::element::CellShape;
     pub use crate::field::Field;
     pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, hollow_cylinder, rectangle};

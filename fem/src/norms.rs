@@ -7,6 +7,7 @@ use std::sync::Arc;
 use forms_core::contract::Source;
 
 use crate::assemble::{Assembler, AssemblyError};
+use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::forms;
 use crate::linear_algebra::CsrMatrix;
@@ -107,9 +108,9 @@ fn everywhere() -> squared::Omega {
 /// on another mesh than the assembler's.
 pub fn norms<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<Norms, AssemblyError>
 where
-    Measured: Measure<D>,
+    Dim: Dimension<D>,
 {
-    Measured::norms(assembler, field)
+    Dim::norms(assembler, field)
 }
 
 /// The L² norm of a field of any rank.
@@ -118,9 +119,9 @@ where
 /// A value that is not finite, or a field on another mesh than the assembler's.
 pub fn l2_norm<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>
 where
-    Measured: Measure<D>,
+    Dim: Dimension<D>,
 {
-    Measured::l2_squared(assembler, field).map(f64::sqrt)
+    Dim::l2_squared(assembler, field).map(f64::sqrt)
 }
 
 /// The mean of each component of a field over the mesh.
@@ -129,11 +130,11 @@ where
 /// A value that is not finite, or a field on another mesh than the assembler's.
 pub fn mean<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<Vec<f64>, AssemblyError>
 where
-    Measured: Measure<D>,
+    Dim: Dimension<D>,
 {
     let one = Field::of_known(&field.space().scalar_nodes(), vec![1.0; field.space().node_count()]);
-    let volume = Measured::integral(assembler, &one)?;
-    component_fields(field).iter().map(|part| Ok(Measured::integral(assembler, part)? / volume)).collect()
+    let volume = Dim::integral(assembler, &one)?;
+    component_fields(field).iter().map(|part| Ok(Dim::integral(assembler, part)? / volume)).collect()
 }
 
 /// Each component as a scalar field.
@@ -154,13 +155,13 @@ pub fn errors<const D: usize>(
     gradient: impl Fn(&[f64; D], &mut [f64]) + Send + Sync + 'static,
 ) -> Result<Norms, AssemblyError>
 where
-    Measured: Measure<D>,
+    Dim: Dimension<D>,
 {
     let components = field.space().components();
     let exact = Source::Function { components, function: Arc::new(exact), gradient: None };
     let gradient =
         Source::Function { components: components * D, function: Arc::new(gradient), gradient: None };
-    Measured::errors(assembler, field, exact, gradient)
+    Dim::errors(assembler, field, exact, gradient)
 }
 
 /// The scalar mass matrix of a space's element (one unknown per node).
@@ -173,16 +174,12 @@ pub(crate) fn mass_matrix<const D: usize>(
     degree: usize,
 ) -> Result<CsrMatrix, AssemblyError>
 where
-    Measured: Measure<D>,
+    Dim: Dimension<D>,
 {
-    Measured::mass(assembler, space, degree)
+    Dim::mass(assembler, space, degree)
 }
 
-/// Carries the norms' kernels, which exist in two and three dimensions.
-#[derive(Clone, Copy, Debug)]
-pub struct Measured;
-
-/// The norms in one dimension; implemented for two and three.
+/// The norms in one dimension, compiled here for two and three.
 pub trait Measure<const D: usize> {
     /// See [`norms`].
     ///
@@ -227,7 +224,7 @@ pub trait Measure<const D: usize> {
 
 macro_rules! measure_in {
     ($dimension:literal) => {
-        impl Measure<$dimension> for Measured {
+        impl Measure<$dimension> for Dim {
             fn norms(
                 assembler: &Assembler<$dimension>,
                 field: &Field<$dimension>,

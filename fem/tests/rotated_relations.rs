@@ -30,7 +30,7 @@ fn solve<const D: usize>(
     loaded: &str,
 ) -> Field<D>
 where
-    bodies::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let (data, assembler) = (bodies::Data { load }, Assembler::new(space.mesh()));
     let form = bodies::elasticity(&data, &bodies::Omega::on("all"), &bodies::Loaded::on(loaded));
@@ -122,7 +122,7 @@ fn error_of_wedge<const D: usize>(
     normals: Normals,
 ) -> f64
 where
-    bodies::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let wedge = |x: [f64; D]| {
         let ((sin, cos), r) = ((PI * 50.0 / 180.0 * x[1]).sin_cos(), 1.0 + x[0]);

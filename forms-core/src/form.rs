@@ -3,6 +3,7 @@
 //! A form is a value of a type that `#[forms]` emits. The backend walks its integrals with a visitor,
 //! so each kernel arrives with its static type and is inlined into the backend's loops.
 
+use crate::dimension::Constants;
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
 use crate::source::{FieldValue, Source};
 use crate::table::Table;
@@ -123,6 +124,11 @@ impl<const D: usize> Inputs<D> {
             parameter_names: Vec::new(),
             tables: Vec::new(),
         }
+    }
+
+    /// What kernels read.
+    pub fn constants(&self) -> Constants<'_> {
+        Constants { parameters: &self.parameters, tables: &self.tables }
     }
 
     /// Appends a parameter of any rank.

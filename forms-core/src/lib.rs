@@ -6,10 +6,11 @@
 //! toy backend in this package's tests shows that nothing more is needed.
 //!
 //! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`mod@form`] (how a
-//! form hands its kernels over), [`source`] (where data come from). Functions written in Rust compute with
+//! form hands its kernels over), [`dimension`] (one bound for all forms), [`source`] (where data come from). Functions written in Rust compute with
 //! [`real`] and [`dual`] numbers, are called through [`external`], and may use [`spectral`] ones; a [`table`]
 //! is a law given by points, and [`history`] what a material remembers.
 
+pub mod dimension;
 pub mod dual;
 mod error_function;
 pub mod external;
@@ -27,6 +28,7 @@ pub use forms_macro::{form, forms};
 /// Everything that emitted code and backends name. Emitted paths read `<crate>::contract::Name`, so a
 /// crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).
 pub mod contract {
+    pub use crate::dimension::{Constants, Dim, Dimension, Integrals};
     pub use crate::dual::{Dual, Seeded};
     pub use crate::external::{External, external, tabulated};
     pub use crate::form::{

@@ -4,6 +4,7 @@ mod toy_backend;
 #[macro_use]
 mod operators;
 
+use forms_core::contract::{Dim, Dimension};
 use operators::*;
 
 fn sum(terms: impl Iterator<Item = f64>) -> f64 {
@@ -257,8 +258,7 @@ pub mod replaced {
 fn derivative_by_a_test_function() {
     fn check<const D: usize>()
     where
-        replaced::by_derivative::Form<D>: Form<D>,
-        replaced::by_hand::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let mut state = State::<D>::new(43);
         let omega = replaced::Omega::on("all");

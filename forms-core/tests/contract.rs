@@ -3,6 +3,7 @@
 mod toy_backend;
 
 use forms_core::contract::{self, *};
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
@@ -122,7 +123,7 @@ fn elasticity_in_closed_form<const D: usize>(mesh: &Mesh<D>, lambda: f64, mu: f6
 
 fn elasticity<const D: usize>()
 where
-    signorini::elasticity::Form<D>: contract::Form<D>,
+    Dim: Dimension<D>,
 {
     let mut random = Random(1);
     let mesh = Mesh::<D>::cube(&mut random);
@@ -207,7 +208,7 @@ fn contact_by_hand<const D: usize>(
 
 fn contact<const D: usize>()
 where
-    signorini::contact::Form<D>: contract::Form<D>,
+    Dim: Dimension<D>,
 {
     let mut random = Random(2);
     let mesh = Mesh::<D>::cube(&mut random);
@@ -311,9 +312,7 @@ fn constant_coefficients_are_accumulated_and_contact_is_factored() {
 
 fn four_lanes_give_the_same<const D: usize>()
 where
-    signorini::elasticity::Form<D>: contract::Form<D>,
-    signorini::contact::Form<D>: contract::Form<D>,
-    signorini::neo_hooke::Form<D>: contract::Form<D>,
+    Dim: Dimension<D>,
 {
     fn compare<F: contract::Form<D>, const D: usize>(mesh: &Mesh<D>, form: &F, u: &Nodal) {
         let unknowns = std::slice::from_ref(u);

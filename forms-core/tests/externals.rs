@@ -4,6 +4,7 @@
 mod toy_backend;
 
 use forms_core::contract::*;
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
@@ -297,19 +298,10 @@ type Outcome = Result<(), TableError>;
 
 fn functions<const D: usize>(seed: u64) -> Outcome
 where
-    outside::diffusion::Form<D>: Form<D>,
-    inside::diffusion::Form<D>: Form<D>,
-    outside::linear::Form<D>: Form<D>,
-    inside::linear::Form<D>: Form<D>,
-    outside::stiffness::Form<D>: Form<D>,
-    inside::stiffness::Form<D>: Form<D>,
-    outside::elastic::Form<D>: Form<D>,
-    outside::energy::Form<D>: Form<D> + Functional<D>,
-    inside::energy::Form<D>: Form<D> + Functional<D>,
-    outside::by_parameter::Form<D>: Functional<D>,
-    inside::by_parameter::Form<D>: Functional<D>,
-    outside::piola::Form<D>: Expression<D>,
-    inside::piola::Form<D>: Expression<D>,
+    Dim: Dimension<D>,
+    outside::energy::Compiled<D>: Form<D> + Functional<D>,
+    inside::energy::Compiled<D>: Form<D> + Functional<D>,
+    Dim: Dimension<D>,
 {
     let state = State::<D>::new(seed);
     let (outer, inner) = data::<D>()?;
@@ -429,12 +421,8 @@ fn tables_are_laws_with_derivatives() -> Outcome {
 
 fn spectral<const D: usize>(seed: u64)
 where
-    hencky::energy::Form<D>: Form<D> + Functional<D>,
-    hencky::small::Form<D>: Form<D>,
-    hencky::volume::Form<D>: Expression<D>,
-    hencky::rotation_error::Form<D>: Expression<D>,
-    hencky::stretch_error::Form<D>: Expression<D>,
-    hencky::inverse_error::Form<D>: Expression<D>,
+    hencky::energy::Compiled<D>: Form<D> + Functional<D>,
+    Dim: Dimension<D>,
 {
     let state = State::<D>::new(seed);
     let data = hencky::Data::<D> { mu: MU, lambda: LAMBDA };

@@ -4,6 +4,7 @@
 mod toy_backend;
 
 use forms_core::contract::*;
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, slope, value};
 use toy_backend::mesh::Mesh;
@@ -127,8 +128,7 @@ macro_rules! operator {
             }
             fn check<const D: usize>(seed: u64)
             where
-                operator::value::Form<D>: Expression<D>,
-                operator::form::Form<D>: Form<D>,
+                Dim: Dimension<D>,
             {
                 let mut state = State::<D>::new(seed);
                 let data = operator::Data { a: A };

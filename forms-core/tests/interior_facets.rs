@@ -4,6 +4,7 @@
 mod toy_backend;
 
 use forms_core::contract::{self, *};
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, value};
 use toy_backend::lanes::Four;
@@ -141,8 +142,7 @@ fn interior_penalty_by_hand<const D: usize>(mesh: &Mesh<D>, gamma: f64, u: &Noda
 
 fn interior_penalty_in<const D: usize>()
 where
-    discontinuous::interior_penalty::Form<D>: contract::Form<D>,
-    discontinuous::interior_penalty_along_normal::Form<D>: contract::Form<D>,
+    Dim: Dimension<D>,
 {
     let mut random = Random(43);
     let mesh = Mesh::<D>::cube(&mut random).broken();

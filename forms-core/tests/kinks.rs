@@ -3,6 +3,7 @@
 mod toy_backend;
 
 use forms_core::contract::{self, *};
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
@@ -162,9 +163,7 @@ pub mod branches {
 /// s ≤ 0 and u = 0 everywhere: every dangerous branch is left out.
 fn nothing_poisons<L: Lane, const D: usize>(s: f64)
 where
-    branches::form::Form<D>: Form<D>,
-    branches::reference::Form<D>: Form<D>,
-    branches::energy::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let mesh = Mesh::<D>::cube(&mut Random(2));
     let nodes = mesh.nodes.len();

@@ -119,7 +119,7 @@ pub mod numbers {
 macro_rules! at {
     ($name:ident $(, $at:expr)?) => {{
         let mesh = Mesh::<2>::cube(&mut Random(1));
-        let form: numbers::$name::Form<2> = numbers::$name($(Source::<2>::Constant(vec![$at]))?);
+        let form: numbers::$name::Compiled<2> = numbers::$name($(Source::<2>::Constant(vec![$at]))?);
         expression(&mesh, &form, (Entity::Cells, "all"))[0][0]
     }};
 }

@@ -4,6 +4,7 @@
 mod toy_backend;
 
 use forms_core::contract::*;
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
@@ -166,10 +167,7 @@ twin!(second);
 
 fn check<const D: usize>()
 where
-    contact::direct::Form<D>: Form<D>,
-    typed_out::direct::Form<D>: Form<D>,
-    contact::mean_stress::Form<D>: Expression<D>,
-    typed_out::mean_stress::Form<D>: Expression<D>,
+    Dim: Dimension<D>,
 {
     let mut random = Random(7);
     let mesh = Mesh::<D>::cube(&mut random);

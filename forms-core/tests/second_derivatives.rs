@@ -4,6 +4,7 @@
 mod toy_backend;
 
 use forms_core::contract::{self, *};
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::{Mesh, determinant};
@@ -118,8 +119,7 @@ macro_rules! operator {
             }
             fn check<const D: usize>(seed: u64)
             where
-                operator::value::Form<D>: Expression<D>,
-                operator::form::Form<D>: Form<D>,
+                Dim: Dimension<D>,
             {
                 let mut state = State::<D>::new(seed);
                 let data = operator::Data { a: A };
@@ -291,9 +291,7 @@ fn assert_matrix(found: &Matrix, expected: &Matrix) {
 
 fn biharmonic_in<const D: usize>()
 where
-    plates::biharmonic::Form<D>: contract::Form<D>,
-    plates::bending::Form<D>: contract::Form<D>,
-    plates::bending_by_derivative::Form<D>: contract::Form<D>,
+    Dim: Dimension<D>,
 {
     let mut random = Random(34);
     let mesh = Mesh::<D>::quadratic_cube(&mut random);

@@ -3,6 +3,7 @@
 mod toy_backend;
 
 use forms_core::contract::*;
+use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
@@ -53,11 +54,7 @@ fn data<const D: usize>() -> shapes::Data<D> {
 
 fn check<const D: usize>()
 where
-    shapes::rows::Form<D>: Expression<D>,
-    shapes::given::Form<D>: Expression<D>,
-    shapes::stiffness::Form<D>: Expression<D>,
-    shapes::gradient::Form<D>: Expression<D>,
-    shapes::three::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let mut random = Random(31);
     let mesh = Mesh::<D>::cube(&mut random);

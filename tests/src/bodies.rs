@@ -136,31 +136,31 @@ pub fn data<const D: usize>(theta: f64) -> forms::Data<D> {
 /// The forms of a body, with its regions bound.
 impl<const D: usize> Body<D> {
     /// (14).
-    pub fn direct(&self, theta: f64) -> forms::direct::Form<D> {
+    pub fn direct(&self, theta: f64) -> forms::direct::Compiled<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::direct(&data(theta), &omega, &forms::GammaN::on(LOADED), &gamma_c)
     }
 
     /// (21) at the body's state.
-    pub fn discrete_adjoint(&self, data: &forms::Data<D>) -> forms::discrete_adjoint::Form<D> {
+    pub fn discrete_adjoint(&self, data: &forms::Data<D>) -> forms::discrete_adjoint::Compiled<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::discrete_adjoint(data, &omega, &gamma_c, &forms::Boundary::on("boundary"), &self.u)
     }
 
     /// (22) at the body's state.
-    pub fn consistent_adjoint(&self, data: &forms::Data<D>) -> forms::consistent_adjoint::Form<D> {
+    pub fn consistent_adjoint(&self, data: &forms::Data<D>) -> forms::consistent_adjoint::Compiled<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::consistent_adjoint(data, &omega, &gamma_c, &forms::Boundary::on("boundary"), &self.u)
     }
 
     /// (41) at the body's state.
-    pub fn extended_adjoint(&self, data: &forms::Data<D>) -> forms::extended_adjoint::Form<D> {
+    pub fn extended_adjoint(&self, data: &forms::Data<D>) -> forms::extended_adjoint::Compiled<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::extended_adjoint(data, &omega, &gamma_c, &forms::Boundary::on("boundary"), &self.u)
     }
 
     /// J.
-    pub fn criterion(&self, data: &forms::Data<D>, u: &Field<D>) -> forms::criterion::Form<D> {
+    pub fn criterion(&self, data: &forms::Data<D>, u: &Field<D>) -> forms::criterion::Compiled<D> {
         forms::criterion(data, &forms::Omega::on("all"), &forms::Boundary::on("boundary"), u)
     }
 
@@ -168,7 +168,7 @@ impl<const D: usize> Body<D> {
     /// it is enough to look at the end.
     pub fn step_without_switch(&self, theta: f64, direction: &Field<D>) -> f64
     where
-        forms::direct::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let form = self.direct(theta);
         let set = |u: &Field<D>| {

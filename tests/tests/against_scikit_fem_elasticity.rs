@@ -7,7 +7,7 @@ use forms_tests::reference_file::{Family, Reference, ReferenceFile, names};
 
 fn compare<const D: usize>(file: ReferenceFile) -> f64
 where
-    forms::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
     // Only λ and μ are read.

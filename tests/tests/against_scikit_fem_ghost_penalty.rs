@@ -6,7 +6,7 @@ use forms_tests::reference_file::{Family, Reference, ReferenceFile};
 
 fn compare<const D: usize>(file: ReferenceFile) -> f64
 where
-    stabilisation::penalty::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
     let data = stabilisation::Data { g1: reference.number("g1"), g2: reference.number("g2") };

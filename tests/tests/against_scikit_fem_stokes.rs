@@ -6,7 +6,7 @@ use forms_tests::reference_file::{Family, Reference, ReferenceFile};
 
 fn compare<const D: usize>(file: ReferenceFile) -> f64
 where
-    flow::equilibrium::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
     // The file's f = (sin y, x y, 1).

@@ -42,8 +42,7 @@ fn interior_and_boundary_are_the_closed_form() {
 
 fn check<const D: usize>(body: &Body<D>)
 where
-    forms::criterion::Form<D>: Functional<D>,
-    forms::discrete_adjoint::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let (assembler, space, data) = (&body.assembler, &body.space, data(1.0));
     let value = |u: &Field<D>| assembler.functional(&body.criterion(&data, u), &[]).unwrap();

@@ -41,8 +41,7 @@ fn exact_von_mises<const D: usize>() -> f64 {
 
 fn inside<const D: usize>(body: &Body<D>)
 where
-    forms::stress::Form<D>: Expression<D>,
-    forms::von_mises::Form<D>: Expression<D>,
+    Dim: Dimension<D>,
 {
     let (u, data) = (affine(&body.space), data(0.0));
     let mesh = body.space.mesh();
@@ -65,12 +64,7 @@ fn stresses_of_a_uniform_strain() {
 /// On the straight bottom of a block with n = n_y = −e_last.
 fn along_the_bottom<const D: usize>(mesh: Mesh<D>)
 where
-    forms::normal_displacement::Form<D>: Expression<D>,
-    forms::normal_stress::Form<D>: Expression<D>,
-    forms::penetration::Form<D>: Expression<D>,
-    forms::current_gap::Form<D>: Expression<D>,
-    forms::contact_indicator::Form<D>: Expression<D>,
-    forms::contact_pressure::Form<D>: Expression<D>,
+    Dim: Dimension<D>,
 {
     let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
@@ -125,8 +119,7 @@ fn contact_quantities_of_a_uniform_strain() {
 
 fn measures<const D: usize>(body: &Body<D>)
 where
-    forms::contact_force::Form<D>: Functional<D>,
-    forms::contact_length::Form<D>: Functional<D>,
+    Dim: Dimension<D>,
 {
     let (data, gamma_c) = (data(0.0), forms::GammaC::on(CONTACT));
     let loops = ByLoops::new(body, 0.0);

@@ -12,8 +12,7 @@ const THETAS: [f64; 4] = [-1.0, 0.0, 1.0, 0.4];
 
 fn against_loops<const D: usize>(body: &Body<D>)
 where
-    forms::direct::Form<D>: Form<D>,
-    forms::contact_indicator::Form<D>: Expression<D>,
+    Dim: Dimension<D>,
 {
     for theta in THETAS {
         let label = format!("{}, theta = {theta}", body.name);
@@ -52,7 +51,7 @@ fn residual_and_tangent_are_those_of_plain_loops_in_space() {
 /// R(u; u) is quadratic where no point changes its state, and R(u; v) affine.
 fn taylor<const D: usize>(body: &Body<D>)
 where
-    forms::direct::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     for theta in THETAS {
         let label = format!("{}, theta = {theta}", body.name);
@@ -97,7 +96,7 @@ fn taylor_remainders_are_of_second_order() {
 /// |T| BᵀCB − θ|F|/γ s sᵀ + H/γ ∫(s − γ φ_n)(θ s − γ φ_n), with ∫φ_i = |F|/d and ∫φ_i φ_j = |F|(1 + δ)/(d(d+1)).
 fn single_simplex<const D: usize>(shape: CellShape)
 where
-    forms::direct::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     // The unit simplex: facet F with the vertices 0, …, D − 1 on x_last = 0, vertex D above.
     let mut nodes = vec![[0.0; D]; D + 1];

@@ -1,6 +1,5 @@
 //! (21), the discrete adjoint: matrix and right side against plain loops, and against the Lagrangian.
 
-use forms_contact::forms;
 use forms_fem::prelude::*;
 use forms_fem::verification;
 use forms_tests::adjoint_form::check_adjoint;
@@ -9,7 +8,7 @@ use forms_tests::contact_by_loops::ByLoops;
 
 fn against_loops<const D: usize>(body: &Body<D>)
 where
-    forms::discrete_adjoint::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     for theta in [-1.0, 0.0, 1.0] {
         let form = body.discrete_adjoint(&data(theta));
@@ -27,9 +26,7 @@ fn matrix_and_right_side_are_those_of_plain_loops() {
 /// (21) is the derivative by u of the Lagrangian J(u) + R(u; p), in every direction.
 fn lagrangian<const D: usize>(body: &Body<D>)
 where
-    forms::direct::Form<D>: Form<D>,
-    forms::discrete_adjoint::Form<D>: Form<D>,
-    forms::criterion::Form<D>: Functional<D>,
+    Dim: Dimension<D>,
 {
     let (assembler, space) = (&body.assembler, &body.space);
     let (p, direction) = (wave(space, 0.05, 0.8), wave(space, 1.0, 2.1));

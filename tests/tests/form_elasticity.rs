@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 fn element_matrix<const D: usize>(shape: CellShape, nodes: Vec<[f64; D]>) -> DMatrix<f64>
 where
-    forms::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let cells = (0..nodes.len() as u32).collect();
     let mesh = Arc::new(Mesh::from_parts(shape, 1, nodes, cells).unwrap());
@@ -63,7 +63,7 @@ fn bilinear_square_and_trilinear_box() {
     }
     fn check<const D: usize>(shape: CellShape, lengths: [f64; D])
     where
-        forms::elasticity::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let ends = shape.vertex_points();
         let nodes = ends.iter().map(|end| std::array::from_fn(|k| lengths[k] * end[k])).collect();
@@ -77,7 +77,7 @@ fn bilinear_square_and_trilinear_box() {
 
 fn check_body<const D: usize>(body: &Body<D>)
 where
-    forms::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let (assembler, space) = (&body.assembler, &body.space);
     let form = forms::elasticity(&data::<D>(0.0), &forms::Omega::on("all"));

@@ -1,6 +1,5 @@
 //! (41), the extended adjoint: matrix and right side (with N′ on Γ_C) against plain loops, and its symmetry.
 
-use forms_contact::forms;
 use forms_fem::prelude::*;
 use forms_tests::adjoint_form::check_adjoint;
 use forms_tests::bodies::{Body, data, plane_bodies, solid_bodies};
@@ -9,7 +8,7 @@ use forms_tests::dense::deviation;
 
 fn against_loops<const D: usize>(body: &Body<D>)
 where
-    forms::extended_adjoint::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     for theta in [-1.0, 0.0, 1.0] {
         let form = body.extended_adjoint(&data(theta));

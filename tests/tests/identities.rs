@@ -95,12 +95,7 @@ fn tangent<const D: usize>(body: &Body<D>, form: &impl Form<D>) -> nalgebra::DMa
 
 fn check<const D: usize>(body: &Body<D>)
 where
-    forms::direct::Form<D>: Form<D>,
-    forms::discrete_adjoint::Form<D>: Form<D>,
-    forms::consistent_adjoint::Form<D>: Form<D>,
-    forms::extended_adjoint::Form<D>: Form<D>,
-    by_hand::discrete_adjoint::Form<D>: Form<D>,
-    by_hand::as_printed::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let tolerance = 1e-13;
     let (omega, gamma_c) = (by_hand::Omega::on("all"), by_hand::GammaC::on(CONTACT));

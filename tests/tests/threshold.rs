@@ -45,8 +45,7 @@ fn problem<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> Co
 /// The γ₀ of [`required_gamma0`] on a mesh with Γ_C = "contact", all of whose cells own facets of it.
 fn required<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> f64
 where
-    forms::normal_stress_product::Form<D>: Form<D>,
-    forms::elasticity::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     required_gamma0(&problem(mesh, degree, theta), "all").unwrap()
 }

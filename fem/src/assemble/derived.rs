@@ -11,13 +11,13 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, Entities};
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
+use crate::dimension::{Dim, Dimension};
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
-use crate::norms::{Measure, Measured};
 use crate::quadrature::{Quadrature, QuadratureRule};
 use crate::space::Space;
 
@@ -182,7 +182,7 @@ impl<const D: usize> Assembler<D> {
         space: &Arc<Space<D>>,
     ) -> Result<Field<D>, AssemblyError>
     where
-        Measured: Measure<D>,
+        Dim: Dimension<D>,
     {
         let form = expression.name();
         let components: usize = expression.shape().iter().product();

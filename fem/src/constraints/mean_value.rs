@@ -1,7 +1,8 @@
 //! Linear conditions on many unknowns at once: a mean value, or any sum that is prescribed.
 
 use super::{Constraints, ConstraintsError};
-use crate::norms::{Measure, Measured};
+use crate::dimension::{Dim, Dimension};
+use crate::norms::Measure;
 
 /// A condition makes the unknowns it relates depend on each other: with more of them than this the tangent would be a
 /// dense matrix that no solver is made for.
@@ -17,12 +18,12 @@ impl<const D: usize> Constraints<D> {
     /// unknowns, or a contradiction to earlier conditions.
     pub fn mean_value(&mut self, region: &str, component: usize, value: f64) -> Result<(), ConstraintsError>
     where
-        Measured: Measure<D>,
+        Dim: Dimension<D>,
     {
         let place = format!("the mean value over region \"{region}\"");
         let components = self.check_component(&place, component)?;
         self.nodes_on(region, &place)?;
-        let weights = Measured::basis_integrals(&self.space, region)
+        let weights = Dim::basis_integrals(&self.space, region)
             .map_err(|error| ConstraintsError::Integral { place: place.clone(), why: error.to_string() })?;
         let size: f64 = weights.iter().sum();
         let terms: Vec<(usize, f64)> = weights

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Measure, Measured, Norms};
+use super::{Measure, Norms};
 use crate::assemble::{Assembler, AssemblyError};
+use crate::dimension::{Dim, Dimension};
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::mesh::EVERYWHERE;
@@ -75,7 +76,7 @@ impl<const D: usize> Comparison<D> {
     /// A coarse field on another mesh, a reference on another one, fields of different rank, a value that is not finite.
     pub fn errors(&self, reference: &Field<D>, coarse: &Field<D>) -> Result<Norms, AssemblyError>
     where
-        Measured: Measure<D>,
+        Dim: Dimension<D>,
     {
         if !Arc::ptr_eq(coarse.space().mesh(), self.coarse.mesh()) {
             return Err(AssemblyError::OtherMesh { form: NAME, field: "the coarse one" });
@@ -83,7 +84,7 @@ impl<const D: usize> Comparison<D> {
         let components = coarse.space().components();
         let value = self.read(components, |cell, point| coarse.evaluate_in(cell, point))?;
         let slope = self.read(components * D, |cell, point| coarse.gradient_in(cell, point))?;
-        Measured::errors(&self.assembler, reference, value, slope)
+        Dim::errors(&self.assembler, reference, value, slope)
     }
 
     /// Values of the coarse mesh at the points of the reference's rule.
@@ -126,7 +127,7 @@ pub fn errors_between<const D: usize>(
     coarse: &Field<D>,
 ) -> Result<Norms, AssemblyError>
 where
-    Measured: Measure<D>,
+    Dim: Dimension<D>,
 {
     // Exact for the square of the reference on affine cells.
     let degree = 2 * reference.space().degree() + assembler.mesh().degree();

@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Form;
 use serde::{Deserialize, Serialize};
 
 use super::direction::{Constrained, Direction, check_length, longest};
 use super::error::{Failure, ShapeOptimisationError};
 use super::history::{DescentState, Finish, Row, Step};
-use super::inner_product::{InnerProduct, movement_product};
+use super::inner_product::InnerProduct;
 use super::problem::{ShapeProblem, Values};
 use super::rotations::Rotations;
 use super::smoothing::smoothed;
 use crate::constraints::Constraints;
+use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::mesh::Mesh;
 use crate::space::Space;
@@ -140,7 +140,7 @@ struct Shape<S, const D: usize> {
 
 impl<P: ShapeProblem<D>, const D: usize> Descent<'_, P, D>
 where
-    movement_product::product::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     /// Descends from the initial mesh, or goes on from a state of an earlier run with the same problem and options; then
     /// the result is that of a run without interruption, to the last bit. One that stopped for its number of iterations

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Form;
 use serde::{Deserialize, Serialize};
 
 use super::error::ShapeOptimisationError;
 use crate::assemble::{Assembler, BlockPattern, Parts};
 use crate::constraints::Constraints;
+use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::forms;
 use crate::linear_algebra::BlockMatrix;
@@ -95,7 +95,7 @@ impl InnerProduct {
         functionals: &[&[f64]],
     ) -> Result<Vec<Vec<f64>>, ShapeOptimisationError>
     where
-        movement_product::product::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let movements: &Arc<Space<D>> = held.space();
         let data = movement_product::Data {
@@ -133,7 +133,7 @@ impl InnerProduct {
         movement: &[f64],
     ) -> Result<Vec<f64>, ShapeOptimisationError>
     where
-        movement_product::product::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let mut held = Constraints::new(movements);
         for node in movements.nodes_on(BOUNDARY)? {

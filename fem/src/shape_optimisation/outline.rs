@@ -3,9 +3,8 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Functional};
-
 use crate::assemble::{Assembler, AssemblyError};
+use crate::dimension::{Dim, Dimension};
 use crate::forms;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
@@ -40,7 +39,7 @@ fn assembler<const D: usize>(mesh: &Arc<Mesh<D>>) -> Assembler<D> {
 /// A region that does not exist.
 pub fn outline<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Result<f64, AssemblyError>
 where
-    outline_form::measure::Form<D>: Functional<D>,
+    Dim: Dimension<D>,
 {
     assembler(mesh).functional(&outline_form::measure(&outline_form::Outline::on(region)), &[])
 }
@@ -54,7 +53,7 @@ pub fn outline_derivative<const D: usize>(
     region: &str,
 ) -> Result<Vec<f64>, AssemblyError>
 where
-    outline_form::gradient::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let form = outline_form::gradient(&outline_form::Outline::on(region));
     assembler(movements.mesh()).residual(&form, &[], &[movements])

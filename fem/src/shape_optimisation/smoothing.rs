@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Form;
-
 use super::error::ShapeOptimisationError;
-use super::inner_product::{InnerProduct, movement_product};
+use super::inner_product::InnerProduct;
+use crate::dimension::{Dim, Dimension};
 use crate::mesh::Mesh;
 use crate::space::Space;
 
@@ -20,7 +19,7 @@ pub fn smoothed<const D: usize>(
     product: &InnerProduct,
 ) -> Result<Arc<Mesh<D>>, ShapeOptimisationError>
 where
-    movement_product::product::Form<D>: Form<D>,
+    Dim: Dimension<D>,
 {
     let movements = Space::of_geometry(initial)?;
     let here = Space::of_geometry(present)?;

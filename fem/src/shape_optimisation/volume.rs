@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Functional};
-
 use crate::assemble::{Assembler, AssemblyError};
+use crate::dimension::{Dim, Dimension};
 use crate::forms;
 use crate::mesh::{EVERYWHERE, Mesh};
 use crate::quadrature::Quadrature;
@@ -33,7 +32,7 @@ pub mod volume_form {
 /// As [`Assembler::functional`].
 pub fn measured_volume<const D: usize>(mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
 where
-    volume_form::measure::Form<D>: Functional<D>,
+    Dim: Dimension<D>,
 {
     exact(mesh).functional(&volume_form::measure(&volume_form::Omega::on(EVERYWHERE)), &[])
 }
@@ -57,7 +56,7 @@ impl Volume {
     /// As [`measured_volume`].
     pub fn value<const D: usize>(&self, mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
     where
-        volume_form::measure::Form<D>: Functional<D>,
+        Dim: Dimension<D>,
     {
         Ok((measured_volume(mesh)? - self.target) / self.target)
     }
@@ -68,7 +67,7 @@ impl Volume {
     /// As [`Assembler::residual`].
     pub fn derivative<const D: usize>(&self, movements: &Arc<Space<D>>) -> Result<Vec<f64>, AssemblyError>
     where
-        volume_form::gradient::Form<D>: Form<D>,
+        Dim: Dimension<D>,
     {
         let form = volume_form::gradient(&volume_form::Omega::on(EVERYWHERE));
         let values = exact(movements.mesh()).residual(&form, &[], &[movements])?;

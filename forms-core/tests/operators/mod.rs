@@ -149,8 +149,7 @@ macro_rules! operator {
             }
             fn check<const D: usize>(seed: u64)
             where
-                operator::value::Form<D>: Expression<D>,
-                operator::form::Form<D>: Form<D>,
+                forms_core::contract::Dim: forms_core::contract::Dimension<D>,
             {
                 let mut state = State::<D>::new(seed);
                 let data = operator::Data { a: A, b: b(), C: c() };

@@ -229,7 +229,7 @@ impl OneForm {
             }
             None => quote! {
                 #[allow(unused_variables)]
-                fn absent<const D: usize>(#(#known: impl Into<#backend::contract::Source<D>>),*) -> __form::form::Form<D> {
+                fn absent<const D: usize>(#(#known: impl Into<#backend::contract::Source<D>>),*) -> __form::form::Compiled<D> {
                     loop {}
                 }
                 #closure absent(#(#known),*)

@@ -1,20 +1,16 @@
-//! One function: its constructor, its type, and the traits by which a backend walks its kernels.
+//! One function: its constructor, its type, and the traits by which a backend walks its integrals.
 
 use proc_macro2::{Ident, Span, TokenStream};
-use quote::{format_ident, quote};
+use quote::quote;
 
-use super::description::{Argument as Described, NO_ARGUMENT, describe};
-use super::external::ExternalNames;
 use super::formula;
-use super::kernel::KernelWriter;
+use super::integrals::emit_integrals;
 use super::placeholder::{likely_regions, placeholder};
-use crate::check::{field_members, fields_of};
-use crate::optimise::degree::Degree;
-use crate::optimise::linear::SidedField;
-use crate::optimise::{Dependence, Description, Optimised};
+use super::traits::implementations;
+use crate::check::field_members;
+use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 use crate::show::Shown;
-use crate::tensor::{FieldInfo, FieldRole};
 
 /// Constructor and module of a function.
 pub fn emit_function(
@@ -30,14 +26,15 @@ pub fn emit_function(
     let used = used_regions(optimised.iter(), function);
     let constructor_arguments = constructor_arguments(module, function, &used);
     let inputs = inputs(module, function, &used);
-    let mut implementations = TokenStream::new();
+    let mut integrals = TokenStream::new();
     let mut optimised: Vec<Option<Optimised>> = optimised.into_iter().map(Some).collect();
     for dimension in dimensions {
         let found =
             optimised.iter_mut().find(|one| one.as_ref().is_some_and(|one| one.dimension == *dimension));
         let found = found.and_then(Option::take);
-        implementations.extend(implementation(module, function, *dimension, found, &used));
+        integrals.extend(emit_integrals(module, function, *dimension, found, &used));
     }
+    let implementations = implementations(function, dimensions);
     let own_inputs = own("inputs");
     let page = formula.map(|shown| formula::page(shown, module, function));
     let shown = formula::formula(formula);
@@ -45,9 +42,9 @@ pub fn emit_function(
         true => quote! {
             #(#attributes)*
             #page
-            #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Form<D> {
+            #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Compiled<D> {
                 #inputs
-                #name::Form::with(#own_inputs)
+                #name::Compiled::with(#own_inputs)
             }
         },
         false => {
@@ -64,12 +61,12 @@ pub fn emit_function(
 
             /// The function with its data, ready for a backend.
             #[derive(Clone, Debug)]
-            pub struct Form<const D: usize> {
+            pub struct Compiled<const D: usize> {
                 inputs: contract::Inputs<D>,
             }
-            impl<const D: usize> Form<D> {
+            impl<const D: usize> Compiled<D> {
                 pub(super) fn with(inputs: contract::Inputs<D>) -> Self {
-                    Form { inputs }
+                    Compiled { inputs }
                 }
                 /// The function as mathematics.
                 pub fn formula(&self) -> &'static contract::Formula {
@@ -78,6 +75,10 @@ pub fn emit_function(
                 }
             }
             #implementations
+            /// The integrals with their kernels, by dimension.
+            #[derive(Clone, Copy, Debug)]
+            pub struct Kernels;
+            #integrals
         }
     }
 }
@@ -185,192 +186,7 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     }
 }
 
-fn implementation(
-    module: &Module,
-    function: &Function,
-    dimension: usize,
-    optimised: Option<Optimised>,
-    used: &[usize],
-) -> TokenStream {
-    let kernels_name = format_ident!("kernels_{dimension}");
-    let mut kernels = TokenStream::new();
-    let [mut residual, mut whole, mut tangent, mut whole_tangent, mut action, mut switches, mut density] =
-        [const { Vec::new() }; 7];
-    let mut value = None;
-    let mut fields = fields_of(module, function, dimension);
-    if let Some(mut optimised) = optimised {
-        fields = std::mem::take(&mut optimised.fields);
-        let mut graph = std::mem::take(&mut optimised.graph);
-        let externals = ExternalNames::new(module, dimension);
-        let mut writer =
-            KernelWriter { graph: &mut graph, fields: &fields, externals: &externals, dimension };
-        let visit = |description: TokenStream, kernel: &Ident| {
-            quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(&self.inputs.parameters, &self.inputs.tables))?; }
-        };
-        for (list, integrals, prefix) in [
-            (&mut residual, &optimised.residual, "Residual"),
-            (&mut whole, &optimised.joined, "Joined"),
-            (&mut action, &optimised.action, "Action"),
-        ] {
-            for (index, integral) in integrals.iter().enumerate() {
-                let kernel = format_ident!("{prefix}{index}");
-                kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
-                let arguments = [argument(integral.test, &fields), NO_ARGUMENT];
-                let description = describe(&integral.description, used, arguments, false);
-                list.push(visit(description, &kernel));
-            }
-        }
-        for (list, integrals, prefix) in [
-            (&mut tangent, &optimised.tangent, "Tangent"),
-            (&mut whole_tangent, &optimised.joined_tangent, "JoinedTangent"),
-        ] {
-            for (index, integral) in integrals.iter().enumerate() {
-                let kernel = format_ident!("{prefix}{index}");
-                kernels.extend(writer.bilinear(&kernel, integral));
-                let arguments = [integral.test, integral.trial].map(|one| argument(one, &fields));
-                let description = describe(&integral.description, used, arguments, integral.symmetric);
-                list.push(visit(description, &kernel));
-            }
-        }
-        // What is joined on no region stands by itself in the whole, too.
-        if !whole.is_empty() {
-            let regions: Vec<usize> = optimised.joined.iter().map(|one| one.description.region).collect();
-            let apart = |region: usize| !regions.contains(&region);
-            let residuals = optimised.residual.iter().zip(&residual);
-            let residuals = residuals.filter(|(integral, _)| apart(integral.description.region));
-            whole.extend(residuals.map(|(_, visit)| visit.clone()));
-            let tangents = optimised.tangent.iter().zip(&tangent);
-            let tangents = tangents.filter(|(integral, _)| apart(integral.description.region));
-            whole_tangent.extend(tangents.map(|(_, visit)| visit.clone()));
-        }
-        for (list, integrals, prefix) in
-            [(&mut switches, &optimised.switches, "Switches"), (&mut density, &optimised.density, "Density")]
-        {
-            for (index, integral) in integrals.iter().enumerate() {
-                let kernel = format_ident!("{prefix}{index}");
-                let shape = if prefix == "Density" { vec![] } else { vec![integral.components.len()] };
-                kernels.extend(writer.expression(&kernel, &integral.components, &shape));
-                let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false);
-                list.push(visit(description, &kernel));
-            }
-        }
-        if let Some((components, shape)) = &optimised.value {
-            let kernel = format_ident!("Value");
-            kernels.extend(writer.expression(&kernel, components, shape));
-            let description =
-                Description { region: 0, dependence: Dependence::Constant, degree: Degree::constant(0) };
-            value = Some(visit(describe(&description, &[0], [NO_ARGUMENT; 2], false), &kernel));
-        }
-    }
-    let common = common_methods(function, &fields, dimension);
-    let whole = (!whole.is_empty()).then(|| {
-        quote! {
-            fn whole_residual<V: contract::LinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                #(#whole)*
-                Ok(())
-            }
-            fn whole_tangent<V: contract::BilinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                #(#whole_tangent)*
-                Ok(())
-            }
-        }
-    });
-    let traits = match function.output {
-        Output::Value(rank) => {
-            let shape = rank.shape(dimension);
-            quote! {
-                impl contract::Expression<#dimension> for Form<#dimension> {
-                    #common
-                    fn shape(&self) -> &'static [usize] { &[#(#shape),*] }
-                    fn expression<V: contract::ExpressionVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                        #value
-                        Ok(())
-                    }
-                }
-            }
-        }
-        output => {
-            let functional = quote! {
-                impl contract::Functional<#dimension> for Form<#dimension> {
-                    #common
-                    fn density<V: contract::ExpressionVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                        #(#density)*
-                        Ok(())
-                    }
-                }
-            };
-            let form = quote! {
-                impl contract::Form<#dimension> for Form<#dimension> {
-                    #common
-                    fn residual<V: contract::LinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                        #(#residual)*
-                        Ok(())
-                    }
-                    #whole
-                    fn tangent<V: contract::BilinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                        #(#tangent)*
-                        Ok(())
-                    }
-                    fn action<V: contract::LinearVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                        #(#action)*
-                        Ok(())
-                    }
-                    fn switches<V: contract::ExpressionVisitor<#dimension>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-                        #(#switches)*
-                        Ok(())
-                    }
-                }
-            };
-            match output {
-                Output::Functional => functional,
-                Output::Energy => quote! { #functional #form },
-                _ => form,
-            }
-        }
-    };
-    quote! {
-        #traits
-        mod #kernels_name {
-            #[allow(unused_imports)]
-            use super::contract::{self, Lane};
-            #kernels
-        }
-    }
-}
-
-fn has_tangent(function: &Function) -> bool {
+/// Whether a function has an unknown to be differentiated by.
+pub fn has_tangent(function: &Function) -> bool {
     matches!(function.output, Output::Form | Output::Energy)
-}
-
-/// What a backend is told of a test or trial function.
-fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
-    let number = match fields[function.field].role {
-        FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,
-        FieldRole::State | FieldRole::Given | FieldRole::Carried | FieldRole::History => 0,
-    };
-    Described { number, side: function.side }
-}
-
-fn common_methods(function: &Function, fields: &[FieldInfo], dimension: usize) -> TokenStream {
-    let text = function.name.to_string();
-    let fields = fields.iter().filter_map(|field| {
-        let role = match field.role {
-            FieldRole::Unknown(number) => quote! { Unknown(#number) },
-            FieldRole::Test(number) => quote! { Test(#number) },
-            FieldRole::State => quote! { State },
-            FieldRole::Given | FieldRole::Carried | FieldRole::History => quote! { Given },
-            FieldRole::Trial(number) if has_tangent(function) => quote! { Direction(#number) },
-            FieldRole::Trial(_) => return None,
-        };
-        let (name, shape) = (&field.name, &field.shape);
-        Some(quote! {
-            contract::FieldDescription { name: #name, role: contract::Role::#role, shape: &[#(#shape),*] }
-        })
-    });
-    quote! {
-        fn name(&self) -> &'static str { #text }
-        fn fields(&self) -> &'static [contract::FieldDescription] { &[#(#fields),*] }
-        fn inputs(&self) -> &contract::Inputs<#dimension> { &self.inputs }
-        fn formula(&self) -> &'static contract::Formula { Form::formula(self) }
-    }
 }

@@ -5,10 +5,12 @@ mod description;
 mod external;
 pub mod form;
 mod formula;
+mod integrals;
 mod kernel;
 mod layout;
 mod placeholder;
 mod print;
+mod traits;
 
 use std::collections::BTreeSet;
 
@@ -57,7 +59,7 @@ pub fn emit(
             Some(quote! {
                 #placeholder
                 #visibility mod #name {
-                    pub struct Form<const D: usize>;
+                    pub struct Compiled<const D: usize>;
                 }
             })
         }

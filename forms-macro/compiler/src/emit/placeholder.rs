@@ -24,7 +24,7 @@ pub fn placeholder(
     let fields = (0..fields).map(|_| quote! { _: impl Into<contract::Source<D>> });
     let others = regions.chain(fields);
     quote! {
-        #visibility fn #name<const D: usize>(#data #(#others),*) -> #name::Form<D> {
+        #visibility fn #name<const D: usize>(#data #(#others),*) -> #name::Compiled<D> {
             loop {}
         }
     }

@@ -155,6 +155,10 @@ fn read_function(module: &ItemMod) -> Function {
     let mut function = Function::default();
     for item in items(module) {
         let Item::Impl(implementation) = item else { continue };
+        let Some((name, _)) = &implementation.trait_ else { continue };
+        if name.segments.last().is_none_or(|last| last.ident != "Integrals") {
+            continue;
+        }
         for item in &implementation.items {
             let ImplItem::Fn(method) = item else { continue };
             let list = match method.sig.ident.to_string().as_str() {
