@@ -202,7 +202,7 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
 }
 
 /// What emitted code refers to.
-pub const RESERVED: &[&str] = &["contract", "f64"];
+pub const RESERVED: &[&str] = &["contract", "f64", "Model", "Regions"];
 
 /// A built-in name cannot be declared again.
 fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {

@@ -5,6 +5,7 @@ use quote::quote;
 
 use super::formula;
 use super::integrals::emit_integrals;
+use super::model::snake_case;
 use super::placeholder::{likely_regions, placeholder};
 use super::traits::implementations;
 use crate::check::field_members;
@@ -119,7 +120,7 @@ fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -
 }
 
 /// The arguments that a constructor takes: known fields.
-fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
+pub fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
     function
         .arguments
         .iter()
@@ -128,14 +129,7 @@ fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
 
 /// `GammaC` → `gamma_c_region`.
 fn region_argument(name: &Ident) -> Ident {
-    let mut text = String::new();
-    for character in syn::ext::IdentExt::unraw(name).to_string().chars() {
-        if character.is_uppercase() && !text.is_empty() {
-            text.push('_');
-        }
-        text.extend(character.to_lowercase());
-    }
-    own(&format!("{text}_region"))
+    own(&format!("{}_region", snake_case(name)))
 }
 
 /// A name of the constructor's own, which an argument of the form cannot hide.

@@ -8,6 +8,7 @@ mod formula;
 mod integrals;
 mod kernel;
 mod layout;
+mod model;
 mod placeholder;
 mod print;
 mod traits;
@@ -17,6 +18,7 @@ use std::collections::BTreeSet;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use self::model::Bound;
 use crate::check::{RESERVED, is_building_block};
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
@@ -45,9 +47,13 @@ pub fn emit(
     }
     let functions = module.functions.iter().zip(by_function).enumerate();
     let functions = functions.filter(|(_, (function, _))| !is_building_block(function));
+    let mut bound = Vec::new();
     let functions: Vec<_> = functions
         .filter(|(_, (function, _))| is_first(&function.name))
         .map(|(index, (function, optimised))| {
+            if optimised.len() == dimensions.len() {
+                bound.push(Bound { function, regions: form::used_regions(optimised.iter(), function) });
+            }
             let formula = formulas.get(index).and_then(Option::as_ref);
             form::emit_function(module, function, dimensions, optimised, formula, backend)
         })
@@ -65,12 +71,14 @@ pub fn emit(
         }
         Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) => None,
     });
+    let model = model::emit_model(module, &bound);
     let externals = module.externals.iter().map(|one| external::emit_external(one, dimensions));
     quote! {
         use #backend::contract;
         #data
         #(#regions)*
         #(#functions)*
+        #model
         #(#externals)*
         #(#unread)*
     }
