@@ -115,6 +115,118 @@ pub mod numbers {
     }
 }
 
+/// Functions under names of the prelude, of primitive types, of crates, of attributes and of the emitted code.
+macro_rules! functions_named {
+    ($($name:ident)*) => {
+        #[forms(crate = forms_core, dimension = 2)]
+        pub mod functions_named {
+            pub struct Data {
+                pub k: Param,
+                pub g: Given<Scalar>,
+                pub law: Table,
+            }
+            #[cells]
+            pub struct Omega;
+            $(pub fn $name(u: Unknown<Scalar>, w: State<Scalar>) -> Energy {
+                integral(Omega, law(k) * g * w * u * u)
+            })*
+        }
+    };
+}
+functions_named! {
+    Some None Ok Err Box Vec String Into Result Option Sized Copy Clone Debug Default ToString usize f64 bool str u8
+    core std forms_core Form Lane derive doc allow vec stringify Region Source inputs kernels_2 main drop
+}
+
+/// Regions under such names.
+macro_rules! regions_named {
+    ($($name:ident)*) => {
+        #[forms(crate = forms_core, dimension = 2)]
+        pub mod regions_named {
+            pub struct Data {
+                pub k: Param,
+                pub g: Given<Scalar>,
+            }
+            $(#[cells]
+            pub struct $name;)*
+            pub fn everywhere(u: Unknown<Scalar>, w: State<Scalar>) -> Energy {
+                $(integral($name, k * g * w * u * u) +)* integral(Ok, u)
+            }
+        }
+    };
+}
+regions_named! {
+    Some None Ok Err Box Vec String Into Result Option Sized Copy Clone Debug usize f64 bool str core std forms_core
+    Lane derive vec Region GammaC gamma_c
+}
+
+/// Data structs under such names.
+macro_rules! data_named {
+    ($($module:ident $name:ident)*) => {
+        $(#[forms(crate = forms_core, dimension = 2)]
+        pub mod $module {
+            pub struct $name {
+                pub u8: Param,
+                pub r#move: Given<Vector>,
+                pub bool: Table,
+                pub f64: Carried<Scalar>,
+            }
+            #[cells]
+            pub struct Omega;
+            extern "Rust" {
+                #[at(crate::same)]
+                fn external(s: Scalar) -> Scalar;
+            }
+            pub fn energy(u: Unknown<Scalar>, None: State<Scalar>, Ok: State<Scalar>, r#type: State<Scalar>) -> Energy {
+                integral(Omega, bool(u8) * r#move[0] * f64 * u * u * None * Ok * r#type * external(u))
+            }
+            pub fn external_external_2() -> Scalar {
+                u8
+            }
+        })*
+    };
+}
+data_named! { data_into Into data_some Some data_usize usize data_clone Clone data_debug Debug data_core core data_form Form }
+
+fn same<R: Real>(s: R) -> R {
+    s
+}
+
+/// What Rust allows before and inside of declarations.
+#[forms(crate = forms_core, dimension = 2)]
+pub mod attributes {
+    //! Documentation from inside, with "quotes", \ and #![brackets].
+    #![allow(unused)]
+
+    /// Odd text: `"`, \, {}, `*/`, `#[cfg(any())]`.
+    #[derive(PartialEq, Clone)]
+    pub struct Data {
+        #[doc = "\"\n"]
+        #[allow(dead_code)]
+        pub k: Param,
+    }
+    #[doc(hidden)]
+    #[cells]
+    #[derive(Debug, PartialEq, Eq)]
+    #[allow(dead_code)]
+    pub struct Omega;
+
+    #[must_use]
+    #[rustfmt::skip]
+    pub fn shifted(#[allow(unused)] u: State<Scalar>) -> Scalar {
+        #![allow(unused)]
+        #![doc = "From inside."]
+        #[allow(unused)]
+        let a = { #![allow(unused)] u };
+        #[rustfmt::skip]
+        (a + r#u + k)
+    }
+    pub(crate) fn raw(u: State<Scalar>) -> Scalar {
+        let r#w = r#u;
+        r#sqrt(w * r#w)
+    }
+}
+
 /// A value at s = `at`.
 macro_rules! at {
     ($name:ident $(, $at:expr)?) => {{
@@ -180,4 +292,30 @@ fn arguments_may_have_names_of_the_emitted_code() {
     let sum: f64 = residual::<f64, _, 2>(&mesh, &form, &[one]).iter().sum();
     let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     assert!((sum - 30030.0 * volume).abs() < 1e-9, "{sum}");
+}
+
+#[test]
+fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
+    let constant = |value: f64| Source::Constant(vec![value]);
+    let law = || Table::linear(&[[0.0, 0.0], [10.0, 10.0]]).expect("a table");
+    let data = functions_named::Data { k: 2.0, g: 3.0.into(), law: law() };
+    let form = functions_named::Some::<2>(&data, &functions_named::Omega::on("all"), constant(5.0));
+    let mesh = Mesh::<2>::cube(&mut Random(6));
+    let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    let one = toy_backend::Nodal { components: 1, values: vec![1.0; 4] };
+    let energy = functional(&mesh, &form, std::slice::from_ref(&one));
+    assert!((energy - 30.0 * volume).abs() < 1e-12, "{energy}");
+
+    let data = data_into::Into { u8: 2.0, r#move: [3.0, 0.0].into(), bool: law(), f64: 0.5.into() };
+    let form = data_into::energy::<2>(
+        &data,
+        &data_into::Omega::on("all"),
+        constant(5.0),
+        constant(7.0),
+        constant(11.0),
+    );
+    let names: Vec<_> = contract::Form::fields(&form).iter().map(|field| field.name).collect();
+    assert_eq!(&names[..4], ["u", "None", "Ok", "r#type"]);
+    assert!(attributes::Data { k: 1.0 } == attributes::Data::<2> { k: 1.0 }.clone());
+    assert!(format!("{:?}", attributes::Omega::on("all")).starts_with("Omega(Region"));
 }

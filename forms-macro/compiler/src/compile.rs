@@ -17,6 +17,7 @@ use crate::emit::emit;
 use crate::emit::form::used_regions;
 use crate::one_form::OneForm;
 use crate::optimise::{Failure, Optimised, optimise};
+use crate::parse::attributes::outer;
 use crate::parse::parse;
 use crate::reuse::import::Arrived;
 use crate::reuse::uses::{self, Import};
@@ -36,7 +37,7 @@ impl Parse for Options {
             if input.peek(Token![crate]) {
                 input.parse::<Token![crate]>()?;
                 input.parse::<Token![=]>()?;
-                options.backend = input.call(Path::parse_mod_style)?;
+                options.backend = rooted(input.call(Path::parse_mod_style)?);
             } else {
                 let name: Ident = input.parse()?;
                 if name != "dimension" {
@@ -60,6 +61,15 @@ impl Parse for Options {
     }
 }
 
+/// A path that begins with a crate's name says so: a function of the module may have that name, too.
+fn rooted(mut path: Path) -> Path {
+    let relative = |name: &Ident| name == "crate" || name == "self" || name == "super";
+    if !path.segments.first().is_some_and(|first| relative(&first.ident)) {
+        path.leading_colon.get_or_insert_default();
+    }
+    path
+}
+
 /// Begins to compile a module: the imports first.
 pub fn start(state: State) -> TokenStream {
     let options = match syn::parse2::<Options>(state.attribute.clone()) {
@@ -67,7 +77,7 @@ pub fn start(state: State) -> TokenStream {
         Err(error) => return error.into_compile_error(),
     };
     let Subject::Module(item) = &state.subject else { return TokenStream::new() };
-    let (attributes, visibility, name) = (&item.attrs, &item.vis, &item.ident);
+    let (attributes, visibility, name) = (item.attrs.iter().cloned().map(outer), &item.vis, &item.ident);
     let content = proceed(&options, item, &state);
     let allow = allow();
     quote! {

@@ -30,7 +30,7 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
     if let Err(error) = parse::nesting::check(item.clone()) {
         return error.into_compile_error();
     }
-    match syn::parse2::<syn::ItemMod>(item) {
+    match syn::parse2::<syn::ItemMod>(parse::raw::plain(item)) {
         Ok(item) => {
             let subject = reuse::Subject::Module(Box::new(item));
             compile::start(reuse::State { attribute, subject, received: vec![] })
@@ -41,7 +41,7 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
 
 /// What `form!(input)` becomes: an expression whose value is the form, or a closure that takes its known fields.
 pub fn form(input: TokenStream) -> TokenStream {
-    let subject = reuse::Subject::Form(input);
+    let subject = reuse::Subject::Form(parse::raw::plain(input));
     compile::start_form(reuse::State { attribute: TokenStream::new(), subject, received: vec![] })
 }
 

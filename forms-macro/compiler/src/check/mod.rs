@@ -180,9 +180,22 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     let functions = module.functions.iter().map(|function| &function.name);
     let data = module.data.iter().map(|data| &data.name);
     let externals = module.externals.iter().map(|external| &external.name);
+    for name in data.clone().chain(regions.clone()).chain(functions.clone()) {
+        if is_reserved(&name.to_string()) {
+            let message = format!("the name `{name}` is used by the compiled module itself");
+            diagnostics.error_with_help(Place::of(name), message, "choose another name");
+        }
+    }
     check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
+        for Argument { name, .. } in &function.arguments {
+            // Rust takes it for the region's pattern, too.
+            if module.regions.iter().any(|region| region.name == *name) {
+                let message = format!("`{name}` is a region of this module, and no argument");
+                diagnostics.error_with_help(Place::of(name), message, "choose another name");
+            }
+        }
     }
 }
 
@@ -191,18 +204,16 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
     for name in names {
         let text = name.to_string();
         check_not_built_in(name, diagnostics);
-        if RESERVED.contains(&text.as_str()) {
-            let message = format!("the name `{name}` is used by the compiled module itself");
-            diagnostics.error_with_help(Place::of(name), message, "choose another name");
-        }
         if seen.insert(text, ()).is_some() {
             diagnostics.error(Place::of(name), format!("the name `{name}` is declared twice"));
         }
     }
 }
 
-/// What emitted code refers to.
-pub const RESERVED: &[&str] = &["contract", "f64", "Model", "Regions"];
+/// Does emitted code declare it where the module's own names stand?
+pub fn is_reserved(name: &str) -> bool {
+    matches!(name, "contract" | "Model" | "Regions") || name.starts_with("__")
+}
 
 /// A built-in name cannot be declared again.
 fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {

@@ -55,5 +55,5 @@ fn is(wanted: &str, name: &str) -> bool {
 
 /// What makes cargo build anew when the variable changes.
 pub fn tracker() -> TokenStream {
-    quote! { const _: ::core::option::Option<&str> = ::core::option_env!(#VARIABLE); }
+    quote! { const _: ::core::option::Option<&::core::primitive::str> = ::core::option_env!(#VARIABLE); }
 }

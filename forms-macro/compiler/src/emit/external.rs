@@ -29,7 +29,7 @@ impl ExternalNames {
 }
 
 fn type_name(external: &External, dimension: usize) -> Ident {
-    format_ident!("external_{}_{dimension}", external.name, span = Span::call_site())
+    format_ident!("__external_{}_{dimension}", external.name, span = Span::call_site())
 }
 
 /// The types of a function, one per dimension.

@@ -20,7 +20,6 @@ pub fn emit_function(
     dimensions: &[usize],
     optimised: Vec<Optimised>,
     formula: Option<&Shown>,
-    backend: &syn::Path,
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
     let complete = optimised.len() == dimensions.len();
@@ -43,7 +42,7 @@ pub fn emit_function(
         true => quote! {
             #(#attributes)*
             #page
-            #visibility fn #name<const D: usize>(#(#constructor_arguments),*) -> #name::Compiled<D> {
+            #visibility fn #name<const D: ::core::primitive::usize>(#(#constructor_arguments),*) -> #name::Compiled<D> {
                 #inputs
                 #name::Compiled::with(#own_inputs)
             }
@@ -56,7 +55,7 @@ pub fn emit_function(
     quote! {
         #constructor
         #visibility mod #name {
-            use #backend::contract;
+            use super::contract;
             #[allow(unused_imports)]
             use contract::{Form as _, Lane};
 
@@ -107,14 +106,13 @@ fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -
         let data = own("data");
         arguments.push(quote! { #data: &#name<D> });
     }
-    for region in used {
+    for (region, name) in used.iter().zip(region_arguments(module, used)) {
         let ty = &module.regions[*region].name;
-        let name = region_argument(ty);
         arguments.push(quote! { #name: &#ty });
     }
     for argument in stored_arguments(function) {
-        let name = &argument.name;
-        arguments.push(quote! { #name: impl Into<contract::Source<D>> });
+        let name = stored_argument(module, &argument.name);
+        arguments.push(quote! { #name: impl ::core::convert::Into<contract::Source<D>> });
     }
     arguments
 }
@@ -127,9 +125,28 @@ pub fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> 
         .filter(|argument| matches!(argument.role, ArgumentRole::State | ArgumentRole::Plain))
 }
 
-/// `GammaC` → `gamma_c_region`.
-fn region_argument(name: &Ident) -> Ident {
-    own(&format!("{}_region", snake_case(name)))
+/// The constructor's name for a known field: the argument's, unless Rust reads that as a pattern (`None`, or a region,
+/// which has been reported).
+pub fn stored_argument(module: &Module, name: &Ident) -> Ident {
+    let mut patterns = module.regions.iter().map(|region| region.name.to_string());
+    let variant = ["Some", "None", "Ok", "Err"].iter().any(|variant| name == variant);
+    match variant || patterns.any(|region| name == &region) {
+        true => own(&format!("{name}_")),
+        false => name.clone(),
+    }
+}
+
+/// `GammaC` → `gamma_c_region`, and another name where that is taken.
+fn region_arguments(module: &Module, used: &[usize]) -> Vec<Ident> {
+    let mut taken: Vec<String> = Vec::new();
+    for region in used {
+        let mut text = format!("{}_region", snake_case(&module.regions[*region].name));
+        while taken.contains(&text) {
+            text.push('_');
+        }
+        taken.push(text);
+    }
+    taken.iter().map(|name| own(name)).collect()
 }
 
 /// A name of the constructor's own, which an argument of the form cannot hide.
@@ -149,15 +166,15 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
             quote! { #own_inputs.push_parameter(#text, &#own_data.#name); }
         });
     let arguments = function.arguments.iter().map(|argument| match argument.role {
-        ArgumentRole::Unknown | ArgumentRole::Test => quote! { None },
+        ArgumentRole::Unknown | ArgumentRole::Test => quote! { ::core::option::Option::None },
         _ => {
-            let name = &argument.name;
-            quote! { Some(#name.into()) }
+            let name = stored_argument(module, &argument.name);
+            quote! { ::core::option::Option::Some(::core::convert::Into::into(#name)) }
         }
     });
     let given = field_members(module).map(|member| {
         let name = &member.name;
-        quote! { Some(#own_data.#name.source().clone()) }
+        quote! { ::core::option::Option::Some(::core::clone::Clone::clone(#own_data.#name.source())) }
     });
     let tables = module.data.iter().flat_map(|data| &data.members);
     let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
@@ -166,16 +183,14 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         function.arguments.iter().filter(|argument| argument.role == ArgumentRole::Unknown).count();
     let variations = if function.output == Output::Energy { unknowns } else { 0 };
     let directions = if has_tangent(function) { unknowns } else { 0 };
-    let unnamed = std::iter::repeat_n(quote! { None }, variations + directions);
-    let regions = used.iter().map(|region| {
-        let name = region_argument(&module.regions[*region].name);
-        quote! { #name.0.clone() }
-    });
+    let unnamed = std::iter::repeat_n(quote! { ::core::option::Option::None }, variations + directions);
+    let regions = region_arguments(module, used).into_iter();
+    let regions = regions.map(|name| quote! { ::core::clone::Clone::clone(&#name.0) });
     quote! {
         let mut #own_inputs = contract::Inputs::<D>::empty();
         #(#parameters)*
         #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#unnamed,)*];
-        #own_inputs.tables = ::std::vec![#(#own_data.#tables.clone()),*];
+        #own_inputs.tables = ::std::vec![#(::core::clone::Clone::clone(&#own_data.#tables)),*];
         #own_inputs.regions = ::std::vec![#(#regions),*];
     }
 }

@@ -19,7 +19,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
 use self::model::Bound;
-use crate::check::{RESERVED, is_building_block};
+use crate::check::{is_building_block, is_reserved};
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 use crate::reuse::import::imported_path;
@@ -36,9 +36,8 @@ pub fn emit(
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
     // A name declared twice, or one that belongs to the emitted code, has been reported: the first stands.
-    let mut taken: BTreeSet<String> = RESERVED.iter().map(ToString::to_string).collect();
-    taken.extend(module.data.iter().map(|data| data.name.to_string()));
-    let mut is_first = |name: &Ident| taken.insert(name.to_string());
+    let mut taken: BTreeSet<String> = module.data.iter().map(|data| data.name.to_string()).collect();
+    let mut is_first = |name: &Ident| !is_reserved(&name.to_string()) && taken.insert(name.to_string());
     let regions: Vec<_> =
         module.regions.iter().filter(|region| is_first(&region.name)).map(emit_region).collect();
     let mut by_function: Vec<Vec<Optimised>> = module.functions.iter().map(|_| Vec::new()).collect();
@@ -55,7 +54,7 @@ pub fn emit(
                 bound.push(Bound { function, regions: form::used_regions(optimised.iter(), function) });
             }
             let formula = formulas.get(index).and_then(Option::as_ref);
-            form::emit_function(module, function, dimensions, optimised, formula, backend)
+            form::emit_function(module, function, dimensions, optimised, formula)
         })
         .collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
@@ -96,13 +95,29 @@ fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
         Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) | Mistaken::Function { .. } => None,
     });
     let members = members.chain(unread);
+    let derived = derived(attributes);
     quote! {
         #(#attributes)*
-        #[derive(Clone, Debug)]
-        #visibility struct #name<const D: usize> {
+        #derived
+        #visibility struct #name<const D: ::core::primitive::usize> {
             #(#members),*
         }
     }
+}
+
+/// What every declaration derives, but for what its own attributes do.
+fn derived(attributes: &[syn::Attribute]) -> TokenStream {
+    let mut own = Vec::new();
+    for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("derive")) {
+        // What is no list of paths is told by rustc.
+        let _ = attribute.parse_nested_meta(|derived| {
+            own.extend(derived.path.segments.last().map(|segment| segment.ident.to_string()));
+            Ok(())
+        });
+    }
+    let clone = (!own.iter().any(|name| name == "Clone")).then(|| quote! { ::core::clone::Clone, });
+    let debug = (!own.iter().any(|name| name == "Debug")).then(|| quote! { ::core::fmt::Debug, });
+    quote! { #[derive(#clone #debug)] }
 }
 
 fn emit_member(member: &Member) -> TokenStream {
@@ -119,7 +134,7 @@ fn emit_member(member: &Member) -> TokenStream {
 
 /// `[[f64; D]; 2]` for a matrix of two rows.
 fn value_type(rank: Rank) -> TokenStream {
-    rank.extents().iter().rev().fold(quote! { f64 }, |entry, extent| {
+    rank.extents().iter().rev().fold(quote! { ::core::primitive::f64 }, |entry, extent| {
         let extent = match extent {
             Extent::Dimension => quote! { D },
             Extent::Fixed(number) => quote! { #number },
@@ -133,7 +148,7 @@ fn emit_region(region: &Region) -> TokenStream {
     if let Some(path) = imported_path(attributes) {
         return quote! { #[allow(unused_imports)] #visibility use #path as #name; };
     }
-    let symbol = name.to_string();
+    let (symbol, derived) = (name.to_string(), derived(attributes));
     let entity = match entity {
         Entity::Cells => quote! { Cells },
         Entity::Facets => quote! { Facets },
@@ -141,12 +156,13 @@ fn emit_region(region: &Region) -> TokenStream {
     };
     quote! {
         #(#attributes)*
-        #[derive(Clone, Debug)]
+        #derived
         #visibility struct #name(#[doc(hidden)] pub contract::Region);
         impl #name {
             /// Binds this region to a name of the mesh.
-            pub fn on(name: impl Into<::std::string::String>) -> Self {
-                #name(contract::Region { entity: contract::Entity::#entity, symbol: #symbol, name: name.into() })
+            pub fn on(name: impl ::core::convert::Into<::std::string::String>) -> Self {
+                let name = ::core::convert::Into::into(name);
+                #name(contract::Region { entity: contract::Entity::#entity, symbol: #symbol, name })
             }
         }
     }

@@ -7,7 +7,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
-use super::form::stored_arguments;
+use super::form::{stored_argument, stored_arguments};
 use crate::parse::syntax::*;
 
 /// A function that is emitted, and the regions that its constructor asks for.
@@ -21,9 +21,9 @@ pub fn emit_model(module: &Module, functions: &[Bound]) -> TokenStream {
     let members = member_names(&module.regions);
     let regions = emit_regions(&module.regions, &members);
     let data = module.data.as_ref();
-    let generics = data.map(|_| quote! { <const D: usize> });
+    let generics = data.map(|_| quote! { <const D: ::core::primitive::usize> });
     let of_dimension = data.map(|_| quote! { <D> });
-    let own_generics = data.is_none().then(|| quote! { <const D: usize> });
+    let own_generics = data.is_none().then(|| quote! { <const D: ::core::primitive::usize> });
     let data_member = data.map(|Data { visibility, name, .. }| {
         quote! {
             /// Parameters and fields.
@@ -31,15 +31,15 @@ pub fn emit_model(module: &Module, functions: &[Bound]) -> TokenStream {
         }
     });
     let derives = match data {
-        Some(_) => quote! { Clone, Debug },
-        None => quote! { Clone, Debug, Default },
+        Some(_) => quote! { ::core::clone::Clone, ::core::fmt::Debug },
+        None => quote! { ::core::clone::Clone, ::core::fmt::Debug, ::core::default::Default },
     };
     let new = data.filter(|_| functions.iter().all(|bound| bound.function.name != "new"));
     let new = new.map(|Data { visibility, name, .. }| {
         quote! {
             /// The data, with all regions under their own names.
             #visibility fn new(data: #name<D>) -> Self {
-                Model { data, regions: Regions::default() }
+                Model { data, regions: ::core::default::Default::default() }
             }
         }
     });
@@ -51,10 +51,11 @@ pub fn emit_model(module: &Module, functions: &[Bound]) -> TokenStream {
             let member = &members[*region];
             quote! { &self.regions.#member, }
         });
-        let arguments: Vec<&Ident> = stored_arguments(function).map(|argument| &argument.name).collect();
+        let arguments: Vec<Ident> =
+            stored_arguments(function).map(|argument| stored_argument(module, &argument.name)).collect();
         quote! {
             #(#documented)*
-            #visibility fn #name #own_generics(&self, #(#arguments: impl Into<contract::Source<D>>),*) -> #name::Compiled<D> {
+            #visibility fn #name #own_generics(&self, #(#arguments: impl ::core::convert::Into<contract::Source<D>>),*) -> #name::Compiled<D> {
                 #name(#data #(#regions)* #(#arguments),*)
             }
         }
@@ -139,7 +140,7 @@ fn emit_regions(regions: &[Region], members: &[Ident]) -> TokenStream {
         let setter = format_ident!("{member}");
         quote! {
             #[doc = #text]
-            #visibility fn #setter(mut self, #own_name: impl Into<::std::string::String>) -> Self {
+            #visibility fn #setter(mut self, #own_name: impl ::core::convert::Into<::std::string::String>) -> Self {
                 self.#member = #name::on(#own_name);
                 self
             }
@@ -148,11 +149,11 @@ fn emit_regions(regions: &[Region], members: &[Ident]) -> TokenStream {
     quote! {
         /// The module's regions by their names in a mesh. A single region of cells is `"all"`, a single one of interior facets
         /// `"interior"`, every other one goes by its own name in snake case, unless another is given.
-        #[derive(Clone, Debug)]
+        #[derive(::core::clone::Clone, ::core::fmt::Debug)]
         pub struct Regions {
             #(#declared),*
         }
-        impl Default for Regions {
+        impl ::core::default::Default for Regions {
             fn default() -> Self {
                 Regions { #(#by_default),* }
             }

@@ -20,11 +20,11 @@ pub fn placeholder(
         let ty = &data.name;
         quote! { _: &#ty<D>, }
     });
-    let regions = (0..regions).map(|_| quote! { _: impl Sized });
-    let fields = (0..fields).map(|_| quote! { _: impl Into<contract::Source<D>> });
+    let regions = (0..regions).map(|_| quote! { _: impl ::core::marker::Sized });
+    let fields = (0..fields).map(|_| quote! { _: impl ::core::convert::Into<contract::Source<D>> });
     let others = regions.chain(fields);
     quote! {
-        #visibility fn #name<const D: usize>(#data #(#others),*) -> #name::Compiled<D> {
+        #visibility fn #name<const D: ::core::primitive::usize>(#data #(#others),*) -> #name::Compiled<D> {
             loop {}
         }
     }

@@ -1,7 +1,7 @@
 //! Rust expressions → the expressions of a weak form; anything else is reported on its tokens.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, Stmt, UnOp};
+use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, PatIdent, Stmt, UnOp};
 
 use super::declared_type::{self, Unread};
 use super::syntax::*;
@@ -47,7 +47,8 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
         Pat::Type(typed) => (&*typed.pat, Some(&*typed.ty)),
         other => (other, None),
     };
-    let (Pat::Ident(name), Some(init)) = (pattern, &local.init) else {
+    let (Pat::Ident(name @ PatIdent { by_ref: None, subpat: None, .. }), Some(init)) = (pattern, &local.init)
+    else {
         diagnostics.error(Place::of(local), "unsupported `let`: write `let name = expression;`");
         return None;
     };

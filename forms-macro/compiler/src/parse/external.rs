@@ -6,12 +6,13 @@ use syn::spanned::Spanned;
 use syn::{FnArg, ForeignItem, ForeignItemFn, ItemForeignMod, Path, ReturnType};
 
 use super::declared_type::{self, Unread};
-use super::read_argument;
 use super::syntax::{ArgumentRole, External, Mistaken, Module};
+use super::{attributes, read_argument};
 use crate::diagnostics::{Diagnostics, Place};
 
 /// Reads the functions of an `extern` block; what cannot be read is reported, and its name is known.
 pub fn read(block: ItemForeignMod, module: &mut Module, diagnostics: &mut Diagnostics) {
+    block.attrs.iter().for_each(|one| attributes::check_inside(one, diagnostics));
     if block.abi.name.as_ref().is_none_or(|name| name.value() != "Rust") {
         diagnostics.error_with_help(
             Place::of(&block.abi),
@@ -38,8 +39,17 @@ pub fn read(block: ItemForeignMod, module: &mut Module, diagnostics: &mut Diagno
 }
 
 fn read_function(item: ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<External> {
+    let (places, others): (Vec<_>, Vec<_>) =
+        item.attrs.iter().partition(|attribute| attribute.path().is_ident("at"));
+    others.into_iter().for_each(|one| attributes::check_inside(one, diagnostics));
+    if let Some(second) = places.get(1) {
+        let message = format!("`{}` is found in one place", item.sig.ident);
+        diagnostics.error_with_help(Place::of(second), message, "leave one `#[at(..)]`");
+    }
+    attributes::check_inside(&item.sig, diagnostics);
     let signature = &item.sig;
-    let plain = signature.generics.params.is_empty()
+    let plain = super::is_plain(&signature.generics)
+        && item.modifiers.defaultness.is_none()
         && signature.constness.is_none()
         && signature.asyncness.is_none()
         && signature.variadic.is_none();

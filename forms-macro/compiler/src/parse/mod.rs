@@ -1,12 +1,14 @@
 //! Stage 1: Rust tokens (`syn::ItemMod`) → [`syntax::Module`]. Knows Rust's grammar and no mathematics.
 
+pub mod attributes;
 pub mod declared_type;
 mod expression;
 mod external;
 pub mod nesting;
+pub mod raw;
 pub mod syntax;
 
-use syn::{Fields, FnArg, Item, ItemFn, ItemMod, ItemStruct, Pat, ReturnType, Type};
+use syn::{Fields, FnArg, Generics, Item, ItemFn, ItemMod, ItemStruct, Pat, PatIdent, ReturnType, Type};
 
 use crate::diagnostics::{Diagnostics, Place};
 use declared_type::Unread;
@@ -22,6 +24,9 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         externals: Vec::new(),
         mistaken: Vec::new(),
     };
+    if let Some(unsafety) = item.unsafety {
+        diagnostics.error(Place::of(&unsafety), "a forms module is not `unsafe`");
+    }
     let Some((_, items)) = item.content else {
         diagnostics.error_with_help(
             Place::of(&module.name),
@@ -42,7 +47,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
             }
             Item::ForeignMod(item) => external::read(item, &mut module, diagnostics),
             // Read by `reuse::uses`.
-            Item::Use(_) => {}
+            Item::Use(item) => item.attrs.iter().for_each(|one| attributes::check_inside(one, diagnostics)),
             other => diagnostics.error_with_help(
                 Place::of(&other),
                 "unsupported item in a forms module",
@@ -54,21 +59,20 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
 }
 
 fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
-    let marker = |attribute: &syn::Attribute| {
-        let found = Entity::MARKERS.iter().find(|(name, _)| attribute.path().is_ident(name));
-        found.map(|(_, entity)| *entity)
-    };
-    let markers: Vec<Entity> = item.attrs.iter().filter_map(marker).collect();
+    let mut markers = Vec::new();
+    let (marked, others): (Vec<_>, Vec<_>) =
+        item.attrs.into_iter().partition(|attribute| attributes::is_marker(attribute));
+    markers.extend(marked.iter().filter_map(|attribute| attributes::marker(attribute, diagnostics)));
+    let attributes = attributes::of_declaration(others, diagnostics);
     // After a mistake the region exists all the same.
     let entity = markers.first().copied().unwrap_or(Entity::Cells);
-    if !item.generics.params.is_empty() {
+    if !is_plain(&item.generics) {
         diagnostics.error_with_help(
             Place::of(&item.generics),
             format!("`{}` cannot be generic", item.ident),
             "the dimension is generic by itself; ranks are `Scalar`, `Vector` and `Tensor`",
         );
     }
-    let attributes = item.attrs.iter().filter(|attribute| marker(attribute).is_none()).cloned().collect();
     match item.fields {
         Fields::Unit => {
             if markers.len() != 1 {
@@ -88,6 +92,13 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
             module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, entity });
         }
         Fields::Named(fields) if module.data.is_none() => {
+            if let Some(marker) = marked.first() {
+                diagnostics.error_with_help(
+                    Place::of(marker),
+                    format!("`{}` has members, and a region has none", item.ident),
+                    "leave the marker out, or write a region as `pub struct Omega;`",
+                );
+            }
             let mut members = Vec::new();
             for field in &fields.named {
                 match (read_member(field, diagnostics), &field.ident) {
@@ -147,7 +158,13 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
             return None;
         }
     };
-    Some(Member { attributes: field.attrs.clone(), name, kind, rank })
+    if let Some((equals, value)) = &field.default {
+        let place = Place::of(&quote::quote! { #equals #value });
+        let help = "give the value where the struct is made";
+        diagnostics.error_with_help(place, format!("the member `{name}` has no value of its own"), help);
+    }
+    let attributes = attributes::of_declaration(field.attrs.clone(), diagnostics);
+    Some(Member { attributes, name, kind, rank })
 }
 
 /// What a member with a mistaken type was most likely meant to be.
@@ -191,12 +208,20 @@ fn placeholder(item: &ItemFn) -> Mistaken {
     }
 }
 
+/// Neither parameters nor conditions on them.
+fn is_plain(generics: &Generics) -> bool {
+    generics.params.is_empty() && generics.where_clause.is_none()
+}
+
 /// Reads a function. `None` after a report.
 pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Function> {
     let before = &item.sig;
-    let plain = before.generics.params.is_empty()
+    let plain = is_plain(&before.generics)
         && before.constness.is_none()
         && before.asyncness.is_none()
+        && before.abi.is_none()
+        && before.variadic.is_none()
+        && item.modifiers.defaultness.is_none()
         && matches!(before.safety, syn::Safety::Default);
     if !plain {
         diagnostics.error_with_help(
@@ -209,6 +234,8 @@ pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Func
         );
         return None;
     }
+    attributes::check_inside(&item.sig, diagnostics);
+    attributes::check_inside(&item.block, diagnostics);
     let mut arguments = Vec::new();
     let mut complete = true;
     for input in &item.sig.inputs {
@@ -235,7 +262,7 @@ pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Func
     };
     let body = expression::read_block(&item.block, diagnostics);
     complete.then_some(Function {
-        attributes: item.attrs,
+        attributes: attributes::of_declaration(item.attrs, diagnostics),
         visibility: item.vis,
         name: item.sig.ident,
         arguments,
@@ -245,14 +272,22 @@ pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Func
     })
 }
 
+/// A name alone: not `mut`, `ref`, or one for a part of a pattern.
+fn is_name(pattern: &PatIdent) -> bool {
+    pattern.mutability.is_none() && pattern.by_ref.is_none() && pattern.subpat.is_none()
+}
+
 fn read_argument(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<Argument> {
     let FnArg::Typed(input) = input else {
         diagnostics.error(Place::of(input), "unsupported argument: a form has no `self`");
         return None;
     };
-    let Pat::Ident(pattern) = &*input.pat else {
-        diagnostics.error(Place::of(&input.pat), "unsupported argument pattern: an argument is a name");
-        return None;
+    let pattern = match &*input.pat {
+        Pat::Ident(pattern) if is_name(pattern) => pattern,
+        other => {
+            diagnostics.error(Place::of(other), "unsupported argument pattern: an argument is a name");
+            return None;
+        }
     };
     let role = match declared_type::word(&input.ty) {
         Some((word, Some(inner))) => match word.to_string().as_str() {

@@ -2,6 +2,7 @@
 
 mod harness;
 mod mutations;
+mod odd;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
