@@ -121,9 +121,15 @@ impl Options {
         }
     }
 
+    /// Settings that a run which goes on may change.
+    pub fn changeable(&self) -> Value {
+        json!({ "steps": self.steps, "every": self.every })
+    }
+
     /// All that a result depends on. The number of steps does not change the steps.
     pub fn settings(&self, run: &str) -> Result<Value, serde_json::Error> {
         let mut settings = json!({
+            "version": env!("CARGO_PKG_VERSION"),
             "case": self.case.name(),
             "run": run,
             "holes": self.holes,
