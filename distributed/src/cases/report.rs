@@ -10,7 +10,7 @@ use crate::world::World;
 pub fn tell(world: &World, name: &str, numbers: &[f64]) {
     if world.rank() == 0 {
         let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
-        println!("{name} {}", numbers.join(" "));
+        world.output(|out| out.line(format!("{name} {}", numbers.join(" "))));
     }
 }
 
