@@ -4,6 +4,8 @@
 
 #[path = "../command_line.rs"]
 pub mod command_line;
+#[path = "../memory.rs"]
+pub mod memory;
 
 pub mod anisotropic_elasticity;
 pub mod ghost_penalty;

@@ -3,7 +3,6 @@
 
 mod destinations;
 mod measurements;
-mod memory;
 mod options;
 mod pictures;
 mod progress;
@@ -18,6 +17,7 @@ use std::time::Instant;
 use forms_contact::hollow_cylinder::{CONTACT_CELLS, CylinderError, Settings, hollow_cylinder, solve};
 use forms_contact::threshold::required_gamma0;
 use forms_examples::command_line::program_with_options;
+use forms_examples::memory;
 use forms_fem::output::{StandardOutput, tell, write_whole};
 
 use measurements::Measurements;
@@ -34,6 +34,10 @@ fn main() -> ExitCode {
 fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     let start = Instant::now();
     let settings = options.settings()?;
+    if !options.any_memory {
+        let unknowns = settings.unknowns();
+        memory::check(&format!("--radial {}", settings.radial), unknowns, memory::of_contact(unknowns))?;
+    }
     // A long computation must not end with nowhere to put its result.
     destinations::prepare_directory(&options.out)?;
     if let Some(json) = &options.json {

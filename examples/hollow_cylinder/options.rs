@@ -40,6 +40,9 @@ pub struct Options {
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = thread_count)]
     threads: Option<usize>,
+    /// Goes on where the memory will not do, by an estimate
+    #[arg(long)]
+    pub any_memory: bool,
     /// Writes all results to this file too; its directory must exist
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

@@ -14,6 +14,7 @@ use forms_contact::hollow_cylinder::{
 use forms_contact::shape_gradient::Diameters;
 use forms_contact::states::{Adjoint, ContactProblem};
 use forms_examples::command_line::program_with_options;
+use forms_examples::memory;
 use forms_fem::output::{StandardOutput, tell};
 use forms_fem::prelude::*;
 
@@ -29,6 +30,9 @@ struct Options {
     /// Central differences are taken up to so many cells across the thickness.
     #[arg(long, default_value_t = 8)]
     differences: usize,
+    /// Goes on where the memory will not do, by an estimate.
+    #[arg(long)]
+    any_memory: bool,
 }
 
 /// Which boundary moves.
@@ -138,6 +142,10 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+    if !options.any_memory {
+        let unknowns = Settings { radial: options.finest, ..Settings::default() }.unknowns();
+        memory::check(&format!("--finest {}", options.finest), unknowns, memory::of_contact(unknowns))?;
+    }
     let meshes: Vec<usize> = std::iter::successors(Some(4), |radial| Some(2 * radial))
         .take_while(|radial| *radial <= options.finest)
         .collect();

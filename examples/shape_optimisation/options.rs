@@ -53,6 +53,9 @@ pub struct Options {
     /// Begins anew where a run was stopped, or had ended
     #[arg(long)]
     pub anew: bool,
+    /// Goes on where the memory will not do, by an estimate
+    #[arg(long)]
+    pub any_memory: bool,
     /// Directory of all results; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/shape_optimisation")]
     pub out: PathBuf,
@@ -108,6 +111,16 @@ impl Options {
             Case::EvenPressure => 8,
             _ => 4,
         })
+    }
+
+    /// Unknowns of the displacement on biquadratic cells, but for those on the boundary; before any mesh is made.
+    pub fn unknowns(&self) -> f64 {
+        let [side, layers] = [self.cells_per_side(), self.layers].map(|count| count as f64);
+        let cells = match self.case {
+            Case::Cantilever => 30.0 * side * side,
+            _ => 4.0 * self.rows as f64 * self.holes as f64 * side * layers,
+        };
+        8.0 * cells
     }
 
     /// How the descent goes.
