@@ -7,8 +7,10 @@
 
 use std::error::Error;
 use std::f64::consts::PI;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 // A module under `#[forms]` holds the physics and nothing else. Data are what the program passes in;
@@ -38,7 +40,7 @@ fn exact_centre() -> f64 {
     0.125 - 4.0 / PI.powi(3) * (0..8).map(term).sum::<f64>()
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // Mesh, space, boundary condition. Meshes and spaces are shared, hence `Arc`.
     let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?);
     let space = Space::scalar(&mesh, 2)?;
@@ -57,14 +59,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     let u = FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
 
     let (centre, exact) = (u.evaluate(&[0.5, 0.5])?[0], exact_centre());
-    println!("unknowns          {}", space.unknowns());
-    println!("u at the centre   {centre:.8}");
-    println!("series            {exact:.8}");
+    out.line(format!("unknowns          {}", space.unknowns()));
+    out.line(format!("u at the centre   {centre:.8}"));
+    out.line(format!("series            {exact:.8}"));
 
     std::fs::create_dir_all("out")?;
     FieldMap::of(&u, Shown::Component(0), "u").levels(12).without_axes().write_png("out/01_poisson.png")?;
-    println!("picture           out/01_poisson.png");
+    out.line("picture           out/01_poisson.png");
 
     assert!((centre - exact).abs() < 1e-5 * exact, "u at the centre is {centre}, the series gives {exact}");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -7,8 +7,10 @@
 //! Run it with `cargo run --release --bin 02_elasticity`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -47,7 +49,7 @@ const YOUNG: f64 = 200e3; // MPa
 const POISSON: f64 = 0.3;
 const PRESSURE: f64 = 100.0; // MPa
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // Curved cells: the nodes of the second-order geometry lie on the circles.
     let mesh = Arc::new(annulus(INNER, OUTER, 4, 48, CellShape::Quadrilateral, 2)?);
     let space = Space::vector(&mesh, 2)?;
@@ -81,8 +83,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let radial =
         |r: f64| (1.0 + POISSON) / YOUNG * PRESSURE * a2 / (b2 - a2) * ((1.0 - 2.0 * POISSON) * r + b2 / r);
     let (opening, exact_opening) = (u.evaluate(&[INNER, 0.0])?[0], radial(INNER));
-    println!("u_r inside      {opening:.6} mm    Lamé {exact_opening:.6} mm");
-    println!("hoop stress     {hoop:.3} MPa    Lamé {exact_hoop:.3} MPa");
+    out.line(format!("u_r inside      {opening:.6} mm    Lamé {exact_opening:.6} mm"));
+    out.line(format!("hoop stress     {hoop:.3} MPa    Lamé {exact_hoop:.3} MPa"));
 
     std::fs::create_dir_all("out")?;
     FieldMap::of(&u, Shown::Magnitude, "|u| [mm]")
@@ -93,4 +95,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     assert!((opening - exact_opening).abs() < 1e-4 * exact_opening, "u_r = {opening}");
     assert!((hoop - exact_hoop).abs() < 5e-3 * exact_hoop, "hoop stress {hoop}");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

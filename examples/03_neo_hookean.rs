@@ -8,8 +8,10 @@
 //! Run it with `cargo run --release --bin 03_neo_hookean`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -49,7 +51,7 @@ mod rubber {
 const LAMBDA: f64 = 3.0; // MPa
 const MU: f64 = 1.0; // MPa
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // A bar of 2 × 1 × 1 mm. Its faces x = 0, y = 0 and z = 0 are planes of symmetry.
     let mesh = Arc::new(cuboid([0.0; 3], [2.0, 1.0, 1.0], [4, 2, 2], CellShape::Hexahedron, 1)?);
     let space = Space::vector(&mesh, 1)?;
@@ -60,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut u = Field::zero(&space);
     let (mut stretches, mut forces, mut exact_forces) = (vec![1.0], vec![0.0], vec![0.0]);
-    println!("stretch  across  force [N]  closed form  Newton steps");
+    out.line("stretch  across  force [N]  closed form  Newton steps");
     // Load steps: each starts Newton's method from the state before.
     for step in 1..=8 {
         let across = 1.0 - 0.025 * f64::from(step);
@@ -80,7 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let exact = MU * (stretch - 1.0 / stretch) + LAMBDA * (stretch * across * across).ln() / stretch;
         let measured = 1.0 + u.evaluate(&[2.0, 1.0, 1.0])?[1];
         let steps = solved.history.len() - 1;
-        println!("{stretch:7.4} {measured:7.4} {force:10.6} {exact:12.6} {steps:13}");
+        out.line(format!("{stretch:7.4} {measured:7.4} {force:10.6} {exact:12.6} {steps:13}"));
         assert!((force - exact).abs() < 1e-8 * exact, "force {force}, closed form {exact}");
         assert!((measured - across).abs() < 1e-8, "the bar is {measured} wide, closed form {across}");
         stretches.push(stretch);
@@ -96,4 +98,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .curve(Curve::new("computed", &stretches, &forces).dashed())
         .write_png("out/03_neo_hookean.png")?;
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

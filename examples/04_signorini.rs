@@ -8,8 +8,10 @@
 //! Run it with `cargo run --release --bin 04_signorini`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{Colour, FieldMap, Picture, Shown};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -65,7 +67,7 @@ const HEIGHT: f64 = 1.0; // mm
 const GAP: f64 = 0.02; // mm
 const PUSH: f64 = 0.1; // mm
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mesh = Arc::new(rectangle([0.0, 0.0], [WIDTH, HEIGHT], [12, 6], CellShape::Triangle, 1)?);
     let space = Space::vector(&mesh, 1)?;
     let mut constraints = Constraints::new(&space);
@@ -87,12 +89,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut solver = TangentSolver::default();
     let solved = problem.solve(&start, &constraints, &mut solver, &options, &mut |step| {
         let active = step.active_points.unwrap_or(0);
-        println!("Newton {}: residual {:.2e}, {active} active points", step.iteration, step.residual);
+        out.line(format!(
+            "Newton {}: residual {:.2e}, {active} active points",
+            step.iteration, step.residual
+        ));
     })?;
 
     let force = assembler.functional(&block::force(&data, &bottom, &solved.field), &[])?;
     let exact = YOUNG / (1.0 - POISSON * POISSON) * (PUSH - GAP) / HEIGHT * WIDTH;
-    println!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm");
+    out.line(format!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm"));
 
     std::fs::create_dir_all("out")?;
     FieldMap::of(&solved.field, Shown::Magnitude, "|u| [mm]")
@@ -104,4 +109,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     assert!((force - exact).abs() < 1e-9 * exact, "contact force {force}, closed form {exact}");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

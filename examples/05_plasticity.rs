@@ -11,9 +11,11 @@
 //! Run it with `cargo run --release --bin 05_plasticity`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::assemble::AssemblyError;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -124,7 +126,7 @@ fn commit(data: &metal::Data<2>) {
 }
 
 /// Uniaxial strain up to `LARGEST` and back to zero against the closed form.
-fn block() -> Result<(), Box<dyn Error>> {
+fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     const LARGEST: f64 = 0.006;
     let mesh = Arc::new(rectangle([0.0; 2], [1.0, 1.0], [2, 2], CellShape::Triangle, 1)?);
     let space = Space::vector(&mesh, 2)?;
@@ -165,10 +167,10 @@ fn block() -> Result<(), Box<dyn Error>> {
         stresses.push(stress);
         exact_stresses.push(exact);
     }
-    println!(
+    out.line(format!(
         "uniaxial strain: σ = {:.3} MPa at ε = {LARGEST}, {:.3} MPa back at 0",
         stresses[6], stresses[12]
-    );
+    ));
     LinePlot::new()
         .x_axis("strain", Scale::Linear)
         .y_axis("stress [MPa]", Scale::Linear)
@@ -179,7 +181,7 @@ fn block() -> Result<(), Box<dyn Error>> {
 }
 
 /// A plate of 4 × 1 mm, clamped on the left; its right end is moved sideways.
-fn plate() -> Result<(), Box<dyn Error>> {
+fn plate(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     const SIDEWAYS: f64 = 0.06; // mm
     let mesh = Arc::new(rectangle([0.0; 2], [4.0, 1.0], [24, 6], CellShape::Triangle, 1)?);
     let space = Space::vector(&mesh, 2)?;
@@ -202,18 +204,18 @@ fn plate() -> Result<(), Box<dyn Error>> {
             solve,
             |_| commit(&data),
             |step| {
-                println!(
+                out.line(format!(
                     "load factor {:.3}: {}",
                     step.factor,
                     step.failure.as_deref().unwrap_or("equilibrium")
-                );
+                ));
             },
         )
         .map_err(|error| error.to_string())?;
-    println!("residuals of the last step, relative to its first:");
+    out.line("residuals of the last step, relative to its first:");
     let last = histories.last().ok_or("no step was made")?;
     for step in last {
-        println!("  {:.3e}", step.relative_residual);
+        out.line(format!("  {:.3e}", step.relative_residual));
     }
     // Quadratic convergence: once the zone that flows is found, each step squares the residual, until rounding.
     let residuals: Vec<f64> = last.iter().map(|step| step.relative_residual).collect();
@@ -225,7 +227,7 @@ fn plate() -> Result<(), Box<dyn Error>> {
 
     let amounts = assembler.project(&metal::plastic_amount(&data), &Space::scalar(&mesh, 1)?)?;
     let largest = amounts.values().iter().copied().fold(0.0, f64::max);
-    println!("largest plastic strain {largest:.4}");
+    out.line(format!("largest plastic strain {largest:.4}"));
     assert!(largest > 1e-3, "it flows at the clamp");
     FieldMap::of(&amounts, Shown::Component(0), "plastic strain")
         .length_unit("mm")
@@ -234,8 +236,12 @@ fn plate() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all("out")?;
-    block()?;
-    plate()
+    block(out)?;
+    plate(out)
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -8,8 +8,10 @@
 
 use std::error::Error;
 use std::f64::consts::PI;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -75,12 +77,12 @@ fn error(n: usize, degree: usize) -> Result<f64, Box<dyn Error>> {
     Ok(norms::errors(&assembler, &u, |x, out| out[0] = solution(x), slope)?.l2)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let divisions = [4, 8, 16, 32];
     let mut plot = LinePlot::new()
         .x_axis("cells per side", Scale::Logarithmic)
         .y_axis("error in L²", Scale::Logarithmic);
-    println!("degree  cells per side     error  order");
+    out.line("degree  cells per side     error  order");
     for degree in [1, 2] {
         let mut errors = Vec::new();
         let mut order = f64::NAN;
@@ -88,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let found = error(n, degree)?;
             order = errors.last().map_or(f64::NAN, |last: &f64| (last / found).log2());
             let shown = if order.is_nan() { String::new() } else { format!("{order:.2}") };
-            println!("{degree:6} {n:15} {found:9.2e} {shown:>6}");
+            out.line(format!("{degree:6} {n:15} {found:9.2e} {shown:>6}"));
             errors.push(found);
         }
         let expected = (degree + 1) as f64;
@@ -100,4 +102,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all("out")?;
     plot.write_png("out/07_interior_penalty.png")?;
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -8,8 +8,10 @@
 //! Run it with `cargo run --release --bin 08_ghost_penalty`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -57,7 +59,7 @@ fn solve(weight: f64) -> Result<Field<2>, Box<dyn Error>> {
     Ok(problem.solve_affine(&constraints, &mut TangentSolver::default())?)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let x: Vec<f64> = (0..=200).map(|k| f64::from(k) / 200.0).collect();
     let closed_form: Vec<f64> = x.iter().map(|x| exact(*x)).collect();
     let mut plot = LinePlot::new()
@@ -74,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // Away from the layer, which four cells cover.
         let away = x.iter().zip(&values).filter(|(x, _)| **x <= 0.8);
         let error = away.map(|(x, u)| (u - exact(*x)).abs()).fold(0.0, f64::max);
-        println!("{name:18} largest error for x ≤ 0.8: {error:.2e}");
+        out.line(format!("{name:18} largest error for x ≤ 0.8: {error:.2e}"));
         errors.push(error);
         plot = plot.curve(Curve::new(name, &x, &values).without_markers());
     }
@@ -85,4 +87,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     assert!(errors[1] < 2e-2, "the stabilised solution is off by {}", errors[1]);
     assert!(errors[0] > 10.0 * errors[1], "the plain method is as good: {errors:?}");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -13,9 +13,11 @@
 
 use std::error::Error;
 use std::f64::consts::PI;
+use std::process::ExitCode;
 
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -81,7 +83,7 @@ const POISSON: f64 = 0.3;
 const RADIUS: f64 = 20.0; // mm
 const DEPTH: f64 = 0.05; // mm, how far the cylinder is pushed in
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // A block of 16 × 8 mm with finer cells below the cylinder.
     let finer = |[s, t]: [f64; 2]| {
         let (x, y) = (2.0 * s - 1.0, t - 1.0);
@@ -111,7 +113,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut problem = MixedProblem::new(&form, &assembler, [&displacements, &pressures])?;
     let start = [&Field::zero(&displacements), &Field::zero(&pressures)];
     let solved = problem.solve(start, [&held, &free], &mut solver, &options, &mut |step| {
-        println!("Newton {}: residual {:.2e}", step.iteration, step.residual);
+        out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual));
     })?;
     let [_, p] = &solved.fields;
     let force = assembler.functional(&pressed::force(&data, &top, p), &[])?;
@@ -139,8 +141,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let width = 2.0 * force / (PI * peak);
     let hertz = |x: f64| peak * (1.0 - (x / width).powi(2)).max(0.0).sqrt();
     let largest = pressure.iter().copied().fold(0.0, f64::max);
-    println!("force             {force:.4} N/mm, by Nitsche's method {nitsche_force:.4} N/mm");
-    println!("largest pressure  {largest:.3} MPa, Hertz {peak:.3} MPa");
+    out.line(format!("force             {force:.4} N/mm, by Nitsche's method {nitsche_force:.4} N/mm"));
+    out.line(format!("largest pressure  {largest:.3} MPa, Hertz {peak:.3} MPa"));
 
     std::fs::create_dir_all("out")?;
     let fine: Vec<f64> = (0..=400).map(|k| f64::from(k) / 100.0 - 2.0).collect();
@@ -156,4 +158,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     assert!((force - nitsche_force).abs() < 2e-3 * force, "forces {force} and {nitsche_force}");
     assert!((largest - peak).abs() < 0.03 * peak, "largest pressure {largest}, Hertz {peak}");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

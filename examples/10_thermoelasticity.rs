@@ -7,8 +7,10 @@
 //! Run it with `cargo run --release --bin 10_thermoelasticity`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -48,7 +50,7 @@ const POISSON: f64 = 0.3;
 const EXPANSION: f64 = 1.2e-5; // 1/K
 const HOTTER: f64 = 100.0; // K
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mesh = Arc::new(annulus(INNER, OUTER, 8, 64, CellShape::Quadrilateral, 2)?);
     let (displacements, temperatures) = (Space::vector(&mesh, 2)?, Space::scalar(&mesh, 2)?);
 
@@ -89,7 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let samples = assembler.along_facets_uniformly(&stress, wall, 3)?;
         let mean = samples.iter().map(|sample| sample.value[0]).sum::<f64>() / samples.len() as f64;
         let exact = closed_form(radius);
-        println!("hoop stress, {wall} wall  {mean:9.3} MPa, closed form {exact:9.3}");
+        out.line(format!("hoop stress, {wall} wall  {mean:9.3} MPa, closed form {exact:9.3}"));
         largest_error = largest_error.max((mean - exact).abs() / exact.abs());
     }
 
@@ -102,4 +104,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     assert!(largest_error < 5e-3, "the hoop stress is off by {largest_error:.1e}");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -7,8 +7,10 @@
 //! Run it with `cargo run --release --bin 11_shape_derivative`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 use forms_fem::verification;
 
@@ -56,7 +58,7 @@ fn rigidity(mesh: &Arc<Mesh<2>>) -> Result<(f64, Field<2>), Box<dyn Error>> {
     Ok((assembler.functional(&bar::rigidity(&section, &u), &[])?, u))
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mesh = Arc::new(rectangle([-1.0, -0.5], [1.0, 0.5], [24, 12], CellShape::Triangle, 1)?);
     let (value, u) = rigidity(&mesh)?;
     let (assembler, section) = (Assembler::new(&mesh), bar::Section::on("all"));
@@ -70,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let movements = Space::of_geometry(&mesh)?;
     let growth = Field::interpolate(&movements, |x| *x)?;
     let derivative = assembler.functional(&bar::along(&section, &u, &p, &growth), &[])?;
-    println!("J = {value:.9}, derivative along x = {derivative:.9}, 4 J = {:.9}", 4.0 * value);
+    out.line(format!("J = {value:.9}, derivative along x = {derivative:.9}, 4 J = {:.9}", 4.0 * value));
 
     // Is it the derivative of what the program computes? A Taylor test along some other movement says so.
     let wave = Field::interpolate(&movements, |x| [(2.0 * x[1]).sin(), x[0] * x[1] + 0.3 * x[0]])?;
@@ -79,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (value, _) = rigidity(moved)?;
         Ok::<_, Box<dyn Error>>(value.into())
     })?;
-    println!("{report}");
+    out.line(&report);
     report.second_order()?;
 
     let outline = bar::Outline::on("boundary");
@@ -95,4 +97,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let along_steepest = assembler.functional(&bar::along(&section, &u, &p, &steepest), &[])?;
     assert!(along_steepest > 0.0, "the rigidity falls along the steepest movement");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

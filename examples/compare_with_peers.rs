@@ -6,6 +6,8 @@
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
 
+use forms_fem::output::tell;
+
 const BENCH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../bench/Cargo.toml");
 
 fn main() -> ExitCode {
@@ -15,11 +17,11 @@ fn main() -> ExitCode {
     match command.args(std::env::args_os().skip(1)).status() {
         Ok(status) if status.success() => ExitCode::SUCCESS,
         Ok(status) => {
-            eprintln!("the comparison ended with {status}");
+            tell(format!("the comparison ended with {status}"));
             ExitCode::FAILURE
         }
         Err(error) => {
-            eprintln!("`{}` cannot be started: {error}", cargo.to_string_lossy());
+            tell(format!("`{}` cannot be started: {error}", cargo.to_string_lossy()));
             ExitCode::FAILURE
         }
     }

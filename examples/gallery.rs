@@ -10,7 +10,8 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use clap::Parser;
-use forms_fem::output::write_whole;
+use forms_examples::command_line::program_with_options;
+use forms_fem::output::{StandardOutput, tell, write_whole};
 
 /// Makes the pictures of the README and of the documentation anew.
 #[derive(Parser)]
@@ -110,16 +111,10 @@ const MAKERS: [Maker; 8] = [
 ];
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program_with_options(run)
 }
 
-fn run(options: &Options) -> Result<(), Box<dyn Error>> {
+fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let stem = |name: &str| name.split('.').next().unwrap_or(name).to_owned();
     let mut known: Vec<String> =
         MAKERS.iter().flat_map(|maker| maker.pictures).map(|(_, to)| stem(to)).collect();
@@ -135,15 +130,15 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     for maker in MAKERS.iter().filter(wanted) {
         let command = format!("cargo run --release {}", maker.arguments.join(" "));
         if options.list {
-            println!("{command}");
-            maker.pictures.iter().for_each(|(_, to)| println!("    docs/pictures/{to}"));
+            out.line(&command);
+            maker.pictures.iter().for_each(|(_, to)| out.line(format!("    docs/pictures/{to}")));
             continue;
         }
-        eprintln!("{command}");
+        tell(&command);
         let start = Instant::now();
         make(maker, &root)?;
         for (_, to) in maker.pictures {
-            println!("docs/pictures/{to}: {:.1} s", start.elapsed().as_secs_f64());
+            out.line(format!("docs/pictures/{to}: {:.1} s", start.elapsed().as_secs_f64()));
         }
     }
     Ok(())

@@ -6,9 +6,11 @@
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use forms_bench::comparison::{Options, WORKER, compare, work};
+use forms_fem::output::{StandardOutput, program};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
@@ -33,12 +35,12 @@ struct Arguments {
     out: PathBuf,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if let Some((first, rest)) = arguments.split_first()
         && first == WORKER
     {
-        return work(rest);
+        return work(rest, out);
     }
     let arguments = Arguments::parse();
     let wants = |part: Part| arguments.only.is_none_or(|only| only == part);
@@ -50,7 +52,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         only_forms: arguments.forms,
     };
     let report = compare(&options)?;
-    print!("{}", report.markdown());
-    println!("Written to {}.", options.directory.display());
+    out.line(report.markdown().trim_end_matches('\n'));
+    out.line(format!("Written to {}.", options.directory.display()));
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

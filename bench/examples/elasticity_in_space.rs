@@ -9,10 +9,11 @@ use std::error::Error;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use forms_fem::linear_algebra::{CsrMatrix, MultigridOptions};
+use forms_fem::output::{StandardOutput, program, tell};
 use forms_fem::prelude::*;
 use forms_fem::solve::{Elimination, NonlinearProblem};
 
@@ -46,7 +47,7 @@ mod elastic {
 /// Relative residual that every program is to reach.
 const TOLERANCE: f64 = 1e-8;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let alone = arguments.iter().any(|argument| argument == "--alone");
     let divisions = arguments.iter().find(|argument| !argument.starts_with('-'));
@@ -66,14 +67,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let load: Vec<f64> = elimination.reduce(&problem.residual(&zero)?)?.iter().map(|value| -value).collect();
     let matrix = elimination.reduce_matrix(&problem.tangent(&zero)?.matrix)?;
     drop(problem);
-    println!(
+    out.line(format!(
         "{n}³ × 6 tetrahedra, P2: {} unknowns, {} entries; mesh, space and matrix in {:.1} s\n",
         matrix.rows(),
         matrix.values().len(),
         start.elapsed().as_secs_f64()
-    );
-    println!("program | set-up s | solution s | together s | iterations | relative residual | peak memory");
-    println!("--- | --- | --- | --- | --- | --- | ---");
+    ));
+    out.line("program | set-up s | solution s | together s | iterations | relative residual | peak memory");
+    out.line("--- | --- | --- | --- | --- | --- | ---");
     for threads in [1, 2] {
         let threads = Threads::new(threads);
         let options = MultigridSolverOptions {
@@ -88,7 +89,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let set_up = start.elapsed().as_secs_f64();
         let found = solver.solve(&load, 0.0)?;
         let seconds = start.elapsed().as_secs_f64();
-        println!(
+        out.line(format!(
             "forms-fem, {} thread{} | {set_up:.2} | {:.2} | {seconds:.2} | {} | {:.1e} | {}",
             threads.count(),
             if threads.count() == 1 { "" } else { "s" },
@@ -96,10 +97,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             found.iterations,
             residual(&matrix, &found.solution, &load)?,
             peak_memory()
-        );
+        ));
         if threads == Threads::new(2) {
             for level in &solver.report().levels {
-                eprintln!("  level of {} unknowns, {} entries", level.unknowns, level.entries);
+                tell(format!("  level of {} unknowns, {} entries", level.unknowns, level.entries));
             }
         }
     }
@@ -110,8 +111,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         drop(matrix);
         for processes in [1, 2] {
             match run_petsc(&path, processes) {
-                Ok(line) => println!("{line}"),
-                Err(error) => println!("PETSc in {processes} processes: {error}"),
+                Ok(line) => out.line(&line),
+                Err(error) => out.line(format!("PETSc in {processes} processes: {error}")),
             }
         }
         std::fs::remove_file(&path)?;
@@ -186,4 +187,8 @@ fn run_petsc(path: &Path, processes: usize) -> Result<String, Box<dyn Error>> {
         return Err(said.lines().last().unwrap_or("it failed").to_owned().into());
     }
     Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -92,7 +92,7 @@ fn make_ready(prepare: Prepare, constants: [f64; CONSTANTS]) -> Option<Ready> {
     match prepare(&constants) {
         Ok((lengths, batch)) => Some(Ready { constants, lengths, batch }),
         Err(error) => {
-            eprintln!("{error}");
+            forms_fem::output::tell(error);
             None
         }
     }
@@ -101,6 +101,6 @@ fn make_ready(prepare: Prepare, constants: [f64; CONSTANTS]) -> Option<Ready> {
 #[cold]
 #[inline(never)]
 fn failed(error: &AssemblyError, results: &mut [f64]) {
-    eprintln!("{error}");
+    forms_fem::output::tell(error);
     results.fill(f64::NAN);
 }

@@ -6,14 +6,15 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
+use forms_fem::output::{StandardOutput, program, tell};
 use forms_fem::prelude::*;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let radial = arguments.next().map_or(Ok(64), |text| text.parse())?;
     let theta = arguments.next().map_or(Ok(-1.0), |text| text.parse())?;
@@ -25,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut solver = CondensedSolver::new(options);
     let cpu_before = cpu_seconds();
     let direct = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
-        eprintln!("Newton {}: relative residual {:.2e}", step.iteration, step.relative_residual);
+        tell(format!("Newton {}: relative residual {:.2e}", step.iteration, step.relative_residual));
     })?;
     let cpu = cpu_seconds().zip(cpu_before).map_or(f64::NAN, |(after, before)| after - before);
     let report = solver.report();
@@ -34,16 +35,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let j = problem.assembler.functional(&criterion, &[])?;
     let steps = direct.result.history.len() - 1;
 
-    println!("n_r = {radial}, θ = {theta}, {} unknowns, one thread\n", problem.space.unknowns());
-    println!(
-        "| program | mesh, space, pattern (s) | direct problem (s) | the same, CPU (s) | Newton steps | relative residual | J |"
-    );
-    println!("| --- | --: | --: | --: | --: | --: | --: |");
+    out.line(format!("n_r = {radial}, θ = {theta}, {} unknowns, one thread\n", problem.space.unknowns()));
+    out.line("| program | mesh, space, pattern (s) | direct problem (s) | the same, CPU (s) | Newton steps | relative residual | J |");
+    out.line("| --- | --: | --: | --: | --: | --: | --: |");
     let residual = direct.result.history[steps].relative_residual;
-    println!(
+    out.line(format!(
         "| forms-contact | {set_up:.2} | {:.2} | {cpu:.2} | {steps} | {residual:.1e} | {j:.12} |",
         direct.seconds
-    );
+    ));
     let way = report.path.map_or_else(String::new, |path| path.to_string());
     let condensed = report.condensed_unknowns.map_or_else(String::new, |count| format!(", {count} of them"));
     let parts = format!(
@@ -58,23 +57,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok(theirs) => {
             let (seconds, their_j) = (number(&theirs, "seconds")?, number(&theirs, "J")?);
             let their_cpu = number(&theirs, "cpu_seconds")?;
-            println!(
+            out.line(format!(
                 "| GetFEM {} with MUMPS | not counted | {seconds:.2} | {their_cpu:.2} | {} | {:.1e} | {their_j:.12} |",
                 text(&theirs, "version")?,
                 number(&theirs, "steps")?,
                 number(&theirs, "relative_residual")?
-            );
-            println!("\nOurs: {parts}.");
-            println!(
+            ));
+            out.line(format!("\nOurs: {parts}."));
+            out.line(format!(
                 "GetFEM takes {:.1} times as long ({:.1} times in CPU time, {:.1} times with our mesh, space and pattern); \
                  J differs by {:.1e}, relatively.",
                 seconds / direct.seconds,
                 their_cpu / cpu,
                 seconds / (direct.seconds + set_up),
                 ((j - their_j) / their_j).abs()
-            );
+            ));
         }
-        Err(why) => println!("\nOurs: {parts}.\nGetFEM did not run: {why}"),
+        Err(why) => out.line(format!("\nOurs: {parts}.\nGetFEM did not run: {why}")),
     }
     Ok(())
 }
@@ -111,4 +110,8 @@ fn text<'a>(json: &'a str, name: &str) -> Result<&'a str, Box<dyn Error>> {
 
 fn number(json: &str, name: &str) -> Result<f64, Box<dyn Error>> {
     Ok(text(json, name)?.parse()?)
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

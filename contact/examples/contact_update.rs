@@ -6,10 +6,12 @@
 //! number of cells. Beside it stands the assembly of everything from scratch.
 
 use std::error::Error;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use forms_contact::hollow_cylinder::{CONTACT, Settings, hollow_cylinder};
 use forms_fem::linear_algebra::BlockMatrix;
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 use forms_fem::solve::NonlinearProblem;
 
@@ -24,13 +26,13 @@ fn best<E>(runs: usize, mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E
     Ok(best)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let threads = std::env::args().nth(1).map_or(Ok(1), |count| count.parse())?;
     let threads = Threads::new(threads);
-    println!(
-        "| n_r | cells | contact facets | entries that change | update, µs | per facet, ns | whole, ms |"
+    out.line(
+        "| n_r | cells | contact facets | entries that change | update, µs | per facet, ns | whole, ms |",
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    out.line("| --- | --- | --- | --- | --- | --- | --- |");
     for radial in [4, 8, 16, 32, 64] {
         let problem = hollow_cylinder(&Settings { radial, threads, ..Settings::default() })?;
         let (mesh, space, assembler) = (problem.space.mesh(), &problem.space, &problem.assembler);
@@ -53,10 +55,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let facets = mesh.facet_region(CONTACT)?.len();
         let cells = mesh.cell_count();
         let (micro, nano) = (1e6 * update, 1e9 * update / facets as f64);
-        println!(
+        out.line(format!(
             "| {radial} | {cells} | {facets} | {changed} | {micro:.1} | {nano:.0} | {:.2} |",
             1e3 * assembly
-        );
+        ));
     }
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -7,13 +7,13 @@
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
 use forms_contact::states::Adjoint;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
-use forms_fem::output::write_whole;
+use forms_fem::output::{StandardOutput, program, tell, write_whole};
 use forms_fem::prelude::*;
 
 /// The first argument of a process that computes one mesh.
@@ -39,12 +39,12 @@ const IN_ALL: usize = 8;
 const CPU: usize = 9;
 const MEMORY: usize = 11;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if let [first, radial] = &arguments[..]
         && first == ONE
     {
-        return one(radial.parse()?);
+        return one(radial.parse()?, out);
     }
     let meshes: Vec<usize> = match arguments.is_empty() {
         true => vec![16, 32, 64, 128, 160],
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for radial in &meshes {
-        eprintln!("n_r = {radial}");
+        tell(format!("n_r = {radial}"));
         let mut command = Command::new(std::env::current_exe()?);
         let output = command.args([ONE, &radial.to_string()]).stderr(Stdio::inherit()).output()?;
         if !output.status.success() {
@@ -61,19 +61,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         let printed = String::from_utf8_lossy(&output.stdout).into_owned();
         rows.push(printed.trim().split(',').map(str::parse).collect::<Result<_, _>>()?);
     }
-    println!("| {} |\n|{}", COLUMNS.join(" | "), " --: |".repeat(COLUMNS.len()));
+    out.line(format!("| {} |\n|{}", COLUMNS.join(" | "), " --: |".repeat(COLUMNS.len())));
     for row in &rows {
         let cells: Vec<String> = row.iter().enumerate().map(|(k, value)| shown(k, *value)).collect();
-        println!("| {} |", cells.join(" | "));
+        out.line(format!("| {} |", cells.join(" | ")));
     }
     let column = |k: usize| -> Vec<f64> { rows.iter().map(|row| row[k]).collect() };
     let (unknowns, seconds, memory) = (column(UNKNOWNS), column(IN_ALL), column(MEMORY));
     if rows.len() > 1 {
         let [time, cpu, room] = [&seconds, &column(CPU), &memory].map(|values| exponent(&unknowns, values));
-        println!(
+        out.line(format!(
             "\nTime grows like unknowns^{time:.2}, CPU time like unknowns^{cpu:.2}, memory like unknowns^{room:.2} \
              (least squares, all meshes)."
-        );
+        ));
     }
 
     std::fs::create_dir_all("out")?;
@@ -94,32 +94,32 @@ fn main() -> Result<(), Box<dyn Error>> {
         .curve(Curve::new("peak memory [GiB]", &unknowns, &memory).fitted_order(count))
         .grid()
         .write_png("out/scaling.png")?;
-    println!("Written: out/scaling.csv, out/scaling.png");
+    out.line("Written: out/scaling.csv, out/scaling.png");
     Ok(())
 }
 
 /// Solves one mesh and prints its row.
-fn one(radial: usize) -> Result<(), Box<dyn Error>> {
+fn one(radial: usize, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
     let problem = hollow_cylinder(&Settings { radial, ..Settings::default() })?;
     let set_up = start.elapsed().as_secs_f64();
-    eprintln!("  {} unknowns; mesh, space and pattern in {set_up:.1} s", problem.space.unknowns());
+    tell(format!("  {} unknowns; mesh, space and pattern in {set_up:.1} s", problem.space.unknowns()));
     let mut solver = CondensedSolver::default();
     let direct = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
         let condensed =
             step.condensed_unknowns.map_or(String::new(), |count| format!(" by {count} unknowns"));
         let relative = step.relative_residual;
-        eprintln!("  Newton {}{condensed}: relative residual {relative:.1e}", step.iteration);
+        tell(format!("  Newton {}{condensed}: relative residual {relative:.1e}", step.iteration));
     })?;
     let report = solver.report();
-    eprintln!("  direct problem in {:.1} s; {} factorisation(s)", direct.seconds, report.factorisations);
+    tell(format!("  direct problem in {:.1} s; {} factorisation(s)", direct.seconds, report.factorisations));
     let orderings: Vec<_> = report.orderings.iter().map(|candidate| candidate.name).collect();
-    eprintln!("  {} entries in the factor; orderings: {}", report.factor_entries, orderings.join(", "));
+    tell(format!("  {} entries in the factor; orderings: {}", report.factor_entries, orderings.join(", ")));
     let u = &direct.result.field;
     let consistent = problem.solve_adjoint(Adjoint::Consistent, u, &mut solver)?.seconds;
     let discrete = problem.solve_adjoint(Adjoint::Discrete, u, &mut solver)?.seconds;
     let all = start.elapsed().as_secs_f64();
-    eprintln!("  adjoint states in {consistent:.1} s and {discrete:.1} s, {all:.1} s in all");
+    tell(format!("  adjoint states in {consistent:.1} s and {discrete:.1} s, {all:.1} s in all"));
     let (unknowns, steps) = (problem.space.unknowns() as f64, (direct.result.history.len() - 1) as f64);
     let row = [
         radial as f64,
@@ -135,7 +135,7 @@ fn one(radial: usize) -> Result<(), Box<dyn Error>> {
         steps,
         peak_gibibytes().unwrap_or(f64::NAN),
     ];
-    println!("{}", row.map(|value| value.to_string()).join(","));
+    out.line(row.map(|value| value.to_string()).join(","));
     Ok(())
 }
 
@@ -171,4 +171,8 @@ fn peak_gibibytes() -> Option<f64> {
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kibibytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kibibytes / f64::from(1 << 20))
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

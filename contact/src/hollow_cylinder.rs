@@ -141,6 +141,12 @@ impl Settings {
         Ok(())
     }
 
+    /// Unknowns of the displacement, the prescribed ones too, on biquadratic cells; before any mesh is made.
+    pub fn unknowns(&self) -> f64 {
+        let radial = self.radial as f64;
+        2.0 * (2.0 * radial + 1.0) * (2.0 * CELLS_AROUND as f64 * radial)
+    }
+
     /// λ and μ \[MPa\] in plane strain.
     pub fn lame(&self) -> (f64, f64) {
         let (e, nu) = (self.young, self.poisson);

@@ -1,6 +1,8 @@
 //! The processes that MPI started together, and what they agree on.
 
+use std::cell::RefCell;
 use std::error::Error;
+use std::fmt::Display;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::process::ExitCode;
@@ -8,6 +10,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use forms_fem::mesh::Mesh;
+use forms_fem::output::{StandardOutput, program};
 
 use crate::error::{PetscError, SharedError};
 use crate::petsc::{self, call};
@@ -21,6 +24,7 @@ static STARTED: AtomicBool = AtomicBool::new(false);
 pub struct World {
     /// PETSc is used from the thread that started it.
     here: PhantomData<*const ()>,
+    output: RefCell<StandardOutput>,
 }
 
 impl World {
@@ -37,24 +41,24 @@ impl World {
             call!(PetscInitializeNoArguments())?;
             call!(PetscPushErrorHandler(Some(petsc::PetscReturnErrorHandler), ptr::null_mut()))?;
         }
-        Ok(World { here: PhantomData })
+        Ok(World { here: PhantomData, output: RefCell::default() })
     }
 
-    /// A program on all processes: says on each why it failed there.
-    pub fn run(program: impl FnOnce(&World) -> Result<(), Box<dyn Error>>) -> ExitCode {
-        let world = match World::start() {
-            Ok(world) => world,
-            Err(error) => {
-                eprintln!("{error}");
-                return ExitCode::FAILURE;
-            }
-        };
-        match program(&world) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) => {
-                eprintln!("process {}: {error}", world.rank());
-                ExitCode::FAILURE
-            }
+    /// A program on all processes: says on each why it failed there, and on the first if its standard output could not be
+    /// written.
+    pub fn run(run: impl FnOnce(&World) -> Result<(), Box<dyn Error>>) -> ExitCode {
+        program(|out| {
+            let world = World::start().map_err(|error| error.to_string())?;
+            let outcome = run(&world).map_err(|error| format!("process {}: {error}", world.rank()));
+            *out = world.output.take();
+            outcome
+        })
+    }
+
+    /// Prints a line, on the first process.
+    pub fn print(&self, line: impl Display) {
+        if self.rank() == 0 {
+            self.output.borrow_mut().line(line);
         }
     }
 

@@ -14,7 +14,8 @@ mod tables;
 use std::error::Error;
 use std::process::ExitCode;
 
-use clap::Parser;
+use forms_examples::command_line::program_with_options;
+use forms_fem::output::StandardOutput;
 
 use options::Options;
 
@@ -22,16 +23,10 @@ use options::Options;
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program_with_options(run)
 }
 
-fn run(options: &Options) -> Outcome<()> {
+fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     options.check()?;
     // A long computation must not end with nowhere to put its result.
     std::fs::create_dir_all(&options.out)
@@ -39,12 +34,12 @@ fn run(options: &Options) -> Outcome<()> {
     let mut written = Vec::new();
     for &theta in &options.theta {
         let study = study::run(options, theta)?;
-        println!("{}", tables::summary(&study));
+        out.line(format!("{}", tables::summary(&study)));
         written.extend(tables::write_all(&study, &options.out)?);
         written.extend(figures::write_all(&study, &options.out)?);
     }
     for path in written {
-        println!("Written: {}", path.display());
+        out.line(format!("Written: {}", path.display()));
     }
     Ok(())
 }

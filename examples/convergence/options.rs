@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use forms_contact::hollow_cylinder::Settings;
+use forms_examples::memory;
 use forms_fem::prelude::Threads;
 
 use crate::Outcome;
@@ -38,6 +39,9 @@ pub struct Options {
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+    /// Goes on where the memory will not do, by an estimate
+    #[arg(long)]
+    pub any_memory: bool,
     /// Directory of the results; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/convergence")]
     pub out: PathBuf,
@@ -61,6 +65,14 @@ impl Options {
             for &extension in &self.extension {
                 Settings { extension, ..self.settings(self.reference, theta) }.check()?;
             }
+        }
+        if !self.any_memory {
+            let unknowns = self.settings(self.reference, -1.0).unknowns();
+            memory::check(
+                &format!("--reference {}", self.reference),
+                unknowns,
+                memory::of_contact(unknowns),
+            )?;
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::time::Duration;
 
+use forms_fem::output::tell;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Shows the progress.
@@ -31,7 +32,7 @@ impl Reporter {
                 bar.set_message(name.to_owned());
                 bar.inc(1);
             }
-            None => eprintln!("{name}"),
+            None => tell(&name),
         }
     }
 }

@@ -1,6 +1,11 @@
 //! Forms as a user writes them, one file each, none longer than 40 lines of code. Each is compared with scikit-fem entry by
 //! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`tests/compile_cost`).
-//! Contact by Nitsche's method stands in the package `forms-contact`.
+//! Contact by Nitsche's method stands in the package `forms-contact`. Beside them what the programs share.
+
+#[path = "../command_line.rs"]
+pub mod command_line;
+#[path = "../memory.rs"]
+pub mod memory;
 
 pub mod anisotropic_elasticity;
 pub mod ghost_penalty;

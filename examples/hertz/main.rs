@@ -9,12 +9,15 @@
 mod bodies;
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use clap::Parser;
 use forms_contact::forms;
 use forms_contact::hertz::{CONTACT, CONTACT_CELLS, Hertz, in_space, quarter_place};
 use forms_contact::threshold::threshold;
+use forms_examples::command_line::program_with_options;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
+use forms_fem::output::{StandardOutput, tell};
 use forms_fem::prelude::*;
 
 use bodies::Contact;
@@ -29,24 +32,27 @@ struct Options {
     body: Contact,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let contact = Options::parse().body;
+fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+    let contact = options.body;
     let body = contact.body();
     let problem = in_space(body, DIVISIONS)?;
     let (mesh, space) = (problem.space.mesh(), &problem.space);
     // θ = −1 is stable for every γ₀; other variants would be warned about here.
     if let Some(warning) = threshold(&problem, CONTACT_CELLS)?.warning() {
-        eprintln!("warning: {warning}");
+        tell(format!("warning: {warning}"));
     }
     let mut solver = CondensedSolver::default();
     let solved = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
         let active = step.active_points.unwrap_or(0);
-        println!("Newton {}: residual {:.2e}, {active} active points", step.iteration, step.residual);
+        out.line(format!(
+            "Newton {}: residual {:.2e}, {active} active points",
+            step.iteration, step.residual
+        ));
     })?;
     let u = solved.result.field;
     let report = solver.report();
     if let (Some(path), Some(count)) = (report.path, report.condensed_unknowns) {
-        println!("{} unknowns, {path}, {count} of them", space.unknowns());
+        out.line(format!("{} unknowns, {path}, {count} of them", space.unknowns()));
     }
 
     let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
@@ -54,8 +60,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let hertz = Hertz::of_point(force);
     let Hertz { reach: a, peak: p0 } = hertz;
     let error = hertz.profile_error(&problem, &u)?;
-    println!("force {force:.4} N, Hertz: radius of contact {a:.4} mm, pressure {p0:.3} MPa in the middle");
-    println!("pressure profile: {:.2} % from Hertz in the L² norm", 100.0 * error);
+    out.line(format!(
+        "force {force:.4} N, Hertz: radius of contact {a:.4} mm, pressure {p0:.3} MPa in the middle"
+    ));
+    out.line(format!("pressure profile: {:.2} % from Hertz in the L² norm", 100.0 * error));
 
     std::fs::create_dir_all("out")?;
     let pressure = forms::contact_pressure(data, &u);
@@ -115,4 +123,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     assert!(error < 0.02, "the pressure profile is {error} from Hertz");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program_with_options(run)
 }

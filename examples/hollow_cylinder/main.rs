@@ -3,7 +3,6 @@
 
 mod destinations;
 mod measurements;
-mod memory;
 mod options;
 mod pictures;
 mod progress;
@@ -17,32 +16,28 @@ use std::time::Instant;
 
 use forms_contact::hollow_cylinder::{CONTACT_CELLS, CylinderError, Settings, hollow_cylinder, solve};
 use forms_contact::threshold::required_gamma0;
-use forms_fem::output::write_whole;
+use forms_examples::command_line::program_with_options;
+use forms_examples::memory;
+use forms_fem::output::{StandardOutput, tell, write_whole};
 
 use measurements::Measurements;
-use options::{Options, one_line};
+use options::Options;
 use progress::Reporter;
 
 /// What can go wrong while files are written has no common type.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {
-    let options = match options::from_command_line() {
-        Ok(options) => options,
-        Err(code) => return code,
-    };
-    match run(&options) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", one_line(&error.to_string()));
-            ExitCode::FAILURE
-        }
-    }
+    program_with_options(run)
 }
 
-fn run(options: &Options) -> Outcome<()> {
+fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     let start = Instant::now();
     let settings = options.settings()?;
+    if !options.any_memory {
+        let unknowns = settings.unknowns();
+        memory::check(&format!("--radial {}", settings.radial), unknowns, memory::of_contact(unknowns))?;
+    }
     // A long computation must not end with nowhere to put its result.
     destinations::prepare_directory(&options.out)?;
     if let Some(json) = &options.json {
@@ -65,16 +60,16 @@ fn run(options: &Options) -> Outcome<()> {
     measured.seconds.total = start.elapsed().as_secs_f64();
     measured.peak_rss_mb = memory::peak_megabytes();
     if let Some(warning) = threshold_warning(&settings, solution.required_gamma0) {
-        eprintln!("{warning}");
+        tell(&warning);
     }
-    print(&table::of(&measured));
+    out.line(table::of(&measured));
     if let Some(path) = &options.json {
         let text = serde_json::to_string_pretty(&measured)?;
         write_whole(path, |writer| writeln!(writer, "{text}"))?;
-        print(&format!("Written: {}\n", path.display()));
+        out.line(format!("Written: {}", path.display()));
     }
     for file in files? {
-        print(&format!("Written: {}\n", file.display()));
+        out.line(format!("Written: {}", file.display()));
     }
     Ok(())
 }
@@ -82,13 +77,14 @@ fn run(options: &Options) -> Outcome<()> {
 /// Newton's history, and whether γ₀ may be to blame.
 fn explain_failure(settings: &Settings, error: &CylinderError) {
     if let CylinderError::Newton(newton) = error {
-        eprint!("{}", table::newton_history(&newton.history.iter().map(Into::into).collect::<Vec<_>>()));
+        let history: Vec<_> = newton.history.iter().map(Into::into).collect();
+        tell(table::newton_history(&history).trim_end_matches('\n'));
         let required = hollow_cylinder(settings).and_then(|problem| {
             let required = required_gamma0(&problem, CONTACT_CELLS)?;
             Ok(required)
         });
         if let Some(warning) = required.ok().and_then(|required| threshold_warning(settings, required)) {
-            eprintln!("{warning}");
+            tell(&warning);
         }
     }
 }
@@ -103,9 +99,4 @@ fn threshold_warning(settings: &Settings, required: f64) -> Option<String> {
             settings.gamma0_over_young, settings.theta, needed
         )
     })
-}
-
-/// Prints to the standard output; a reader who has gone away is no error.
-fn print(text: &str) {
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }

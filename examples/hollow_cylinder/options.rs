@@ -1,10 +1,8 @@
 //! The command line.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Parser;
-use clap::error::ErrorKind;
 use forms_contact::hollow_cylinder::Settings;
 use forms_fem::prelude::Threads;
 
@@ -42,6 +40,9 @@ pub struct Options {
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = thread_count)]
     threads: Option<usize>,
+    /// Goes on where the memory will not do, by an estimate
+    #[arg(long)]
+    pub any_memory: bool,
     /// Writes all results to this file too; its directory must exist
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -71,29 +72,6 @@ impl Options {
         }
         Ok(settings)
     }
-}
-
-/// Reads the command line. Help goes to the standard output; an error is one line, and the process's code 2.
-pub fn from_command_line() -> Result<Options, ExitCode> {
-    Options::try_parse().map_err(|error| match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // A reader who has gone away is no error.
-            let _ = error.print();
-            ExitCode::SUCCESS
-        }
-        _ => {
-            // After the first paragraph clap repeats the usage.
-            let text = error.render().to_string();
-            eprintln!("{} (--help lists the options)", one_line(text.split("\n\n").next().unwrap_or(&text)));
-            ExitCode::from(2)
-        }
-    })
-}
-
-/// The text on one line, whatever a user's argument or a system's message contains.
-pub fn one_line(text: &str) -> String {
-    let parts = text.split(|c: char| c.is_control() || c.is_whitespace()).filter(|part| !part.is_empty());
-    parts.collect::<Vec<_>>().join(" ")
 }
 
 fn number(text: &str) -> Result<f64, String> {

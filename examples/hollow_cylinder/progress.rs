@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use forms_contact::hollow_cylinder::{CELLS_AROUND, Progress, Settings};
+use forms_fem::output::tell;
 use forms_fem::prelude::NewtonStep;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -38,7 +39,7 @@ impl Reporter {
                 spinner.println(line(step));
                 spinner.set_message("direct problem (14)");
             }
-            (Progress::Newton(step), None) => eprintln!("{}", line(step)),
+            (Progress::Newton(step), None) => tell(format!("{}", line(step))),
         }
     }
 
@@ -46,7 +47,7 @@ impl Reporter {
     pub fn stage(&self, name: &str) {
         match &self.spinner {
             Some(spinner) => spinner.set_message(name.to_owned()),
-            None => eprintln!("{name}"),
+            None => tell(&name),
         }
     }
 

@@ -4,6 +4,7 @@
 //! `cargo run --release --bin shape_derivatives -- --finest 64`
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use clap::Parser;
 use forms_contact::boundary_form::boundary_form;
@@ -12,6 +13,9 @@ use forms_contact::hollow_cylinder::{
 };
 use forms_contact::shape_gradient::Diameters;
 use forms_contact::states::{Adjoint, ContactProblem};
+use forms_examples::command_line::program_with_options;
+use forms_examples::memory;
+use forms_fem::output::{StandardOutput, tell};
 use forms_fem::prelude::*;
 
 /// The shape derivative of the paper's cylinder in four ways.
@@ -26,6 +30,9 @@ struct Options {
     /// Central differences are taken up to so many cells across the thickness.
     #[arg(long, default_value_t = 8)]
     differences: usize,
+    /// Goes on where the memory will not do, by an estimate.
+    #[arg(long)]
+    any_memory: bool,
 }
 
 /// Which boundary moves.
@@ -134,8 +141,11 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
     Ok(all)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let options = Options::parse();
+fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+    if !options.any_memory {
+        let unknowns = Settings { radial: options.finest, ..Settings::default() }.unknowns();
+        memory::check(&format!("--finest {}", options.finest), unknowns, memory::of_contact(unknowns))?;
+    }
     let meshes: Vec<usize> = std::iter::successors(Some(4), |radial| Some(2 * radial))
         .take_while(|radial| *radial <= options.finest)
         .collect();
@@ -143,14 +153,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     for &radial in &meshes {
         let settings = Settings { radial, theta: options.theta, ..Settings::default() };
         rows.push(measure(&settings, radial <= options.differences)?);
-        eprintln!("n_r = {radial}");
+        tell(format!("n_r = {radial}"));
     }
     for (index, (_, name)) in PIECES.iter().enumerate() {
-        println!("\n### The {name} boundary moves\n");
-        println!(
-            "| n_r | volume (21) | its adjoint part | boundary (22) off by | order | boundary (21) off by | order | central differences off by |"
-        );
-        println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+        out.line(format!("\n### The {name} boundary moves\n"));
+        out.line("| n_r | volume (21) | its adjoint part | boundary (22) off by | order | boundary (21) off by | order | central differences off by |");
+        out.line("| --- | --- | --- | --- | --- | --- | --- | --- |");
         let mut before: Option<[f64; 2]> = None;
         for (radial, row) in meshes.iter().zip(&rows) {
             let Derivatives { volume, boundary_consistent, boundary_discrete, adjoint_part, difference } =
@@ -163,15 +171,19 @@ fn main() -> Result<(), Box<dyn Error>> {
             };
             let difference = difference
                 .map_or_else(String::new, |value| format!("{:.1e}", ((value - volume) / volume).abs()));
-            println!(
+            out.line(format!(
                 "| {radial} | {volume:.6} | {adjoint_part:.4} | {:.2e} | {} | {:.2e} | {} | {difference} |",
                 now[0],
                 order(0),
                 now[1],
                 order(1)
-            );
+            ));
             before = Some(now);
         }
     }
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program_with_options(run)
 }

@@ -53,6 +53,9 @@ pub struct Options {
     /// Begins anew where a run was stopped, or had ended
     #[arg(long)]
     pub anew: bool,
+    /// Goes on where the memory will not do, by an estimate
+    #[arg(long)]
+    pub any_memory: bool,
     /// Directory of all results; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/shape_optimisation")]
     pub out: PathBuf,
@@ -110,6 +113,16 @@ impl Options {
         })
     }
 
+    /// Unknowns of the displacement on biquadratic cells, but for those on the boundary; before any mesh is made.
+    pub fn unknowns(&self) -> f64 {
+        let [side, layers] = [self.cells_per_side(), self.layers].map(|count| count as f64);
+        let cells = match self.case {
+            Case::Cantilever => 30.0 * side * side,
+            _ => 4.0 * self.rows as f64 * self.holes as f64 * side * layers,
+        };
+        8.0 * cells
+    }
+
     /// How the descent goes.
     pub fn descent(&self) -> DescentOptions {
         let inner_product = InnerProduct { outline: self.smoothing, ..InnerProduct::elasticity(0.0) };
@@ -121,9 +134,15 @@ impl Options {
         }
     }
 
+    /// Settings that a run which goes on may change.
+    pub fn changeable(&self) -> Value {
+        json!({ "steps": self.steps, "every": self.every })
+    }
+
     /// All that a result depends on. The number of steps does not change the steps.
     pub fn settings(&self, run: &str) -> Result<Value, serde_json::Error> {
         let mut settings = json!({
+            "version": env!("CARGO_PKG_VERSION"),
             "case": self.case.name(),
             "run": run,
             "holes": self.holes,

@@ -33,7 +33,7 @@ pub fn write_all(options: &Options, initial: &Arc<Mesh<2>>, runs: &[Run]) -> Out
     for run in runs {
         let directory = run.logbook.directory();
         write(directory.join("history.png"), history_picture(&run.state, label)?.draw()?)?;
-        let shapes = run.logbook.shapes(initial, &run.state)?;
+        let shapes = run.logbook.shapes(initial)?;
         write(directory.join("shapes.png"), strip(&shapes, 4, Some(window))?.draw()?)?;
     }
     write(options.out.join(format!("{name}.png")), figure(runs)?)?;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use forms_contact::shape_problem::{ContactShape, ContactState, Criterion};
+use forms_fem::output::tell;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
     Descent, DescentState, Finish, Logbook, Report, Rotations, ShapeProblem,
@@ -47,13 +48,14 @@ impl Run {
     ) -> Outcome<Run> {
         let clock = Instant::now();
         let descent = Descent { problem, initial: initial.clone(), options: options.descent(), pattern };
-        let logbook = Logbook::new(options.out.join(name), options.settings(name)?, options.every)?;
+        let (settings, changeable) = (options.settings(name)?, options.changeable());
+        let mut logbook = Logbook::new(options.out.join(name), settings, changeable, options.every)?;
         if options.anew {
             logbook.forget()?;
         }
         let from = logbook.state()?;
         if let Some(from) = &from {
-            eprintln!("{name}: goes on from step {}", from.iterations());
+            tell(format!("{name}: goes on from step {}", from.iterations()));
         }
         let progress = Progress::new(name, options.steps);
         let mut hear = |report: &Report<ContactState<2>, 2>| {
@@ -157,7 +159,7 @@ impl Progress {
                 bar.set_position(state.iterations() as u64);
                 bar.set_message(text);
             }
-            None => eprintln!("{} step {}: {text}", self.name, state.iterations()),
+            None => tell(format!("{} step {}: {text}", self.name, state.iterations())),
         }
     }
 

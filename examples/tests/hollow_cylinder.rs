@@ -1,7 +1,7 @@
 //! The program `hollow_cylinder` as a user runs it: options, exit codes, files, JSON.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
@@ -226,6 +226,84 @@ fn places_that_cannot_be_written_stop_the_program_at_once() {
         assert!(output.stdout.is_empty());
     }
     assert_eq!(std::fs::read_to_string(directory.path().join("file")).expect("a file"), "kept");
+}
+
+/// Programs that need more memory than any machine has say so before they begin.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_needs_too_much_memory_is_refused() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let output = run(&["--radial", "2000"], directory.path());
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.starts_with("error: --radial 2000: 512128000 unknowns need about 20"), "{errors}");
+    assert!(errors.contains("are available (--any-memory"), "{errors}");
+    assert_eq!(errors.lines().count(), 1, "{errors}");
+    assert_eq!(names_in(directory.path()), Vec::<String>::new(), "nothing was made");
+}
+
+/// Results on disk do not depend on who reads the standard output; the exit code tells that it was lost.
+#[cfg(target_os = "linux")]
+#[test]
+fn results_are_written_whatever_the_standard_output_does() {
+    let everything_is_there = |directory: &Path| {
+        assert_eq!(names_in(&directory.join("out")), FILES);
+        let json = std::fs::read_to_string(directory.join("result.json")).expect("the JSON file");
+        serde_json::from_str::<Value>(&json).expect("JSON");
+    };
+    let start = |directory: &Path| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hollow_cylinder"));
+        command.args(["--radial", "2", "--json", "result.json"]).current_dir(directory);
+        command.stderr(Stdio::piped());
+        command
+    };
+    let full = || Stdio::from(std::fs::File::create("/dev/full").expect("the device"));
+    let directory = tempfile::tempdir().expect("a directory");
+    let output = start(directory.path()).stdout(full()).output().expect("the program starts");
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    let last = errors.lines().last().expect("a line");
+    assert!(last.starts_with("error: the standard output cannot be written: "), "{errors}");
+    everything_is_there(directory.path());
+    // A reader who goes away at once: nothing is said, and the code is that of a broken pipe.
+    let directory = tempfile::tempdir().expect("a directory");
+    let mut child = start(directory.path()).stdout(Stdio::piped()).spawn().expect("the program starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(141), "{errors}");
+    assert!(!errors.contains("error") && !errors.contains("panicked"), "{errors}");
+    everything_is_there(directory.path());
+    // Nobody hears the progress: no error.
+    let directory = tempfile::tempdir().expect("a directory");
+    let output = start(directory.path()).stderr(full()).output().expect("the program starts");
+    assert_eq!(output.status.code(), Some(0));
+    everything_is_there(directory.path());
+    // Help, too.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hollow_cylinder"));
+    let status = command.arg("--help").stdout(full()).stderr(Stdio::null()).status().expect("it starts");
+    assert_eq!(status.code(), Some(1));
+}
+
+/// A link under the name of the results stays, and leads to them; a named pipe is written through.
+#[cfg(unix)]
+#[test]
+fn links_and_pipes_stay() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let at = |name: &str| directory.path().join(name);
+    std::os::unix::fs::symlink("there.json", at("link.json")).expect("a link");
+    let output = run(&["--radial", "2", "--json", "link.json"], directory.path());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(std::fs::symlink_metadata(at("link.json")).expect("the link").is_symlink());
+    assert!(std::fs::read_to_string(at("there.json")).expect("the results").starts_with('{'));
+    assert!(Command::new("mkfifo").arg(at("pipe")).status().expect("mkfifo").success());
+    let pipe = at("pipe");
+    let reader = std::thread::spawn(move || std::fs::read_to_string(pipe).expect("what was written"));
+    let output = run(&["--radial", "2", "--json", "pipe"], directory.path());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(!std::fs::metadata(at("pipe")).expect("the pipe").is_file(), "the pipe was replaced");
+    let json: Value = serde_json::from_str(&reader.join().expect("a reader")).expect("JSON");
+    assert_eq!(json["unknowns"], 640);
 }
 
 #[test]

@@ -109,6 +109,46 @@ fn a_descent_that_is_killed_ends_as_one_that_is_not() {
     assert!(printed.contains("Between the two optimal shapes: at most "), "{printed}");
 }
 
+/// Without a step there is still a shape to show; and shapes that were written every so many steps are found again when the
+/// run goes on with another number.
+#[test]
+fn a_run_goes_on_with_another_number_of_steps_between_shapes() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let with = |steps: &'static str, every: &'static str| {
+        let mut arguments = COARSE.to_vec();
+        (arguments[10], arguments[12]) = (steps, every);
+        arguments
+    };
+    run(directory.path(), &with("0", "4"));
+    run(directory.path(), &with("3", "3"));
+    run(directory.path(), &with("4", "2"));
+    // It has ended: it is shown again.
+    run(directory.path(), &with("4", "1"));
+    let text = std::fs::read_to_string(directory.path().join("adjoint_21").join("checkpoint.json"));
+    let sealed: serde_json::Value = serde_json::from_str(&text.expect("a checkpoint")).expect("JSON");
+    let checkpoint = &sealed["checkpoint"];
+    assert_eq!(checkpoint["shapes"], serde_json::json!([0, 3, 4]));
+    assert_eq!(checkpoint["changeable"], serde_json::json!({ "every": 2, "steps": 4 }));
+    assert_eq!(checkpoint["settings"]["version"], env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
+fn too_many_cells_are_refused() {
+    if cfg!(target_os = "linux") {
+        for case in ["figure-6", "cantilever"] {
+            let directory = tempfile::tempdir().expect("a directory");
+            let arguments = [case, "--cells-per-side", "1000000"];
+            let output = command(directory.path(), &arguments).output().expect("it starts");
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(1));
+            assert!(
+                errors.starts_with("error: --cells-per-side 1000000: ") && errors.contains(" GB"),
+                "{errors}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_checkpoint_of_other_settings_is_refused() {
     let directory = tempfile::tempdir().expect("a directory");

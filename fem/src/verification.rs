@@ -252,7 +252,10 @@ pub fn tangent<F: Form<D>, const D: usize>(
     let spaces: Vec<_> = unknowns.iter().map(|unknown| unknown.space()).collect();
     let derivative = assembler.action(form, unknowns, directions, &spaces)?;
     taylor(first, &derivative, |step| {
-        let moved = unknowns.iter().zip(directions).map(|(unknown, direction)| unknown.plus(step, direction));
+        let moved = unknowns
+            .iter()
+            .zip(directions)
+            .map(|(unknown, direction)| Field::combination(&[(1.0, *unknown), (step, *direction)]));
         let moved = moved.collect::<Result<Vec<_>, FieldError>>()?;
         let moved: Vec<&Field<D>> = moved.iter().collect();
         let active_set = assembler.active_set(form, &moved)?;

@@ -15,6 +15,7 @@ mod multipliers;
 mod only_what_changes;
 mod owned_cells;
 mod positive_parts;
+mod reactions;
 mod related_unknowns;
 mod rotated_relations;
 mod second_derivatives;

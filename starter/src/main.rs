@@ -1,8 +1,10 @@
 //! Heat in a plate whose conductivity k(T) = 1 + c T grows with temperature: a form, Newton's method, a picture.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
+use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 /// The physics. Change it: the tangent, the kernels and the quadrature degree follow.
@@ -32,7 +34,7 @@ pub mod heat {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // Hot at the left, cold at the right, insulated below and above.
     let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?);
     let space = Space::scalar(&mesh, 2)?;
@@ -47,11 +49,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (start, options) = (Field::zero(&space), NewtonOptions::default());
     let solved =
         problem.solve(&start, &constraints, &mut TangentSolver::default(), &options, &mut |step| {
-            println!("Newton step {}: residual {:.2e}", step.iteration, step.residual);
+            out.line(format!("Newton step {}: residual {:.2e}", step.iteration, step.residual));
         })?;
 
     let flux = assembler.at_points(&heat::flux(&data, &solved.field), &[[1.0, 0.5]])?;
-    println!("heat flux in the middle: {:?}", flux.values[0]);
+    out.line(format!("heat flux in the middle: {:?}", flux.values[0]));
 
     // Kirchhoff: T + T²/2 · c falls linearly from left to right, so the flux is (1 + c/2)/2 everywhere.
     let exact = (1.0 + data.growth / 2.0) / 2.0;
@@ -59,6 +61,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     std::fs::create_dir_all("out")?;
     FieldMap::of(&solved.field, Shown::Component(0), "T").write_png("out/temperature.png")?;
-    println!("picture: out/temperature.png");
+    out.line("picture: out/temperature.png");
     Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::Command;
 
+use forms_fem::output::{StandardOutput, tell};
 use serde::Serialize;
 
 use super::process::{environment_python, output, peers, succeeds, system_python};
@@ -105,18 +106,19 @@ fn ours(arguments: &[&str]) -> Result<String, ComparisonError> {
 ///
 /// # Errors
 /// What the measured program says, or that the arguments are wrong.
-pub fn work(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
+pub fn work(arguments: &[String], out: &mut StandardOutput) -> Result<(), Box<dyn std::error::Error>> {
     let number = |index: usize| -> Result<usize, Box<dyn std::error::Error>> {
         Ok(arguments.get(index).ok_or("a number is missing")?.parse()?)
     };
     let name = arguments.first().ok_or("the case is missing")?;
     if name == "contact" {
-        println!("{}", serde_json::to_string(&crate::assembly::measure_contact(number(1)?, number(2)?)?)?);
+        let measured = crate::assembly::measure_contact(number(1)?, number(2)?)?;
+        out.line(serde_json::to_string(&measured)?);
         return Ok(());
     }
     let case = Case::named(name).ok_or("no such case")?;
     let measured = crate::assembly::measure(case, number(1)?, number(2)?, number(3)?)?;
-    println!("{}", serde_json::to_string(&measured)?);
+    out.line(serde_json::to_string(&measured)?);
     Ok(())
 }
 
@@ -157,13 +159,13 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
         let measure = |threads: usize| -> Result<Vec<Measured>, ComparisonError> {
             read("forms-fem", &ours(&[case.name(), &size, "5", &threads.to_string()])?)
         };
-        eprintln!("{}: forms-fem", case.name());
+        tell(format!("{}: forms-fem", case.name()));
         for threads in [1, 2].into_iter().filter(|threads| *threads <= cores) {
             measure(threads)?.into_iter().for_each(|found| keep(found, &mut programs));
         }
         for peer in peers.iter().filter(|peer| peer.present) {
             let Some(mut command) = (peer.command)(case) else { continue };
-            eprintln!("{}: {}", case.name(), peer.name);
+            tell(format!("{}: {}", case.name(), peer.name));
             let samples = if options.quick { 1 } else { peer.samples }.to_string();
             let flags = if peer.name == "FreeFEM" {
                 ["-divisions", "-samples"]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::Command;
 
+use forms_fem::output::tell;
 use serde::{Deserialize, Serialize};
 
 use super::process::{environment_python, output, peers, succeeds, system_python, workspace};
@@ -100,7 +101,7 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
         return Ok(());
     }
     if !environment_python().exists() {
-        eprintln!("making the virtual environment with FFCx 0.11: this needs a network");
+        tell("making the virtual environment with FFCx 0.11: this needs a network");
     }
     let mut command = Command::new("bash");
     command.arg(peers().join("run_ffcx_kernels.sh"));
@@ -114,7 +115,7 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
     match output("run_ffcx_kernels.sh", &mut command) {
         Ok(text) => report.kernels = read_timings(&text)?,
         Err(error) => {
-            eprintln!("{error}");
+            tell(&error);
             let how = "python3 with venv, gcc, bc, and a network for `pip install fenics-ffcx==0.11.0`";
             report.missing.push(("FFCx 0.11".to_owned(), how.to_owned()));
         }

@@ -1,9 +1,11 @@
 //! The report: Markdown, charts, and the numbers as JSON.
 
 use std::fmt::Write;
+use std::io::Write as _;
 use std::path::Path;
 
 use forms_fem::output::picture::{BarChart, Picture};
+use forms_fem::output::write_whole;
 use serde::Serialize;
 
 use super::{AssemblyRow, ComparisonError, ContactRow, KernelRow, Machine};
@@ -183,13 +185,13 @@ impl Report {
         };
         file(directory, std::fs::create_dir_all(directory))?;
         let path = directory.join("comparison.md");
-        file(&path, std::fs::write(&path, self.markdown()))?;
+        file(&path, write_whole(&path, |file| file.write_all(self.markdown().as_bytes())))?;
         let path = directory.join("comparison.json");
         let numbers = serde_json::to_string_pretty(self).map_err(|error| ComparisonError::Output {
             program: "the report".to_owned(),
             reason: error.to_string(),
         })?;
-        file(&path, std::fs::write(&path, numbers))?;
+        file(&path, write_whole(&path, |file| file.write_all(numbers.as_bytes())))?;
         if let Some(chart) = self.chart_of_kernels() {
             chart.write_png(directory.join("kernels.png"))?;
         }

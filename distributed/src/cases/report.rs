@@ -8,10 +8,8 @@ use crate::world::World;
 
 /// Prints a line of a name and numbers, to the last bit, on the first process.
 pub fn tell(world: &World, name: &str, numbers: &[f64]) {
-    if world.rank() == 0 {
-        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
-        println!("{name} {}", numbers.join(" "));
-    }
+    let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
+    world.print(format!("{name} {}", numbers.join(" ")));
 }
 
 /// Prints the iterates of Newton's method, on the first process.

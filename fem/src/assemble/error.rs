@@ -240,7 +240,7 @@ pub enum AssemblyError {
         form: &'static str,
         /// The unknown's or test function's name in the form.
         field: &'static str,
-        /// "start", "constraints" or "positions of the matrix".
+        /// "start", "constraints", "coefficients" or "positions of the matrix".
         what: &'static str,
     },
     /// A matrix pattern made for another form.

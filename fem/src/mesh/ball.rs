@@ -17,7 +17,7 @@ const CORE: f64 = 0.5;
 ///
 /// # Errors
 /// [`MeshError::Parameter`] unless `radius` is positive, `core` ≥ 1 and `layers` ≥ 1; a shape that is not in space, a
-/// degree that does not exist.
+/// degree that does not exist; [`MeshError::TooLarge`].
 pub fn ball(
     radius: f64,
     cut: [bool; 3],
@@ -34,6 +34,9 @@ pub fn ball(
         return Err(MeshError::Dimension { shape, dimension: 3 });
     }
     let mut blocks = Blocks::new(CellShape::Hexahedron, degree)?;
+    if nodes_at_most(cut, core * degree, layers * degree) > u64::from(u32::MAX) {
+        return Err(MeshError::TooLarge { what: "nodes" });
+    }
     // Steps of the cube's lattice run from -half to half, or from 0 where it is cut.
     let half = (core * degree) as i64;
     let outer = layers * degree;
@@ -88,6 +91,17 @@ pub fn ball(
     if shape == CellShape::Tetrahedron { mesh.simplices() } else { Ok(mesh) }
 }
 
+/// Nodes of the inner cube and of the layers on its faces, those where they meet counted twice; half an edge of the cube has
+/// `half` steps.
+fn nodes_at_most(cut: [bool; 3], half: usize, layers: usize) -> u64 {
+    let along = cut.map(|cut| (if cut { half } else { 2 * half }) as u64 + 1);
+    let faces = (0..3).map(|k| {
+        let sides = if cut[k] { 1 } else { 2 };
+        sides * along[(k + 1) % 3] * along[(k + 2) % 3] * layers as u64
+    });
+    along.iter().product::<u64>() + faces.sum::<u64>()
+}
+
 // The place in the unit ball of a point u of the cube [-1, 1]³ (t = 0), or between a point of its surface and the sphere.
 fn position(u: [f64; 3], t: f64) -> [f64; 3] {
     let inside = cube_to_ball(u.map(|x| CORE * x));
@@ -115,6 +129,19 @@ mod tests {
     use crate::mesh::{Surface, onto_sphere};
 
     const PARTS: [[bool; 3]; 4] = [[false; 3], [false, false, true], [true, false, true], [true; 3]];
+
+    /// Counts that are allowed one by one are too many together: the numbers of nodes would begin again at 0.
+    #[test]
+    fn too_many_nodes_are_refused_before_they_are_made() {
+        let too_many = |core, layers| ball(1.0, [false; 3], core, layers, CellShape::Hexahedron, 2).err();
+        assert_eq!(too_many(1000, 1), Some(MeshError::TooLarge { what: "nodes" }));
+        assert_eq!(too_many(500, 500), Some(MeshError::TooLarge { what: "nodes" }));
+        // No fewer than there are.
+        for cut in PARTS {
+            let mesh = ball(1.0, cut, 2, 3, CellShape::Hexahedron, 2).expect("a small ball");
+            assert!(nodes_at_most(cut, 4, 6) >= mesh.node_count() as u64);
+        }
+    }
 
     #[test]
     fn parts_of_a_ball() -> Result<(), MeshError> {

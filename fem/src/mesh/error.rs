@@ -54,6 +54,16 @@ pub enum MeshError {
         /// "nodes" or "cells".
         what: &'static str,
     },
+    /// The system has no room for so many.
+    #[error("there is not enough memory for {count} {what}, {:.1} GB", *bytes as f64 / 1e9)]
+    NoMemory {
+        /// "nodes" or "cells".
+        what: &'static str,
+        /// How many.
+        count: usize,
+        /// What they need \[bytes\].
+        bytes: usize,
+    },
     /// A coordinate is NaN or infinite.
     #[error("node {node} has a coordinate that is not finite: {position:?}")]
     NotFinite {

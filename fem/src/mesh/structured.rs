@@ -53,8 +53,10 @@ impl<const D: usize> Grid<D> {
         }
         let counts = self.node_counts()?;
         let total: usize = counts.iter().product();
-        let nodes = (0..total).map(|node| map(self.logical(self.unpack(node, &counts)))).collect();
-        let cells = self.cells(&element, &counts);
+        let mut nodes = room("nodes", total, 1)?;
+        // Known before any node is made.
+        let cells = self.cells(&element, &counts)?;
+        nodes.extend((0..total).map(|node| map(self.logical(self.unpack(node, &counts)))));
         let mut mesh = Mesh::from_parts(self.shape, self.degree, nodes, cells)?;
         for direction in (0..D).filter(|&direction| !self.periodic[direction]) {
             for (end, name) in self.sides[direction].into_iter().enumerate() {
@@ -104,10 +106,12 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|k| place[k] as f64 / (self.divisions[k] * self.degree) as f64)
     }
 
-    fn cells(&self, element: &Lagrange, counts: &[usize; D]) -> Vec<u32> {
+    fn cells(&self, element: &Lagrange, counts: &[usize; D]) -> Result<Vec<u32>, MeshError> {
         let templates = self.templates(element);
         let blocks: usize = self.divisions.iter().product();
-        let mut cells = Vec::with_capacity(blocks * templates.len() * element.nodes());
+        let count = blocks.checked_mul(templates.len()).filter(|count| u32::try_from(*count).is_ok());
+        let count = count.ok_or(MeshError::TooLarge { what: "cells" })?;
+        let mut cells = room("cells", count, element.nodes())?;
         for block in 0..blocks {
             let corner = self.unpack(block, &self.divisions).map(|place| place * self.degree);
             for template in &templates {
@@ -120,7 +124,7 @@ impl<const D: usize> Grid<D> {
                 }
             }
         }
-        cells
+        Ok(cells)
     }
 
     // For each cell of a block: the places of its nodes, in steps of 1/degree block.
@@ -171,5 +175,40 @@ impl<const D: usize> Grid<D> {
         let nodes = mesh.cell(facet.cell as usize);
         let vertices = self.shape.facet_vertices(usize::from(facet.local));
         vertices.iter().all(|&v| self.unpack(nodes[v] as usize, counts)[direction] == place)
+    }
+}
+
+/// Room for a list of so many nodes or cells, each of `length` parts; an error where the system has none, and no abort.
+fn room<T>(what: &'static str, count: usize, length: usize) -> Result<Vec<T>, MeshError> {
+    let mut list = Vec::new();
+    let parts = count.saturating_mul(length);
+    match list.try_reserve_exact(parts) {
+        Ok(()) => Ok(list),
+        Err(_) => {
+            let bytes = parts.saturating_mul(size_of::<T>());
+            Err(MeshError::NoMemory { what, count, bytes })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counts that no list can have are refused before anything is made.
+    #[test]
+    fn absurd_counts_are_refused_at_once() {
+        let nothing = |_: [f64; 3]| -> [f64; 3] { panic!("a node was made") };
+        // 1.0·10⁹ nodes can be numbered, 6·10⁹ tetrahedra cannot.
+        let mesh = structured([1000; 3], CellShape::Tetrahedron, 1, nothing);
+        assert_eq!(mesh.err(), Some(MeshError::TooLarge { what: "cells" }));
+        let mesh = structured([usize::MAX / 2, 3, 3], CellShape::Hexahedron, 2, nothing);
+        assert_eq!(mesh.err(), Some(MeshError::TooLarge { what: "nodes" }));
+        let refused = room::<[f64; 2]>("nodes", usize::MAX / 32, 1).map(|list| list.len());
+        let message = refused.err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(
+            message.starts_with("there is not enough memory for 576460752303423487 nodes, "),
+            "{message}"
+        );
     }
 }

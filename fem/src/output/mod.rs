@@ -4,10 +4,12 @@ pub mod atomic;
 pub mod matrix_market;
 #[cfg(feature = "pictures")]
 pub mod picture;
+pub mod standard_output;
 pub mod vtu;
 
-pub use atomic::write_whole;
+pub use atomic::{check_writable, write_whole};
 pub use matrix_market::write_matrix_market;
+pub use standard_output::{StandardOutput, one_line, program, tell};
 pub use vtu::{VtuError, VtuFile};
 
 use crate::field::Field;

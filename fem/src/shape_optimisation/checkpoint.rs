@@ -11,11 +11,17 @@ use super::history::DescentState;
 use crate::output::write_whole;
 
 /// The state of a descent, and the settings that it belongs to. Numbers are written such that they read back as what they
-/// were, to the last bit.
+/// were, to the last bit. In the file a checksum stands beside them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
+    /// Version of this package, whose later ones may take other steps.
+    version: String,
     /// The program's settings, by name: all that the result depends on.
     pub settings: Value,
+    /// Settings that a run which goes on may change, as the number of steps.
+    pub changeable: Value,
+    /// Steps whose shapes have been written.
+    pub shapes: Vec<usize>,
     /// The state.
     pub state: DescentState,
 }
@@ -34,6 +40,16 @@ pub enum CheckpointError {
         /// What is wrong in it.
         why: String,
     },
+    /// What is in the file is not what was written.
+    #[error("{} is damaged: its checksum is {found}, not {expected}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// The checksum that it states.
+        expected: String,
+        /// The checksum of what it holds.
+        found: String,
+    },
     /// It was made with other settings.
     #[error("the checkpoint was made with {name} = {was}, not {now}: remove it or use its settings")]
     OtherSettings {
@@ -46,13 +62,27 @@ pub enum CheckpointError {
     },
 }
 
+/// What stands in the file.
+#[derive(Serialize, Deserialize)]
+struct Sealed {
+    checksum: String,
+    checkpoint: Value,
+}
+
 impl Checkpoint {
+    /// A checkpoint of this version.
+    pub fn new(settings: Value, changeable: Value, shapes: Vec<usize>, state: DescentState) -> Self {
+        Checkpoint { version: env!("CARGO_PKG_VERSION").to_owned(), settings, changeable, shapes, state }
+    }
+
     /// Writes the file whole or not at all: whoever is stopped while writing leaves the file before.
     ///
     /// # Errors
     /// What the system says, with the name of the file.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
-        let text = serde_json::to_string(self).map_err(io::Error::from)?;
+        let checkpoint = serde_json::to_value(self).map_err(io::Error::from)?;
+        let sealed = Sealed { checksum: checksum(&checkpoint), checkpoint };
+        let text = serde_json::to_string(&sealed).map_err(io::Error::from)?;
         Ok(write_whole(path, |file| writeln!(file, "{text}"))?)
     }
 
@@ -69,16 +99,28 @@ impl Checkpoint {
             }
             Ok(text) => text,
         };
-        serde_json::from_str(&text)
-            .map(Some)
-            .map_err(|error| CheckpointError::Content { path: path.to_owned(), why: error.to_string() })
+        let content = |error: serde_json::Error| CheckpointError::Content {
+            path: path.to_owned(),
+            why: error.to_string(),
+        };
+        let Sealed { checksum: expected, checkpoint } = serde_json::from_str(&text).map_err(content)?;
+        let found = checksum(&checkpoint);
+        if found != expected {
+            return Err(CheckpointError::Damaged { path: path.to_owned(), expected, found });
+        }
+        serde_json::from_value(checkpoint).map(Some).map_err(content)
     }
 
-    /// The state, if the settings are those of the checkpoint.
+    /// The state, if the settings and the version are those of the checkpoint.
     ///
     /// # Errors
     /// [`CheckpointError::OtherSettings`] names the first that differs.
     pub fn state_for(self, settings: &Value) -> Result<DescentState, CheckpointError> {
+        let version = env!("CARGO_PKG_VERSION");
+        if self.version != version {
+            let name = format!("the version of {}", env!("CARGO_PKG_NAME"));
+            return Err(CheckpointError::OtherSettings { name, was: self.version, now: version.to_owned() });
+        }
         let nothing = serde_json::Map::new();
         let of = |value: &Value| value.as_object().cloned().unwrap_or_else(|| nothing.clone());
         let (was, now) = (of(&self.settings), of(settings));
@@ -92,6 +134,16 @@ impl Checkpoint {
             None => Ok(self.state),
         }
     }
+}
+
+/// The checksum of what a checkpoint holds: FNV-1a of 64 bits over its text. A value that was read gives the text that was
+/// written, whatever spaces stood between, for names are in alphabetical order and numbers come back to the last bit.
+fn checksum(checkpoint: &Value) -> String {
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+    let sum =
+        checkpoint.to_string().bytes().fold(BASIS, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(PRIME));
+    format!("{sum:016x}")
 }
 
 #[cfg(test)]
@@ -121,7 +173,8 @@ mod tests {
             history: vec![row],
             finish: Some(Finish::NoStep("why".into())),
         };
-        Checkpoint { settings: json!({ "holes": 24, "radius": 2.5 }), state }
+        let settings = json!({ "holes": 24, "radius": 2.5 });
+        Checkpoint::new(settings, json!({ "steps": 7 }), vec![0, 1], state)
     }
 
     #[test]
@@ -147,6 +200,33 @@ mod tests {
         let message = checkpoint().state_for(&json!({ "holes": 24 })).unwrap_err().to_string();
         assert!(message.starts_with("the checkpoint was made with radius = 2.5, not nothing"), "{message}");
         assert!(checkpoint().state_for(&json!({ "radius": 2.5, "holes": 24 })).is_ok());
+    }
+
+    #[test]
+    fn another_version_is_named() {
+        let older = Checkpoint { version: "0.0.1".into(), ..checkpoint() };
+        let message = older.state_for(&checkpoint().settings).unwrap_err().to_string();
+        let expected = "the checkpoint was made with the version of forms-fem = 0.0.1, not ";
+        assert!(message.starts_with(expected), "{message}");
+    }
+
+    /// A digit that has changed leaves a number, and a file that can be read.
+    #[test]
+    fn a_damaged_checkpoint_is_refused() {
+        let directory = TestDirectory::new("damaged");
+        let path = directory.0.join("checkpoint.json");
+        checkpoint().write(&path).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (sound, damaged) in [("0.30000000000000004", "0.30000000000000008"), ("[0,1]", "[0,3]")] {
+            assert!(text.contains(sound), "{text}");
+            std::fs::write(&path, text.replace(sound, damaged)).unwrap();
+            let message = Checkpoint::read(&path).unwrap_err().to_string();
+            assert!(message.contains("checkpoint.json is damaged: its checksum is "), "{message}");
+        }
+        // Spaces and lines are no damage.
+        let spaced = serde_json::to_string_pretty(&serde_json::from_str::<Value>(&text).unwrap()).unwrap();
+        std::fs::write(&path, spaced).unwrap();
+        assert_eq!(Checkpoint::read(&path).unwrap().unwrap(), checkpoint());
     }
 
     #[test]

@@ -20,20 +20,29 @@ use crate::output::{VtuFile, write_whole};
 pub struct Logbook {
     directory: PathBuf,
     settings: Value,
+    changeable: Value,
     every: usize,
+    /// Steps whose shapes are on disk.
+    shapes: Vec<usize>,
 }
 
 impl Logbook {
-    /// Makes the directory where it does not exist. `settings` are all that the result depends on, by name; every so
-    /// many steps the shape is written (0: the first and the last alone).
+    /// Makes the directory where it does not exist. `settings` are all that the result depends on, by name; `changeable`
+    /// those besides that a run which goes on may change, kept for the reader. Every so many steps the shape is written
+    /// (0: the first and the last alone).
     ///
     /// # Errors
     /// What the system says, with the name of the directory.
-    pub fn new(directory: impl Into<PathBuf>, settings: Value, every: usize) -> io::Result<Self> {
+    pub fn new(
+        directory: impl Into<PathBuf>,
+        settings: Value,
+        changeable: Value,
+        every: usize,
+    ) -> io::Result<Self> {
         let directory = directory.into();
         std::fs::create_dir_all(&directory)
             .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", directory.display())))?;
-        Ok(Logbook { directory, settings, every })
+        Ok(Logbook { directory, settings, changeable, every, shapes: vec![] })
     }
 
     /// The directory.
@@ -41,20 +50,26 @@ impl Logbook {
         &self.directory
     }
 
-    /// The state to go on from; `None` without a checkpoint.
+    /// The state to go on from, with the shapes that were written on the way to it; `None` without a checkpoint.
     ///
     /// # Errors
     /// As [`Checkpoint::read`] and [`Checkpoint::state_for`].
-    pub fn state(&self) -> Result<Option<DescentState>, CheckpointError> {
-        let checkpoint = Checkpoint::read(self.directory.join("checkpoint.json"))?;
-        checkpoint.map(|checkpoint| checkpoint.state_for(&self.settings)).transpose()
+    pub fn state(&mut self) -> Result<Option<DescentState>, CheckpointError> {
+        let Some(mut checkpoint) = Checkpoint::read(self.directory.join("checkpoint.json"))? else {
+            return Ok(None);
+        };
+        let shapes = std::mem::take(&mut checkpoint.shapes);
+        let state = checkpoint.state_for(&self.settings)?;
+        self.shapes = shapes;
+        Ok(Some(state))
     }
 
     /// Removes the checkpoint: the next descent begins anew.
     ///
     /// # Errors
     /// What the system says.
-    pub fn forget(&self) -> io::Result<()> {
+    pub fn forget(&mut self) -> io::Result<()> {
+        self.shapes.clear();
         match std::fs::remove_file(self.directory.join("checkpoint.json")) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
             _ => Ok(()),
@@ -66,7 +81,7 @@ impl Logbook {
     /// # Errors
     /// A file that cannot be written, by name.
     pub fn write<S, const D: usize>(
-        &self,
+        &mut self,
         report: &Report<S, D>,
         fields: &[(&str, &Field<D>)],
     ) -> Result<(), Failure> {
@@ -81,33 +96,31 @@ impl Logbook {
             file.write(self.shape(iteration, "vtu"))?;
             let text = serde_json::to_string(&state.nodes)?;
             write_whole(self.shape(iteration, "json"), |file| writeln!(file, "{text}"))?;
+            if let Err(place) = self.shapes.binary_search(&iteration) {
+                self.shapes.insert(place, iteration);
+            }
         }
         let csv = state.csv();
         write_whole(self.directory.join("history.csv"), |file| file.write_all(csv.as_bytes()))?;
-        let checkpoint = Checkpoint { settings: self.settings.clone(), state: state.clone() };
+        let (settings, changeable) = (self.settings.clone(), self.changeable.clone());
+        let checkpoint = Checkpoint::new(settings, changeable, self.shapes.clone(), state.clone());
         Ok(checkpoint.write(self.directory.join("checkpoint.json"))?)
     }
 
-    /// The shapes that were written on the way of a descent, with the numbers of their steps.
+    /// The shapes that were written on the way of a descent, with the numbers of their steps, however many steps lay
+    /// between them in this run and in those before. A file that has been removed since is left out.
     ///
     /// # Errors
     /// A file that is not what was written.
-    pub fn shapes<const D: usize>(
-        &self,
-        initial: &Mesh<D>,
-        state: &DescentState,
-    ) -> Result<Vec<(usize, Arc<Mesh<D>>)>, Failure> {
-        let last = state.iterations();
-        let step = if self.every == 0 { last.max(1) } else { self.every };
-        let mut numbers: Vec<usize> = (0..=last).step_by(step).collect();
-        if state.finish.is_some() && numbers.last() != Some(&last) {
-            numbers.push(last);
-        }
+    pub fn shapes<const D: usize>(&self, initial: &Mesh<D>) -> Result<Vec<(usize, Arc<Mesh<D>>)>, Failure> {
         let mut shapes = Vec::new();
-        for number in numbers {
+        for &number in &self.shapes {
             let path = self.shape(number, "json");
             let named = |why: String| format!("{}: {why}", path.display());
-            let text = std::fs::read_to_string(&path).map_err(|error| named(error.to_string()))?;
+            let text = match std::fs::read_to_string(&path) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                text => text.map_err(|error| named(error.to_string()))?,
+            };
             let nodes: Vec<f64> = serde_json::from_str(&text).map_err(|error| named(error.to_string()))?;
             let nodes = nodes.chunks_exact(D).map(|node| std::array::from_fn(|k| node[k])).collect();
             let mesh = initial.with_nodes(nodes).map_err(|error| named(error.to_string()))?;

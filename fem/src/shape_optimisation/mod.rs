@@ -5,7 +5,7 @@
 //! The way of a step: the derivatives become movements of the whole body in an [`InnerProduct`], with parts of the boundary
 //! held; [`Rotations`] keep a pattern of cells the same around a ring; a `Direction` joins the descent of the criterion
 //! with the return to the constraint; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. What it
-//! needs to go on is a [`DescentState`], which a [`Checkpoint`] writes to the last bit,
+//! needs to go on is a [`DescentState`], which a [`Checkpoint`] writes to the last bit, with a checksum and the version,
 //! in the directory of a [`Logbook`] beside the history and every n-th shape.
 
 mod checkpoint;

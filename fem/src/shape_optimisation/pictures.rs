@@ -13,7 +13,7 @@ const LEAST_SHOWN: f64 = 1e-12;
 /// is for its axis.
 ///
 /// # Errors
-/// A history without steps has nothing to draw.
+/// A history that is empty has nothing to draw; one without steps has a start alone, and no derivatives.
 pub fn history_picture(state: &DescentState, criterion: &str) -> Result<Panel, PictureError> {
     let history = &state.history;
     let steps: Vec<f64> = (0..history.len()).map(|k| k as f64).collect();
@@ -33,8 +33,11 @@ pub fn history_picture(state: &DescentState, criterion: &str) -> Result<Panel, P
     }
     let norms: Vec<f64> =
         history.iter().filter_map(|row| row.step.as_ref()).map(|step| step.gradient_norm).collect();
-    let before: Vec<f64> = (0..norms.len()).map(|k| k as f64).collect();
-    panel = panel.picture(&plot("derivative along the constraint", Scale::Logarithmic, &before, &norms))?;
+    if !norms.is_empty() {
+        let before: Vec<f64> = (0..norms.len()).map(|k| k as f64).collect();
+        panel =
+            panel.picture(&plot("derivative along the constraint", Scale::Logarithmic, &before, &norms))?;
+    }
     let qualities: Vec<f64> = history.iter().map(|row| row.quality).collect();
     panel.picture(&plot("least scaled Jacobian", Scale::Linear, &steps, &qualities))
 }

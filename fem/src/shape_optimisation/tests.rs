@@ -140,7 +140,8 @@ fn a_descent_that_goes_on_is_the_one_that_was_not_interrupted() {
     let mut written = Vec::new();
     let whole = descent
         .run(None, &mut |report| {
-            let checkpoint = Checkpoint { settings: serde_json::json!({}), state: report.state.clone() };
+            let nothing = || serde_json::json!({});
+            let checkpoint = Checkpoint::new(nothing(), nothing(), vec![], report.state.clone());
             written.push(serde_json::to_string(&checkpoint)?);
             Ok(())
         })

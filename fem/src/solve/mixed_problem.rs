@@ -227,7 +227,11 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         Ok(Elimination::of(&constraints))
     }
 
-    fn check_spaces(&self, what: &'static str, given: [&Arc<Space<D>>; N]) -> Result<(), AssemblyError> {
+    pub(super) fn check_spaces(
+        &self,
+        what: &'static str,
+        given: [&Arc<Space<D>>; N],
+    ) -> Result<(), AssemblyError> {
         match self.system.spaces.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
             None => Ok(()),
             Some(number) => {

@@ -17,6 +17,7 @@ pub mod multigrid_solver;
 pub mod newton;
 mod node_blocks;
 pub mod problem;
+pub mod reaction;
 pub mod solver_report;
 pub mod tangent_solver;
 
@@ -32,5 +33,6 @@ pub use newton::{
     NonlinearProblem, Start, Tangent, newton, newton_eliminating,
 };
 pub use problem::{FormProblem, Solved};
+pub use reaction::ReactionError;
 pub use solver_report::{SolverPath, SolverReport};
 pub use tangent_solver::{TangentSolver, TangentSolverOptions};

@@ -82,6 +82,11 @@ impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
         self.whole.changed_places()
     }
 
+    /// Whether a field is one of this problem's unknown.
+    pub(super) fn check_space(&self, field: &Field<D>) -> Result<(), AssemblyError> {
+        self.whole.check_spaces("coefficients", [field.space()])
+    }
+
     /// Solves R(u) = 0 by semismooth Newton from u = `start` with the constraints imposed on it.
     ///
     /// # Errors
