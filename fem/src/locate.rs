@@ -2,6 +2,8 @@
 
 mod project;
 
+pub(crate) use self::project::nearest_on_facet;
+
 use std::sync::Arc;
 
 use crate::mesh::Mesh;
@@ -88,6 +90,18 @@ impl<const D: usize> Locator<D> {
             let more = !self.mesh.is_affine();
             if more { search(&|cell| self.invert(cell, point)) } else { None }
         })
+    }
+
+    /// The cells that contain a point at least `margin` away from their boundaries, in reference coordinates.
+    pub(crate) fn cells_around(&self, point: &[f64; D], margin: f64) -> Vec<usize> {
+        let within = |cell: &usize| {
+            let (lower, upper) = &self.boxes[*cell];
+            (0..D).all(|k| lower[k] <= point[k] && point[k] <= upper[k])
+                && self
+                    .invert(*cell, point)
+                    .is_some_and(|reference| self.mesh.cell_shape(*cell).contains(&reference, -margin))
+        };
+        self.members_of(self.bin_of(point)).iter().map(|&cell| cell as usize).filter(within).collect()
     }
 
     /// The cell nearest to a point, among those within `tolerance` \[length\]: for points slightly outside,

@@ -24,6 +24,9 @@ pub enum Family {
     /// Traces of continuous Lagrange elements of degree 1 to 4 on the facets of a region, exterior or
     /// interior, and nothing elsewhere; in degree 0, one constant per facet. For multipliers.
     OnFacets(String),
+    /// Lagrange elements of degree 0 to 4 on the facets of a region, exterior or interior, and nothing elsewhere; each
+    /// facet has nodes of its own, which the two sides of an interior one share. For multipliers.
+    DiscontinuousOnFacets(String),
 }
 
 /// A Lagrange space with a number of components per node. Unknown number = node * components + component.
@@ -93,6 +96,9 @@ impl fmt::Display for Family {
             Family::Continuous => write!(f, "with continuous values"),
             Family::Discontinuous => write!(f, "with discontinuous values"),
             Family::OnFacets(region) => write!(f, "on the facet region \"{region}\""),
+            Family::DiscontinuousOnFacets(region) => {
+                write!(f, "with discontinuous values on the facet region \"{region}\"")
+            }
         }
     }
 }
@@ -167,6 +173,40 @@ impl<const D: usize> Space<D> {
         Space::new(mesh, Family::OnFacets(region.to_owned()), degree, &[D])
     }
 
+    /// The scalar space on the facets of a region alone whose values jump between facets: of degree 0 (constant on each
+    /// facet) to 4.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// let mesh = Arc::new(rectangle([0.0; 2], [3.0, 1.0], [3, 1], CellShape::Triangle, 1)?);
+    /// assert_eq!(Space::on_facets(&mesh, "bottom", 1)?.node_count(), 4);
+    /// assert_eq!(Space::discontinuous_on_facets(&mesh, "bottom", 1)?.node_count(), 6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Space::on_facets`].
+    pub fn discontinuous_on_facets(
+        mesh: &Arc<Mesh<D>>,
+        region: &str,
+        degree: usize,
+    ) -> Result<Arc<Self>, SpaceError> {
+        Space::new(mesh, Family::DiscontinuousOnFacets(region.to_owned()), degree, &[])
+    }
+
+    /// The space of vectors with D components on the facets of a region alone, whose values jump between facets.
+    ///
+    /// # Errors
+    /// As [`Space::on_facets`].
+    pub fn discontinuous_vector_on_facets(
+        mesh: &Arc<Mesh<D>>,
+        region: &str,
+        degree: usize,
+    ) -> Result<Arc<Self>, SpaceError> {
+        Space::new(mesh, Family::DiscontinuousOnFacets(region.to_owned()), degree, &[D])
+    }
+
     /// A space of any family with values of any shape: `[]` scalar, `[3]` vectors of three components in any
     /// dimension, `[2, 3]` matrices (row-major).
     ///
@@ -204,9 +244,9 @@ impl<const D: usize> Space<D> {
                 cell_nodes = numbering::separate_nodes(mesh, &lists);
                 numbering::node_positions(mesh, degree, &lists, &cell_nodes)
             }
-            Family::OnFacets(region) => {
+            Family::OnFacets(region) | Family::DiscontinuousOnFacets(region) => {
                 let entities = mesh.sides_of(region)?;
-                let (found, positions) = numbering::facet_nodes(mesh, degree, &lists, &entities);
+                let (found, positions) = numbering::facet_nodes(mesh, &family, degree, &lists, &entities);
                 facets = found;
                 positions
             }
@@ -260,8 +300,8 @@ impl<const D: usize> Space<D> {
     /// The region of a space that lives on facets alone.
     pub fn facet_region(&self) -> Option<&str> {
         match &self.family {
-            Family::OnFacets(region) => Some(region),
-            _ => None,
+            Family::OnFacets(region) | Family::DiscontinuousOnFacets(region) => Some(region),
+            Family::Continuous | Family::Discontinuous => None,
         }
     }
 
@@ -309,8 +349,8 @@ impl<const D: usize> Space<D> {
     /// Nodes whose basis functions live on a cell seen from one of its facets (or from inside): the cell's,
     /// or the facet's for a space on facets.
     pub(crate) fn nodes_at(&self, cell: u32, facet: Option<u8>) -> &[u32] {
-        match (&self.family, facet) {
-            (Family::OnFacets(_), Some(local)) => {
+        match facet {
+            Some(local) if self.facet_region().is_some() => {
                 let facet = Facet { cell, local };
                 let place = self.facets.binary_search_by_key(&facet, |(known, _)| *known);
                 place.map_or(&[], |place| &self.facets[place].1)
@@ -359,9 +399,9 @@ impl<const D: usize> Space<D> {
             let mut nodes = Vec::new();
             for facet in sides.iter().flatten() {
                 let of_entity = self.nodes_at(facet.cell, Some(facet.local));
-                match self.family {
-                    Family::OnFacets(_) => nodes.extend_from_slice(of_entity),
-                    _ => {
+                match self.facet_region() {
+                    Some(_) => nodes.extend_from_slice(of_entity),
+                    None => {
                         let local = &local[&mesh.cell_shape(facet.cell as usize)][usize::from(facet.local)];
                         nodes.extend(local.iter().map(|&node| of_entity[node]));
                     }

@@ -43,6 +43,22 @@ mod shown {
     }
 }
 
+#[forms]
+mod glued {
+    #[cells]
+    pub struct Omega;
+    #[interior_facets]
+    pub struct Skeleton;
+
+    /// Laplace's equation on cells that nothing but a multiplier holds together.
+    pub fn saddle(u: Unknown<Scalar>, l: Unknown<Scalar>, v: Test<Scalar>, m: Test<Scalar>) -> Form {
+        integral(Omega, dot(grad(u), grad(v))) + integral(Skeleton, this(l) * jump(v) + this(m) * jump(u))
+    }
+    pub fn defect(u: State<Scalar>, l: State<Scalar>) -> Functional {
+        integral(Skeleton, pow(this(l) + dot(this(grad(u)), n), 2) + pow(jump(u), 2))
+    }
+}
+
 fn data(source: Given<f64, 2>, wanted: Given<f64, 2>) -> held::Data<2> {
     held::Data { source, wanted }
 }
@@ -73,6 +89,93 @@ fn nodes_are_those_of_the_facets() {
         "there is no Lagrange element of degree 5 on the facet region \"top\"; the degrees are 0 to 4"
     );
     assert!(error("lid", 1).starts_with("there is no region \"lid\""));
+}
+
+// Each facet has nodes of its own, which the two sides of an interior one share, at the same places.
+#[test]
+fn nodes_of_discontinuous_traces_are_those_of_one_facet() {
+    for (shape, geometry) in [(CellShape::Triangle, 1), (CellShape::Quadrilateral, 2)] {
+        let mesh = Arc::new(rectangle([0.0; 2], [3.0, 2.0], [3, 2], shape, geometry).unwrap());
+        for degree in 0..=4 {
+            let space = Space::discontinuous_on_facets(&mesh, "bottom", degree).unwrap();
+            assert_eq!((space.node_count(), space.facet_region()), (3 * (degree + 1), Some("bottom")));
+            assert_eq!(space.nodes_on("bottom").unwrap().len(), space.node_count());
+            let skeleton = Space::discontinuous_vector_on_facets(&mesh, "interior", degree).unwrap();
+            assert_eq!(skeleton.node_count(), mesh.interior_facets().len() * (degree + 1));
+            let traces = Space::vector_on_facets(&mesh, "interior", degree).unwrap();
+            assert!(degree == 0 || traces.node_count() < skeleton.node_count());
+        }
+    }
+    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [2, 2, 2], CellShape::Tetrahedron, 1).unwrap());
+    let skeleton = Space::discontinuous_on_facets(&mesh, "interior", 2).unwrap();
+    assert_eq!(skeleton.node_count(), 6 * mesh.interior_facets().len());
+    let error = Space::discontinuous_on_facets(&mesh, "top", 5).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "there is no Lagrange element of degree 5 with discontinuous values on the facet region \"top\"; the degrees \
+         are 0 to 4"
+    );
+}
+
+// Cells of degree k with multipliers of degree k − 1 (1 and 0) or k − 2 (3 and 1), which are stable pairs: solutions in
+// the space come out exactly, the multiplier is the flux, jumps included.
+#[test]
+fn discontinuous_multipliers_glue_cells() {
+    for (shape, degree, of_multiplier) in [
+        (CellShape::Triangle, 1, 0),
+        (CellShape::Triangle, 3, 1),
+        (CellShape::Quadrilateral, 1, 0),
+        (CellShape::Quadrilateral, 3, 1),
+    ] {
+        let mesh = Arc::new(rectangle([0.0; 2], [1.0, 1.2], [3, 4], shape, 1).unwrap());
+        let exact = |x: &[f64; 2]| match degree {
+            1 => 1.0 + 2.0 * x[0] - x[1],
+            _ => x[0] * x[0] - x[1] * x[1] + 3.0 * x[0],
+        };
+        let cells = Space::discontinuous_scalar(&mesh, degree).unwrap();
+        let facets = Space::discontinuous_on_facets(&mesh, "interior", of_multiplier).unwrap();
+        let (omega, skeleton) = (glued::Omega::on("all"), glued::Skeleton::on("interior"));
+        let form = glued::saddle(&omega, &skeleton);
+        let assembler = Assembler::new(&mesh);
+        let mut sides = Constraints::new(&cells);
+        sides.fix("boundary", exact).unwrap();
+        let free = Constraints::new(&facets);
+        let mut problem = MixedProblem::new(&form, &assembler, [&cells, &facets]).unwrap();
+        let [u, flux] = problem.solve_affine([&sides, &free], &mut TangentSolver::default()).unwrap();
+        for (value, x) in u.values().iter().zip(cells.positions()) {
+            assert!((value - exact(x)).abs() < 1e-11, "{shape:?} {degree}: {value} at {x:?}");
+        }
+        let defect = assembler.functional(&glued::defect(&skeleton, &u, &flux), &[]).unwrap();
+        assert!(defect < 1e-20, "{shape:?} {degree}: {defect}");
+    }
+}
+
+// A multiplier that jumps is the flux where the flux jumps with it, and is determined at the ends too.
+#[test]
+fn a_discontinuous_multiplier_is_the_flux() {
+    let mut mesh = rectangle([0.0; 2], [1.0; 2], [4, 5], CellShape::Triangle, 1).unwrap();
+    mesh.name_facets("held", "boundary", |x| x[1] == 0.0).unwrap();
+    let mesh = Arc::new(mesh);
+    let exact = |x: &[f64; 2]| x[0] * x[0] + 3.0 * x[0] * x[1];
+    let whole = Space::scalar(&mesh, 3).unwrap();
+    let edge = Space::discontinuous_on_facets(&mesh, "held", 1).unwrap();
+    let data = data((-2.0).into(), Given::function(exact));
+    let form = held::saddle(&data, &held::Omega::on("all"), &held::Gamma::on("held"));
+    let assembler = Assembler::new(&mesh);
+    let mut sides = Constraints::new(&whole);
+    for side in ["left", "right", "top"] {
+        sides.fix(side, exact).unwrap();
+    }
+    let free = Constraints::new(&edge);
+    let mut problem = MixedProblem::new(&form, &assembler, [&whole, &edge]).unwrap();
+    let [u, flux] = problem.solve_affine([&sides, &free], &mut TangentSolver::default()).unwrap();
+    for (value, x) in u.values().iter().zip(whole.positions()) {
+        assert!((value - exact(x)).abs() < 1e-11);
+    }
+    assert_eq!(flux.values().len(), 8);
+    for (value, x) in flux.values().iter().zip(edge.positions()) {
+        assert!((value - 3.0 * x[0]).abs() < 1e-9, "{value} at {x:?}");
+    }
 }
 
 // The multiplier is the flux −∂u/∂n, and it is exact where the flux is in its space.

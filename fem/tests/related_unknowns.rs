@@ -188,6 +188,13 @@ fn mistakes_name_the_node_and_both_conditions() {
     let alone =
         constraints.periodic("left", "right", &RigidMap::translation([1.0, 0.25])).unwrap_err().to_string();
     assert!(alone.contains("has no partner on \"right\"; the nearest is 2.5e-1 away"), "{alone}");
+    for translation in [[0.0; 2], [1e-12, 0.0]] {
+        let map = RigidMap::translation(translation);
+        let itself = constraints.periodic("left", "left", &map).unwrap_err().to_string();
+        let expected = "the regions \"left\" and \"left\" are not periodic under this map: it leaves all nodes where they are";
+        assert!(itself.starts_with(expected), "{itself}");
+    }
+    assert_eq!(constraints.relations(), &before);
     let zero = constraints.slide("top", |_| [0.0; 2], |_| 0.0).unwrap_err().to_string();
     assert!(zero.starts_with("region \"top\": the normal at ["), "{zero}");
     let options = MultigridSolverOptions::default();

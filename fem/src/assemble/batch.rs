@@ -6,6 +6,8 @@
 mod fields;
 mod side;
 
+use std::ops::Range;
+
 use forms_core::contract::{Basis, CellGeometry, Hessian, Order, PointGeometry, Requirements, Side};
 
 use self::fields::factorised;
@@ -18,6 +20,7 @@ use super::sum_factorisation::Stages;
 use super::walk::Group;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
+use crate::mesh::geometry::determinant;
 
 /// The two sides of an interior facet see a point at the same place up to this part of h.
 const SAME_PLACE: f64 = 1e-10;
@@ -158,6 +161,8 @@ pub(super) struct Batch<'a, L, const D: usize> {
     tolerance: [f64; WIDEST],
     /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
     affine: Option<AffineGeometry<L, D>>,
+    /// The least Jacobian determinant so far, lane by lane.
+    least: L,
 }
 
 /// Whether a kernel or one of its fields reads values, gradients and second derivatives of an element's basis.
@@ -206,6 +211,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             filled: 0,
             tolerance: [0.0; WIDEST],
             affine: None,
+            least: L::splat(f64::INFINITY),
         })
     }
 
@@ -269,6 +275,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         if self.tables[0].affine {
             for side in 0..sides {
                 self.buffers.sides[side].map_affinely(&self.tables[side]);
+                self.least = self.least.minimum(self.buffers.sides[side].determinant);
             }
             let this = &self.buffers.sides[0];
             self.affine = Some(match &self.tables[0].group.facet {
@@ -365,6 +372,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 let jacobian = this.jacobian_at(&tables.group.geometry, q);
                 let (determinant, inverse) = inverse_transposed(&jacobian);
                 this.inverse = inverse;
+                self.least = self.least.minimum(determinant);
                 match &tables.group.facet {
                     None => geometry.weight = geometry.weight * determinant,
                     Some((_, tangents)) => {
@@ -384,13 +392,61 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             let tables = &self.tables[1];
             let inverse = match self.affine {
                 Some(_) => other.inverse,
-                None => inverse_transposed(&other.jacobian_at(&tables.group.geometry, q)).1,
+                None => {
+                    let jacobian = other.jacobian_at(&tables.group.geometry, q);
+                    let (determinant, inverse) = inverse_transposed(&jacobian);
+                    self.least = self.least.minimum(determinant);
+                    inverse
+                }
             };
             other.evaluate_basis(tables, reads, q, &inverse, &geometry.normal);
             self.check_facing(q, &geometry.position)?;
         }
         self.evaluate_fields(requirements, q, &geometry.position)?;
         Ok(geometry)
+    }
+
+    /// That the weights of all points so far were positive; `range` holds the group's entities that have been loaded. A
+    /// mesh has proved it of its cells; cells that a caller lists are taken as they are.
+    pub fn check_weights(&self, range: Range<usize>) -> Result<(), AssemblyError> {
+        let mut least = [f64::INFINITY; WIDEST];
+        self.least.store(&mut least);
+        match self.cells {
+            Cells::Mesh(mesh) if least.iter().any(|determinant| *determinant <= 0.0) => {
+                self.find_weight(mesh, range)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    #[cold]
+    fn find_weight(&self, mesh: &Mesh<D>, range: Range<usize>) -> Result<(), AssemblyError> {
+        for index in range {
+            for side in &self.group.sides {
+                let cell = side.cells[index] as usize;
+                let tables = &side.geometry;
+                for q in 0..self.group.points() {
+                    let (mut jacobian, mut position) = ([[0.0; D]; D], [0.0; D]);
+                    for (node, &number) in mesh.cell(cell).iter().enumerate() {
+                        let x = &mesh.nodes()[number as usize];
+                        let entry = q * tables.nodes + node;
+                        for i in 0..D {
+                            position[i] += tables.value[entry] * x[i];
+                            for j in 0..D {
+                                jacobian[i][j] += tables.gradient[entry][j] * x[i];
+                            }
+                        }
+                    }
+                    let determinant = determinant(&jacobian);
+                    if determinant <= 0.0 {
+                        let (form, place) = (self.binding.name, self.group.place.clone());
+                        let position = position.to_vec();
+                        return Err(AssemblyError::Weight { form, place, cell, determinant, position });
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Both sides of an interior facet must see its q-th point at one place.
@@ -462,3 +518,6 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
         self.batch.point_here(&requirements, self.q)
     }
 }
+
+#[cfg(test)]
+mod tests;

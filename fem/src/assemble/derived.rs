@@ -415,6 +415,7 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
                     self.found.push((geometry.position, geometry.weight, value));
                 }
             }
+            batch.check_weights(0..group.entities())?;
         }
         Ok(())
     }

@@ -223,7 +223,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
             receiver.filled(start, filled, size)?;
             start += filled;
         }
-        Ok(())
+        batch.check_weights(range)
     }
 
     /// The tables, if sums go along the axes.

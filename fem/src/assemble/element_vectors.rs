@@ -151,7 +151,7 @@ impl<const D: usize> ElementVectors<'_, D> {
             receiver.filled(start, filled, size)?;
             start += filled;
         }
-        Ok(())
+        batch.check_weights(range)
     }
 
     /// The tables, if sum factorisation takes fewer operations than sums over the nodes at each point.

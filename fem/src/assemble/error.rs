@@ -38,6 +38,23 @@ pub enum AssemblyError {
         /// What is wrong with the mesh.
         source: MeshError,
     },
+    /// A quadrature point of a cell that is inverted there.
+    #[error(
+        "form `{form}`, {place}: cell {cell} is inverted at the quadrature point {position:?}, where its Jacobian \
+         determinant is {determinant:e}"
+    )]
+    Weight {
+        /// The form.
+        form: &'static str,
+        /// The region.
+        place: String,
+        /// Cell index.
+        cell: usize,
+        /// The determinant \[length^D\].
+        determinant: f64,
+        /// The point.
+        position: Vec<f64>,
+    },
     /// A quadrature rule that does not exist or is not accepted.
     #[error("form `{form}`: {source}")]
     Quadrature {

@@ -197,7 +197,7 @@ fn each_point<K: ExpressionKernel<D>, const D: usize>(
     receive: &mut ReceivePoint<D>,
 ) -> Result<(), AssemblyError> {
     let count: usize = K::SHAPE.iter().product();
-    for entity in range {
+    for entity in range.clone() {
         let cell = kernel.cell(&batch.load(entity, 1));
         for q in 0..points {
             let geometry = batch.point(q)?;
@@ -205,5 +205,5 @@ fn each_point<K: ExpressionKernel<D>, const D: usize>(
             receive(&value.as_ref()[..count], geometry.weight, &geometry.position)?;
         }
     }
-    Ok(())
+    batch.check_weights(range)
 }

@@ -124,6 +124,21 @@ pub enum ConstraintsError {
         /// Distance between its image and the nearest node \[length\].
         distance: f64,
     },
+    /// A periodic condition between nodes and themselves.
+    #[error(
+        "the regions \"{from}\" and \"{to}\" are not periodic under this map: it leaves all nodes where they are, such \
+         as node {node} at {position:?}"
+    )]
+    OntoItself {
+        /// The region that is mapped.
+        from: String,
+        /// The other region.
+        to: String,
+        /// A node.
+        node: usize,
+        /// Its position.
+        position: Vec<f64>,
+    },
     /// A sum of no unknowns, or of too many.
     #[error("{name}: {count} unknowns are related; one at least and {most} at most can be")]
     Terms {

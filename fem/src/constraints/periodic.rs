@@ -40,8 +40,9 @@ impl<const D: usize> Constraints<D> {
     /// components are turned with it.
     ///
     /// # Errors
-    /// Unknown regions, a node without a partner (the first one, with the distance to the nearest), a map that turns
-    /// tensors or other values, or a contradiction to earlier conditions.
+    /// Unknown regions, a node without a partner (the first one, with the distance to the nearest), a map that leaves all
+    /// nodes where they are, so that nothing would be said, a map that turns tensors or other values, or a contradiction
+    /// to earlier conditions.
     pub fn periodic(&mut self, from: &str, to: &str, map: &RigidMap<D>) -> Result<(), ConstraintsError> {
         let place = format!("regions \"{from}\" and \"{to}\"");
         let (masters, slaves) = (self.nodes_on(from, &place)?, self.nodes_on(to, &place)?);
@@ -59,6 +60,14 @@ impl<const D: usize> Constraints<D> {
         partners.iter().for_each(|&slave| taken[slave] = true);
         if let Some(alone) = taken.iter().position(|taken| !taken) {
             return Err(self.without_partner(to, from, slaves[alone], distance(&images, &targets[alone])));
+        }
+        // Where all nodes stay, only vectors that turn are told anything. Some may stay: those on an axis of rotation do.
+        let stays = masters.iter().zip(&partners).all(|(&master, &slave)| master == slaves[slave]);
+        let turns = is_vector && map.rotation != RigidMap::translation([0.0; D]).rotation;
+        if let Some(&node) = masters.first().filter(|_| stays && !turns) {
+            let (from, to, node) = (from.to_owned(), to.to_owned(), node as usize);
+            let position = self.space.positions()[node].to_vec();
+            return Err(ConstraintsError::OntoItself { from, to, node, position });
         }
         let mut changed = self.clone();
         for (&master, &slave) in masters.iter().zip(&partners) {

@@ -1,8 +1,8 @@
 //! The point of a cell's boundary that is nearest to a given point.
 
 use crate::element::CellShape;
-use crate::mesh::Mesh;
 use crate::mesh::geometry::inverse;
+use crate::mesh::{Facet, Mesh};
 
 // A facet, edge or vertex of the reference cell: origin + Σ s_k tangents[k].
 struct Entity<const D: usize> {
@@ -19,7 +19,7 @@ pub(super) fn project<const D: usize>(mesh: &Mesh<D>, cell: usize, point: &[f64;
     let shape = mesh.cell_shape(cell);
     let mut best = ([0.0; D], f64::INFINITY);
     for entity in entities::<D>(shape) {
-        if let Some(reference) = stationary(mesh, cell, point, &entity) {
+        if let Some(reference) = stationary(mesh, cell, point, &entity, 0.0) {
             let distance = super::distance(point, &mesh.map(cell, &reference).0);
             if distance < best.1 {
                 best = (reference, distance);
@@ -37,11 +37,7 @@ fn entities<const D: usize>(shape: CellShape) -> Vec<Entity<D>> {
     };
     let mut result = Vec::new();
     if D == 3 {
-        for vertices in (0..shape.facets()).map(|local| shape.facet_vertices(local)) {
-            let (first, last) = (vertices[0], vertices[vertices.len() - 1]);
-            let tangents = [tangent(first, vertices[1]), tangent(first, last)];
-            result.push(Entity { origin: corner(first), tangents, dimension: 2 });
-        }
+        result.extend((0..shape.facets()).map(|local| on_facet(shape, local)));
     }
     for &[a, b] in shape.edges() {
         result.push(Entity { origin: corner(a), tangents: [tangent(a, b), [0.0; D]], dimension: 1 });
@@ -52,12 +48,41 @@ fn entities<const D: usize>(shape: CellShape) -> Vec<Entity<D>> {
     result
 }
 
+/// The distance of a point from a facet \[length\], where the nearest point of its surface lies on the facet, enlarged by
+/// `tolerance` in the facet's reference coordinates; `None` otherwise. As exact as [`project`].
+pub(crate) fn nearest_on_facet<const D: usize>(
+    mesh: &Mesh<D>,
+    facet: Facet,
+    point: &[f64; D],
+    tolerance: f64,
+) -> Option<f64> {
+    let cell = facet.cell as usize;
+    let shape = mesh.cell_shape(cell);
+    let entity = on_facet(shape, usize::from(facet.local));
+    let reference = stationary(mesh, cell, point, &entity, tolerance)?;
+    Some(super::distance(point, &mesh.map(cell, &reference).0))
+}
+
+// A facet: a face in space, an edge in the plane.
+fn on_facet<const D: usize>(shape: CellShape, local: usize) -> Entity<D> {
+    let vertices = shape.facet_vertices(local);
+    let corner = |vertex: usize| -> [f64; D] { std::array::from_fn(|k| shape.vertex_points()[vertex][k]) };
+    let origin = corner(vertices[0]);
+    let tangent = |to: usize| std::array::from_fn(|k| corner(to)[k] - origin[k]);
+    Entity {
+        origin,
+        tangents: [tangent(vertices[1]), tangent(vertices[vertices.len() - 1])],
+        dimension: D - 1,
+    }
+}
+
 // Gauss-Newton steps from the entity's centre; `None` when they leave it: then an edge or vertex is nearer.
 fn stationary<const D: usize>(
     mesh: &Mesh<D>,
     cell: usize,
     point: &[f64; D],
     entity: &Entity<D>,
+    tolerance: f64,
 ) -> Option<[f64; D]> {
     let simplex = mesh.cell_shape(cell).is_simplex();
     let at = |s: [f64; 2]| -> [f64; D] {
@@ -99,5 +124,5 @@ fn stationary<const D: usize>(
     }
     let reference =
         if simplex && entity.dimension == 2 { CellShape::Triangle } else { CellShape::Quadrilateral };
-    reference.contains(&s, 0.0).then(|| at(s))
+    reference.contains(&s, tolerance).then(|| at(s))
 }

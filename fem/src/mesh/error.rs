@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::Facet;
 use crate::element::{CellShape, ElementError};
 
 /// Why a mesh or a region of it does not exist.
@@ -108,6 +109,69 @@ pub enum MeshError {
         /// The determinant \[length^D\].
         determinant: f64,
         /// Where.
+        position: Vec<f64>,
+    },
+    /// The Jacobian determinant nearly vanishes along a part of a cell: it could not be proved positive.
+    #[error(
+        "cell {cell} is nearly degenerate: near {position:?} no better bound of its Jacobian determinant was found \
+         than {bound:e}, which is not positive"
+    )]
+    Undecided {
+        /// Cell index.
+        cell: usize,
+        /// A lower bound of the determinant \[length^D\].
+        bound: f64,
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// Two cells on one side of the facet that they share.
+    #[error(
+        "cells {} and {} overlap: they lie on the same side of the facet that they share, with the vertices \
+         {vertices:?}",
+        .cells[0], .cells[1]
+    )]
+    SameSide {
+        /// The two cells.
+        cells: [u32; 2],
+        /// The facet's node numbers, as the first cell has them.
+        vertices: Vec<u32>,
+    },
+    /// Two cells that share vertices, but not the node between them.
+    #[error(
+        "cells {} and {} name different nodes, {} and {}, between the vertices {vertices:?} that they share",
+        .cells[0], .cells[1], .nodes[0], .nodes[1]
+    )]
+    MiddleNode {
+        /// The two cells.
+        cells: [u32; 2],
+        /// The node of each.
+        nodes: [u32; 2],
+        /// The ends of the edge, or the corners of the face.
+        vertices: Vec<u32>,
+    },
+    /// A vertex in a facet of a cell that does not have it.
+    #[error(
+        "node {node} at {position:?} lies on facet {} of cell {}, which does not have it as a vertex: nothing would \
+         hold the two sides together there (`Mesh::from_nonconforming_blocks` takes such meshes)",
+        facet.local, facet.cell
+    )]
+    HangingNode {
+        /// Node number.
+        node: usize,
+        /// Its coordinates.
+        position: Vec<f64>,
+        /// The facet.
+        facet: Facet,
+    },
+    /// Two cells have a facet at one place, and lie on the same side of it.
+    #[error(
+        "cells {} and {} overlap: they lie on the same side of facets that coincide, at {position:?}",
+        .cells[0], .cells[1]
+    )]
+    Overlap {
+        /// The two cells.
+        cells: [u32; 2],
+        /// The facets' centre.
         position: Vec<f64>,
     },
     /// A listed cell that does not exist.

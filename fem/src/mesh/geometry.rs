@@ -1,8 +1,8 @@
 //! The geometry map of a cell: positions, Jacobians, centres, diameters.
 
+use super::determinant::{JacobianDeterminant, ROUND_OFF, Sign};
 use super::{CellBlock, Facet, Mesh, MeshError};
 use crate::element::MAXIMUM_GEOMETRY_NODES;
-use crate::quadrature::cell_rule;
 
 impl<const D: usize> Mesh<D> {
     /// The position x \[length\] of a reference point of a cell, and the Jacobian
@@ -72,46 +72,52 @@ impl<const D: usize> Mesh<D> {
         (lower, upper)
     }
 
-    // The determinant of a quadratic map has degree up to 2 per direction and factor: nodes and a few
-    // interior points see a fold.
+    /// That the Jacobian determinant of every cell is positive everywhere in it.
     pub(super) fn check_jacobians(&self) -> Result<(), MeshError> {
-        self.blocks().iter().try_for_each(|block| self.check_jacobians_of(block))
+        self.blocks().iter().try_for_each(|block| match self.is_affine_on(block.shape) {
+            true => self.check_constant_jacobians(block),
+            false => self.check_varying_jacobians(block),
+        })
     }
 
-    fn check_jacobians_of(&self, block: &CellBlock) -> Result<(), MeshError> {
+    fn check_constant_jacobians(&self, block: &CellBlock) -> Result<(), MeshError> {
         let element = self.element_of(block.shape);
-        let mut points = vec![block.shape.centre::<D>()];
-        if !self.is_affine_on(block.shape) {
-            points.extend(element.node_points::<D>());
-            if self.degree == 2 {
-                // Degree 4 exists on every shape.
-                points.extend(cell_rule::<D>(block.shape, 4).map(|rule| rule.points).unwrap_or_default());
-            }
-        }
-        let tables = element.tabulate(&points);
+        let centre = block.shape.centre::<D>();
+        let slopes = element.tabulate(&[centre]).gradient;
         for cell in block.cells.clone() {
-            let nodes = self.cell(cell);
-            for (q, slopes) in tables.gradient.chunks(tables.nodes).enumerate() {
-                let mut jacobian = [[0.0; D]; D];
-                for (node, slope) in nodes.iter().zip(slopes) {
-                    let x = &self.nodes[*node as usize];
-                    for i in 0..D {
-                        for j in 0..D {
-                            jacobian[i][j] += slope[j] * x[i];
-                        }
+            let mut jacobian = [[0.0; D]; D];
+            for (node, slope) in self.cell(cell).iter().zip(&slopes) {
+                let x = &self.nodes[*node as usize];
+                for i in 0..D {
+                    for j in 0..D {
+                        jacobian[i][j] += slope[j] * x[i];
                     }
                 }
-                let determinant = determinant(&jacobian);
-                // Round-off of a degenerate cell is of this size relative to its edges.
-                let scale: f64 =
-                    (0..D).map(|j| jacobian.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt()).product();
-                if determinant.is_nan() || determinant <= 1e-14 * scale {
-                    let position = self.map(cell, &points[q]).0.to_vec();
-                    return Err(MeshError::Inverted { cell, determinant, position });
-                }
+            }
+            let determinant = determinant(&jacobian);
+            // Round-off of a degenerate cell is of this size relative to its edges.
+            let scale: f64 =
+                (0..D).map(|j| jacobian.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt()).product();
+            if determinant.is_nan() || determinant <= ROUND_OFF * scale {
+                let position = self.map(cell, &centre).0.to_vec();
+                return Err(MeshError::Inverted { cell, determinant, position });
             }
         }
         Ok(())
+    }
+
+    fn check_varying_jacobians(&self, block: &CellBlock) -> Result<(), MeshError> {
+        let determinant = JacobianDeterminant::new(&self.element_of(block.shape));
+        let position = |cell, reference| self.map(cell, &reference).0.to_vec();
+        block.cells.clone().try_for_each(|cell| match determinant.sign(self.cell(cell), &self.nodes) {
+            Sign::Positive => Ok(()),
+            Sign::Folded { reference, determinant } => {
+                Err(MeshError::Inverted { cell, determinant, position: position(cell, reference) })
+            }
+            Sign::Undecided { reference, bound } => {
+                Err(MeshError::Undecided { cell, bound, position: position(cell, reference) })
+            }
+        })
     }
 }
 

@@ -3,7 +3,9 @@
 mod ball;
 mod blocks;
 mod cell_blocks;
+mod conformity;
 mod connectivity;
+mod determinant;
 mod error;
 mod generators;
 pub(crate) mod geometry;
@@ -15,9 +17,11 @@ mod measures;
 mod moved;
 mod order;
 mod perforated;
+mod point_tree;
 mod quality;
 mod refine;
 mod regions;
+mod shared_facets;
 mod simplices;
 mod structured;
 pub mod vtk;
@@ -29,6 +33,7 @@ use crate::element::{CellShape, Lagrange};
 pub use ball::ball;
 pub use cell_blocks::CellBlock;
 pub(crate) use cell_blocks::CellLists;
+pub use conformity::{Conformity, HangingNode, Overlap};
 pub use error::MeshError;
 pub(crate) use error::plurals;
 pub use generators::{annulus, cuboid, hollow_cylinder, rectangle};
@@ -84,8 +89,10 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// A [`MeshError`] that names the cell or node: a degree other than 1 and 2, a shape that does not
     /// live in D dimensions, no cells, a list of cells that breaks off, a node number out of range or twice
-    /// in a cell, a coordinate that is not finite, a cell that is inverted or degenerate (at one of its
-    /// nodes or inside), a facet that more than two cells share.
+    /// in a cell, a coordinate that is not finite, a cell that is inverted or degenerate anywhere in it (proved by
+    /// bounds of its Jacobian determinant), a facet that more than two cells share, two cells on the same side of
+    /// a facet or with different nodes on it, and a hanging node, a vertex on a facet of a cell that does not have it.
+    /// Facets that coincide with cells on both sides are cracks, and allowed: [`Mesh::conformity`] lists them.
     pub fn from_parts(
         shape: CellShape,
         degree: usize,
@@ -117,6 +124,33 @@ impl<const D: usize> Mesh<D> {
         nodes: Vec<[f64; D]>,
         blocks: Vec<(CellShape, Vec<u32>)>,
     ) -> Result<Self, MeshError> {
+        let mesh = Mesh::of_sound_cells(degree, nodes, blocks)?;
+        mesh.check_conformity()?;
+        Ok(mesh)
+    }
+
+    /// As [`Mesh::from_blocks`], of cells that may touch in other ways than by sharing facets: with hanging nodes, as where
+    /// bodies touch or coarse cells meet fine ones. Nothing holds the two sides together there, unless a form does:
+    /// the facets are exterior. [`Mesh::conformity`] lists what touches.
+    ///
+    /// # Errors
+    /// As [`Mesh::from_blocks`], but for [`MeshError::HangingNode`].
+    pub fn from_nonconforming_blocks(
+        degree: usize,
+        nodes: Vec<[f64; D]>,
+        blocks: Vec<(CellShape, Vec<u32>)>,
+    ) -> Result<Self, MeshError> {
+        let mesh = Mesh::of_sound_cells(degree, nodes, blocks)?;
+        mesh.touching().check_sides(&mesh)?;
+        Ok(mesh)
+    }
+
+    /// A mesh of cells that are sound, and fit each other where they share facets. What else touches is not looked at.
+    fn of_sound_cells(
+        degree: usize,
+        nodes: Vec<[f64; D]>,
+        blocks: Vec<(CellShape, Vec<u32>)>,
+    ) -> Result<Self, MeshError> {
         let (blocks, cells) = connectivity::check_blocks::<D>(degree, blocks)?;
         connectivity::check_nodes(&nodes)?;
         let lists = CellLists::new(&blocks, |shape| Lagrange { shape, degree }.nodes());
@@ -135,6 +169,7 @@ impl<const D: usize> Mesh<D> {
             order: order::LazyOrder::new(),
         };
         mesh.check_jacobians()?;
+        mesh.check_shared_facets()?;
         Ok(mesh)
     }
 

@@ -2,13 +2,14 @@
 
 use std::fmt;
 
+use super::determinant::{JacobianDeterminant, Sign};
 use super::geometry::determinant;
 use super::{CellBlock, Mesh, MeshError};
 use crate::element::{CellShape, Lagrange};
 use crate::quadrature::cell_rule;
 
-/// How good one cell is, judged at the quarter points of its edges, faces and inside, and at points of a quadrature
-/// rule.
+/// How good one cell is, judged at the quarter points of its edges, faces and inside, at points of a quadrature rule, and,
+/// if the cell is folded in between, at a point where it is: no folded cell has a positive least determinant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellQuality<const D: usize> {
     /// The least det J over the product of the lengths of edges that meet in a vertex, relative to the ideal cell: 1 for
@@ -65,6 +66,7 @@ impl<const D: usize> Mesh<D> {
         let points = sample_points::<D>(&element);
         let tables = element.tabulate(&points);
         let from_ideal = from_ideal::<D>(block.shape);
+        let everywhere = (!self.is_affine_on(block.shape)).then(|| JacobianDeterminant::new(&element));
         let quality = |nodes: &[u32]| {
             let mut worst = CellQuality {
                 scaled_jacobian: f64::INFINITY,
@@ -72,8 +74,7 @@ impl<const D: usize> Mesh<D> {
                 determinant: f64::INFINITY,
                 position: [0.0; D],
             };
-            let samples = tables.gradient.chunks(tables.nodes).zip(tables.value.chunks(tables.nodes));
-            for (slopes, values) in samples {
+            let mut judge = |slopes: &[[f64; D]], values: &[f64]| {
                 let (mut jacobian, mut position) = ([[0.0; D]; D], [0.0; D]);
                 for ((&node, slope), value) in nodes.iter().zip(slopes).zip(values) {
                     let x = &positions[node as usize];
@@ -93,6 +94,13 @@ impl<const D: usize> Mesh<D> {
                 worst.determinant =
                     if determinant.is_nan() { f64::NAN } else { worst.determinant.min(determinant) };
                 worst.aspect_ratio = worst.aspect_ratio.max(aspect_ratio(&jacobian, &from_ideal));
+            };
+            let samples = tables.gradient.chunks(tables.nodes).zip(tables.value.chunks(tables.nodes));
+            samples.for_each(|(slopes, values)| judge(slopes, values));
+            let sign = everywhere.as_ref().map(|determinant| determinant.sign(nodes, positions));
+            if let Some(Sign::Folded { reference, .. }) = sign {
+                let here = element.tabulate(&[reference]);
+                judge(&here.gradient, &here.value);
             }
             worst
         };

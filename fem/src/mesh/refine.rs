@@ -107,7 +107,8 @@ impl<const D: usize> Mesh<D> {
             let (first, last) = (lists.of(block.cells.start), lists.of(block.cells.end - 1));
             (block.shape, cells[first.start..last.end].to_vec())
         };
-        let mut mesh = Mesh::from_blocks(self.degree, nodes, blocks.iter().map(of_block).collect())?;
+        // Cells touch where those of this mesh do.
+        let mut mesh = Mesh::of_sound_cells(self.degree, nodes, blocks.iter().map(of_block).collect())?;
         for (name, cells) in self.cell_regions.iter().filter(|(name, _)| *name != EVERYWHERE) {
             let children = children as u32;
             let cells: Vec<u32> =

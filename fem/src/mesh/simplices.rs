@@ -45,7 +45,7 @@ impl<const D: usize> Mesh<D> {
             }
         }
         // Every face and every cell has one diagonal, so that the nodes in their middles are used.
-        let mut mesh = Mesh::from_parts(shape, self.degree, self.nodes.clone(), cells)?;
+        let mut mesh = Mesh::of_sound_cells(self.degree, self.nodes.clone(), vec![(shape, cells)])?;
         let small_facets = |facet: Facet| {
             let large = self.cell_shape(facet.cell as usize).facet_vertices(usize::from(facet.local));
             let cells = parts.of(facet.cell as usize);

@@ -61,7 +61,9 @@ impl<'a, const D: usize> VtuFile<'a, D> {
         }
         let (space, components) = (field.space(), field.space().components());
         match space.family() {
-            Family::OnFacets(region) => Err(VtuError::OnFacets { name: name.into(), region: region.clone() }),
+            Family::OnFacets(region) | Family::DiscontinuousOnFacets(region) => {
+                Err(VtuError::OnFacets { name: name.into(), region: region.clone() })
+            }
             Family::Discontinuous if space.degree() == 0 => self.cell_data(name, components, field.values()),
             Family::Discontinuous => {
                 let values = super::values_at_cell_nodes(self.mesh, field);

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::orientation;
+use super::{Family, orientation};
 use crate::element::Lagrange;
 use crate::mesh::{CellLists, Facet, Mesh};
 
@@ -124,10 +124,12 @@ pub(super) fn node_positions<const D: usize>(
 pub(super) type FacetNodes = Vec<(Facet, Vec<u32>)>;
 
 /// The nodes of a space that lives on some facets: those of each facet in the order of
-/// [`Lagrange::facet_nodes`], shared where facets share vertices, edges and faces; one per facet in degree 0,
-/// where the two sides of an interior facet share it. Facets come in sorted order, positions with the nodes.
+/// [`Lagrange::facet_nodes`], shared where facets share vertices, edges and faces, unless values are discontinuous; one
+/// per facet in degree 0. The two sides of an interior facet share its nodes. Facets come in sorted order, positions with
+/// the nodes.
 pub(super) fn facet_nodes<const D: usize>(
     mesh: &Mesh<D>,
+    family: &Family,
     degree: usize,
     lists: &CellLists,
     entities: &[Vec<Facet>],
@@ -147,16 +149,21 @@ pub(super) fn facet_nodes<const D: usize>(
         let whole = share_nodes(mesh, degree, lists);
         let places = node_positions(mesh, degree, lists, &whole);
         let mut renumbered: HashMap<u32, u32> = HashMap::new();
-        for facet in walk.into_iter().flatten() {
-            let cell = &whole[lists.of(facet.cell as usize)];
-            let element = Lagrange { shape: mesh.cell_shape(facet.cell as usize), degree };
-            let nodes = element.facet_nodes(usize::from(facet.local)).into_iter().map(|local| {
-                *renumbered.entry(cell[local]).or_insert_with(|| {
-                    positions.push(places[cell[local] as usize]);
-                    positions.len() as u32 - 1
-                })
-            });
-            found.push((*facet, nodes.collect()));
+        for sides in walk {
+            if matches!(family, Family::DiscontinuousOnFacets(_)) {
+                renumbered.clear();
+            }
+            for facet in sides {
+                let cell = &whole[lists.of(facet.cell as usize)];
+                let element = Lagrange { shape: mesh.cell_shape(facet.cell as usize), degree };
+                let nodes = element.facet_nodes(usize::from(facet.local)).into_iter().map(|local| {
+                    *renumbered.entry(cell[local]).or_insert_with(|| {
+                        positions.push(places[cell[local] as usize]);
+                        positions.len() as u32 - 1
+                    })
+                });
+                found.push((*facet, nodes.collect()));
+            }
         }
     }
     found.sort_unstable();

@@ -75,7 +75,18 @@ const VALUES: [u64; 14] = [
     u64::MAX,
 ];
 
-/// How many of so many mutated files a reader accepts; none may make it panic.
+/// How many files to mutate: `FORMS_MUTATIONS`, or so many as a rule.
+pub fn count(usual: u64) -> u64 {
+    match std::env::var("FORMS_MUTATIONS") {
+        Ok(count) => count.parse().expect("FORMS_MUTATIONS is a number"),
+        Err(_) => usual,
+    }
+}
+
+/// Longest time that a reader may think about a file \[s\]. The files have some hundred lines.
+const LONGEST: f64 = 5.0;
+
+/// How many of so many mutated files a reader accepts; none may make it panic or think long.
 pub fn accepted(corpus: &[Vec<u8>], mutations: u64, reads: impl Fn(&[u8]) -> bool + Sync) -> u64 {
     let threads = std::thread::available_parallelism().map_or(1, |count| count.get()) as u64;
     let start = std::time::Instant::now();
@@ -83,7 +94,10 @@ pub fn accepted(corpus: &[Vec<u8>], mutations: u64, reads: impl Fn(&[u8]) -> boo
         let mut accepted = 0;
         for number in (thread..mutations).step_by(threads as usize) {
             let mutated = mutate(corpus, &mut Random::new(number));
+            let begin = processor_time();
             let read = catch_unwind(AssertUnwindSafe(|| reads(&mutated)));
+            let taken = processor_time() - begin;
+            assert!(taken < LONGEST, "mutation {number} takes {taken} s");
             accepted += u64::from(read.unwrap_or_else(|_| panic!("mutation {number} panics")));
         }
         accepted
@@ -105,6 +119,23 @@ pub fn accepted(corpus: &[Vec<u8>], mutations: u64, reads: impl Fn(&[u8]) -> boo
         start.elapsed().as_secs_f64()
     );
     accepted
+}
+
+/// Processor time of this thread \[s\], where the system tells it; otherwise the time of day, which is longer.
+fn processor_time() -> f64 {
+    let ticks = std::fs::read_to_string("/proc/thread-self/stat").ok().and_then(|line| {
+        // After the name, in brackets; user and system time, in hundredths of a second.
+        let rest = line.rsplit(')').next()?;
+        let mut fields = rest.split_whitespace().skip(11).map(str::parse::<f64>);
+        Some(fields.next()?.ok()? + fields.next()?.ok()?)
+    });
+    ticks.map_or_else(
+        || {
+            let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+            since.map_or(0.0, |time| time.as_secs_f64())
+        },
+        |ticks| 0.01 * ticks,
+    )
 }
 
 /// A file of the corpus with one to three changes.

@@ -242,8 +242,19 @@ impl<const D: usize> Cells<D> {
         if D == 2 {
             turn_clockwise_surfaces(contents, &positions, (degree, &mut blocks), &entities, notes);
         }
-        let mesh = Mesh::from_blocks(degree, positions, blocks)
-            .map_err(|error| in_tags(contents, error, degree == 2, &cells, &used))?;
+        let in_tags = |error| in_tags(contents, error, degree == 2, &cells, &used);
+        let mesh = Mesh::of_sound_cells(degree, positions, blocks).map_err(in_tags)?;
+        let touching = mesh.touching();
+        touching.check_sides(&mesh).map_err(in_tags)?;
+        let item = |cell: u32| contents.element(contents.elements[cells[cell as usize]].tag);
+        if let Some(first) = touching.cracks.first() {
+            let first = first.map(|facet| item(facet.cell));
+            notes.push(Note::Cracks { count: touching.cracks.len(), first });
+        }
+        if let Some(first) = touching.hanging_nodes.first() {
+            let (node, element) = (contents.node(used[first.node as usize].tag), item(first.facet.cell));
+            notes.push(Note::HangingNodes { count: touching.hanging_nodes.len(), node, element });
+        }
         Ok(Cells { mesh, elements: cells, cell_of_element, numbers, tags })
     }
 
@@ -358,18 +369,41 @@ fn in_tags(contents: &Contents, error: MeshError, curved: bool, cells: &[usize],
         let element = &contents.elements[cells[cell]];
         (contents.element(element.tag), element.at)
     };
+    let both = |cells: [u32; 2]| {
+        let [(first, _), (second, at)] = cells.map(|cell| element(cell as usize));
+        ([first, second], at)
+    };
+    let tags = |vertices: Vec<u32>| -> Vec<_> {
+        vertices.into_iter().map(|node| contents.node(nodes[node as usize].tag)).collect()
+    };
     match error {
         MeshError::Inverted { cell, determinant, position } => {
             let (element, at) = element(cell);
             let advice = if curved { contents.words.bent } else { "" };
             Flaw::at(at, ImportProblem::Inverted { element, determinant, position, advice })
         }
+        MeshError::Undecided { cell, bound, position } => {
+            let (element, at) = element(cell);
+            Flaw::at(at, ImportProblem::Undecided { element, bound, position })
+        }
+        MeshError::SameSide { cells, vertices } => {
+            let ([first, second], at) = both(cells);
+            Flaw::at(at, ImportProblem::SameSide { first, second, nodes: tags(vertices) })
+        }
+        MeshError::Overlap { cells, position } => {
+            let ([first, second], at) = both(cells);
+            Flaw::at(at, ImportProblem::Overlap { first, second, position })
+        }
+        MeshError::MiddleNode { cells, nodes: [a, b], vertices } => {
+            let (elements, at) = both(cells);
+            let nodes = [a, b].map(|node| contents.node(nodes[node as usize].tag));
+            Flaw::at(at, ImportProblem::MiddleNode { elements, nodes, vertices: tags(vertices) })
+        }
         MeshError::SharedFacet { vertices, cells } => {
             let elements: Vec<_> = cells.into_iter().map(|cell| element(cell as usize)).collect();
             let at = elements.last().map_or(0, |(_, at)| *at);
             let elements = elements.into_iter().map(|(item, _)| item).collect();
-            let nodes = vertices.into_iter().map(|node| contents.node(nodes[node as usize].tag)).collect();
-            Flaw::at(at, ImportProblem::SharedFacet { nodes, elements })
+            Flaw::at(at, ImportProblem::SharedFacet { nodes: tags(vertices), elements })
         }
         other => other.into(),
     }

@@ -163,6 +163,53 @@ pub enum ImportProblem {
         /// What helps, in brackets; empty for cells of first order.
         advice: &'static str,
     },
+    /// The Jacobian determinant nearly vanishes along a part of a cell: it could not be proved positive.
+    #[error(
+        "{element} is nearly degenerate: near {position:?} no better bound of its Jacobian determinant was found than {bound:e}, which is not positive"
+    )]
+    Undecided {
+        /// The element.
+        element: Item,
+        /// A lower bound of the determinant \[length^D\].
+        bound: f64,
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// Two cells on one side of the facet that they share.
+    #[error("{first} and {second} overlap: they lie on the same side of the facet with the {}", list(nodes))]
+    SameSide {
+        /// One cell.
+        first: Item,
+        /// The other.
+        second: Item,
+        /// The facet's nodes.
+        nodes: Vec<Item>,
+    },
+    /// Two cells have a facet at one place, and lie on the same side of it.
+    #[error(
+        "{first} and {second} overlap: they lie on the same side of facets that coincide, at {position:?}"
+    )]
+    Overlap {
+        /// One cell.
+        first: Item,
+        /// The other.
+        second: Item,
+        /// The facets' centre.
+        position: Vec<f64>,
+    },
+    /// Two cells that share vertices, but not the node between them.
+    #[error(
+        "{} and {} have different {} between the {} that they share",
+        .elements[0], .elements[1], list(nodes), list(vertices)
+    )]
+    MiddleNode {
+        /// The two cells.
+        elements: [Item; 2],
+        /// The node of each.
+        nodes: [Item; 2],
+        /// The ends of the edge, or the corners of the face.
+        vertices: Vec<Item>,
+    },
     /// An element of a group of facets is no facet of a cell.
     #[error("{element} of the group \"{group}\" is not a facet of any cell")]
     StrayFacet {
@@ -222,6 +269,22 @@ pub enum Note {
         /// The first two at one place.
         first: [Item; 2],
     },
+    /// Facets that coincide, and that the cells on their two sides do not share.
+    Cracks {
+        /// How many pairs of facets.
+        count: usize,
+        /// The cells at the first one.
+        first: [Item; 2],
+    },
+    /// Vertices on facets of cells that do not have them: nothing holds the two sides together there.
+    HangingNodes {
+        /// How many.
+        count: usize,
+        /// The first one.
+        node: Item,
+        /// The cell on whose facet it lies.
+        element: Item,
+    },
     /// Cells of dimension D − 1 in a file that says nothing of regions: no facets are named.
     FacetsLeftOut {
         /// How many.
@@ -273,6 +336,14 @@ impl fmt::Display for Note {
                 f,
                 "{count} {}s stand where another one does, as {second} where {first} does, and cells do not share them",
                 first.what
+            ),
+            Note::Cracks { count, first: [first, second] } => write!(
+                f,
+                "the mesh has cracks: {count} pairs of facets coincide and are not shared, as between {first} and {second}"
+            ),
+            Note::HangingNodes { count, node, element } => write!(
+                f,
+                "the mesh has {count} hanging nodes, as {node} on a facet of {element}, which does not have it"
             ),
             Note::FacetsLeftOut { count } => {
                 write!(f, "{count} cells that may be facets belong to no region and are left out")

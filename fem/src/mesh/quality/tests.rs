@@ -86,6 +86,21 @@ fn inverted_cells_are_counted_and_the_worst_is_named() -> Result<(), MeshError> 
     Ok(())
 }
 
+// y = η ((ξ − s)² − c): the determinant is negative near ξ = s alone, where no sample is.
+#[test]
+fn a_fold_between_samples_is_counted() -> Result<(), MeshError> {
+    let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 2)?;
+    let folded: Vec<[f64; 2]> =
+        mesh.nodes().iter().map(|x| [x[0], x[1] * ((x[0] - 0.36).powi(2) - 1e-4)]).collect();
+    let quality = mesh.quality_at(&folded)?;
+    assert_eq!(quality.inverted(), 1);
+    assert!(quality.cells[0].determinant < 0.0 && quality.cells[0].scaled_jacobian < 0.0);
+    assert!((quality.cells[0].position[0] - 0.36).abs() < 0.02);
+    let error = mesh.with_nodes(folded).map(|_| ());
+    assert!(matches!(error, Err(MeshError::Inverted { cell: 0, .. })), "{error:?}");
+    Ok(())
+}
+
 #[test]
 fn the_report_is_a_table() -> Result<(), MeshError> {
     let mesh = rectangle([0.0; 2], [8.0, 1.0], [4, 1], CellShape::Quadrilateral, 1)?;

@@ -1,0 +1,268 @@
+//! Where cells touch without sharing a facet: cracks, hanging nodes, overlaps.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+use super::point_tree::PointTree;
+use super::{Facet, Mesh, MeshError};
+use crate::locate::{Locator, nearest_on_facet};
+
+/// Nodes and facets are at one place within this part of a facet's size: files with single precision say no more.
+const SAME_PLACE: f64 = 1e-6;
+
+/// Where the cells of a mesh touch or overlap without sharing a facet. Displayed as a list.
+///
+/// A crack is allowed: it is how a mesh says that nothing holds the two sides together. So is a hanging node, in meshes that
+/// ask for it ([`Mesh::from_nonconforming_blocks`], files); nothing holds the sides together there either. An overlap is a
+/// mistake.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Conformity<const D: usize> {
+    /// Pairs of exterior facets that coincide, their cells on opposite sides.
+    pub cracks: Vec<[Facet; 2]>,
+    /// Vertices on exterior facets that do not have them.
+    pub hanging_nodes: Vec<HangingNode<D>>,
+    /// Cells of which one contains the centre of the other, or of an exterior facet of the other.
+    pub overlaps: Vec<Overlap<D>>,
+}
+
+/// A vertex on a facet of a cell that does not have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HangingNode<const D: usize> {
+    /// Node number.
+    pub node: u32,
+    /// Its coordinates \[length\].
+    pub position: [f64; D],
+    /// The facet.
+    pub facet: Facet,
+}
+
+/// Two cells with a point in common that is not on their boundaries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap<const D: usize> {
+    /// The cells.
+    pub cells: [u32; 2],
+    /// The point \[length\].
+    pub position: [f64; D],
+}
+
+/// What exterior facets that touch have in common.
+pub(super) struct Touching<const D: usize> {
+    pub(super) cracks: Vec<[Facet; 2]>,
+    pub(super) hanging_nodes: Vec<HangingNode<D>>,
+    /// The first two facets that coincide with their cells on the same side.
+    pub(super) same_side: Option<[Facet; 2]>,
+}
+
+impl<const D: usize> Conformity<D> {
+    /// Whether cells touch in shared facets alone.
+    pub fn is_conforming(&self) -> bool {
+        self.cracks.is_empty() && self.hanging_nodes.is_empty() && self.overlaps.is_empty()
+    }
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Where cells touch or overlap without sharing a facet.
+    ///
+    /// Cracks and hanging nodes are found among all exterior facets. Overlaps are found where the centre of a cell or of an
+    /// exterior facet lies in another cell, further from its boundary than round-off: cells that overlap by less than half
+    /// of their size may go unseen. The work is that of finding a cell for each point.
+    pub fn conformity(&self) -> Conformity<D> {
+        let Touching { cracks, hanging_nodes, .. } = self.touching();
+        Conformity { cracks, hanging_nodes, overlaps: self.overlaps() }
+    }
+
+    /// That no exterior facets coincide with their cells on the same side, and that no vertex hangs.
+    pub(super) fn check_conformity(&self) -> Result<(), MeshError> {
+        let touching = self.touching();
+        touching.check_sides(self)?;
+        match touching.hanging_nodes.first() {
+            Some(hanging) => Err(MeshError::HangingNode {
+                node: hanging.node as usize,
+                position: hanging.position.to_vec(),
+                facet: hanging.facet,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn touching(&self) -> Touching<D> {
+        let exterior = self.boundary_facets();
+        let sizes: Vec<f64> = exterior.iter().map(|facet| self.size_of(*facet)).collect();
+        // The smallest facet at each vertex says what is near.
+        let mut near: BTreeMap<u32, f64> = BTreeMap::new();
+        for (facet, size) in exterior.iter().zip(&sizes) {
+            for vertex in self.facet_vertices(*facet) {
+                let least = near.entry(vertex).or_insert(f64::INFINITY);
+                *least = least.min(SAME_PLACE * size);
+            }
+        }
+        let place = |vertex: u32| self.nodes[vertex as usize];
+        let tree = PointTree::new(near.keys().map(|&vertex| (place(vertex), vertex)).collect());
+        // Of the vertices at one place the one with the lowest number stands for all.
+        let mut first: BTreeMap<u32, u32> = BTreeMap::new();
+        for (&vertex, &tolerance) in &near {
+            let (x, mut lowest) = (place(vertex), vertex);
+            tree.for_each_within(&x.map(|x| x - tolerance), &x.map(|x| x + tolerance), &mut |_, other| {
+                lowest = lowest.min(other);
+            });
+            if lowest != vertex {
+                first.insert(vertex, first.get(&lowest).copied().unwrap_or(lowest));
+            }
+        }
+        let stand_in = |vertex: u32| first.get(&vertex).copied().unwrap_or(vertex);
+        let mut hanging_nodes = Vec::new();
+        for (&facet, size) in exterior.iter().zip(&sizes) {
+            let (lower, upper) = self.box_of(facet, SAME_PLACE * size);
+            let own: Vec<u32> = self.facet_vertices(facet).map(stand_in).collect();
+            tree.for_each_within(&lower, &upper, &mut |position, node| {
+                let on_facet = || nearest_on_facet(self, facet, position, SAME_PLACE);
+                if !own.contains(&stand_in(node))
+                    && on_facet().is_some_and(|distance| distance <= SAME_PLACE * size)
+                {
+                    hanging_nodes.push(HangingNode { node, position: *position, facet });
+                }
+            });
+        }
+        hanging_nodes.sort_unstable_by_key(|hanging: &HangingNode<D>| (hanging.node, hanging.facet));
+        let (mut cracks, mut same_side) = (Vec::new(), None);
+        // Facets can coincide only where all of their vertices have company.
+        let shared: std::collections::BTreeSet<u32> = first.values().copied().collect();
+        let places = |facet: Facet| self.facet_vertices(facet).map(stand_in).collect::<Vec<_>>();
+        let mut keys: Vec<(Vec<u32>, Facet)> = Vec::new();
+        for &facet in exterior {
+            let mut key = places(facet);
+            if key.iter().any(|vertex| shared.contains(vertex)) {
+                key.sort_unstable();
+                keys.push((key, facet));
+            }
+        }
+        keys.sort_unstable();
+        for group in keys.chunk_by(|a, b| a.0 == b.0) {
+            for (index, (_, a)) in group.iter().enumerate() {
+                for (_, b) in &group[index + 1..] {
+                    let tolerance = SAME_PLACE * self.size_of(*a);
+                    let [centre, other] = [*a, *b].map(|facet| self.facet_centre(facet));
+                    if distance(&centre, &other) > tolerance {
+                        continue;
+                    }
+                    match runs_alike(&places(*a), &places(*b)) {
+                        true => same_side = same_side.or(Some([*a, *b])),
+                        false => cracks.push([*a, *b]),
+                    }
+                }
+            }
+        }
+        cracks.sort_unstable();
+        Touching { cracks, hanging_nodes, same_side }
+    }
+
+    fn overlaps(&self) -> Vec<Overlap<D>> {
+        let locator = Locator::new(&Arc::new(self.clone()));
+        let mut found: BTreeMap<[u32; 2], [f64; D]> = BTreeMap::new();
+        let mut look = |cell: u32, point: [f64; D]| {
+            for other in locator.cells_around(&point, SAME_PLACE) {
+                if other as u32 != cell {
+                    let pair = [cell.min(other as u32), cell.max(other as u32)];
+                    found.entry(pair).or_insert(point);
+                }
+            }
+        };
+        for cell in 0..self.cell_count() {
+            look(cell as u32, self.cell_centre(cell));
+        }
+        for &facet in self.boundary_facets() {
+            look(facet.cell, self.facet_centre(facet));
+        }
+        found.into_iter().map(|(cells, position)| Overlap { cells, position }).collect()
+    }
+
+    /// The diagonal of the box around a facet's nodes \[length\].
+    fn size_of(&self, facet: Facet) -> f64 {
+        let (lower, upper) = self.box_of(facet, 0.0);
+        distance(&lower, &upper)
+    }
+
+    /// A box around a facet.
+    fn box_of(&self, facet: Facet, margin: f64) -> ([f64; D], [f64; D]) {
+        let nodes = self.cell(facet.cell as usize);
+        let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        let mut include = |node: u32| {
+            let x = self.nodes[node as usize];
+            for k in 0..D {
+                lower[k] = lower[k].min(x[k]);
+                upper[k] = upper[k].max(x[k]);
+            }
+        };
+        match self.degree {
+            1 => self.facet_vertices(facet).for_each(include),
+            _ => {
+                let local = self.cell_element(facet.cell as usize).facet_nodes(facet.local.into());
+                local.into_iter().for_each(|node| include(nodes[node]));
+            }
+        }
+        // A quadratic facet can bulge beyond its nodes: by an eighth of their spread per direction of the map.
+        let bulge = if self.degree == 2 { 0.5 } else { 0.0 };
+        for k in 0..D {
+            let margin = margin + bulge * (upper[k] - lower[k]);
+            lower[k] -= margin;
+            upper[k] += margin;
+        }
+        (lower, upper)
+    }
+}
+
+impl<const D: usize> Touching<D> {
+    /// That no facets coincide with their cells on the same side.
+    pub(super) fn check_sides(&self, mesh: &Mesh<D>) -> Result<(), MeshError> {
+        match self.same_side {
+            Some(sides) => {
+                let position = mesh.facet_centre(sides[0]).to_vec();
+                Err(MeshError::Overlap { cells: sides.map(|facet| facet.cell), position })
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether two lists of the same vertices run around a facet in the same direction.
+fn runs_alike(a: &[u32], b: &[u32]) -> bool {
+    let start = b.iter().position(|vertex| *vertex == a[0]).unwrap_or(0);
+    if a.len() == 2 { start == 0 } else { a[1] == b[(start + 1) % b.len()] }
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+impl<const D: usize> fmt::Display for Conformity<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_conforming() {
+            return writeln!(f, "cells touch in shared facets alone");
+        }
+        if let Some([a, b]) = self.cracks.first() {
+            let count = self.cracks.len();
+            writeln!(
+                f,
+                "{count} cracks, where facets coincide and are not shared; the first between cells {} and {}",
+                a.cell, b.cell
+            )?;
+        }
+        if let Some(first) = self.hanging_nodes.first() {
+            let (count, facet) = (self.hanging_nodes.len(), first.facet);
+            let HangingNode { node, position, .. } = first;
+            writeln!(
+                f,
+                "{count} hanging nodes; the first is node {node} at {position:?}, on facet {} of cell {}",
+                facet.local, facet.cell
+            )?;
+        }
+        if let Some(Overlap { cells: [a, b], position }) = self.overlaps.first() {
+            writeln!(f, "{} overlaps; the first of cells {a} and {b}, at {position:?}", self.overlaps.len())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
