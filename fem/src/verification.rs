@@ -1,4 +1,6 @@
-//! Taylor tests of derivatives: f(t) − f(0) − t f′(0) falls with t² if f′(0) is right, and with t if it is not.
+//! Taylor tests of derivatives: f(t) − f(0) − t f′(0) falls with t² if f′(0) is right, and with t if it is not. Where f is
+//! affine along the direction (a linear form, or a piecewise linear one between its kinks) it is rounding from the start,
+//! which a wrong f′(0) could not bring about.
 //!
 //! A form's tangent is tested by [`tangent`], a derivative of a number that is computed anew for each step (through an
 //! adjoint state, by a parameter or by data) by [`taylor`], one by the shape of the domain by [`shape`]. Where a form has
@@ -50,6 +52,8 @@ const STEPS: usize = 7;
 const MOST_HALVINGS: usize = 30;
 /// Remainders below this part of what they are differences of are rounding.
 const ROUNDING: f64 = 1e-12;
+/// A remainder that is rounding tells something if an error of f′(0) by this part would have been seen.
+const SEEN: f64 = 1e-6;
 /// The lowest order that passes for two.
 const LOWEST_ORDER: f64 = 1.9;
 /// So many of the smallest steps are judged: at large ones terms of higher order matter, too.
@@ -96,10 +100,12 @@ pub struct TaylorReport {
     pub steps: Vec<TaylorStep>,
     /// The remainder \[unit of f\] below which it is rounding.
     pub rounding: f64,
+    /// ‖f′(0)‖₂ along the direction, as it was given \[unit of f\].
+    pub slope: f64,
 }
 
 /// Why a test shows nothing, or shows a mistake. Each holds the report.
-#[derive(Clone, Debug, Error, PartialEq)]
+#[derive(Clone, Error, PartialEq)]
 pub enum TaylorFailure {
     /// The remainder falls too slowly: the derivative is wrong, or a kink was crossed that the test was not told of.
     #[error(
@@ -111,9 +117,9 @@ pub enum TaylorFailure {
         /// The test.
         report: TaylorReport,
     },
-    /// The function is affine along this direction, or the steps too small.
+    /// The remainder is rounding, but so would be that of a wrong derivative; or it comes out of rounding at one step alone.
     #[error(
-        "the remainder is rounding: the function is affine along this direction, or the steps are too small, and the test says nothing of its order\n{report}"
+        "the remainder is rounding before its order can be seen: the steps are too small, and the test says nothing\n{report}"
     )]
     Rounding {
         /// The test.
@@ -135,9 +141,17 @@ pub enum TaylorFailure {
     },
 }
 
+// It is what `main` and `unwrap` show: the table, not a structure of numbers on one line.
+impl fmt::Debug for TaylorFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
 impl TaylorReport {
     /// The lowest order of the remainder over the three smallest steps that keep the active set and are not rounding, if it
-    /// is near enough to two (above 1.9).
+    /// is near enough to two (above 1.9). Infinity for a function that [is affine](Self::is_affine) along the direction: its
+    /// remainder has no order, and passes.
     ///
     /// # Errors
     /// [`TaylorFailure`]: a lower order, or a test that shows nothing.
@@ -149,6 +163,9 @@ impl TaylorReport {
         if !self.steps.iter().any(|step| step.same_active_set) {
             return Err(TaylorFailure::ActiveSet { report: report() });
         }
+        if self.is_affine() {
+            return Ok(f64::INFINITY);
+        }
         let telling = self.steps.iter().filter(|step| step.remainder > self.rounding);
         match telling.filter_map(|step| step.order).rev().take(JUDGED).reduce(f64::min) {
             None => Err(TaylorFailure::Rounding { report: report() }),
@@ -157,9 +174,15 @@ impl TaylorReport {
         }
     }
 
-    /// Whether all remainders are rounding: so it is, with the right derivative, for a function that is affine.
+    /// Whether the remainders are rounding at all steps that keep the active set, of which one at least is so large that a
+    /// derivative wrong by a millionth would have shown: the function is affine along the direction between its kinks, and
+    /// the derivative is right.
     pub fn is_affine(&self) -> bool {
-        self.steps.iter().filter(|step| step.same_active_set).all(|step| step.remainder <= self.rounding)
+        let mut kept = self.steps.iter().filter(|step| step.same_active_set).peekable();
+        let largest = kept.peek().map_or(0.0, |step| step.step.abs());
+        // Without a slope the function is constant, and every change that is not rounding would have shown.
+        let told = self.slope == 0.0 || self.rounding <= SEEN * largest * self.slope;
+        kept.peek().is_some() && told && kept.all(|step| step.remainder <= self.rounding)
     }
 }
 
@@ -175,6 +198,9 @@ impl fmt::Display for TaylorReport {
                 write!(f, "  rounding")?;
             }
             writeln!(f)?;
+        }
+        if self.is_affine() {
+            writeln!(f, "affine along this direction: no remainder but rounding")?;
         }
         Ok(())
     }
@@ -194,7 +220,8 @@ pub fn taylor<E>(
     let start = value(0.0)?;
     let scale = start.value.iter().map(|value| value * value).sum::<f64>().sqrt();
     let slope = derivative.iter().map(|slope| slope * slope).sum::<f64>().sqrt();
-    let mut report = TaylorReport { steps: Vec::new(), rounding: ROUNDING * scale.max(first.abs() * slope) };
+    let rounding = ROUNDING * scale.max(first.abs() * slope);
+    let mut report = TaylorReport { steps: Vec::new(), rounding, slope };
     let (mut step, mut kept) = (first, 0);
     while kept < STEPS && (kept > 0 || report.steps.len() < MOST_HALVINGS) {
         let moved = value(step)?;
@@ -232,6 +259,9 @@ pub enum VerificationError {
         /// Directions given.
         directions: usize,
     },
+    /// All directions are zero: nothing would be tested.
+    #[error("the directions are zero, and a test along them says nothing")]
+    NoDirection,
 }
 
 /// Tests the tangent of a form: its residual along directions of its unknowns, one for each.
@@ -248,6 +278,9 @@ pub fn tangent<F: Form<D>, const D: usize>(
     if unknowns.len() != directions.len() {
         let (unknowns, directions) = (unknowns.len(), directions.len());
         return Err(VerificationError::Directions { unknowns, directions });
+    }
+    if directions.iter().all(|direction| direction.values().iter().all(|value| *value == 0.0)) {
+        return Err(VerificationError::NoDirection);
     }
     let spaces: Vec<_> = unknowns.iter().map(|unknown| unknown.space()).collect();
     let derivative = assembler.action(form, unknowns, directions, &spaces)?;
@@ -298,12 +331,44 @@ mod tests {
             matches!(wrong, Err(TaylorFailure::Order { lowest, .. }) if (lowest - 1.0).abs() < 0.2),
             "{wrong:?}"
         );
-        let affine = test(3.0, |step| (2.0 + 3.0 * step).into());
-        assert!(affine.is_affine() && matches!(affine.second_order(), Err(TaylorFailure::Rounding { .. })));
         let message = test(1.0, |step| (1.0 / step.min(0.3 - step)).sqrt().into()).second_order();
         assert!(matches!(message, Err(TaylorFailure::NotFinite { .. })));
         // A vector of another length than the derivative.
         assert!(test(1.0, |_| vec![1.0, 2.0].into()).second_order().is_err());
+    }
+
+    #[test]
+    fn affine_functions_pass_with_the_right_derivative_only() {
+        let line = |step: f64| (2.0 + 3.0 * step).into();
+        let affine = test(3.0, line);
+        assert!(affine.is_affine() && affine.second_order() == Ok(f64::INFINITY), "{affine}");
+        assert!(affine.to_string().ends_with("affine along this direction: no remainder but rounding\n"));
+        for wrong in [3.000_01, 0.0, -3.0] {
+            let report = test(wrong, line);
+            let failure = report.second_order();
+            assert!(
+                !report.is_affine() && matches!(failure, Err(TaylorFailure::Order { .. })),
+                "{failure:?}"
+            );
+        }
+        // A law with a kink beyond the first steps: affine where it is tested.
+        let law = |step: f64| Sample {
+            value: vec![(step - 0.2).max(0.0), 1.0 - step],
+            active_set: Some(vec![u32::from(step > 0.2)]),
+        };
+        let along = |derivative: [f64; 2]| {
+            let report = taylor(0.5, &derivative, |step| Ok::<_, AssemblyError>(law(step)));
+            report.unwrap_or_else(|error| panic!("{error}"))
+        };
+        assert_eq!(along([0.0, -1.0]).second_order(), Ok(f64::INFINITY));
+        assert!(matches!(along([1.0, -1.0]).second_order(), Err(TaylorFailure::Order { .. })));
+        assert_eq!(test(0.0, |_| 7.0.into()).second_order(), Ok(f64::INFINITY));
+        // Steps so small that a wrong derivative is rounding, too.
+        for derivative in [2e-9, 4e-9] {
+            let value = |step: f64| Ok::<_, AssemblyError>(Sample::from(1e5 + 2e-9 * step));
+            let blind = taylor(1.0, &[derivative], value).unwrap_or_else(|error| panic!("{error}"));
+            assert!(matches!(blind.second_order(), Err(TaylorFailure::Rounding { .. })));
+        }
     }
 
     #[test]

@@ -80,15 +80,23 @@ impl<S, E: fmt::Display> fmt::Display for LoadStepError<S, E> {
     }
 }
 
-// A derived one would print the whole state.
+/// Attempts that [`LoadStepError`] prints.
+const PRINTED: usize = 6;
+
+// It is what `main` prints of an error that it returns: the last attempts one a line, without the state.
 impl<S, E: fmt::Debug> fmt::Debug for LoadStepError<S, E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("LoadStepError")
-            .field("factor", &self.factor)
-            .field("failed", &self.failed)
-            .field("why", &self.why)
-            .field("steps", &self.steps)
-            .finish_non_exhaustive()
+        let LoadStepError { factor, failed, why, steps, .. } = self;
+        writeln!(f, "the load factor {failed} could not be reached from {factor}")?;
+        let earlier = steps.len().saturating_sub(PRINTED);
+        if earlier > 0 {
+            writeln!(f, "  ({earlier} attempts before)")?;
+        }
+        for step in &steps[earlier..] {
+            let outcome = step.failure.as_deref().unwrap_or("reached");
+            writeln!(f, "  attempt {}: from {} to {}: {outcome}", step.number, step.from, step.factor)?;
+        }
+        write!(f, "{why:?}")
     }
 }
 
@@ -252,6 +260,13 @@ mod tests {
         let message = error.to_string();
         assert!(message.contains("could not be reached from 0.69") && message.contains("invalid float"));
         assert!(error.source().is_some());
+        // What `main` shows of it stays readable: a few attempts, one a line.
+        let shown = format!("{error:?}");
+        assert!(shown.lines().count() < 12 && shown.lines().all(|line| line.len() < 120), "{shown}");
+        assert!(
+            shown.contains("attempts before)") && shown.ends_with(&format!("{:?}", error.why)),
+            "{shown}"
+        );
         Ok(())
     }
 }
