@@ -139,6 +139,12 @@ impl<F: Form<D>, const D: usize> NonlinearProblem for SharedProblem<'_, '_, F, D
         let own = self.world.agree(self.share.active_points(u))?;
         own.map(|own| Ok(self.all_active(own)?)).transpose()
     }
+
+    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, SharedAssemblyError> {
+        // All processes must come to the same judgement of convergence.
+        let own = self.world.agree(self.share.balancing_forces(u, amplitudes))?;
+        Ok(self.sum.sum(&own)?)
+    }
 }
 
 impl<F, const D: usize> SharedProblem<'_, '_, F, D> {

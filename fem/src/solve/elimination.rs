@@ -141,6 +141,19 @@ impl Elimination {
         Ok(self.free.iter().map(|&unknown| sums[unknown]).collect())
     }
 
+    /// |C|ᵀ times a full vector of amounts, which are not negative: bounds of what [`Elimination::reduce`] sums.
+    ///
+    /// # Errors
+    /// If the size is wrong.
+    pub fn reduce_amounts(&self, full: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        check_size("the vector of all unknowns", self.size, full.len())?;
+        let mut sums = full.to_vec();
+        for (&unknown, relation) in &self.relations {
+            relation.terms.iter().for_each(|(free, a)| sums[*free] += a.abs() * full[unknown]);
+        }
+        Ok(self.free.iter().map(|&unknown| sums[unknown]).collect())
+    }
+
     /// C times a vector of free unknowns: an increment, zero where unknowns are prescribed.
     ///
     /// # Errors

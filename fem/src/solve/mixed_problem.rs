@@ -111,8 +111,8 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
     }
 
     /// Lets the iterate choose who assembles the nonlinear integrals, as when facets are split where a scalar of the
-    /// iterate changes its sign ([`Assembler::split_at_zeros`]). Newton's method then stops on the residual alone: there is
-    /// no active set of fixed points. What no iterate changes is assembled as before.
+    /// iterate changes its sign ([`Assembler::split_at_zeros`]). There is then no active set of fixed points in Newton's
+    /// history. What no iterate changes is assembled as before.
     pub fn with_assembler_at(
         mut self,
         choose: impl Fn(&[Field<D>]) -> Result<Assembler<D>, AssemblyError> + 'a,
@@ -345,5 +345,9 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for MixedProbl
             let on = bits.iter().enumerate().filter(|(_, bits)| **bits != 0);
             ActivePoints::from_numbers(on.map(|(point, bits)| point << 32 | *bits as usize))
         }))
+    }
+
+    fn field_sizes(&self) -> Vec<usize> {
+        self.system.spaces.iter().map(|space| space.unknowns()).collect()
     }
 }

@@ -1,5 +1,7 @@
-//! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential where there is one.
+//! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential or on the residual.
 
+mod convergence;
+mod cycles;
 mod few;
 mod history;
 mod line_search;
@@ -14,10 +16,11 @@ use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
+use convergence::{Fields, Norms, Rounding, mark};
 use few::changed_entries;
 pub use history::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
 pub use line_search::LineSearch;
-use line_search::{check_potential, line_search};
+use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
@@ -55,12 +58,30 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
-    /// The quadrature points that are active (in contact) at u, if the problem has such a notion.
+    /// The quadrature points that are active at u, if the problem has such a notion: where a switch of a piecewise law is
+    /// on.
     ///
     /// # Errors
     /// If assembly fails.
     fn active_points(&mut self, _u: &[f64]) -> Result<Option<ActivePoints>, Self::Error> {
         Ok(None)
+    }
+
+    /// Number of unknowns of each field, one field after the other. Convergence is judged field by field, for fields have
+    /// units of their own. What is left over is one more field, and all unknowns are one if none is named.
+    fn field_sizes(&self) -> Vec<usize> {
+        vec![]
+    }
+
+    /// Σ_j |K_ij| a_j for each row i of the tangent K at u \[unit of R\]: the forces that balance there where unknown j is of
+    /// the size a_j. Rounding of R is a small multiple of it.
+    ///
+    /// # Errors
+    /// If assembly fails.
+    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, Self::Error> {
+        let tangent = self.tangent(u)?;
+        let force = |row| tangent.matrix.row(row).map(|(column, k)| k.abs() * amplitudes[column]).sum();
+        Ok((0..tangent.matrix.rows()).map(force).collect())
     }
 }
 
@@ -103,12 +124,13 @@ impl ActivePoints {
     }
 }
 
-/// Linear systems are solved to this part of Newton's own target, so that the converged residual is at rounding
-/// level and not just below the target.
+/// Linear systems are solved to this part of Newton's own target for the field with the smallest one, and of the residual
+/// itself, so that the converged residual is at rounding level and not just below the target.
 const LINEAR_ACCURACY: f64 = 1e-4;
 
-/// Solves R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. Steps are not
-/// damped. `progress` is called once per iterate. Afterwards the solver still holds the last tangent.
+/// Solves R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. `progress` is called once
+/// per iterate. Afterwards the solver still holds the last tangent that it was given. [`NewtonOptions`] says when an iterate
+/// is the solution.
 ///
 /// # Errors
 /// [`NewtonError`] with the reason, the history and the last iterate.
@@ -158,7 +180,9 @@ pub fn newton_eliminating<P: NonlinearProblem>(
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError<P::Error>> {
     let Start { u, guess } = start;
-    let mut iteration = Iteration { u, history: Vec::new(), active: Vec::new(), options, progress };
+    let fields = Fields::new(&problem.field_sizes(), &elimination);
+    let (history, norms, active) = (Vec::new(), Vec::new(), Vec::new());
+    let mut iteration = Iteration { u, fields, history, norms, active, forced: None, options, progress };
     match iteration.run(problem, elimination, guess, solver) {
         Ok(residual) => Ok(NewtonSolution { u: iteration.u, residual, history: iteration.history }),
         Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u }),
@@ -168,16 +192,38 @@ pub fn newton_eliminating<P: NonlinearProblem>(
 /// The state of the iteration.
 struct Iteration<'a> {
     u: Vec<f64>,
+    fields: Fields,
     history: Vec<NewtonStep>,
+    /// Of each iterate, field by field.
+    norms: Vec<Norms>,
     active: Vec<Option<ActivePoints>>,
+    forced: Option<Forced>,
     options: &'a NewtonOptions,
     progress: &'a mut dyn FnMut(&NewtonStep),
 }
 
 /// The residual on all unknowns, and on the free ones.
-type Residuals = (Vec<f64>, Vec<f64>);
+struct Residuals {
+    full: Vec<f64>,
+    reduced: Vec<f64>,
+}
 
-/// How an iterate was reached.
+impl Residuals {
+    fn of<E>(full: Vec<f64>, elimination: &Elimination) -> Result<Self, NewtonFailure<E>> {
+        let reduced = elimination.reduce(&full).map_err(NewtonFailure::Mismatch)?;
+        Ok(Residuals { full, reduced })
+    }
+
+    fn at<P: NonlinearProblem>(
+        problem: &mut P,
+        elimination: &Elimination,
+        u: &[f64],
+    ) -> Result<Self, NewtonFailure<P::Error>> {
+        Self::of(problem.residual(u).map_err(NewtonFailure::Assembly)?, elimination)
+    }
+}
+
+/// The way to an iterate.
 #[derive(Clone, Copy, Default)]
 struct Step {
     length: Option<f64>,
@@ -204,8 +250,9 @@ impl Iteration<'_> {
             solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
             linear_part = Some(reduced);
         }
-        let (mut residual, mut rest) = self.look(problem, &elimination, Step::default())?;
-        if !self.finished()?
+        let mut residuals = Residuals::at(problem, &elimination, &self.u)?;
+        self.enter(problem, &elimination, &residuals, Step::default(), None)?;
+        if !self.is_finished(problem, &elimination, &residuals)?
             && let Some(linear_part) = &linear_part
         {
             if let Some(guess) = guess {
@@ -214,14 +261,13 @@ impl Iteration<'_> {
             }
             if self.options.line_search == LineSearch::Off
                 && let Some(solver) = solver.condensing()
-                && self.iterate_on_few(problem, &mut elimination, linear_part, &residual, solver)?
+                && self.iterate_on_few(problem, &mut elimination, linear_part, &residuals.full, solver)?
             {
-                residual = problem.residual(&self.u).map_err(NewtonFailure::Assembly)?;
-                rest = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
-                self.judge_again(norm(&rest));
+                residuals = Residuals::at(problem, &elimination, &self.u)?;
+                self.replace_last_residual(&elimination, &residuals.reduced);
             }
         }
-        while !self.finished()? {
+        while !self.is_finished(problem, &elimination, &residuals)? {
             let options = self.options;
             let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
             if options.line_search == LineSearch::OnPotential {
@@ -241,81 +287,95 @@ impl Iteration<'_> {
                 }
             }
             .map_err(NewtonFailure::LinearSolver)?;
-            for value in &mut rest {
-                *value = -*value;
-            }
-            let solution =
-                solver.solve(&rest, LINEAR_ACCURACY * self.target()).map_err(NewtonFailure::LinearSolver)?;
+            let load: Vec<f64> = residuals.reduced.iter().map(|value| -value).collect();
+            let solution = solver.solve(&load, self.linear_target()).map_err(NewtonFailure::LinearSolver)?;
+            let change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
+            let Taken { part, residuals: found } = match options.line_search {
+                LineSearch::Off => Taken::whole(),
+                LineSearch::OnPotential => along_potential(problem, &self.u, &change)?,
+                LineSearch::OnResidual => along_residual(self, problem, &elimination, &change)?,
+            };
+            add_scaled(&mut self.u, part, &change);
+            residuals = match found {
+                Some(found) => found,
+                None => Residuals::at(problem, &elimination, &self.u)?,
+            };
             let step = Step {
+                length: Some(part * norm(&solution.solution)),
+                damping: Some(part),
                 linear_iterations: Some(solution.iterations),
                 condensed_unknowns: solver.condensed_unknowns(),
-                ..Step::default()
             };
-            let change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
-            let damping = match options.line_search {
-                LineSearch::Off => 1.0,
-                LineSearch::OnPotential => line_search(problem, &self.u, &change)?,
-            };
-            add_scaled(&mut self.u, damping, &change);
-            let step =
-                Step { damping: Some(damping), length: Some(damping * norm(&solution.solution)), ..step };
-            (residual, rest) = self.look(problem, &elimination, step)?;
+            let lengths = self.fields.norms(&solution.solution);
+            self.enter(problem, &elimination, &residuals, step, Some(lengths))?;
         }
-        Ok(residual)
+        Ok(residuals.full)
     }
 
-    /// The residual at the current iterate, on all unknowns and on the free ones; the iterate enters the history.
-    fn look<P: NonlinearProblem>(
+    /// Enters the current iterate into the history, with its residual and the norms of the whole step that led to it.
+    fn enter<P: NonlinearProblem>(
         &mut self,
         problem: &mut P,
         elimination: &Elimination,
+        residuals: &Residuals,
         step: Step,
-    ) -> Result<Residuals, NewtonFailure<P::Error>> {
-        let residual = problem.residual(&self.u).map_err(NewtonFailure::Assembly)?;
-        let rest = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
+        lengths: Option<Vec<f64>>,
+    ) -> Result<(), NewtonFailure<P::Error>> {
         let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
-        self.record(norm(&rest), active, step);
-        Ok((residual, rest))
+        let norms = Norms { step: lengths, ..self.norms_at(elimination, &residuals.reduced) };
+        self.record(norm(&residuals.reduced), norms, active, step);
+        Ok(())
     }
 
-    /// The residual that counts as zero.
-    fn target(&self) -> f64 {
-        let first = self.history.first().map_or(0.0, |start| start.residual);
-        (self.options.relative_tolerance * first).max(self.options.absolute_tolerance)
+    /// Norms at the current iterate, without those of a step.
+    fn norms_at(&self, elimination: &Elimination, reduced_residual: &[f64]) -> Norms {
+        let free: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
+        let (residual, u) = (self.fields.norms(reduced_residual), self.fields.norms(&free));
+        Norms { residual, u, step: None, mark: mark(&free) }
+    }
+
+    /// The residual to which a linear system is to be solved.
+    fn linear_target(&self) -> f64 {
+        let smallest = self.targets().fold(f64::INFINITY, f64::min).max(self.options.absolute_tolerance);
+        LINEAR_ACCURACY * self.history.last().map_or(smallest, |last| smallest.min(last.residual))
     }
 
     /// Whether the last iterate is the solution; an error if there is no sense in going on.
-    fn finished<E>(&self) -> Result<bool, NewtonFailure<E>> {
-        let Some(last) = self.history.last() else { return Ok(false) };
-        if !last.residual.is_finite() {
+    fn is_finished<P: NonlinearProblem>(
+        &self,
+        problem: &mut P,
+        elimination: &Elimination,
+        residuals: &Residuals,
+    ) -> Result<bool, NewtonFailure<P::Error>> {
+        if self.history.last().is_some_and(|last| !last.residual.is_finite()) {
             return Err(NewtonFailure::NotFinite);
         }
-        if last.residual <= self.target() {
+        if self.has_converged(&Rounding::Unknown) {
             return Ok(true);
         }
-        if let Some((first, period)) = self.cycle() {
-            return Err(NewtonFailure::Cycling { first, period });
+        if self.may_be_rounding() {
+            let rounding = self.rounding(problem, elimination, &residuals.reduced)?;
+            if self.has_converged(&rounding) {
+                return Ok(true);
+            }
         }
-        if self.stagnates() {
-            return Err(NewtonFailure::Stagnated);
-        }
-        let iterations = self.history.len() - 1;
-        if iterations >= self.options.max_iterations {
-            return Err(NewtonFailure::NotConverged { iterations });
-        }
+        self.check_progress()?;
         Ok(false)
     }
 
     /// The last iterate was judged by its condensed residual; this is the whole one.
-    fn judge_again(&mut self, residual: f64) {
-        let first = self.history.first().map_or(residual, |start| start.residual);
-        if let Some(last) = self.history.last_mut() {
+    fn replace_last_residual(&mut self, elimination: &Elimination, reduced: &[f64]) {
+        let first = self.history.first().map_or(0.0, |start| start.residual);
+        let (residual, found) = (norm(reduced), self.norms_at(elimination, reduced));
+        if let (Some(last), Some(norms)) = (self.history.last_mut(), self.norms.last_mut()) {
             last.residual = residual;
             last.relative_residual = if residual == 0.0 { 0.0 } else { residual / first };
+            last.field_residuals.clone_from(&found.residual);
+            *norms = Norms { step: norms.step.take(), ..found };
         }
     }
 
-    fn record(&mut self, residual: f64, active: Option<ActivePoints>, step: Step) {
+    fn record(&mut self, residual: f64, norms: Norms, active: Option<ActivePoints>, step: Step) {
         let first = self.history.first().map_or(residual, |start| start.residual);
         let before = self.active.last().copied().flatten();
         self.active.push(active);
@@ -323,6 +383,7 @@ impl Iteration<'_> {
             iteration: self.history.len(),
             residual,
             relative_residual: if residual == 0.0 { 0.0 } else { residual / first },
+            field_residuals: norms.residual.clone(),
             active_points: active.map(|set| set.count),
             active_set_changed: active.zip(before).map(|(now, before)| now != before),
             step: step.length,
@@ -330,29 +391,9 @@ impl Iteration<'_> {
             linear_iterations: step.linear_iterations,
             condensed_unknowns: step.condensed_unknowns,
         };
+        self.norms.push(norms);
         (self.progress)(&step);
         self.history.push(step);
-    }
-
-    /// Whether the last step was lost in rounding and the residual did not fall.
-    fn stagnates(&self) -> bool {
-        let [.., before, last] = &self.history[..] else { return false };
-        last.step.is_some_and(|step| step <= 4.0 * f64::EPSILON * norm(&self.u))
-            && last.residual > 0.5 * before.residual
-    }
-
-    /// The earlier iterate that has the same active set as the last one, with other sets in between, and whose
-    /// residual was not larger. For a piecewise linear problem the iterates then repeat for ever.
-    fn cycle(&self) -> Option<(usize, usize)> {
-        let last = self.history.len() - 1;
-        let active = self.active[last]?;
-        let first = (0..last).rev().find(|&k| {
-            self.active[k] == Some(active)
-                && self.active[k..last].iter().any(|&between| between != Some(active))
-        })?;
-        // Equal up to rounding counts as not decreasing.
-        (self.history[last].residual >= self.history[first].residual * (1.0 - 1e-6))
-            .then_some((first, last - first))
     }
 }
 

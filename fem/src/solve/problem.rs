@@ -141,4 +141,8 @@ impl<F: Form<D>, const D: usize> NonlinearProblem for FormProblem<'_, F, D> {
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
         self.whole.active_points(u)
     }
+
+    fn field_sizes(&self) -> Vec<usize> {
+        self.whole.field_sizes()
+    }
 }

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::convergence::{Norms, Rounding, mark};
 use super::{Iteration, NewtonFailure, NonlinearProblem, Step};
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{CsrMatrix, Entry};
@@ -69,31 +70,42 @@ impl Iteration<'_> {
                 known = Some((few, x_c));
             }
             let Some((few, x_c)) = &mut known else { return Ok(false) };
-            let mut rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
+            let rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
             let step = solver.few_step(linear_part, added, &rest).map_err(failed)?;
             add_scaled(x_c, 1.0, &step);
             few.update(solver, x_c, &mut x).map_err(failed)?;
-            let mut length = 0.0_f64;
+            let moved = |i: usize| start[i] + x[i] - self.u[elimination.free()[i]];
+            let lengths = self.fields.norms_over(&watched, moved);
             for &i in &watched {
-                let (i, unknown) = (i as usize, elimination.free()[i as usize]);
-                let value = start[i] + x[i];
-                length = length.hypot(value - self.u[unknown]);
-                self.u[unknown] = value;
+                self.u[elimination.free()[i as usize]] = start[i as usize] + x[i as usize];
             }
             let found = problem.nonlinear_residual(&self.u).map_err(NewtonFailure::Assembly)?;
             nonlinear = elimination.reduce(&found.unwrap_or_default()).map_err(NewtonFailure::Mismatch)?;
-            rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
+            // Rows outside of c hold; N may have got beyond c.
+            let mut residual = nonlinear.clone();
+            let rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
+            few.unknowns().iter().zip(&rest).for_each(|(place, rest)| residual[*place as usize] = *rest);
+            let norms = Norms {
+                residual: self.fields.norms(&residual),
+                u: self.fields.norms_over(&watched, |i| start[i] + x[i]),
+                step: Some(lengths),
+                mark: mark(&watched.iter().map(|i| start[*i as usize] + x[*i as usize]).collect::<Vec<_>>()),
+            };
             let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
             let condensed_unknowns = Some(x_c.len());
             let step = Step {
-                length: Some(length),
+                length: norms.step.as_deref().map(norm),
                 damping: Some(1.0),
                 linear_iterations: Some(0),
                 condensed_unknowns,
             };
-            // Rows outside of c hold; N may have got beyond c.
-            self.record(norm(&rest).hypot(few.norm_outside(&nonlinear)), active, step);
-            if !matches!(self.finished::<P::Error>(), Ok(false)) {
+            self.record(norm(&residual), norms, active, step);
+            // What ends the iteration is said of the whole residual.
+            let last = !norm(&residual).is_finite()
+                || self.has_converged(&Rounding::Unknown)
+                || self.may_be_rounding()
+                || self.check_progress::<P::Error>().is_err();
+            if last {
                 break;
             }
             entries = changed_entries(problem, elimination, &self.u)?;

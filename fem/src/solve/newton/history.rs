@@ -1,21 +1,37 @@
 //! What Newton's method is asked for, and what it tells: options, iterates, solution, failures.
 
+use std::fmt;
+
 use super::line_search::LineSearch;
 #[cfg(doc)]
 use super::newton;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::solve::linear_solver::SolverError;
 
-/// When Newton's method stops.
+/// The end of Newton's method: its tolerances, and whether steps are shortened on the way.
+///
+/// An iterate is the solution when for every field of the problem (an unknown of a form; norms are over free unknowns)
+///
+/// 1. ‖R_f‖₂ ≤ `relative_tolerance` × the field's ‖R_f‖₂ at the start, with the prescribed values imposed. A field without a
+///    load there, which other fields drive, is measured by the largest residual that it came to instead.
+/// 2. The step still to be expected, ‖δ_f‖₂ of the last whole step times the factor by which residuals fell in it (of the
+///    field whose residual fell least), is at most 100 `relative_tolerance` × ‖u_f‖₂. A start that is far off makes the first
+///    residual large; this part of the criterion does not depend on it.
+///
+/// No residual can be smaller than rounding: where the iteration stalls above the tolerance, or a field has had no other
+/// residual, the forces that balance are added up row by row from the tangent ([`NonlinearProblem::balancing_forces`]),
+/// and a residual at their rounding level (10⁻¹⁴ of them, 10⁻¹² if it does not fall any more) counts as zero.
+///
+/// [`NonlinearProblem::balancing_forces`]: super::NonlinearProblem::balancing_forces
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Converged at ‖R‖₂ ≤ `relative_tolerance` × ‖R‖₂ at the start (free unknowns, prescribed values imposed).
+    /// Tolerance of residuals and of expected steps, as above.
     pub relative_tolerance: f64,
-    /// Converged also at ‖R‖₂ ≤ `absolute_tolerance` \[unit of R\].
+    /// Converged in any case at ‖R‖₂ ≤ `absolute_tolerance` over all fields \[unit of R\].
     pub absolute_tolerance: f64,
     /// Most steps.
     pub max_iterations: usize,
-    /// Whether steps are shortened where a whole one is too long; only for residuals with a potential.
+    /// Whether steps are shortened where a whole one is too long.
     pub line_search: LineSearch,
 }
 
@@ -39,6 +55,8 @@ pub struct NewtonStep {
     pub residual: f64,
     /// Residual divided by the residual at the start (0 if that is 0).
     pub relative_residual: f64,
+    /// ‖R‖₂ of each field, in the order of the form's unknowns.
+    pub field_residuals: Vec<f64>,
     /// Number of active quadrature points at this iterate.
     pub active_points: Option<usize>,
     /// Whether the active set differs from that of the iterate before.
@@ -80,9 +98,11 @@ pub enum NewtonFailure<E> {
         /// Steps made.
         iterations: usize,
     },
-    /// The active set and the residual of an earlier iterate came back.
+    /// An earlier iterate came back: its residual again and again, or its active set with a residual that is not smaller.
+    /// [`LineSearch::OnResidual`] often helps.
     #[error(
-        "the active set of iteration {first} came back after {period} iterations, and no residual decreased"
+        "it repeats itself: iteration {first} came back after {period} more, with a residual that is not smaller; \
+         shorter steps may help (LineSearch::OnResidual)"
     )]
     Cycling {
         /// Iterate that was reached again.
@@ -90,24 +110,27 @@ pub enum NewtonFailure<E> {
         /// Steps in between.
         period: usize,
     },
-    /// Steps no longer change u beyond rounding, but the residual is above the tolerance. A tolerance that the
-    /// residual's own rounding allows (large stiffnesses, a small load) would have been met.
-    #[error("the residual stagnates at rounding level, above the tolerance")]
+    /// Steps hardly change u any more, but the residual is above the tolerance, and above the rounding of the forces that
+    /// balance in it: it cannot be computed any better, or the tangent is not its derivative.
+    #[error(
+        "the residual stagnates above the tolerance, though steps are small: it is not computed more accurately, or the \
+         tangent is not its derivative"
+    )]
     Stagnated,
     /// The residual became NaN or infinite.
     #[error("the residual is not finite")]
     NotFinite,
-    /// A line search was asked for, but an unsymmetric tangent has no potential.
+    /// A line search on the potential was asked for, but an unsymmetric tangent has no potential.
     #[error(
-        "a line search needs a potential, but the tangent is not symmetric (asymmetry {asymmetry:e}); for Nitsche's \
-         method that means theta = 1"
+        "a line search on the potential needs one, but the tangent is not symmetric (asymmetry {asymmetry:e}); \
+         LineSearch::OnResidual needs none"
     )]
     NoPotential {
         /// [`BlockMatrix::asymmetry`](crate::linear_algebra::BlockMatrix::asymmetry) of the tangent.
         asymmetry: f64,
     },
-    /// No step along a descent direction, however short, lowers the potential.
-    #[error("the line search found no step that lowers the potential")]
+    /// No step along a descent direction, however short, lowers the potential, or gives a finite residual.
+    #[error("the line search found no step that it could take")]
     NoDescent,
     /// The linear solver failed.
     #[error("the linear solver failed: {0}")]
@@ -132,13 +155,49 @@ pub struct NewtonError<E: std::error::Error> {
     pub u: Vec<f64>,
 }
 
-// A derived one would print every unknown.
-impl<E: std::error::Error> std::fmt::Debug for NewtonError<E> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("NewtonError")
-            .field("why", &self.why)
-            .field("history", &self.history)
-            .field("unknowns", &self.u.len())
-            .finish()
+/// Iterates that [`NewtonError`] prints.
+const PRINTED: usize = 6;
+
+/// Fields whose residuals stand in the line of an iterate.
+const SHOWN_FIELDS: usize = 6;
+
+// It is what `main` prints of an error that it returns: lines for a reader, not every unknown and every field.
+impl<E: std::error::Error> fmt::Debug for NewtonError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")?;
+        let earlier = self.history.len().saturating_sub(PRINTED);
+        if !self.history.is_empty() {
+            write!(
+                f,
+                "\n{:>9}  {:>11}  {:>11}  {:>7}  {:>13}",
+                "iteration", "residual", "step", "damping", "active points"
+            )?;
+        }
+        if earlier > 0 {
+            write!(f, "\n{:>9}  ({earlier} before)", "...")?;
+        }
+        for step in &self.history[earlier..] {
+            write!(f, "\n{step}")?;
+        }
+        write!(f, "\n{} unknowns", self.u.len())
+    }
+}
+
+impl fmt::Display for NewtonStep {
+    /// One line of a table: iteration, residual, step, damping, active points, and the residuals of several fields.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.4e}"));
+        let damping = self.damping.map_or_else(|| "-".to_owned(), |damping| format!("{damping:.4}"));
+        let active = self.active_points.map_or_else(|| "-".to_owned(), |count| count.to_string());
+        let (residual, step) = (shown(Some(self.residual)), shown(self.step));
+        write!(f, "{:>9}  {residual:>11}  {step:>11}  {damping:>7}  {active:>13}", self.iteration)?;
+        if self.field_residuals.len() > 1 {
+            let shown = self.field_residuals.iter().take(SHOWN_FIELDS).map(|value| format!("{value:.3e}"));
+            write!(f, "  by field {}", shown.collect::<Vec<_>>().join(", "))?;
+        }
+        if self.field_residuals.len() > SHOWN_FIELDS {
+            write!(f, ", ...")?;
+        }
+        Ok(())
     }
 }

@@ -1,7 +1,10 @@
-//! A line search for residuals that are the gradient of a potential Π: the slope of Π along a step δ is R(u + αδ)·δ,
-//! so that the potential itself need not be known.
+//! Steps that are shortened: along a potential, or by the residual.
+//!
+//! Where the residual is the gradient of a potential Π, the slope of Π along a step δ is R(u + αδ)·δ, so that the
+//! potential itself need not be known. Other residuals are judged by their norm, each field's beside the largest that it
+//! had. It may have to rise on the way to a solution, where a law switches: if no step lowers it, a short one is taken.
 
-use super::{NewtonFailure, NonlinearProblem};
+use super::{Iteration, NewtonFailure, NonlinearProblem, Residuals};
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::vector::dot;
 use crate::solve::elimination::Elimination;
@@ -15,6 +18,93 @@ pub enum LineSearch {
     /// A step is shortened where the potential rises again before its end: to a place where the slope along the step
     /// is at most a half, in amount, of that at its beginning. For residuals with a potential only: symmetric tangents.
     OnPotential,
+    /// A step is halved, down to 1/64, until the residual's norm falls by at least 10⁻⁴ of the part that is taken; if it
+    /// does not, an eighth of the step is taken, or another part if that led back to where it was taken. For every residual: it serves where whole steps go back and forth between
+    /// the branches of a law, as they do with friction. With several fields each one's norm is divided by the largest that
+    /// it had.
+    OnResidual,
+}
+
+/// The part of a step that is taken, and the residual there if it is known.
+pub(super) struct Taken {
+    pub part: f64,
+    pub residuals: Option<Residuals>,
+}
+
+impl Taken {
+    /// All of it.
+    pub fn whole() -> Self {
+        Taken::some(1.0)
+    }
+
+    fn some(part: f64) -> Self {
+        Taken { part, residuals: None }
+    }
+}
+
+/// Along a part α of a step the residual's norm must fall by this times α.
+const FALL: f64 = 1e-4;
+
+/// Most halvings of a step.
+const HALVINGS: i32 = 6;
+
+/// Halvings of the step that is taken where no part lowers the residual's norm: the first, and the others in turn where
+/// the one before led back to a residual as large as that from which it was taken.
+const FORCED: [i32; 5] = [3, 2, 4, 1, 5];
+
+/// A residual's norm that is not smaller than another by this part is not smaller.
+const SAME: f64 = 1e-6;
+
+/// The last step that was taken although the residual rose.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Forced {
+    /// The residual's norm before it.
+    before: f64,
+    /// Which of [`FORCED`] it was.
+    choice: usize,
+}
+
+impl Iteration<'_> {
+    /// The norm of the residual whose norms per field are given, each beside the largest that the field had. A field that
+    /// had none yet does not count.
+    pub fn merit(&self, residuals: &[f64]) -> f64 {
+        let parts = residuals.iter().enumerate().map(|(field, residual)| {
+            let largest = self.largest_residual(field);
+            if largest == 0.0 { 0.0 } else { residual / largest }
+        });
+        parts.fold(0.0, f64::hypot)
+    }
+}
+
+/// The part of the step δ, given on all unknowns, to be taken from u so that the residual's norm falls.
+pub(super) fn along_residual<P: NonlinearProblem>(
+    iteration: &mut Iteration<'_>,
+    problem: &mut P,
+    elimination: &Elimination,
+    step: &[f64],
+) -> Result<Taken, NewtonFailure<P::Error>> {
+    let before = iteration.norms.last().map_or(f64::INFINITY, |last| iteration.merit(&last.residual));
+    let choice = match iteration.forced {
+        Some(last) if before >= last.before * (1.0 - SAME) => (last.choice + 1) % FORCED.len(),
+        _ => 0,
+    };
+    let mut otherwise = None;
+    for halvings in 0..=HALVINGS {
+        let part = 0.5_f64.powi(halvings);
+        let at: Vec<f64> = iteration.u.iter().zip(step).map(|(u, step)| u + part * step).collect();
+        let residuals = Residuals::at(problem, elimination, &at)?;
+        let merit = iteration.merit(&iteration.fields.norms(&residuals.reduced));
+        let taken = Taken { part, residuals: Some(residuals) };
+        if merit <= (1.0 - FALL * part) * before {
+            return Ok(taken);
+        }
+        // What is not finite is too far.
+        if merit.is_finite() && halvings >= FORCED[choice] && otherwise.is_none() {
+            otherwise = Some(taken);
+        }
+    }
+    iteration.forced = Some(Forced { before, choice });
+    otherwise.ok_or(NewtonFailure::NoDescent)
 }
 
 /// The slope at an accepted place is at most this part of the first, in amount.
@@ -37,12 +127,12 @@ pub(super) fn check_potential<E>(
     if asymmetry > SYMMETRIC { Err(NewtonFailure::NoPotential { asymmetry }) } else { Ok(()) }
 }
 
-/// The part of the step δ, given on all unknowns, to be taken from u.
-pub(super) fn line_search<P: NonlinearProblem>(
+/// The part of the step δ, given on all unknowns, to be taken from u so that the potential falls.
+pub(super) fn along_potential<P: NonlinearProblem>(
     problem: &mut P,
     u: &[f64],
     step: &[f64],
-) -> Result<f64, NewtonFailure<P::Error>> {
+) -> Result<Taken, NewtonFailure<P::Error>> {
     let mut slope = |part: f64| -> Result<f64, NewtonFailure<P::Error>> {
         let at: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + part * step).collect();
         // δ is zero where unknowns are prescribed: reactions do no work.
@@ -51,12 +141,12 @@ pub(super) fn line_search<P: NonlinearProblem>(
     let first = slope(0.0)?;
     // A direction of ascent is left to Newton's method, which may cross a saddle.
     if first >= 0.0 || !first.is_finite() {
-        return Ok(1.0);
+        return Ok(Taken::whole());
     }
     let (mut low, mut low_slope) = (0.0, first);
     let (mut high, mut high_slope) = (1.0, slope(1.0)?);
     if high_slope <= FLAT * first.abs() {
-        return Ok(1.0);
+        return Ok(Taken::whole());
     }
     for evaluation in 0..EVALUATIONS {
         // Regula falsi and bisection by turns; what is not finite is too far.
@@ -65,7 +155,7 @@ pub(super) fn line_search<P: NonlinearProblem>(
         let part = if evaluation % 2 == 0 && inside { secant } else { 0.5 * (low + high) };
         let found = slope(part)?;
         if found.abs() <= FLAT * first.abs() {
-            return Ok(part);
+            return Ok(Taken::some(part));
         }
         if found < 0.0 {
             (low, low_slope) = (part, found);
@@ -73,5 +163,5 @@ pub(super) fn line_search<P: NonlinearProblem>(
             (high, high_slope) = (part, found);
         }
     }
-    if low > 0.0 { Ok(low) } else { Err(NewtonFailure::NoDescent) }
+    if low > 0.0 { Ok(Taken::some(low)) } else { Err(NewtonFailure::NoDescent) }
 }

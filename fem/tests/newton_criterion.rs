@@ -1,0 +1,106 @@
+//! Newton's criterion: each field by its own residual, and an answer that does not depend on how bad the start was.
+
+use forms_fem::prelude::*;
+use forms_fem::solve::LuSolver;
+
+#[forms(dimension = 2)]
+mod fields {
+    pub struct Data {
+        stiffness: Param,
+        conductivity: Param,
+        expansion: Param,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct Top;
+
+    /// A loaded body beside a substance that diffuses and reacts; expansion makes the substance drive the body.
+    pub fn beside(u: Unknown<Vector>, c: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        integral(Omega, stiffness * (inner(eps(u), eps(v)) - expansion * c * div(v)))
+            + integral(Omega, conductivity * (dot(grad(c), grad(q)) + (pow(c, 3) + c - 1) * q))
+            - integral(Top, stiffness * (1 - expansion) * v[1])
+    }
+
+    pub fn cubic(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (pow(u, 3) - 1) * v)
+    }
+
+    pub fn reaction(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, dot(grad(u), grad(v)) + (u - 1) * v)
+    }
+}
+
+fn solvers() -> [(&'static str, Box<dyn LinearSolver>); 3] {
+    [
+        ("TangentSolver", Box::new(TangentSolver::default())),
+        ("LuSolver", Box::new(LuSolver::default())),
+        ("CondensedSolver", Box::new(CondensedSolver::default())),
+    ]
+}
+
+/// The substance's value, the body's largest displacement and Newton's history.
+fn solve_beside(
+    stiffness: f64,
+    conductivity: f64,
+    expansion: f64,
+    solver: &mut dyn LinearSolver,
+) -> (Vec<f64>, f64, Vec<NewtonStep>) {
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Quadrilateral, 1).unwrap());
+    let (bodies, substances) = (Space::vector(&mesh, 1).unwrap(), Space::scalar(&mesh, 1).unwrap());
+    let mut held = Constraints::new(&bodies);
+    held.fix("bottom", |_| [0.0; 2]).unwrap();
+    let mut given = Constraints::new(&substances);
+    given.fix("left", |_| 0.5).unwrap();
+    let data = fields::Data { stiffness, conductivity, expansion };
+    let form = fields::beside(&data, &fields::Omega::on("all"), &fields::Top::on("top"));
+    let assembler = Assembler::new(&mesh);
+    let mut problem = MixedProblem::new(&form, &assembler, [&bodies, &substances]).unwrap();
+    let start = [&Field::zero(&bodies), &Field::zero(&substances)];
+    let options = NewtonOptions::default();
+    let solved = problem.solve(start, [&held, &given], solver, &options, &mut |_| ()).unwrap();
+    let [u, c] = solved.fields;
+    let largest = u.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    (c.values().to_vec(), largest, solved.history)
+}
+
+/// A soft field beside a stiff one takes as many steps as alone, and has the same values.
+#[test]
+fn a_field_is_not_hidden_by_a_stiffer_one() {
+    for expansion in [0.0, 1.0] {
+        let (expected, moved, history) = solve_beside(1.0, 1.0, expansion, &mut LuSolver::default());
+        for (name, mut solver) in solvers() {
+            let (found, by, scaled) = solve_beside(1e6, 1e-6, expansion, &mut *solver);
+            let off = found.iter().zip(&expected).fold(0.0_f64, |off, (a, b)| off.max((a - b).abs()));
+            assert!(off < 1e-10, "{name}, expansion {expansion}: off by {off:e}");
+            assert!((by - moved).abs() < 1e-10 * moved, "{name}, expansion {expansion}: {by} for {moved}");
+            assert!(scaled.len() <= history.len() + 2, "{name}: {} iterates", scaled.len());
+        }
+    }
+}
+
+/// A first residual of 10³⁰ says nothing about what is small in the end.
+#[test]
+fn a_bad_start_does_not_inflate_the_tolerance() {
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap());
+    let space = Space::scalar(&mesh, 1).unwrap();
+    let (assembler, omega) = (Assembler::new(&mesh), fields::Omega::on("all"));
+    let none = Constraints::new(&space);
+    let options = NewtonOptions { max_iterations: 100, ..NewtonOptions::default() };
+    let data = fields::Data { stiffness: 1.0, conductivity: 1.0, expansion: 0.0 };
+    let (cubic, reaction) = (fields::cubic(&data, &omega), fields::reaction(&data, &omega));
+    for start in [1.5, 1e3, 1e6, 1e10, 1e14] {
+        let first = Field::interpolate(&space, |_| start).unwrap();
+        for (name, mut solver) in solvers() {
+            let mut problem = FormProblem::new(&cubic, &assembler, &space).unwrap();
+            let solved = problem.solve(&first, &none, &mut *solver, &options, &mut |_| ()).unwrap();
+            for value in solved.field.values() {
+                assert!((value - 1.0).abs() < 1e-8, "{name} from {start:e}: {value}");
+            }
+        }
+        let mut problem = FormProblem::new(&reaction, &assembler, &space).unwrap();
+        let mut solver = TangentSolver::default();
+        let solved = problem.solve(&first, &none, &mut solver, &options, &mut |_| ()).unwrap();
+        assert!(solved.field.values().iter().all(|value| (value - 1.0).abs() < 1e-8), "from {start:e}");
+    }
+}
