@@ -82,14 +82,12 @@ const CORPUS: &[&str] = &[
     "mod towers {
         #[cells] struct Omega;
         fn f0(a: Scalar) -> Scalar { a * exp(a) + 1 / (1 + a * a) }
-        fn f1(a: Scalar) -> Scalar { f0(f0(a)) + f0(a) * f0(2 * a) }
-        fn f2(a: Scalar) -> Scalar { f1(a) * f1(a + 1) }
-        fn f3(a: Scalar) -> Scalar { f2(f1(a)) + pow(f2(a), 3) }
+        fn f1(a: Scalar) -> Scalar { f0(f0(a)) + f0(a) }
         fn form(u: Unknown<Scalar>, v: Test<Scalar>) -> Form { integral(Omega, f1(u) * v + dot(grad(f0(u)), grad(v))) }
         fn product(u: Unknown<Vector>) -> Energy {
             let F = I + grad(u);
-            let G = F * F * transpose(F);
-            integral(Omega, pow(det(G), 2) + inner(G * G, F))
+            let G = F * transpose(F);
+            integral(Omega, det(G) + inner(G, F))
         }
     }",
     "mod mixed {
