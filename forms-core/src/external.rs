@@ -8,13 +8,20 @@ use crate::real::Real;
 pub trait External {
     /// Writes the components of the value.
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]);
+
+    /// Which variable the `input`-th of some inputs is: those of one variable move together in a derivative by it, which
+    /// bears the number of the first of them.
+    #[inline(always)]
+    fn variable(input: usize, _inputs: usize) -> usize {
+        input
+    }
 }
 
 /// The most lanes that [`external`] and [`tabulated`] serve.
 const WIDEST: usize = 16;
 
-/// Derivatives of order N of a function at each lane: for each of the K lists of directions (numbers of inputs)
-/// the derivative of all outputs by these inputs, one after the other. `T` carries N derivatives: `f64`,
+/// Derivatives of order N of a function at each lane: for each of the K lists of directions (numbers of variables, which are
+/// inputs but for [`External::variable`]) the derivative of all outputs by these, one after the other. `T` carries N derivatives: `f64`,
 /// `Dual<f64>`, `Dual<Dual<f64>>`, …
 pub fn external<
     F: External,
@@ -36,8 +43,9 @@ pub fn external<
     let mut written = [[[0.0; WIDEST]; OUTPUTS]; K];
     for lane in 0..L::WIDTH {
         for (written, directions) in written.iter_mut().zip(&directions) {
-            let seeded: [T; INPUTS] =
-                std::array::from_fn(|input| T::seed(read[input][lane], input, directions));
+            let seeded: [T; INPUTS] = std::array::from_fn(|input| {
+                T::seed(read[input][lane], F::variable(input, INPUTS), directions)
+            });
             let mut outputs = [T::zero(); OUTPUTS];
             F::evaluate(&seeded, &mut outputs);
             for (written, output) in written.iter_mut().zip(outputs) {

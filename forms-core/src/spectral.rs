@@ -1,5 +1,6 @@
 //! Exponential, logarithm and square root of symmetric tensors, with exact derivatives of every order, also
-//! where eigenvalues are equal.
+//! where eigenvalues are equal. In a form the derivatives are those by symmetric tensors: an entry and its mirror image are
+//! one variable, by which both move, and the derivative by either is half of that by both.
 //!
 //! The eigenvectors Q of the value are never differentiated. With N the part of QᵀAQ that carries derivatives
 //! (a product of more than [`Real::ORDER`] of them is zero), the expansion in divided differences
@@ -39,17 +40,26 @@ impl External for TensorExponential {
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]) {
         flattened::<Exponential, R>(inputs, outputs);
     }
+    fn variable(input: usize, inputs: usize) -> usize {
+        symmetric_variable(input, inputs)
+    }
 }
 
 impl External for TensorLogarithm {
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]) {
         flattened::<Logarithm, R>(inputs, outputs);
     }
+    fn variable(input: usize, inputs: usize) -> usize {
+        symmetric_variable(input, inputs)
+    }
 }
 
 impl External for TensorSquareRoot {
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]) {
         flattened::<SquareRoot, R>(inputs, outputs);
+    }
+    fn variable(input: usize, inputs: usize) -> usize {
+        symmetric_variable(input, inputs)
     }
 }
 
@@ -166,6 +176,16 @@ fn divided_difference<F: Spectral>(points: &[f64]) -> f64 {
     F::taylor(centre, order).iter().zip(homogeneous).map(|(a, h)| a * h).sum()
 }
 
+/// An entry and its mirror image are one variable: derivatives are taken along symmetric changes.
+fn symmetric_variable(entry: usize, entries: usize) -> usize {
+    let size = entries.isqrt();
+    let (row, column) = (entry / size, entry % size);
+    row.min(column) * size + row.max(column)
+}
+
+/// Not inlined: kernels call it, and it is compiled once for each order of derivatives, not once for each kernel and
+/// instruction set.
+#[inline(never)]
 fn flattened<F: Spectral, R: Real>(inputs: &[R], outputs: &mut [R]) {
     match inputs.len() {
         1 => flattened_in::<F, R, 1>(inputs, outputs),

@@ -3,7 +3,8 @@
 //! `check` builds them, still with the three operators of differentiation ([`Operator::Gradient`],
 //! [`Operator::Partial`], [`Operator::Gateaux`]); `differentiate` removes those.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::mem::{Discriminant, discriminant};
 
 use crate::diagnostics::Place;
 use crate::parse::syntax::{Comparison, Entity};
@@ -102,6 +103,13 @@ pub enum External {
     TensorSquareRoot,
 }
 
+impl External {
+    /// Is it a function of a symmetric tensor, which gives one?
+    pub fn is_of_symmetric_tensors(self) -> bool {
+        matches!(self, External::TensorExponential | External::TensorLogarithm | External::TensorSquareRoot)
+    }
+}
+
 /// A truth value at a point.
 #[derive(Clone, Debug)]
 pub enum Truth {
@@ -125,6 +133,16 @@ impl Truth {
         }
     }
 
+    /// How comparisons are joined, without what is compared.
+    fn structure(&self) -> String {
+        match self {
+            Truth::Compare(comparison, ..) => format!("{comparison:?} "),
+            Truth::And(first, second) => format!("({}& {})", first.structure(), second.structure()),
+            Truth::Or(first, second) => format!("({}| {})", first.structure(), second.structure()),
+            Truth::Not(inner) => format!("!{}", inner.structure()),
+        }
+    }
+
     /// The same truth value of other scalars.
     pub fn map(&self, change: &mut impl FnMut(Tensor) -> Tensor) -> Truth {
         match self {
@@ -141,7 +159,7 @@ impl Truth {
 }
 
 /// With respect to what a derivative is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Variable {
     /// A field of the form, by index.
     Field(usize),
@@ -342,21 +360,61 @@ pub struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Arena {
     nodes: Vec<Node>,
+    /// What [`Arena::share`] made, by what it says.
+    shared: HashMap<Key, Tensor>,
+    /// One of all nodes that name the same field, parameter or number.
+    leaves: HashMap<Key, Tensor>,
+    /// The nodes by which `diff(e, w)` differentiates.
+    varied: HashSet<Tensor>,
 }
 
 impl Arena {
     pub fn push(&mut self, operator: Operator, shape: Shape, place: Place) -> Tensor {
+        if let Operator::Partial(_, Variable::Node(node))
+        | Operator::Gateaux { variable: Variable::Node(node), .. } = operator
+        {
+            self.varied.insert(node);
+        }
         self.nodes.push(Node { operator, shape, place });
         Tensor(self.nodes.len() as u32 - 1)
     }
 
+    /// As [`Arena::push`], or an equal node that was made by this function before: derivatives of derivatives hold the
+    /// same expression many times, and grow with a power of their order instead of exponentially. A node that a `diff`
+    /// varies stands for itself alone.
+    pub fn share(&mut self, operator: Operator, shape: Shape, place: Place) -> Tensor {
+        let key = Key::new(&operator, &shape, &mut |operand| self.representative(operand));
+        match self.shared.get(&key) {
+            Some(known) if !self.varied.contains(known) => *known,
+            _ => {
+                let new = self.push(operator, shape, place);
+                self.shared.insert(key, new);
+                new
+            }
+        }
+    }
+
+    /// Fields and numbers are a node wherever they are named: one of those that say the same.
+    fn representative(&mut self, tensor: Tensor) -> Tensor {
+        let node = &self.nodes[tensor.0 as usize];
+        let leaf = matches!(
+            node.operator,
+            Operator::Number(_)
+                | Operator::Zero
+                | Operator::Parameter(_)
+                | Operator::Field { .. }
+                | Operator::Geometry(_)
+        );
+        if !leaf || self.varied.contains(&tensor) {
+            return tensor;
+        }
+        let key = Key::new(&node.operator, &node.shape, &mut |operand| operand);
+        *self.leaves.entry(key).or_insert(tensor)
+    }
+
     /// The nodes by which `diff(e, w)` differentiates.
     pub fn varied_nodes(&self) -> HashSet<Tensor> {
-        let variable = |node: &Node| match node.operator {
-            Operator::Partial(_, Variable::Node(varied)) => Some(varied),
-            _ => None,
-        };
-        self.nodes.iter().filter_map(variable).collect()
+        self.varied.clone()
     }
 
     pub fn node(&self, tensor: Tensor) -> &Node {
@@ -427,6 +485,58 @@ impl Arena {
             }
         }
         seen
+    }
+}
+
+/// A node's operator with all that tells it from others, operands included.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    kind: Discriminant<Operator>,
+    operands: Vec<Tensor>,
+    shape: Shape,
+    rest: Rest,
+}
+
+/// What an operator holds beside its operands.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Rest {
+    Nothing,
+    Numbers(Vec<u64>),
+    Geometry(Geometry),
+    Map(LinearMap),
+    Slice(Vec<Selection>),
+    Function(Function),
+    Truth(String),
+    External(External, usize),
+    Side(Side),
+    Variable(Variable),
+    Call(usize, Vec<usize>),
+    Name(String),
+}
+
+impl Key {
+    fn new(operator: &Operator, shape: &[usize], representative: &mut impl FnMut(Tensor) -> Tensor) -> Self {
+        let rest = match operator {
+            Operator::Number(value) => Rest::Numbers(vec![value.to_bits()]),
+            Operator::Parameter(index) => Rest::Numbers(vec![*index as u64]),
+            Operator::Field { field, order } => Rest::Numbers(vec![*field as u64, *order as u64]),
+            Operator::Geometry(geometry) => Rest::Geometry(*geometry),
+            Operator::Map(map, _) => Rest::Map(*map),
+            Operator::Component(_, index) => Rest::Numbers(index.iter().map(|one| *one as u64).collect()),
+            Operator::Slice(_, selections) => Rest::Slice(selections.clone()),
+            Operator::Apply(function, _) => Rest::Function(*function),
+            Operator::Select(truth, ..) => Rest::Truth(truth.structure()),
+            Operator::External { function, order, .. } => Rest::External(*function, *order),
+            Operator::Restrict(side, _) => Rest::Side(*side),
+            Operator::Partial(_, variable) | Operator::Gateaux { variable, .. } => Rest::Variable(*variable),
+            Operator::Named(Named::Call { function, directions, .. }) => {
+                Rest::Call(*function, directions.iter().map(Vec::len).collect())
+            }
+            Operator::Named(Named::Value { name, .. }) => Rest::Name(name.clone()),
+            _ => Rest::Nothing,
+        };
+        let operands = operator.operands().into_iter().map(representative).collect();
+        Key { kind: discriminant(operator), operands, shape: shape.to_vec(), rest }
     }
 }
 

@@ -75,7 +75,8 @@ pub use outline::outline;
 
 /// Is this function one that others call, and nothing to assemble by itself?
 /// A `Form`, `Energy` or `Functional` whose arguments have no roles is a building block.
-/// So is what was imported to be called.
+/// So is what was imported to be called, and a value that is private: outside of the module nobody can name it, and each
+/// of a chain of functions would hold the kernels of all below it.
 pub fn is_building_block(function: &Function) -> bool {
     if function.foreign.as_ref().is_some_and(|foreign| !foreign.emitted) {
         return true;
@@ -84,7 +85,7 @@ pub fn is_building_block(function: &Function) -> bool {
     match function.output {
         Output::Form | Output::Energy => plain,
         Output::Functional => plain && !function.arguments.is_empty(),
-        Output::Value(_) => false,
+        Output::Value(_) => matches!(function.visibility, syn::Visibility::Inherited),
     }
 }
 

@@ -296,7 +296,7 @@ impl Lowering<'_> {
     fn unit(&mut self, shape: &[usize], entry: usize, origin: Tensor) -> Tensor {
         let place = self.arena.place(origin);
         let Some((first, rest)) = shape.split_first() else {
-            return self.arena.push(Operator::Number(1.0), vec![], place);
+            return self.arena.share(Operator::Number(1.0), vec![], place);
         };
         let stride: usize = rest.iter().product();
         let mut rows = Vec::new();
@@ -304,10 +304,10 @@ impl Lowering<'_> {
             rows.push(if entry / stride == row {
                 self.unit(rest, entry % stride, origin)
             } else {
-                self.arena.push(Operator::Zero, rest.to_vec(), place)
+                self.arena.share(Operator::Zero, rest.to_vec(), place)
             });
         }
-        self.arena.push(Operator::Stack(rows), shape.to_vec(), place)
+        self.arena.share(Operator::Stack(rows), shape.to_vec(), place)
     }
 
     /// From one tensor like `model` per index of the trailing axes to one tensor with those axes.
@@ -325,9 +325,9 @@ impl Lowering<'_> {
                 entries.push(match direction {
                     Some(direction) if index.is_empty() => *direction,
                     Some(direction) => {
-                        self.arena.push(Operator::Component(*direction, index.clone()), vec![], place)
+                        self.arena.share(Operator::Component(*direction, index.clone()), vec![], place)
                     }
-                    None => self.arena.push(Operator::Zero, vec![], place),
+                    None => self.arena.share(Operator::Zero, vec![], place),
                 });
             }
         }
@@ -340,7 +340,7 @@ impl Lowering<'_> {
         let stride = entries.len() / first;
         let rows = entries.chunks(stride).map(|row| self.nest(row.to_vec(), rest, origin)).collect();
         let place = self.arena.place(origin);
-        self.arena.push(Operator::Stack(rows), shape.to_vec(), place)
+        self.arena.share(Operator::Stack(rows), shape.to_vec(), place)
     }
 
     /// The additive parts of a density, or the density as one part if they are too many: a sum of shared sums

@@ -412,6 +412,6 @@ impl<'a> Differentiation<'a> {
 
     fn push(&mut self, operator: Operator, shape: Vec<usize>, origin: Tensor) -> Tensor {
         let place = self.arena.place(origin);
-        self.arena.push(operator, shape, place)
+        self.arena.share(operator, shape, place)
     }
 }

@@ -79,7 +79,8 @@ fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize) -> Scalar {
     }
     // A factor and whether it divides.
     let mut counts: BTreeMap<(Scalar, bool), usize> = BTreeMap::new();
-    for (_, term) in &terms {
+    // What stands with a zero is there to be no number: it keeps its factors.
+    for (_, term) in terms.iter().filter(|(coefficient, _)| f64::from_bits(*coefficient) != 0.0) {
         match graph.node(*term) {
             Node::Product(factors) => {
                 for (factor, exponent) in factors {
@@ -100,7 +101,7 @@ fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize) -> Scalar {
     let (mut inside, mut outside) = (Vec::new(), vec![graph.number(f64::from_bits(constant))]);
     for (coefficient, term) in terms {
         let coefficient = f64::from_bits(coefficient);
-        if has(graph, term) {
+        if coefficient != 0.0 && has(graph, term) {
             let quotient = graph.product(&[(term, 1), (factor, if divides { 1 } else { -1 })]);
             inside.push(graph.scale(coefficient, quotient));
         } else {

@@ -145,6 +145,9 @@ type Family = (Vec<(Derivative, Monomial)>, Vec<(Derivative, Monomial)>);
 const MOST_RECTANGLES: usize = 100;
 
 fn family(terms: &Terms, place: (Derivative, Derivative), term: &Monomial) -> Option<Family> {
+    if term.coefficient == 0.0 {
+        return None;
+    }
     let has = |row: Derivative, column: Derivative, wanted: &Monomial| {
         terms.get(&(row, column)).is_some_and(|list| list.contains(wanted))
     };

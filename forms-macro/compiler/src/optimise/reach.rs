@@ -11,8 +11,13 @@ impl Graph {
     }
 
     /// Hands over the nodes that a node is made of.
-    fn each_operand(&self, scalar: Scalar, mut take: impl FnMut(Scalar)) {
-        match self.node(scalar) {
+    fn each_operand(&self, scalar: Scalar, take: impl FnMut(Scalar)) {
+        self.each_operand_of(self.node(scalar), take);
+    }
+
+    /// Hands over the operands of a node that need not be in the graph yet.
+    pub fn each_operand_of(&self, node: &Node, mut take: impl FnMut(Scalar)) {
+        match node {
             Node::Sum { terms, .. } => terms.iter().for_each(|(_, term)| take(*term)),
             Node::Product(factors) => factors.iter().for_each(|(factor, _)| take(*factor)),
             Node::Apply(_, a) | Node::Not(a) => take(*a),

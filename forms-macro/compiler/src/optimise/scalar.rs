@@ -115,6 +115,8 @@ impl Node {
 #[derive(Default)]
 pub struct Graph {
     nodes: Vec<Node>,
+    /// How each node may behave: see [`Behaviour`].
+    behaviours: Vec<Behaviour>,
     known: HashMap<Node, Scalar>,
     /// Nodes and their operands.
     size: usize,
@@ -149,6 +151,8 @@ impl Graph {
             self.exhausted = true;
             return Scalar(0);
         }
+        let behaviour = self.behaviour_of(&node);
+        self.behaviours.push(behaviour);
         self.nodes.push(node.clone());
         let scalar = Scalar(self.nodes.len() as u32 - 1);
         self.known.insert(node, scalar);
@@ -176,14 +180,19 @@ impl Graph {
             self.size -= node.size();
             self.known.remove(&node);
         }
+        self.behaviours.truncate(length);
     }
 
-    /// The coefficient of a sum's first term; what else is there is one.
+    /// What is known of a node's values.
+    pub fn behaviour(&self, scalar: Scalar) -> Behaviour {
+        self.behaviours[scalar.0 as usize]
+    }
+
+    /// The first coefficient of a sum that is not zero; what else is there is one.
     pub fn leading(&self, scalar: Scalar) -> f64 {
-        match self.combination(scalar).terms.first() {
-            Some((leading, _)) => *leading,
-            None => self.value(scalar).unwrap_or(1.0),
-        }
+        let terms = self.combination(scalar).terms;
+        let leading = terms.iter().map(|(coefficient, _)| *coefficient).find(|one| *one != 0.0);
+        leading.or(self.value(scalar)).unwrap_or(1.0)
     }
 
     pub fn number(&mut self, value: f64) -> Scalar {
@@ -225,14 +234,17 @@ impl Graph {
                 _ => terms.push((coefficient, term)),
             }
         }
-        terms.retain(|(coefficient, _)| *coefficient != 0.0);
+        // Nothing is left of what cancels, but of what may be no number.
+        terms.retain(|(coefficient, term)| *coefficient != 0.0 || self.behaviour(*term).singular);
         match terms[..] {
             [] => self.number(combination.constant),
             [(1.0, term)] if combination.constant == 0.0 => term,
             _ => {
                 let constant = (combination.constant + 0.0).to_bits();
-                let terms =
-                    terms.into_iter().map(|(coefficient, term)| (coefficient.to_bits(), term)).collect();
+                let terms = terms
+                    .into_iter()
+                    .map(|(coefficient, term)| ((coefficient + 0.0).to_bits(), term))
+                    .collect();
                 self.intern(Node::Sum { constant, terms })
             }
         }
@@ -271,9 +283,11 @@ impl Graph {
     /// Coefficient times something whose first coefficient is one.
     fn primitive(&mut self, a: Scalar) -> (f64, Scalar) {
         let combination = self.combination(a);
-        match combination.terms.first() {
-            None => (combination.constant, self.number(1.0)),
-            Some((1.0, _)) => (1.0, a),
+        if combination.terms.is_empty() {
+            return (combination.constant, self.number(1.0));
+        }
+        match combination.terms.iter().find(|(coefficient, _)| *coefficient != 0.0) {
+            None | Some((1.0, _)) => (1.0, a),
             Some((leading, _)) => {
                 let leading = *leading;
                 (leading, self.scale(1.0 / leading, a))
@@ -281,12 +295,55 @@ impl Graph {
         }
     }
 
+    /// a b as it is written: where a divisor of one is a factor of the other, that the divisor must not be zero stays.
     pub fn multiply(&mut self, a: Scalar, b: Scalar) -> Scalar {
-        self.product(&[(a, 1), (b, 1)])
+        self.guarded([(a, 1), (b, 1)])
     }
 
+    /// a / b, likewise.
     pub fn divide(&mut self, a: Scalar, b: Scalar) -> Scalar {
-        self.product(&[(a, 1), (b, -1)])
+        self.guarded([(a, 1), (b, -1)])
+    }
+
+    /// The product of two, and a factor 1 + 0/x for each x by which one of them divides and their product does not: one, and
+    /// NaN where x is zero. u/u is such a factor, u²/u is u times it.
+    fn guarded(&mut self, factors: [(Scalar, i32); 2]) -> Scalar {
+        let product = self.product(&factors);
+        let mut lost: Vec<Scalar> = Vec::new();
+        for (factor, sign) in factors {
+            for divisor in self.divisors(factor, sign) {
+                if self.behaviour(divisor).varies && !lost.contains(&divisor) {
+                    lost.push(divisor);
+                }
+            }
+        }
+        if lost.is_empty() {
+            return product;
+        }
+        let kept = self.divisors(product, 1);
+        lost.retain(|divisor| !kept.contains(divisor));
+        let mut all = vec![(product, 1)];
+        for divisor in lost {
+            let (one, inverse) = (self.number(1.0), self.product(&[(divisor, -1)]));
+            let nothing = self.scale(0.0, inverse);
+            all.push((self.add(one, nothing), 1));
+        }
+        if all.len() > 1 { self.product(&all) } else { product }
+    }
+
+    /// By what factor^sign divides, where that shows without expanding a sum.
+    fn divisors(&mut self, factor: Scalar, sign: i32) -> Vec<Scalar> {
+        // As products hold it.
+        let (_, primitive) = self.primitive(factor);
+        match self.node(primitive) {
+            Node::Number(_) => vec![],
+            Node::Product(factors) => {
+                let below = factors.iter().filter(|(_, exponent)| (*exponent < 0) == (sign > 0));
+                below.map(|(factor, _)| *factor).collect()
+            }
+            _ if sign < 0 => vec![primitive],
+            _ => vec![],
+        }
     }
 
     /// Π factor^exponent.
@@ -412,6 +469,63 @@ impl Graph {
             None => self.intern(Node::Select(truth, a, b)),
         }
     }
+}
+
+/// What is known of a node's values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Behaviour {
+    /// It may be no number, or infinite, where all fields are finite: it holds a quotient, a logarithm or the like of what
+    /// varies. Zero times this is kept, as is what is left where it cancels.
+    pub singular: bool,
+    /// It holds a field or a position. Parameters and the sizes of cells and facets do not vary: a form divides by those that
+    /// are not zero.
+    pub varies: bool,
+}
+
+impl Graph {
+    fn behaviour_of(&self, node: &Node) -> Behaviour {
+        let mut found = Behaviour::default();
+        self.each_operand_of(node, |operand| {
+            let Behaviour { singular, varies } = self.behaviour(operand);
+            found.singular |= singular;
+            found.varies |= varies;
+        });
+        match node {
+            Node::Number(bits) => found.singular = !f64::from_bits(*bits).is_finite(),
+            Node::Field { .. } => found.varies = true,
+            Node::Geometry(geometry, _) => {
+                found.varies = matches!(geometry, Geometry::Position | Geometry::Normal | Geometry::Curvature)
+            }
+            Node::Product(factors) => {
+                found.singular |=
+                    factors.iter().any(|(factor, exponent)| *exponent < 0 && self.behaviour(*factor).varies);
+            }
+            Node::Apply(function, _) => found.singular |= found.varies && has_bounds(*function),
+            Node::Power(_, exponent) => {
+                let whole = self.value(*exponent).is_some_and(|value| value >= 0.0 && value == value.trunc());
+                found.singular |= found.varies && !whole;
+            }
+            Node::External { .. } => found.singular |= found.varies,
+            // `normalize` and the derivative of `norm`: what is chosen does not divide where the divisor is zero.
+            Node::Select(truth, zero, quotient) => {
+                if let Node::LessEqual(divisor, bound) = *self.node(*truth)
+                    && self.is_zero(*zero)
+                    && self.value(bound).is_some_and(|bound| bound >= 0.0)
+                    && *self.node(*quotient) == Node::Product(vec![(divisor, -1)])
+                {
+                    found.singular = self.behaviour(divisor).singular;
+                }
+            }
+            _ => {}
+        }
+        found
+    }
+}
+
+/// Does a function have arguments without a value, or with an infinite one?
+fn has_bounds(function: Function) -> bool {
+    use Function::*;
+    matches!(function, Sqrt | Ln | Log10 | Asin | Acos | Acosh | Atanh)
 }
 
 /// Is this an exponent that a product may have? Repeated squaring would run out of them.

@@ -6,7 +6,7 @@ use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;
 use crate::parse::syntax::Comparison;
 use crate::tensor::{
-    Arena, Function, Geometry, LinearMap, NEARLY_ZERO, Operator, Selection, Side, Tensor, Truth,
+    Arena, External, Function, Geometry, LinearMap, NEARLY_ZERO, Operator, Selection, Side, Tensor, Truth,
 };
 
 /// Components of tensors, each computed once.
@@ -87,12 +87,27 @@ impl Scalariser<'_> {
             Add(a, b) => self.zip(*a, *b, Graph::add),
             Negate(a) => self.map(*a, Graph::negate),
             Scale(factor, a) => {
+                // The zeros of an identity, of an array and of derivatives are nothing, whatever they are multiplied by; a zero
+                // that is written as a factor makes a NaN of what is infinite.
+                let written = [*factor, *a].map(|one| arena.shape(one).is_empty() && self.is_written(one));
                 let factor = self.scalar(*factor);
-                self.map(*a, |graph, a| graph.multiply(factor, a))
+                self.map(*a, |graph, a| match (graph.is_zero(factor), graph.is_zero(a)) {
+                    (true, false) if written[0] => graph.scale(0.0, a),
+                    (false, true) if written[1] => graph.scale(0.0, factor),
+                    _ => graph.multiply(factor, a),
+                })
             }
             Divide(a, divisor) => {
+                let written = shape.is_empty() && self.is_written(*a);
                 let divisor = self.scalar(*divisor);
-                self.map(*a, |graph, a| graph.divide(a, divisor))
+                self.map(*a, |graph, a| {
+                    if written && graph.is_zero(a) {
+                        let one = graph.number(1.0);
+                        let inverse = graph.divide(one, divisor);
+                        return graph.scale(0.0, inverse);
+                    }
+                    graph.divide(a, divisor)
+                })
             }
             // Below the divisor's bound the factor is zero; a NaN is not below and stays visible.
             DivideOrZero(a, divisor) => {
@@ -214,28 +229,51 @@ impl Scalariser<'_> {
                 let truth = self.truth(truth);
                 self.zip(*a, *b, |graph, a, b| graph.select(truth, a, b))
             }
-            External { function, arguments, order } => {
+            Operator::External { function, arguments, order } => {
                 let inputs: Vec<Scalar> =
                     arguments.iter().flat_map(|argument| self.components(*argument)).collect();
                 let outputs = count / inputs.len().pow(*order as u32);
                 let entries = multi_indices(&[&[outputs][..], &vec![inputs.len(); *order]].concat());
-                let entries = entries.into_iter().map(|entry| {
-                    let mut derivative = entry[1..].to_vec();
-                    // The order of differentiation does not matter.
-                    derivative.sort_unstable();
-                    let (function, inputs) = (*function, inputs.clone());
-                    self.graph.intern(Node::External {
-                        function,
-                        inputs,
-                        outputs,
-                        output: entry[0],
-                        derivative,
-                    })
+                let entries = entries.into_iter().map(|entry| match function.is_of_symmetric_tensors() {
+                    true => self.of_symmetric_tensor(*function, &inputs, &entry),
+                    false => {
+                        let mut derivative = entry[1..].to_vec();
+                        // The order of differentiation does not matter.
+                        derivative.sort_unstable();
+                        let (function, inputs, output) = (*function, inputs.clone(), entry[0]);
+                        self.graph.intern(Node::External { function, inputs, outputs, output, derivative })
+                    }
                 });
                 entries.collect()
             }
             // `differentiate` has removed these.
             Gradient(_) | Partial(..) | Gateaux { .. } | Named(_) => vec![self.graph.number(f64::NAN); count],
+        }
+    }
+
+    /// An entry of a function of symmetric tensors, differentiated by entries. By an entry off the diagonal that is half of the
+    /// derivative by the variable that this and its mirror image are (`External::variable` of the contract), and the value
+    /// is symmetric, too: of 9 × 9 × 9 second derivatives in space there are 6 × 21.
+    fn of_symmetric_tensor(&mut self, function: External, inputs: &[Scalar], entry: &[usize]) -> Scalar {
+        let (outputs, size) = (inputs.len(), inputs.len().isqrt());
+        let upper = |entry: usize| (entry / size).min(entry % size) * size + (entry / size).max(entry % size);
+        let mut derivative: Vec<usize> = entry[1..].iter().map(|one| upper(*one)).collect();
+        derivative.sort_unstable();
+        let off_diagonal = derivative.iter().filter(|one| **one / size != **one % size).count();
+        let (inputs, output) = (inputs.to_vec(), upper(entry[0]));
+        let whole = self.graph.intern(Node::External { function, inputs, outputs, output, derivative });
+        self.graph.scale(0.5_f64.powi(off_diagonal as i32), whole)
+    }
+
+    /// Is a scalar computed of numbers alone that the author wrote? Others that are zero come from identities, arrays and
+    /// derivatives, or cancel.
+    fn is_written(&self, tensor: Tensor) -> bool {
+        use Operator::{Add, Apply, Divide, Negate, Number, Power, Scale};
+        match self.arena.node(tensor).operator {
+            Number(_) => true,
+            Negate(a) | Apply(_, a) => self.is_written(a),
+            Add(a, b) | Scale(a, b) | Divide(a, b) | Power(a, b) => self.is_written(a) && self.is_written(b),
+            _ => false,
         }
     }
 

@@ -160,7 +160,7 @@ impl fmt::Display for Rank {
 }
 
 /// What a region consists of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Entity {
     Cells,
     /// Exterior facets.

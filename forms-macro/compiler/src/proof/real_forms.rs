@@ -29,11 +29,11 @@ fn what_jumps_is_neither_constant_nor_linear() {
 #[test]
 fn a_name_for_a_derivative_varies_alone() {
     let text = "mod m { #[cells] struct Omega; struct Data { k: Param }
-        fn e(u: State<Scalar>, q: State<Scalar>) -> Scalar {
+        pub fn e(u: State<Scalar>, q: State<Scalar>) -> Scalar {
             let w = derivative(u, u, q);
             diff(w * u * k + q * u, w)
         }
-        fn t(u: State<Vector>, q: State<Vector>) -> Tensor {
+        pub fn t(u: State<Vector>, q: State<Vector>) -> Tensor {
             let w = derivative(u, u, q);
             diff(dot(w, q) * w, w) + outer(u, u)
         }

@@ -94,12 +94,12 @@ fn point() -> Point {
     }
 }
 
-/// A body of `fn value(u: Vector, s: Scalar) -> Scalar`, `a` a parameter.
+/// A body of `pub fn value(u: Vector, s: Scalar) -> Scalar`, `a` a parameter.
 fn source(body: &str) -> Source {
     Source::new(
         2,
         &format!(
-            "mod m {{ struct Data {{ a: Param }} fn value(u: Vector, s: Scalar) -> Scalar {{ {body} }} }}"
+            "mod m {{ struct Data {{ a: Param }} pub fn value(u: Vector, s: Scalar) -> Scalar {{ {body} }} }}"
         ),
     )
 }

@@ -1,17 +1,25 @@
 //! The equations of one function: what it is, its derivatives, and what the names in them stand for.
 
 use super::formula::{Formula, Measure};
+use super::names::{MOST_DIFFERENTIATED, MOST_SHOWN, Namer, Names, ellipsis};
 use super::outlines::{Outlines, Varied, direction_name};
 use super::read::{Reader, symbol};
 use super::simplify::Simplifier;
 use crate::check::{CheckedFunction, Content, Term, outline};
-use crate::parse::syntax::{Entity, Module};
+use crate::parse::syntax::{Entity, Function, Module};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Named, Operator, Tensor, Variable};
 
 /// left = right.
 pub struct Equation {
     pub left: Formula,
     pub right: Formula,
+}
+
+impl Equation {
+    /// Does it stand for equations that were left out?
+    pub fn is_ellipsis(&self) -> bool {
+        self.left == ellipsis()
+    }
 }
 
 /// A function as mathematics.
@@ -26,6 +34,38 @@ pub struct Shown {
     pub members: Vec<usize>,
     /// Regions of the integrals, by index.
     pub regions: Vec<usize>,
+    /// Parts of all equations so far.
+    size: usize,
+}
+
+impl Shown {
+    fn new(content: Equation) -> Self {
+        let size = content.right.size();
+        Shown { content, derivatives: vec![], definitions: vec![], members: vec![], regions: vec![], size }
+    }
+
+    /// Adds what a name stands for, as long as there is room.
+    fn define(&mut self, equation: Equation) {
+        if self.definitions.last().is_some_and(Equation::is_ellipsis) {
+            return;
+        }
+        self.size += equation.right.size();
+        match self.is_full() {
+            true => self.definitions.push(Equation { left: ellipsis(), right: ellipsis() }),
+            false => self.definitions.push(equation),
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        self.size > MOST_SHOWN
+    }
+}
+
+/// A function whose formula is too large to be shown.
+pub fn left_out(outlines: &Outlines, function: usize) -> Shown {
+    let Function { name, attributes, .. } = &outlines.module.functions[function];
+    let left = Formula::Symbol(symbol(name, attributes));
+    Shown::new(Equation { left, right: ellipsis() })
 }
 
 /// A function's integrals and their derivatives.
@@ -46,6 +86,8 @@ pub struct Variation {
     /// Fields.
     pub directions: Vec<usize>,
     pub terms: Vec<Term>,
+    /// Too large to be shown: there are no terms.
+    pub left_out: bool,
 }
 
 /// The first variation of an energy, and the tangents by each unknown. `None` for a value, or after a mistake.
@@ -69,11 +111,13 @@ pub fn variations(outlines: &mut Outlines, function: usize) -> Option<Variations
     let mut residual = own.clone();
     let mut derivatives = Vec::new();
     let mut tests = Vec::new();
+    let mut large = false;
     if energy && !unknowns.is_empty() {
         residual = Vec::new();
         for &unknown in &unknowns {
             let (part, test) = vary(outlines, &mut arena, &mut fields, &own, unknown, 1)?;
-            residual.extend(part);
+            large |= part.is_none();
+            residual.extend(part.unwrap_or_default());
             tests.push(test);
         }
         let name = "first variation".to_string();
@@ -83,6 +127,7 @@ pub fn variations(outlines: &mut Outlines, function: usize) -> Option<Variations
             by: None,
             directions: tests.clone(),
             terms: residual.clone(),
+            left_out: large,
         });
     }
     for &unknown in unknowns.iter().filter(|_| form) {
@@ -90,7 +135,9 @@ pub fn variations(outlines: &mut Outlines, function: usize) -> Option<Variations
         let (terms, direction) = vary(outlines, &mut arena, &mut fields, &residual, unknown, order)?;
         let by = (unknowns.len() > 1).then_some(unknown);
         let directions = [&tests[..], &[direction]].concat();
-        derivatives.push(Variation { name: "tangent".into(), order, by, directions, terms });
+        let left_out = large || terms.is_none();
+        let terms = terms.unwrap_or_default();
+        derivatives.push(Variation { name: "tangent".into(), order, by, directions, terms, left_out });
     }
     Some(Variations { arena, fields, own, derivatives })
 }
@@ -101,14 +148,16 @@ pub fn show(outlines: &mut Outlines, function: usize) -> Option<Shown> {
         return show_value(outlines, function);
     }
     let Variations { arena, fields, own, derivatives } = variations(outlines, function)?;
-    let reader =
-        Reader { module: outlines.module, arena: &arena, fields: &fields, dimension: outlines.dimension };
+    let mut roots: Vec<Tensor> = own.iter().map(|term| term.density).collect();
+    roots.extend(derivatives.iter().flat_map(|one| &one.terms).map(|term| term.density));
+    let mut namer = Namer::new(outlines.module, &fields, &arena);
+    let names = namer.names(&arena, &roots);
+    let reader = outlines.reader(&arena, &fields, &names);
     let arguments = outlines.module.functions[function].arguments.len();
     let call = |head: Formula| Formula::call(head, (0..arguments).map(|field| reader.field(field)).collect());
-    let mut roots: Vec<Tensor> = own.iter().map(|term| term.density).collect();
     let content = Equation { left: call(reader.function(function)), right: integrals(&reader, &own) };
     let mut shown = Vec::new();
-    for Variation { name, order, by, directions, terms } in derivatives {
+    for Variation { name, order, by, directions, terms, left_out } in derivatives {
         let by = by.map(|unknown| Box::new(reader.field(unknown)));
         let head = call(Formula::Derivative { order, by, of: Box::new(reader.function(function)) });
         // All unknowns vary together at first, one of them after that.
@@ -119,14 +168,18 @@ pub fn show(outlines: &mut Outlines, function: usize) -> Option<Shown> {
             directions.insert(0, Formula::Tuple(together));
         }
         let left = Formula::Directions(Box::new(head), directions);
-        shown.push((name, Equation { left, right: integrals(&reader, &terms) }));
-        roots.extend(terms.iter().map(|term| term.density));
+        let right = if left_out { ellipsis() } else { integrals(&reader, &terms) };
+        shown.push((name, Equation { left, right }));
     }
     let mut regions: Vec<usize> = own.iter().map(|term| term.region).collect();
     regions.sort_unstable();
     regions.dedup();
-    let shown = complete(outlines, content, shown, &arena, &fields, &roots);
-    Some(Shown { regions, ..shown })
+    let mut whole = Shown { regions, ..Shown::new(content) };
+    whole.size += shown.iter().map(|(_, equation)| equation.right.size()).sum::<usize>();
+    whole.derivatives = shown;
+    list(outlines, &mut namer, (&arena, &fields, &names), &roots, &mut whole, &mut vec![]);
+    whole.members.sort_unstable();
+    Some(whole)
 }
 
 /// A function of position.
@@ -135,15 +188,18 @@ fn show_value(outlines: &mut Outlines, function: usize) -> Option<Shown> {
         outline(outlines.module, function, outlines.dimension)?;
     let Content::Value(value) = content else { return None };
     let value = outlines.carry_out(&mut arena, value, &fields)?;
-    let reader =
-        Reader { module: outlines.module, arena: &arena, fields: &fields, dimension: outlines.dimension };
+    let mut namer = Namer::new(outlines.module, &fields, &arena);
+    let names = namer.names(&arena, &[value]);
+    let reader = outlines.reader(&arena, &fields, &names);
     let arguments = 0..outlines.module.functions[function].arguments.len();
     let left = reader.called(reader.function(function), arguments.map(|field| reader.field(field)).collect());
-    let content = Equation { left, right: reader.read(value) };
-    Some(complete(outlines, content, vec![], &arena, &fields, &[value]))
+    let mut whole = Shown::new(Equation { left, right: reader.read(value) });
+    list(outlines, &mut namer, (&arena, &fields, &names), &[value], &mut whole, &mut vec![]);
+    whole.members.sort_unstable();
+    Some(whole)
 }
 
-/// The derivative of integrals by an unknown; with the field of its direction.
+/// The derivative of integrals by an unknown, `None` if they are too large; with the field of its direction.
 fn vary(
     outlines: &mut Outlines,
     arena: &mut Arena,
@@ -151,13 +207,16 @@ fn vary(
     terms: &[Term],
     unknown: usize,
     order: usize,
-) -> Option<(Vec<Term>, usize)> {
+) -> Option<(Option<Vec<Term>>, usize)> {
     let (name, shape) = (direction_name(&fields[unknown].name, order), fields[unknown].shape.clone());
     let role = FieldRole::State;
     fields.push(FieldInfo { name, role, shape: shape.clone() });
     let field = fields.len() - 1;
     let mut varied = Vec::new();
     for term in terms {
+        if arena.reachable(&[term.density]).len() > MOST_DIFFERENTIATED {
+            return Some((None, field));
+        }
         let place = arena.place(term.density);
         let direction = arena.push(Operator::Field { field, order: 0 }, shape.clone(), place);
         let variable = Variable::Field(unknown);
@@ -169,13 +228,17 @@ fn vary(
             varied.push(Term { region: term.region, density });
         }
     }
-    Some((varied, field))
+    Some((Some(varied), field))
 }
 
 /// ∫ … + ∫ …, with the signs of the densities before the integrals.
 fn integrals(reader: &Reader, terms: &[Term]) -> Formula {
     let mut sum: Option<Formula> = None;
+    let mut size = 0;
     for term in terms {
+        if size > MOST_SHOWN {
+            return sum.unwrap_or_else(ellipsis).plus(false, ellipsis());
+        }
         let region = &reader.module.regions[term.region];
         let measure = match region.entity {
             Entity::Cells => Measure::Dx,
@@ -187,6 +250,7 @@ fn integrals(reader: &Reader, terms: &[Term]) -> Formula {
             density => (false, density),
         };
         let region = symbol(&region.name, &region.attributes);
+        size += density.size();
         let integral = Formula::Integral { region, density: Box::new(density), measure };
         sum = Some(match (sum, minus) {
             (Some(sum), minus) => sum.plus(minus, integral),
@@ -197,33 +261,17 @@ fn integrals(reader: &Reader, terms: &[Term]) -> Formula {
     sum.unwrap_or(Formula::Number(0.0))
 }
 
-/// Adds what the names stand for.
-fn complete(
-    outlines: &mut Outlines,
-    content: Equation,
-    derivatives: Vec<(String, Equation)>,
-    arena: &Arena,
-    fields: &[FieldInfo],
-    roots: &[Tensor],
-) -> Shown {
-    let mut shown = Shown { content, derivatives, definitions: vec![], members: vec![], regions: vec![] };
-    let mut listed: Vec<(usize, Varied)> = Vec::new();
-    list(outlines, arena, fields, roots, &mut shown, &mut listed);
-    shown.members.sort_unstable();
-    shown
-}
-
 /// Lists the names of some expressions, and of what these stand for.
 fn list(
     outlines: &mut Outlines,
-    arena: &Arena,
-    fields: &[FieldInfo],
+    namer: &mut Namer,
+    (arena, fields, names): (&Arena, &[FieldInfo], &Names),
     roots: &[Tensor],
     shown: &mut Shown,
     listed: &mut Vec<(usize, Varied)>,
 ) {
     let module: &Module = outlines.module;
-    let reader = Reader { module, arena, fields, dimension: outlines.dimension };
+    let reader = outlines.reader(arena, fields, names);
     let given = |name: &str| {
         let mut members = module.data.iter().flat_map(|data| &data.members);
         members.position(|member| member.name == name)
@@ -239,7 +287,7 @@ fn list(
                     .iter()
                     .any(|other| other.left == equation.left && other.right == equation.right)
                 {
-                    shown.definitions.push(equation);
+                    shown.define(equation);
                 }
                 None
             }
@@ -249,7 +297,15 @@ fn list(
             shown.members.push(member);
         }
     }
+    let mut last = names.last_used(None);
+    while let Some(node) = last {
+        shown.define(Equation { left: Formula::name(names.name(node)), right: reader.read_node(node) });
+        last = names.last_used(Some(node));
+    }
     for (function, varied) in reader.calls(roots) {
+        if shown.is_full() {
+            break;
+        }
         // A derivative is told after what it is the derivative of.
         for order in 0..=varied.len() {
             let key = (function, varied[..order].to_vec());
@@ -259,17 +315,13 @@ fn list(
             let Some(definition) = outlines.definition(key.0, &key.1) else { continue };
             listed.push(key);
             let Some(value) = definition.value else { continue };
-            let reader = Reader {
-                module,
-                arena: &definition.arena,
-                fields: &definition.fields,
-                dimension: outlines.dimension,
-            };
+            let names = namer.names(&definition.arena, &[value]);
+            let reader = outlines.reader(&definition.arena, &definition.fields, &names);
             let arguments = module.functions[function].arguments.len();
-            let names = (0..arguments).map(|field| reader.field(field)).collect();
+            let letters = (0..arguments).map(|field| reader.field(field)).collect();
             let head = reader.function(function);
             let left = match order {
-                0 => reader.called(head, names),
+                0 => reader.called(head, letters),
                 _ => {
                     let head = Formula::Derivative { order, by: None, of: Box::new(head) };
                     let rows = definition.directions.iter().map(|row| {
@@ -280,11 +332,12 @@ fn list(
                         let mut row: Vec<_> = row.iter().map(entry).collect();
                         if row.len() == 1 { row.remove(0) } else { Formula::Tuple(row) }
                     });
-                    Formula::Directions(Box::new(Formula::call(head, names)), rows.collect())
+                    Formula::Directions(Box::new(Formula::call(head, letters)), rows.collect())
                 }
             };
-            shown.definitions.push(Equation { left, right: reader.read(value) });
-            list(outlines, &definition.arena, &definition.fields, &[value], shown, listed);
+            shown.define(Equation { left, right: reader.read(value) });
+            let inside = (&definition.arena, &definition.fields[..], &names);
+            list(outlines, namer, inside, &[value], shown, listed);
         }
     }
 }

@@ -178,6 +178,25 @@ impl Formula {
         Formula::Call(Box::new(head), arguments)
     }
 
+    /// The number of its parts.
+    pub fn size(&self) -> usize {
+        use Formula::*;
+        let of = |list: &[Formula]| list.iter().map(Formula::size).sum::<usize>();
+        1 + match self {
+            Number(_) | Symbol(_) | Word(_) => 0,
+            Sum(terms) => terms.iter().map(|(_, term)| term.size()).sum(),
+            Product(list) | Tuple(list) => of(list),
+            Infix(_, a, b) | Fraction(a, b) | Power(a, b) | Relation(_, a, b) => a.size() + b.size(),
+            Root(a) | Prefix(_, a) | Fence(_, a) | Derivative { of: a, .. } => a.size(),
+            Call(head, list) | Directions(head, list) | Subscript(head, list) => head.size() + of(list),
+            Matrix(rows) => rows.iter().map(|row| of(row)).sum(),
+            Cases(rows) => {
+                rows.iter().map(|(value, truth)| value.size() + truth.as_ref().map_or(0, Formula::size)).sum()
+            }
+            Integral { density, .. } => density.size(),
+        }
+    }
+
     /// Does its print begin with a digit, which must not touch a number before it?
     pub fn begins_with_digit(&self) -> bool {
         match self {

@@ -57,6 +57,7 @@ impl Notation for Latex {
             "T" => "\\mathsf{T}".into(),
             "−T" => "-\\mathsf{T}".into(),
             "+" | "−" => word.replace('−', "-"),
+            "…" => "\\dots ".into(),
             _ => format!("\\operatorname{{{word}}}"),
         }
     }

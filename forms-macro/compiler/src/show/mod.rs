@@ -5,6 +5,7 @@ mod equations;
 mod formula;
 mod latex;
 mod mathml;
+mod names;
 mod notation;
 mod outlines;
 mod page;
@@ -19,14 +20,16 @@ mod unicode;
 use crate::check::is_building_block;
 use crate::parse::syntax::Module;
 pub use equations::Shown;
-use equations::show;
+use equations::{left_out, show};
 use outlines::Outlines;
 
 /// The formulas of each function that becomes one of the emitted module, where it has no mistake.
 pub fn formulas(module: &Module, dimension: usize) -> Vec<Option<Shown>> {
     let mut outlines = Outlines::new(module, dimension);
     let functions = module.functions.iter().enumerate();
-    let shown =
-        |(index, function)| if is_building_block(function) { None } else { show(&mut outlines, index) };
+    let shown = |(index, function)| match is_building_block(function) {
+        true => None,
+        false => Some(show(&mut outlines, index).unwrap_or_else(|| left_out(&outlines, index))),
+    };
     functions.map(shown).collect()
 }

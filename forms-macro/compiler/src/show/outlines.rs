@@ -4,6 +4,8 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::names::Names;
+use super::read::Reader;
 use super::simplify::Simplifier;
 use crate::check::{CheckedFunction, Content, outline};
 use crate::diagnostics::Diagnostics;
@@ -48,6 +50,14 @@ impl<'a> Outlines<'a> {
             linear: HashMap::new(),
             vanishing: HashMap::new(),
         }
+    }
+
+    /// A reader of an arena's nodes.
+    pub fn reader<'r>(&self, arena: &'r Arena, fields: &'r [FieldInfo], names: &'r Names) -> Reader<'r>
+    where
+        'a: 'r,
+    {
+        Reader { module: self.module, arena, fields, dimension: self.dimension, names }
     }
 
     /// A function that gives a value, or its derivative. `None` if the function has a mistake.
@@ -132,30 +142,34 @@ impl<'a> Outlines<'a> {
 
     /// The expression with each `derivative(..)` carried out and simplified. `None` after a mistake.
     pub fn carry_out(&mut self, arena: &mut Arena, tensor: Tensor, fields: &[FieldInfo]) -> Option<Tensor> {
-        let holds = |arena: &Arena, tensor| {
-            let nodes = arena.reachable(&[tensor]);
-            nodes.into_iter().any(|node| matches!(arena.node(node).operator, Operator::Gateaux { .. }))
-        };
-        if !holds(arena, tensor) {
+        let nodes = arena.reachable(&[tensor]);
+        if !nodes.iter().any(|node| matches!(arena.node(*node).operator, Operator::Gateaux { .. })) {
             return Some(tensor);
         }
-        let node = arena.node(tensor).clone();
-        if let Operator::Gateaux { expression, variable, direction } = node.operator {
-            let expression = self.carry_out(arena, expression, fields)?;
-            let direction = self.carry_out(arena, direction, fields)?;
-            let derivative = self.derive(arena, expression, variable, direction, fields)?;
-            return Some(match derivative {
-                Some(derivative) => Simplifier::new(self, arena, fields).simplify(derivative),
-                None => arena.push(Operator::Zero, node.shape, node.place),
-            });
+        // Operands stand before what is made of them: each node is carried out once.
+        let mut known: HashMap<Tensor, Tensor> = HashMap::new();
+        for one in nodes {
+            let node = arena.node(one).clone();
+            let carried = match node.operator {
+                Operator::Gateaux { expression, variable, direction } => {
+                    let [expression, direction] = [expression, direction].map(|operand| known[&operand]);
+                    match self.derive(arena, expression, variable, direction, fields)? {
+                        Some(derivative) => Simplifier::new(self, arena, fields).simplify(derivative),
+                        None => arena.push(Operator::Zero, node.shape, node.place),
+                    }
+                }
+                operator => {
+                    let mut changed = false;
+                    let operator = map_operands(&operator, &mut |operand| {
+                        changed |= known[&operand] != operand;
+                        known[&operand]
+                    });
+                    if changed { arena.push(operator, node.shape, node.place) } else { one }
+                }
+            };
+            known.insert(one, carried);
         }
-        let mut complete = true;
-        let operator = map_operands(&node.operator, &mut |operand| {
-            let carried = self.carry_out(arena, operand, fields);
-            complete &= carried.is_some();
-            carried.unwrap_or(operand)
-        });
-        complete.then(|| arena.push(operator, node.shape, node.place))
+        known.get(&tensor).copied()
     }
 
     /// The expression with all names replaced by what they stand for. `None` after a mistake.

@@ -15,8 +15,9 @@ use crate::parse::syntax::{ArgumentRole, Function, Module, Output};
 impl Shown {
     /// As lines of plain text.
     pub fn unicode(&self) -> String {
-        let line = |equation: &Equation| {
-            format!("{} = {}", Unicode.print(&equation.left), Unicode.print(&equation.right))
+        let line = |equation: &Equation| match equation.is_ellipsis() {
+            true => Unicode.print(&equation.left),
+            false => format!("{} = {}", Unicode.print(&equation.left), Unicode.print(&equation.right)),
         };
         let mut lines: Vec<String> = self.equations().map(line).collect();
         if !self.definitions.is_empty() {
@@ -75,6 +76,9 @@ impl Shown {
 /// One equation in lines, a sum of integrals with one of them in each: left side, sign, right side.
 fn rows(notation: &impl Notation, equation: &Equation) -> Vec<[String; 3]> {
     let left = notation.print(&equation.left);
+    if equation.is_ellipsis() {
+        return vec![[left, String::new(), String::new()]];
+    }
     let equals = notation.between("=");
     let terms = match &equation.right {
         Formula::Sum(terms) if terms.iter().any(|(_, term)| matches!(term, Formula::Integral { .. })) => {

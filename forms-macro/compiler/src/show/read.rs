@@ -1,6 +1,7 @@
 //! From tensor nodes to a [`Formula`].
 
 use super::formula::{Fence, Formula, Infix};
+use super::names::Names;
 use super::outlines::varied;
 use super::same::same;
 use super::symbols::Symbol;
@@ -16,10 +17,19 @@ pub struct Reader<'a> {
     pub arena: &'a Arena,
     pub fields: &'a [FieldInfo],
     pub dimension: usize,
+    pub names: &'a Names,
 }
 
 impl Reader<'_> {
     pub fn read(&self, tensor: Tensor) -> Formula {
+        match self.names.use_name(tensor) {
+            Some(name) => Formula::name(name),
+            None => self.read_node(tensor),
+        }
+    }
+
+    /// What a node is, whether it has a name or not.
+    pub fn read_node(&self, tensor: Tensor) -> Formula {
         use Operator::*;
         let node = self.arena.node(tensor);
         match &node.operator {

@@ -1,18 +1,43 @@
 //! Whether two expressions are the same, as far as shows without arithmetic.
 
+use std::collections::HashMap;
+
 use crate::tensor::{Arena, Operator, Tensor};
 
 /// The same expression, up to the order of factors.
 pub fn same(arena: &Arena, a: Tensor, b: Tensor) -> bool {
-    use Operator::*;
-    if a == b {
-        return true;
+    Comparison::default().are_same(arena, a, b)
+}
+
+/// Comparisons of one arena's nodes, of each pair once: nodes are shared, and two factors are compared in both orders.
+#[derive(Default)]
+pub struct Comparison {
+    known: HashMap<(Tensor, Tensor), bool>,
+}
+
+impl Comparison {
+    /// As [`same`].
+    pub fn are_same(&mut self, arena: &Arena, a: Tensor, b: Tensor) -> bool {
+        if a == b {
+            return true;
+        }
+        if let Some(known) = self.known.get(&(a, b)) {
+            return *known;
+        }
+        let found = compare(arena, a, b, &mut |a, b| self.are_same(arena, a, b));
+        self.known.insert((a, b), found);
+        found
     }
+}
+
+/// Two different nodes, whose operands `same` compares.
+fn compare(arena: &Arena, a: Tensor, b: Tensor, same: &mut dyn FnMut(Tensor, Tensor) -> bool) -> bool {
+    use Operator::*;
     let (first, second) = (arena.node(a), arena.node(b));
     if first.shape != second.shape {
         return false;
     }
-    let pair = |a: Tensor, b: Tensor, c: Tensor, d: Tensor| same(arena, a, c) && same(arena, b, d);
+    let mut pair = |a: Tensor, b: Tensor, c: Tensor, d: Tensor| same(a, c) && same(b, d);
     let scalar = |one: Tensor| arena.shape(one).is_empty();
     match (&first.operator, &second.operator) {
         (Number(a), Number(b)) => a == b,
@@ -32,21 +57,20 @@ pub fn same(arena: &Arena, a: Tensor, b: Tensor) -> bool {
         (Divide(a, b), Divide(c, d)) | (Outer(a, b), Outer(c, d)) | (Power(a, b), Power(c, d)) => {
             pair(*a, *b, *c, *d)
         }
-        (Negate(a), Negate(b)) | (Gradient(a), Gradient(b)) => same(arena, *a, *b),
+        (Negate(a), Negate(b)) | (Gradient(a), Gradient(b)) => same(*a, *b),
         (Determinant(a), Determinant(b)) | (Inverse(a), Inverse(b)) | (Cofactor(a), Cofactor(b)) => {
-            same(arena, *a, *b)
+            same(*a, *b)
         }
-        (Restrict(m, a), Restrict(n, b)) => m == n && same(arena, *a, *b),
-        (Map(m, a), Map(n, b)) => m == n && same(arena, *a, *b),
-        (Apply(f, a), Apply(g, b)) => f == g && same(arena, *a, *b),
-        (Component(a, i), Component(b, j)) => i == j && same(arena, *a, *b),
+        (Restrict(m, a), Restrict(n, b)) => m == n && same(*a, *b),
+        (Map(m, a), Map(n, b)) => m == n && same(*a, *b),
+        (Apply(f, a), Apply(g, b)) => f == g && same(*a, *b),
+        (Component(a, i), Component(b, j)) => i == j && same(*a, *b),
         (
             Named(crate::tensor::Named::Call { function: f, arguments: a, directions: c }),
             Named(crate::tensor::Named::Call { function: g, arguments: b, directions: d }),
         ) => {
-            let all = |a: &[Tensor], b: &[Tensor]| {
-                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(arena, *a, *b))
-            };
+            let mut all =
+                |a: &[Tensor], b: &[Tensor]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(*a, *b));
             f == g && all(a, b) && all(&c.concat(), &d.concat()) && c.len() == d.len()
         }
         _ => false,

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use super::outlines::{Outlines, gradient, varied};
-use super::same::same;
+use super::same::Comparison;
 use crate::differentiate::map_operands;
 use crate::tensor::{Arena, FieldInfo, Function, Named, Operator, Tensor, Variable};
 
@@ -15,11 +15,12 @@ pub struct Simplifier<'o, 'm> {
     /// The fields of the arena.
     fields: &'o [FieldInfo],
     known: HashMap<Tensor, Tensor>,
+    comparison: Comparison,
 }
 
 impl<'o, 'm> Simplifier<'o, 'm> {
     pub fn new(outlines: &'o mut Outlines<'m>, arena: &'o mut Arena, fields: &'o [FieldInfo]) -> Self {
-        Simplifier { outlines, arena, fields, known: HashMap::new() }
+        Simplifier { outlines, arena, fields, known: HashMap::new(), comparison: Comparison::default() }
     }
 
     /// An equal expression, shorter.
@@ -74,7 +75,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
             Divide(a, b) => match (self.arena.node(*a).operator.clone(), self.number(*b)) {
                 (_, Some(1.0)) => Some(*a),
                 (Divide(inner, first), None) => {
-                    let under = match same(self.arena, first, *b) {
+                    let under = match self.comparison.are_same(self.arena, first, *b) {
                         true => {
                             let two = self.push(Number(2.0), vec![], origin);
                             self.push(Power(first, two), vec![], origin)
@@ -177,7 +178,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
         }
         // m e + n e = (m + n) e
         let ((m, first), (n, second)) = (self.coefficient(a), self.coefficient(b));
-        if !same(self.arena, first, second) {
+        if !self.comparison.are_same(self.arena, first, second) {
             return None;
         }
         match m + n {
@@ -415,6 +416,6 @@ impl<'o, 'm> Simplifier<'o, 'm> {
 
     fn push(&mut self, operator: Operator, shape: Vec<usize>, origin: Tensor) -> Tensor {
         let place = self.arena.place(origin);
-        self.arena.push(operator, shape, place)
+        self.arena.share(operator, shape, place)
     }
 }

@@ -365,7 +365,7 @@ fn precedence_and_signs() {
     for (source, unicode, latex) in cases {
         let module = format!(
             "mod precedence {{ struct Data {{ a: Given<Scalar>, b: Given<Scalar>, c: Given<Scalar>, gamma0: Param, sigma_n: Param }}
-            fn value(v: Vector, w: Vector, A: Tensor, B: Tensor) -> Scalar {{ {source} }} }}"
+            pub fn value(v: Vector, w: Vector, A: Tensor, B: Tensor) -> Scalar {{ {source} }} }}"
         );
         let right = shown(&module, "value").content.right;
         assert_eq!(Unicode.print(&right), unicode, "{source}");

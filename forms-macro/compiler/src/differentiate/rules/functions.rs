@@ -91,7 +91,9 @@ impl Differentiation<'_> {
         use Operator::{Add, Apply, Number, Power, Scale};
         let (da, db) = (self.derive(a), self.derive(b));
         // ∂aᵇ/∂a = b aᵇ⁻¹, which holds at a = 0 where aᵇ b / a does not.
-        let first = da.map(|da| {
+        // a⁰ is one, also where a is zero.
+        let constant = matches!(self.arena.node(b).operator, Number(0.0));
+        let first = da.filter(|_| !constant).map(|da| {
             let minus = self.push(Number(-1.0), vec![], tensor);
             let less = self.push(Add(b, minus), vec![], tensor);
             let power = self.push(Power(a, less), vec![], tensor);
