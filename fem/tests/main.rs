@@ -26,6 +26,7 @@ mod shape_derivatives;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod unoptimised;
 mod vtk;
 mod vtk_errors;
 mod vtk_mutations;

@@ -112,6 +112,9 @@ pub struct Inputs<const D: usize> {
     pub parameter_names: Vec<String>,
     /// The tabulated laws of the `Data` struct, in their order.
     pub tables: Vec<Table>,
+    /// Was the form's crate compiled with optimisation, as far as the macro could see? Kernels of one that was not are some
+    /// hundred times slower.
+    pub optimised: bool,
 }
 
 impl<const D: usize> Inputs<D> {
@@ -123,6 +126,7 @@ impl<const D: usize> Inputs<D> {
             parameters: Vec::new(),
             parameter_names: Vec::new(),
             tables: Vec::new(),
+            optimised: true,
         }
     }
 

@@ -30,7 +30,7 @@ mod one_dimension {
 
     /// The third component exists here.
     pub fn third(u: Vector) -> Scalar {
-        u[2] + r#type[2][2]
+        u[D - 1] * u[1..D][1] / u[2] + r#type[2][2 * D - 4]
     }
     pub fn no_arguments() -> Scalar {
         tr(r#type)
@@ -318,4 +318,65 @@ fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
     assert_eq!(&names[..4], ["u", "None", "Ok", "r#type"]);
     assert!(attributes::Data { k: 1.0 } == attributes::Data::<2> { k: 1.0 }.clone());
     assert!(format!("{:?}", attributes::Omega::on("all")).starts_with("Omega(Region"));
+}
+
+/// Zeros beside what is linear in the test function, and whole numbers of D.
+#[forms(crate = forms_core, dimension = 2)]
+pub mod zeros {
+    pub struct Data {
+        pub lambda: Param,
+        pub mu: Param,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct Gamma;
+
+    /// The strain of plane strain, as a tensor in space.
+    fn solid_strain(w: Vector) -> Matrix<3, 3> {
+        let e = eps(w);
+        [[e[0][0], e[0][1], 0], [e[1][0], e[1][1], 0], [0, 0, 0]]
+    }
+    fn solid_stress(w: Vector) -> Matrix<3, 3> {
+        2 * mu * solid_strain(w) + lambda * tr(solid_strain(w)) * identity(D + 1)
+    }
+    pub fn embedded(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(solid_stress(u), solid_strain(v)))
+    }
+    pub fn plane(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, 2 * mu * inner(eps(u), eps(v)) + lambda * div(u) * div(v))
+    }
+    pub fn branches(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let w = if u[0] > 2 { [0; D] } else { v };
+        let rows = [[v[D - 1], 0], [0 * u[0], -0 * norm(u)]];
+        integral(Omega, dot(u, w) + tr(rows - 0 * outer([u[0], 1], [1, 1])))
+            - integral(Gamma, 0 * u[0] + dot(v, [0; 2 * D / 2]))
+    }
+    pub fn by_hand(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, dot(u, v) + v[1])
+    }
+    pub fn nothing_on_the_facets(u: State<Vector>) -> Functional {
+        integral(Omega, u[D - 1]) + integral(Gamma, u[0] - u[0])
+    }
+}
+
+#[test]
+fn zeros_are_linear_in_the_test_function() {
+    let mesh = Mesh::<2>::cube(&mut Random(7));
+    let u = [Random(8).field(4, 2, 0.0, 1.0)];
+    let (data, omega) = (zeros::Data { lambda: 1.3, mu: 0.7 }, zeros::Omega::on("all"));
+    let same = |first: Vec<f64>, second: Vec<f64>| {
+        assert!(first.iter().any(|entry| entry.abs() > 1e-3));
+        for (a, b) in first.iter().zip(&second) {
+            assert!((a - b).abs() < 1e-14, "{a} and {b}");
+        }
+    };
+    let embedded = residual::<f64, _, 2>(&mesh, &zeros::embedded(&data, &omega), &u);
+    same(embedded, residual::<f64, _, 2>(&mesh, &zeros::plane(&data, &omega), &u));
+    let branches = residual::<f64, _, 2>(&mesh, &zeros::branches(&data, &omega), &u);
+    same(branches, residual::<f64, _, 2>(&mesh, &zeros::by_hand(&data, &omega), &u));
+    // Nothing is left on the facets: the constructor asks for no region there.
+    let last = zeros::nothing_on_the_facets(&data, &omega, Source::Constant(vec![3.0, 5.0]));
+    let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    assert!((functional(&mesh, &last, &[]) - 5.0 * volume).abs() < 1e-14);
 }

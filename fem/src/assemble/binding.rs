@@ -7,8 +7,8 @@ use std::sync::Arc;
 use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirements, Role, Source};
 use forms_core::source::PositionFunction;
 
-use super::AssemblyError;
 use super::owned_cells::OwnedCells;
+use super::{AssemblyError, unoptimised};
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
@@ -139,6 +139,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             let found = unknowns.len();
             return Err(AssemblyError::Count { form: name, what: "unknowns", expected, found });
         }
+        unoptimised::notice(name, inputs);
         let mut binding = Binding::empty(name, fields, &inputs.regions, mesh);
         let mut values = Vec::with_capacity(fields.len());
         for (index, field) in fields.iter().enumerate() {

@@ -38,6 +38,7 @@ mod sizes;
 mod split_facets;
 mod sum_factorisation;
 mod tangent;
+mod unoptimised;
 mod walk;
 
 use std::sync::Arc;

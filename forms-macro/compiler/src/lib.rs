@@ -19,6 +19,7 @@ mod proof;
 #[cfg(test)]
 mod reference;
 mod reuse;
+mod rustc_arguments;
 mod show;
 mod tensor;
 

@@ -153,6 +153,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             orders,
             instructions: instructions.checked(),
         };
+        unoptimised::notice(name, form.inputs());
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
         binding.tabulated(Tabulated { degree: tables.layout.element.degree, on_facets: false });
         let listed: Option<Vec<_>> = tables.listed(&form, &mut binding).into_iter().collect();

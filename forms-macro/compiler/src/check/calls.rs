@@ -29,7 +29,7 @@ impl Evaluator<'_> {
         }
         let Some((builtin, count, usage)) = builtins::builtin(&text) else {
             if !self.module.is_mistaken(name) {
-                self.unknown_function(name);
+                self.unknown_function(name, arguments, place, scope);
             }
             return None;
         };

@@ -6,6 +6,7 @@ use proc_macro2::Ident;
 
 use super::{Term, builtins};
 use crate::diagnostics::{Diagnostics, Place};
+use crate::parse::declared_type::{LARGEST, report_extent};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
 
@@ -252,13 +253,14 @@ impl<'a> Evaluator<'a> {
                 self.uses = values.iter().copied().zip(places).collect();
                 self.stack(values, place)?
             }
-            ExpressionKind::Repeat(entry, count) => {
-                let value = self.tensor(entry, scope, "an array")?;
-                let count = match count {
-                    Extent::Dimension => self.dimension,
-                    Extent::Fixed(number) => *number,
+            ExpressionKind::Repeat(entry, count, counted) => {
+                let value = self.tensor(entry, scope, "an array");
+                let count = count.at(self.dimension).and_then(|count| usize::try_from(count).ok());
+                let Some(count @ 1..=LARGEST) = count else {
+                    report_extent(*counted, self.diagnostics);
+                    return None;
                 };
-                self.stack(vec![value; count], place)?
+                self.stack(vec![value?; count], place)?
             }
             ExpressionKind::If(condition, taken, otherwise) => {
                 let truth = self.condition(condition, scope);

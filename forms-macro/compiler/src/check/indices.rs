@@ -3,6 +3,7 @@
 use super::evaluate::Evaluator;
 use crate::diagnostics::Place;
 use crate::parse::syntax::{Index, IndexKind};
+use crate::parse::whole_number::WholeNumber;
 use crate::tensor::{Operator, Selection, Tensor};
 
 impl Evaluator<'_> {
@@ -43,18 +44,25 @@ impl Evaluator<'_> {
     }
 
     fn selection(&mut self, index: &Index, extent: usize) -> Option<Selection> {
+        let within = |number: i64| usize::try_from(number).ok().filter(|number| *number <= extent);
         let (message, selection) = match index.kind {
-            IndexKind::One(one) if one < extent => return Some(Selection::One(one)),
-            IndexKind::One(one) => (format!("the index {one} is out of range"), "it runs"),
+            IndexKind::One(one) => {
+                let one = self.whole(one, index.place)?;
+                match within(one) {
+                    Some(one) if one < extent => return Some(Selection::One(one)),
+                    _ => (format!("the index {one} is out of range"), "it runs"),
+                }
+            }
             IndexKind::Range { start, end } => {
-                let (start, end) = (start.unwrap_or(0), end.unwrap_or(extent));
+                let start = start.map_or(Some(0), |start| self.whole(start, index.place))?;
+                let end = end.map_or(i64::try_from(extent).ok(), |end| self.whole(end, index.place))?;
                 if start >= end {
                     let message = format!("the range {start}..{end} is empty: its end is not part of it");
                     let help = format!("`{start}..{}` takes one entry", start.saturating_add(1));
                     self.diagnostics.error_with_help(index.place, message, help);
                     return None;
                 }
-                if end <= extent {
+                if let (Some(start), Some(end)) = (within(start), within(end)) {
                     return Some(Selection::Range { start, end });
                 }
                 (format!("the range {start}..{end} is out of range"), "indices run")
@@ -73,6 +81,16 @@ impl Evaluator<'_> {
             self.diagnostics.error(index.place, message);
         }
         None
+    }
+
+    /// The number in this dimension; `None` after a report.
+    fn whole(&mut self, number: WholeNumber, place: Place) -> Option<i64> {
+        let found = number.at(self.dimension);
+        if found.is_none() {
+            let message = format!("this is no whole number in dimension {}", self.dimension);
+            self.diagnostics.error(place, message);
+        }
+        found
     }
 
     /// `[a, b]`: a new leading axis. A literal zero takes the shape of the other entries.

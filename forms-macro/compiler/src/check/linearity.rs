@@ -8,14 +8,24 @@ use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::{ArgumentRole, Function};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
 
-/// The test functions (by field index) in which a node is linear; empty: free of them.
-type Tests = Vec<usize>;
+/// How a node depends on the test functions.
+#[derive(Clone)]
+enum Dependence {
+    /// It is zero whatever they are: linear in each of them, and free of them, too.
+    Zero,
+    /// It holds none.
+    Free,
+    /// It is linear in these, by field index.
+    Linear(Vec<usize>),
+}
+
+use Dependence::{Free, Linear, Zero};
 
 struct Algebra<'a> {
     arena: &'a Arena,
     fields: &'a [FieldInfo],
     diagnostics: &'a mut Diagnostics,
-    known: HashMap<Tensor, Option<Tests>>,
+    known: HashMap<Tensor, Option<Dependence>>,
 }
 
 /// A `Form`: every term is linear in exactly one test function.
@@ -42,12 +52,12 @@ pub fn check_form(
     let mut algebra = Algebra { arena, fields, diagnostics, known: HashMap::new() };
     let mut right = true;
     for term in terms {
-        match algebra.tests(term.density) {
-            Some(found) if found.is_empty() && !arena.is_zero(term.density) => {
+        match algebra.dependence(term.density) {
+            Some(Free) => {
                 algebra.without(term.density, &tests);
                 right = false;
             }
-            Some(_) => {}
+            Some(Zero | Linear(_)) => {}
             None => right = false,
         }
     }
@@ -69,8 +79,8 @@ pub fn check_functional(function: &Function, diagnostics: &mut Diagnostics) -> b
 }
 
 impl Algebra<'_> {
-    /// The tests in which a node is linear; `None` after a report.
-    fn tests(&mut self, tensor: Tensor) -> Option<Tests> {
+    /// How a node depends on the test functions; `None` after a report.
+    fn dependence(&mut self, tensor: Tensor) -> Option<Dependence> {
         if let Some(known) = self.known.get(&tensor) {
             return known.clone();
         }
@@ -79,14 +89,17 @@ impl Algebra<'_> {
         found
     }
 
-    fn find(&mut self, tensor: Tensor) -> Option<Tests> {
+    fn find(&mut self, tensor: Tensor) -> Option<Dependence> {
         use Operator::*;
         let operator = self.arena.node(tensor).operator.clone();
         match operator {
-            Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) | Geometry(_) => Some(vec![]),
+            Number(_) | Operator::Zero if self.arena.is_zero(tensor) => Some(Dependence::Zero),
+            Number(_) | Operator::Zero | Identity | SymmetricIdentity | Parameter(_) | Geometry(_) => {
+                Some(Free)
+            }
             Field { field, .. } => Some(match self.fields[field].role {
-                FieldRole::Test(_) => vec![field],
-                _ => vec![],
+                FieldRole::Test(_) => Linear(vec![field]),
+                _ => Free,
             }),
             Negate(a)
             | Map(_, a)
@@ -94,7 +107,7 @@ impl Algebra<'_> {
             | Slice(a, _)
             | Restrict(_, a)
             | Gradient(a)
-            | Partial(a, _) => self.tests(a),
+            | Partial(a, _) => self.dependence(a),
             Scale(a, b)
             | Contract(a, b)
             | DoubleContract(a, b)
@@ -112,7 +125,7 @@ impl Algebra<'_> {
             }
             Divide(a, b) | DivideOrZero(a, b) => {
                 self.free(b, "a denominator")?;
-                self.tests(a)
+                self.dependence(a)
             }
             Determinant(a) | Inverse(a) | Cofactor(a) => self.free(a, "a nonlinear operation"),
             Apply(_, a) | Norm(a) => self.free(a, "a nonlinear function"),
@@ -124,7 +137,7 @@ impl Algebra<'_> {
                 for argument in arguments {
                     self.free(argument, "a function that may be nonlinear")?;
                 }
-                Some(vec![])
+                Some(Free)
             }
             // The derivative is linear in its direction, and in what the expression was linear in.
             Gateaux { expression, variable, direction } => {
@@ -132,65 +145,74 @@ impl Algebra<'_> {
                 if let Variable::Field(varied) = variable
                     && matches!(self.fields[varied].role, FieldRole::Test(_))
                 {
-                    return match self.tests(expression)?.contains(&varied) {
-                        true => self.tests(direction),
-                        false => Some(vec![]),
+                    return match self.dependence(expression)? {
+                        Linear(tests) if tests.contains(&varied) => self.dependence(direction),
+                        _ => Some(Dependence::Zero),
                     };
                 }
                 self.product(tensor, expression, direction)
             }
             // Formulas are made of what was checked already.
-            Named(_) => Some(vec![]),
+            Named(_) => Some(Free),
         }
     }
 
-    fn product(&mut self, whole: Tensor, a: Tensor, b: Tensor) -> Option<Tests> {
-        let (first, second) = (self.tests(a), self.tests(b));
-        let (first, second) = (first?, second?);
-        match (first.first(), second.first()) {
-            (Some(v), Some(w)) if v == w => {
-                let name = &self.fields[*v].name;
-                let message = format!(
-                    "this product is not linear in the test function: `{name}` stands in both factors"
-                );
-                let help = "keep it in one of them; for an energy declare `-> Energy` and leave the test function out";
-                self.diagnostics.error_with_help(self.arena.place(whole), message, help);
-                None
-            }
-            (Some(v), Some(w)) => {
-                let (v, w) = (&self.fields[*v].name, &self.fields[*w].name);
-                let message = format!("two different test functions in one term: `{v}` and `{w}`");
-                self.diagnostics.error_with_help(
-                    self.arena.place(whole),
-                    message,
-                    "each term has one test function: one of the two was meant to be an unknown, or another term",
-                );
-                None
-            }
-            _ => Some([first, second].concat()),
+    fn product(&mut self, whole: Tensor, a: Tensor, b: Tensor) -> Option<Dependence> {
+        let (first, second) = (self.dependence(a), self.dependence(b));
+        let (first, second) = match (first?, second?) {
+            (Zero, _) | (_, Zero) => return Some(Zero),
+            (Free, other) | (other, Free) => return Some(other),
+            (Linear(first), Linear(second)) => (first, second),
+        };
+        let place = self.arena.place(whole);
+        let shared = first.iter().find(|test| second.contains(test));
+        if let Some(test) = shared {
+            let name = &self.fields[*test].name;
+            let message =
+                format!("this product is not linear in the test function: `{name}` stands in both factors");
+            let help =
+                "keep it in one of them; for an energy declare `-> Energy` and leave the test function out";
+            self.diagnostics.error_with_help(place, message, help);
+            return None;
         }
+        let [v, w] =
+            [&first, &second].map(|tests| tests.first().map(|test| self.fields[*test].name.as_str()));
+        let message = format!(
+            "two different test functions in one term: `{}` and `{}`",
+            v.unwrap_or_default(),
+            w.unwrap_or_default()
+        );
+        let help =
+            "each term has one test function: one of the two was meant to be an unknown, or another term";
+        self.diagnostics.error_with_help(place, message, help);
+        None
     }
 
-    fn sum(&mut self, parts: &[Tensor]) -> Option<Tests> {
-        let found: Vec<_> = parts.iter().map(|part| self.tests(*part)).collect();
-        let mut all: Tests = Vec::new();
-        for tests in &found {
-            all.extend(tests.as_ref()?);
+    /// Zeros are linear in whatever the other parts are.
+    fn sum(&mut self, parts: &[Tensor]) -> Option<Dependence> {
+        let found: Vec<_> = parts.iter().map(|part| self.dependence(*part)).collect();
+        let found = found.into_iter().collect::<Option<Vec<_>>>()?;
+        let mut all: Vec<usize> = Vec::new();
+        for one in &found {
+            if let Linear(tests) = one {
+                all.extend(tests);
+            }
         }
         all.sort_unstable();
         all.dedup();
         if all.is_empty() {
-            return Some(all);
+            let vanishes = found.iter().all(|one| matches!(one, Zero));
+            return Some(if vanishes { Zero } else { Free });
         }
         let mut right = true;
-        for (part, tests) in parts.iter().zip(&found) {
-            if tests.as_ref().is_some_and(Vec::is_empty) && !self.arena.is_zero(*part) {
+        for (part, one) in parts.iter().zip(&found) {
+            if matches!(one, Free) {
                 let names: Vec<&str> = all.iter().map(|test| self.fields[*test].name.as_str()).collect();
                 self.without(*part, &names);
                 right = false;
             }
         }
-        right.then_some(all)
+        right.then_some(Linear(all))
     }
 
     fn without(&mut self, part: Tensor, names: &[&str]) {
@@ -199,15 +221,15 @@ impl Algebra<'_> {
         self.diagnostics.error_with_help(self.arena.place(part), message, help);
     }
 
-    fn free(&mut self, a: Tensor, user: &str) -> Option<Tests> {
-        let found = self.tests(a)?;
-        if let Some(test) = found.first() {
-            let name = &self.fields[*test].name;
+    fn free(&mut self, a: Tensor, user: &str) -> Option<Dependence> {
+        let found = self.dependence(a)?;
+        if let Linear(tests) = &found {
+            let name = tests.first().map(|test| self.fields[*test].name.as_str()).unwrap_or_default();
             let message = format!("not linear in the test function `{name}`: it stands inside {user}");
             let help = "a form is a sum of terms, each a product of one test function with things free of it";
             self.diagnostics.error_with_help(self.arena.place(a), message, help);
             return None;
         }
-        Some(found)
+        Some(Free)
     }
 }

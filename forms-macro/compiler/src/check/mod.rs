@@ -3,6 +3,7 @@
 
 pub mod builtins;
 mod calls;
+pub mod elsewhere;
 mod evaluate;
 mod externals;
 mod indices;

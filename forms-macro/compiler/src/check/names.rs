@@ -3,9 +3,10 @@
 use proc_macro2::Ident;
 
 use super::builtins::{self, Constant};
+use super::elsewhere;
 use super::evaluate::{Evaluator, Scope, Value};
 use crate::diagnostics::Place;
-use crate::parse::syntax::MemberKind;
+use crate::parse::syntax::{Expression, ExpressionKind, MemberKind};
 use crate::tensor::{Geometry, Operator};
 
 impl Evaluator<'_> {
@@ -89,23 +90,13 @@ impl Evaluator<'_> {
         } else {
             let members =
                 self.module.data.iter().flat_map(|data| &data.members).map(|member| member.name.to_string());
-            let known: Vec<String> = scope
-                .keys()
-                .cloned()
-                .chain(members)
-                .chain(builtins::CONSTANTS.iter().map(|entry| entry.0.to_string()))
-                .collect();
+            let own: Vec<String> = scope.keys().cloned().chain(members).collect();
+            let built_in = builtins::CONSTANTS.iter().map(|entry| entry.0);
             let message = format!("the name `{text}` is not known here");
-            match builtins::nearest(&text, known.iter().map(String::as_str)) {
-                Some(near) => {
-                    self.diagnostics.error_with_help(place, message, format!("did you mean `{near}`?"))
-                }
-                None => {
-                    let help =
-                        "arguments, `let` names, members of the data struct and built-in names are known";
-                    self.diagnostics.error_with_help(place, message, help);
-                }
-            }
+            let help = suggestion(&text, &own, built_in).unwrap_or_else(|| {
+                "arguments, `let` names, members of the data struct and built-in names are known".into()
+            });
+            self.diagnostics.error_with_help(place, message, help);
         }
     }
 
@@ -113,24 +104,96 @@ impl Evaluator<'_> {
         self.module.functions.iter().position(|function| function.name == *name)
     }
 
-    pub(super) fn unknown_function(&mut self, name: &Ident) {
+    pub(super) fn unknown_function(
+        &mut self,
+        name: &Ident,
+        arguments: &[Expression],
+        place: Place,
+        scope: &Scope,
+    ) {
+        let text = name.to_string();
+        let member = self.module.data.iter().flat_map(|data| &data.members).find(|one| one.name == *name);
+        if scope.contains_key(&text) || member.is_some() || builtins::constant(&text).is_some() {
+            // What stands between the parentheses may be the mistake, which has been told.
+            if !arguments.iter().any(|argument| matches!(argument.kind, ExpressionKind::Mistake)) {
+                let member = member.filter(|_| !scope.contains_key(&text)).map(|member| member.kind);
+                self.called_value(name, member, arguments, scope);
+            }
+            return;
+        }
+        if self.module.regions.iter().any(|region| region.name == *name) {
+            let help = format!("write `integral({text}, density)`");
+            self.diagnostics.error_with_help(place, format!("`{text}` is a region, not a function"), help);
+            return;
+        }
         let tables = self.module.data.iter().flat_map(|data| &data.members);
         let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
         let externals = self.module.externals.iter().map(|external| &external.name);
         let functions = self.module.functions.iter().map(|function| &function.name);
-        let functions: Vec<String> =
-            functions.chain(externals).chain(tables).map(ToString::to_string).collect();
-        let known =
-            functions.iter().map(String::as_str).chain(builtins::BUILTINS.iter().map(|entry| entry.0));
+        let own: Vec<String> = functions.chain(externals).chain(tables).map(ToString::to_string).collect();
+        let built_in = builtins::BUILTINS.iter().map(|entry| entry.0);
         let message = format!("the function `{name}` is not known here");
-        match builtins::nearest(&name.to_string(), known) {
-            Some(near) => {
-                self.diagnostics.error_with_help(Place::of(name), message, format!("did you mean `{near}`?"))
+        let help = suggestion(&text, &own, built_in)
+            .unwrap_or_else(|| format!("declare `fn {name}(..)` in this module"));
+        self.diagnostics.error_with_help(Place::of(name), message, help);
+    }
+
+    /// Reports parentheses after what is a value: `gap(x + u)`, `u(0)`, `k (a + b)`.
+    fn called_value(
+        &mut self,
+        name: &Ident,
+        member: Option<MemberKind>,
+        arguments: &[Expression],
+        scope: &Scope,
+    ) {
+        let number = |argument: &Expression| match argument.kind {
+            ExpressionKind::Number(value) => Some(value),
+            _ => None,
+        };
+        let numbers: Option<Vec<f64>> = arguments.iter().map(number).collect();
+        let axes = match self.name(name, Place::of(name), scope) {
+            Some(Value::Tensor(value)) => self.arena.shape(value).len(),
+            Some(Value::Form(_)) => 0,
+            // Its own mistake has been told.
+            None => return,
+        };
+        let help = match (numbers, member) {
+            (Some(numbers), _) if !numbers.is_empty() && numbers.len() <= axes => {
+                let indices: String = numbers.iter().map(|number| format!("[{number}]")).collect();
+                format!("a component is `{name}{indices}`, and components are counted from 0")
             }
-            None => {
-                let help = format!("declare `fn {name}(..)` in this module");
-                self.diagnostics.error_with_help(Place::of(name), message, help);
-            }
-        }
+            (None, Some(MemberKind::Given | MemberKind::Carried | MemberKind::History)) => format!(
+                "the data are read where the integral is: write `{name}`; what is to be evaluated elsewhere is a function written in Rust, `extern \"Rust\" {{ fn {name}(y: Vector) -> Scalar; }}`"
+            ),
+            _ if arguments.is_empty() => format!("write `{name}`"),
+            _ => format!("write `{name} * (..)` for a product"),
+        };
+        self.diagnostics.error_with_help(
+            Place::of(name),
+            format!("`{name}` is a value, not a function"),
+            help,
+        );
     }
 }
+
+/// The help line for a name that is not known: a name that was meant, or what another language calls so.
+fn suggestion<'a>(
+    text: &str,
+    own: &'a [String],
+    built_in: impl Iterator<Item = &'a str> + Clone,
+) -> Option<String> {
+    let own = || own.iter().map(String::as_str);
+    let did_you_mean = |name: &str| format!("did you mean `{name}`?");
+    let folded = text.to_lowercase();
+    let in_other_case = own().chain(built_in.clone()).find(|known| known.to_lowercase() == folded);
+    // A short word is near to any other.
+    let near_own = || builtins::nearest(text, own());
+    in_other_case
+        .or_else(|| near_own().filter(|_| text.chars().count() > SHORT))
+        .map(did_you_mean)
+        .or_else(|| elsewhere::help(text).map(str::to_string))
+        .or_else(|| builtins::nearest(text, own().chain(built_in)).map(did_you_mean))
+}
+
+/// Words of other languages that are no longer than this are taken at their word.
+const SHORT: usize = 3;

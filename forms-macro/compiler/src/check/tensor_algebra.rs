@@ -3,7 +3,7 @@
 use super::evaluate::Evaluator;
 use super::operators::LARGEST_RANK;
 use crate::diagnostics::Place;
-use crate::parse::syntax::{Expression, ExpressionKind};
+use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind};
 use crate::tensor::{LinearMap, Operator, Tensor};
 
 impl Evaluator<'_> {
@@ -151,11 +151,8 @@ impl Evaluator<'_> {
 
     /// `identity(3)`
     pub(super) fn identity_of_size(&mut self, size: &Expression, place: Place) -> Option<Tensor> {
-        let extent = match &size.kind {
-            ExpressionKind::Number(value) if (1.0..=16.0).contains(value) && value.fract() == 0.0 => {
-                *value as usize
-            }
-            ExpressionKind::Name(name) if name == "D" || name == "dimension" => self.dimension,
+        let extent = match self.written_number(size) {
+            Some(value) if (1.0..=16.0).contains(&value) && value.fract() == 0.0 => value as usize,
             _ => {
                 let message = "`identity` takes a whole number from 1 to 16 that is written down";
                 let help = "write `identity(3)`, or `I` for the identity of the dimension";
@@ -164,5 +161,24 @@ impl Evaluator<'_> {
             }
         };
         Some(self.arena.push(Operator::Identity, vec![extent; 2], place))
+    }
+
+    /// The value of an expression of numbers and `D`.
+    fn written_number(&self, expression: &Expression) -> Option<f64> {
+        Some(match &expression.kind {
+            ExpressionKind::Number(value) => *value,
+            ExpressionKind::Name(name) if name == "D" || name == "dimension" => self.dimension as f64,
+            ExpressionKind::Negate(inner) => -self.written_number(inner)?,
+            ExpressionKind::Binary(operator, left, right) => {
+                let (left, right) = (self.written_number(left)?, self.written_number(right)?);
+                match operator {
+                    BinaryOperator::Add => left + right,
+                    BinaryOperator::Subtract => left - right,
+                    BinaryOperator::Multiply => left * right,
+                    BinaryOperator::Divide => left / right,
+                }
+            }
+            _ => return None,
+        })
     }
 }

@@ -11,6 +11,7 @@ use super::traits::implementations;
 use crate::check::field_members;
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
+use crate::rustc_arguments;
 use crate::show::Shown;
 
 /// Constructor and module of a function.
@@ -186,8 +187,10 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     let unnamed = std::iter::repeat_n(quote! { ::core::option::Option::None }, variations + directions);
     let regions = region_arguments(module, used).into_iter();
     let regions = regions.map(|name| quote! { ::core::clone::Clone::clone(&#name.0) });
+    let unoptimised = (!rustc_arguments::optimised()).then(|| quote! { #own_inputs.optimised = false; });
     quote! {
         let mut #own_inputs = contract::Inputs::<D>::empty();
+        #unoptimised
         #(#parameters)*
         #own_inputs.sources = ::std::vec![#(#arguments,)* #(#given,)* #(#unnamed,)*];
         #own_inputs.tables = ::std::vec![#(::core::clone::Clone::clone(&#own_data.#tables)),*];

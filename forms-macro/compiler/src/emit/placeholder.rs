@@ -91,7 +91,7 @@ fn regions_of(
         ExpressionKind::Negate(a)
         | ExpressionKind::Index(a, _)
         | ExpressionKind::Declared(_, a)
-        | ExpressionKind::Repeat(a, _) => regions_of(module, a, seen, found),
+        | ExpressionKind::Repeat(a, ..) => regions_of(module, a, seen, found),
         ExpressionKind::Binary(_, a, b) => {
             regions_of(module, a, seen, found);
             regions_of(module, b, seen, found);

@@ -383,6 +383,7 @@ fn linear_integral(
     (!flux.is_empty()).then(|| LinearIntegral { description: description.clone(), test, flux })
 }
 
+/// One integral per region on which something is left, as with forms.
 fn densities(terms: &[Term], scalariser: &mut Scalariser, degrees: &mut Degrees) -> Vec<ExpressionIntegral> {
     let mut regions: BTreeMap<usize, (Scalar, Degree)> = BTreeMap::new();
     for term in terms {
@@ -394,6 +395,7 @@ fn densities(terms: &[Term], scalariser: &mut Scalariser, degrees: &mut Degrees)
     }
     regions
         .into_iter()
+        .filter(|(_, (density, _))| !scalariser.graph.is_zero(*density))
         .map(|(region, (density, degree))| ExpressionIntegral {
             description: Description { region, dependence: Dependence::Nonlinear, degree },
             components: vec![density],

@@ -69,17 +69,8 @@ pub fn rank(ty: &Type, diagnostics: &mut Diagnostics) -> Result<Rank, Unread> {
     Rank::new(&extents).ok_or(Unread::Unknown)
 }
 
-/// `[entry; 3]`, `[entry; D]`: how often. `None` after a report.
-pub fn count(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Extent> {
-    let argument = match expression {
-        Expr::Path(path) if path.path.is_ident("D") => return Some(Extent::Dimension),
-        other => GenericArgument::Const(other.clone()),
-    };
-    extent(&argument, diagnostics)
-}
-
 /// The largest extent that may be declared.
-const LARGEST: usize = 16;
+pub const LARGEST: usize = 16;
 
 /// `None` after a report.
 fn extent(argument: &GenericArgument, diagnostics: &mut Diagnostics) -> Option<Extent> {
@@ -94,7 +85,12 @@ fn extent(argument: &GenericArgument, diagnostics: &mut Diagnostics) -> Option<E
         }
         _ => {}
     }
-    let message = format!("an extent is a whole number from 1 to {LARGEST}, or `D`, the dimension");
-    diagnostics.error_with_help(Place::of(argument), message, "write `Vector<3>` or `Matrix<D, 3>`");
+    report_extent(Place::of(argument), diagnostics);
     None
+}
+
+/// Reports what is no extent.
+pub fn report_extent(place: Place, diagnostics: &mut Diagnostics) {
+    let message = format!("an extent is a whole number from 1 to {LARGEST}, or `D`, the dimension");
+    diagnostics.error_with_help(place, message, "write `Vector<3>` or `Matrix<D, 3>`");
 }

@@ -5,6 +5,8 @@ use syn::{BinOp, Expr, ExprIf, Lit, Member, Pat, PatIdent, Stmt, UnOp};
 
 use super::declared_type::{self, Unread};
 use super::syntax::*;
+use super::whole_number::WholeNumber;
+use crate::check::elsewhere;
 use crate::diagnostics::{Diagnostics, Place};
 
 /// Reads `{ let ..; result }`.
@@ -153,8 +155,12 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
         }
         Expr::Repeat(repeat) => {
             let entry = read(&repeat.expr, diagnostics);
-            let count = declared_type::count(&repeat.len, diagnostics);
-            ExpressionKind::Repeat(Box::new(entry?), count?)
+            let place = Place::of(&repeat.len);
+            let count = WholeNumber::read(&repeat.len);
+            if count.is_none() {
+                declared_type::report_extent(place, diagnostics);
+            }
+            ExpressionKind::Repeat(Box::new(entry?), count?, place)
         }
         Expr::If(branch) => read_if(branch, diagnostics)?,
         Expr::MethodCall(call) => {
@@ -164,12 +170,16 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
             };
             let words: Option<Vec<_>> = [&*call.receiver].into_iter().chain(&call.args).map(word).collect();
             let arguments = words.map_or_else(|| "..".into(), |words| words.join(", "));
-            let help = format!("write `{}({arguments})`, a function", call.method);
+            let known = elsewhere::help(&call.method.to_string()).map(str::to_string);
+            let help = known.unwrap_or_else(|| format!("write `{}({arguments})`, a function", call.method));
             return unsupported(expression, "a method call", &help, diagnostics);
         }
         Expr::Field(field) => {
             let help = match &field.member {
-                Member::Named(name) => format!("members of the data struct are used by their name, `{name}`"),
+                Member::Named(name) => match elsewhere::help(&name.to_string()) {
+                    Some(help) => help.to_string(),
+                    None => format!("members of the data struct are used by their name, `{name}`"),
+                },
                 Member::Unnamed(index) => format!("a component is `name[{}]`", index.index),
             };
             return unsupported(expression, "`.`", &help, diagnostics);
@@ -269,32 +279,25 @@ fn read_indices(index: &Expr, diagnostics: &mut Diagnostics) -> Option<Vec<Index
         diagnostics.error_with_help(
             Place::of(index),
             "an index is a whole number known here",
-            "write `u[0]`, `F[0][1]` or `F[(0, 1)]`, and for more than one entry `u[0..2]` or `F[(.., 1)]`",
+            "write `u[0]`, `u[D - 1]`, `F[0][1]` or `F[(0, 1)]`, and for more than one entry `u[0..2]` or `F[(.., 1)]`",
         );
     }
     indices
 }
 
 fn read_index(index: &Expr) -> Option<Index> {
-    let whole = |expression: &Expr| match expression {
-        Expr::Lit(literal) => match &literal.lit {
-            Lit::Int(integer) => integer.base10_parse::<usize>().ok(),
-            _ => None,
-        },
-        _ => None,
-    };
     let kind = match index {
         Expr::Range(range) => {
             // `None` inside: a bound that is no number.
             let bound = |bound: &Option<Box<Expr>>| match bound {
-                Some(bound) => whole(bound).map(Some),
+                Some(bound) => WholeNumber::read(bound).map(Some),
                 None => Some(None),
             };
             let (start, end) = (bound(&range.start)?, bound(&range.end)?);
             let closed = matches!(range.limits, syn::RangeLimits::Closed(_));
-            IndexKind::Range { start, end: end.map(|end| end.saturating_add(usize::from(closed))) }
+            IndexKind::Range { start, end: end.map(|end| if closed { end.successor() } else { end }) }
         }
-        other => IndexKind::One(whole(other)?),
+        other => IndexKind::One(WholeNumber::read(other)?),
     };
     Some(Index { place: Place::of(index), kind })
 }
@@ -303,6 +306,12 @@ fn read_number(literal: &Lit, place: Place, diagnostics: &mut Diagnostics) -> Op
     let (digits, suffix) = match literal {
         Lit::Int(integer) => (integer.base10_digits().to_string(), integer.suffix().to_string()),
         Lit::Float(float) => (float.base10_digits().to_string(), float.suffix().to_string()),
+        Lit::Str(text) if matches!(text.value().as_str(), "+" | "-") => {
+            let message = "unsupported literal: a weak form has numbers only";
+            let help = "the sides of an interior facet are `this(u)` and `other(u)`";
+            diagnostics.error_with_help(place, message, help);
+            return None;
+        }
         _ => {
             diagnostics.error(place, "unsupported literal: a weak form has numbers only");
             return None;

@@ -7,6 +7,7 @@ mod external;
 pub mod nesting;
 pub mod raw;
 pub mod syntax;
+pub mod whole_number;
 
 use syn::{Fields, FnArg, Generics, Item, ItemFn, ItemMod, ItemStruct, Pat, PatIdent, ReturnType, Type};
 

@@ -5,6 +5,7 @@ use std::fmt;
 use proc_macro2::{Ident, Span, TokenStream};
 use syn::{Attribute, Visibility};
 
+use super::whole_number::WholeNumber;
 use crate::diagnostics::Place;
 
 /// A module of weak forms.
@@ -272,8 +273,8 @@ pub enum ExpressionKind {
     Binary(BinaryOperator, Box<Expression>, Box<Expression>),
     Index(Box<Expression>, Vec<Index>),
     Array(Vec<Expression>),
-    /// `[entry; 3]`
-    Repeat(Box<Expression>, Extent),
+    /// `[entry; 3]`, with the place of the count.
+    Repeat(Box<Expression>, WholeNumber, Place),
     If(Box<Condition>, Block, Block),
     Block(Block),
 }
@@ -284,7 +285,7 @@ impl Expression {
         use ExpressionKind::*;
         match &self.kind {
             Mistake | Number(_) | Name(_) => vec![],
-            Declared(_, a) | Negate(a) | Index(a, _) | Repeat(a, _) => vec![a],
+            Declared(_, a) | Negate(a) | Index(a, _) | Repeat(a, ..) => vec![a],
             Binary(_, a, b) => vec![a, b],
             Call(_, parts) | Array(parts) => parts.iter().collect(),
             Block(block) => block.parts(),
@@ -324,11 +325,11 @@ pub struct Index {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IndexKind {
-    One(usize),
+    One(WholeNumber),
     /// `start..end`, either of them left out for the axis's own.
     Range {
-        start: Option<usize>,
-        end: Option<usize>,
+        start: Option<WholeNumber>,
+        end: Option<WholeNumber>,
     },
 }
 

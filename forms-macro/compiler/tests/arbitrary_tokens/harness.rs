@@ -2,11 +2,21 @@
 
 use proc_macro2::TokenStream;
 
-/// Compiles tokens: no panic, and what comes out is Rust. Tokens that are no module are an error.
+/// No output is longer, in characters.
+const LONGEST: usize = 20_000_000;
+
+/// Compiles tokens for the plane: no panic, and what comes out is Rust of bounded length. Tokens that are no module are an
+/// error.
 pub fn survives(tokens: TokenStream) {
-    let attribute: TokenStream = "dimension = 2".parse().expect("tokens");
+    survives_in("dimension = 2", tokens);
+}
+
+/// The same with options of one's own.
+pub fn survives_in(options: &str, tokens: TokenStream) {
+    let attribute: TokenStream = options.parse().expect("tokens");
     let output = forms_compiler::forms(attribute, tokens);
     let text = output.to_string();
+    assert!(text.len() <= LONGEST, "{} characters came out", text.len());
     // Not at the head of a file, where `#![..]` would be the file's.
     let mut file: TokenStream = "struct Before;".parse().expect("tokens");
     file.extend(output);

@@ -94,6 +94,30 @@ const WORDS: &[&str] = &[
     "facets",
     "interior_facets",
     "_",
+    "Some",
+    "None",
+    "Ok",
+    "Box",
+    "Into",
+    "usize",
+    "cfg",
+    "derive",
+    "doc",
+    "allow",
+    "at",
+    "where",
+    "extern",
+    "use",
+    "r#u",
+    "r#type",
+    "laplace",
+    "dx",
+    "shape",
+    "tensor_exp",
+    "history",
+    "Table",
+    "History",
+    "Carried",
 ];
 
 const LITERALS: &[&str] = &[
@@ -166,7 +190,7 @@ pub fn mutate(tokens: TokenStream, random: &mut Random) -> TokenStream {
     if list.is_empty() {
         return [token(random)].into_iter().collect();
     }
-    match random.below(7) {
+    match random.below(8) {
         0 => {
             list.remove(place);
         }
@@ -180,6 +204,11 @@ pub fn mutate(tokens: TokenStream, random: &mut Random) -> TokenStream {
         5 => {
             let one = [list[place].clone()].into_iter().collect();
             list[place] = TokenTree::Group(Group::new(delimiter(random), one));
+        }
+        6 => {
+            let inside = soup(random, 3);
+            let attribute = TokenTree::Group(Group::new(Delimiter::Bracket, inside));
+            list.splice(place..place, [TokenTree::Punct(Punct::new('#', Spacing::Alone)), attribute]);
         }
         // A part of it, elsewhere.
         _ => {

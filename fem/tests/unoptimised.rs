@@ -1,0 +1,60 @@
+//! The notice that kernels are not optimised: once per process, and silent where it is asked to be.
+
+use std::process::Command;
+
+use forms_fem::contract::{self, ExpressionVisitor, FieldDescription, Formula, Inputs};
+use forms_fem::prelude::*;
+
+/// A functional without integrals whose module was compiled without optimisation.
+struct Unoptimised(Inputs<2>);
+
+impl contract::Functional<2> for Unoptimised {
+    fn name(&self) -> &'static str {
+        "length"
+    }
+    fn fields(&self) -> &'static [FieldDescription] {
+        &[]
+    }
+    fn inputs(&self) -> &Inputs<2> {
+        &self.0
+    }
+    fn formula(&self) -> &'static Formula {
+        const FORMULA: Formula = Formula { unicode: "", latex: "" };
+        &FORMULA
+    }
+    fn density<V: ExpressionVisitor<2>>(&self, _: &mut V) -> Result<(), V::Error> {
+        Ok(())
+    }
+}
+
+const CHILD: &str = "FORMS_TEST_UNOPTIMISED";
+
+/// What a process says that assembles twice.
+fn said(silent: bool) -> String {
+    let mut command = Command::new(std::env::current_exe().expect("this binary"));
+    command.args(["--exact", "unoptimised::told_once_per_process", "--nocapture"]);
+    command.env(CHILD, "1").env_remove("FORMS_QUIET");
+    if silent {
+        command.env("FORMS_QUIET", "1");
+    }
+    let output = command.output().expect("it runs");
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn told_once_per_process() {
+    if std::env::var_os(CHILD).is_some() {
+        let mesh = Mesh::rectangle([0.0, 1.0], [0.0, 1.0], [1, 1], CellShape::Triangle);
+        let assembler = Assembler::new(&mesh.expect("a mesh"));
+        let form = Unoptimised(Inputs { optimised: false, ..Inputs::empty() });
+        for _ in 0..2 {
+            assert_eq!(assembler.functional(&form, &[]).expect("no integrals"), 0.0);
+        }
+        return;
+    }
+    let text = said(false);
+    assert_eq!(text.matches("compiled without optimisation").count(), 1, "{text}");
+    assert!(text.contains("`length`") && text.contains("opt-level = 1"), "{text}");
+    assert!(!said(true).contains("optimisation"));
+}
