@@ -16,7 +16,7 @@ pub use layout::{ElementCells, ElementLayout, FieldLayout};
 use self::prepare::{Prepare, Prepared, of_facet};
 use self::run::Run;
 use self::tables::ElementTables;
-use super::AssemblyError;
+use super::{AssemblyError, unoptimised};
 use super::binding::{Binding, Tabulated};
 use super::element_matrices::block_order;
 use super::sizes::{Counted, Sizes};
