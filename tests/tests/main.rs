@@ -41,6 +41,7 @@ mod shape_gradient;
 mod solver_paths;
 mod split_contact_in_space;
 mod threshold;
+mod unit_scaling;
 
 #[test]
 fn every_file_is_part_of_this_binary() {

@@ -48,10 +48,10 @@ pub(super) struct Fields {
 impl Fields {
     /// Fields of these sizes, one after the other; what is left over is one more.
     pub fn new(sizes: &[usize], elimination: &Elimination) -> Self {
-        let (mut all, mut end) = (Vec::new(), 0);
+        let (mut all, mut end) = (Vec::new(), 0_usize);
         for size in sizes.iter().copied().chain([elimination.size()]) {
             let begin = end;
-            end = elimination.size().min(begin + size);
+            end = elimination.size().min(begin.saturating_add(size));
             if begin < end {
                 all.push(begin..end);
             }

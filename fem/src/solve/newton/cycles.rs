@@ -11,6 +11,9 @@ const SAME: f64 = 1e-10;
 /// Steps that become shorter by less than this factor in one iteration do not lead anywhere.
 const SHRINKING: f64 = 0.9;
 
+/// The same of residuals with the same active set.
+const SAME_WITH_ITS_SET: f64 = 1e-6;
+
 /// Iterates are at the same place if they differ by less than this part of their size.
 const SAME_PLACE: f64 = 1e-8;
 
@@ -65,8 +68,9 @@ impl Iteration<'_> {
         step.iter().zip(&last.u).all(|(step, u)| *step <= SMALL_STEP * u)
     }
 
-    /// The earlier iterate that has the same active set as the last one, with other sets in between, and whose
-    /// residual was not larger. For a piecewise linear problem the iterates then repeat for ever, if steps are whole.
+    /// The earlier iterate that has the active set and the residual of the last one, with other sets in between. For a
+    /// piecewise linear problem the iterates then repeat for ever, if steps are whole. The set alone would not tell: a curved
+    /// law may come by again on its way.
     fn cycle_of_active_sets(&self) -> Option<Cycle> {
         let last = self.history.len() - 1;
         let active = self.active[last]?;
@@ -75,8 +79,8 @@ impl Iteration<'_> {
                 && self.active[k..last].iter().any(|&between| between != Some(active))
         })?;
         let whole = self.history[first + 1..].iter().all(|step| step.damping == Some(1.0));
-        // Equal up to rounding counts as not decreasing.
-        (whole && self.history[last].residual >= self.history[first].residual * (1.0 - 1e-6))
+        let [now, then] = [last, first].map(|k| self.history[k].residual);
+        (whole && (now - then).abs() <= SAME_WITH_ITS_SET * then)
             .then_some(Cycle { first, period: last - first })
     }
 

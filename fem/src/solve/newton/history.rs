@@ -98,10 +98,10 @@ pub enum NewtonFailure<E> {
         /// Steps made.
         iterations: usize,
     },
-    /// An earlier iterate came back: its residual again and again, or its active set with a residual that is not smaller.
+    /// An earlier iterate came back: its residual again and again, or once with its active set.
     /// [`LineSearch::OnResidual`] often helps.
     #[error(
-        "it repeats itself: iteration {first} came back after {period} more, with a residual that is not smaller; \
+        "it repeats itself: iteration {first} came back after {period} more, with the same residual; \
          shorter steps may help (LineSearch::OnResidual)"
     )]
     Cycling {
