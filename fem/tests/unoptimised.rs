@@ -45,7 +45,7 @@ fn said(silent: bool) -> String {
 #[test]
 fn told_once_per_process() {
     if std::env::var_os(CHILD).is_some() {
-        let mesh = Mesh::rectangle([0.0, 1.0], [0.0, 1.0], [1, 1], CellShape::Triangle);
+        let mesh = Mesh::rectangle([0.0, 1.0], [0.0, 1.0], [1, 1], CellShape::Triangle, 1);
         let assembler = Assembler::new(&mesh.expect("a mesh"));
         let form = Unoptimised(Inputs { optimised: false, ..Inputs::empty() });
         for _ in 0..2 {

@@ -6,6 +6,6 @@ mod harness;
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
     if let Ok(tokens) = text.parse::<proc_macro2::TokenStream>() {
-        harness::survives(tokens);
+        harness::survives("dimension = 2", tokens);
     }
 });

@@ -45,12 +45,12 @@ impl Evaluator<'_> {
 
     fn selection(&mut self, index: &Index, extent: usize) -> Option<Selection> {
         let within = |number: i64| usize::try_from(number).ok().filter(|number| *number <= extent);
-        let (message, selection) = match index.kind {
+        let (message, selection, negative) = match index.kind {
             IndexKind::One(one) => {
                 let one = self.whole(one, index.place)?;
                 match within(one) {
                     Some(one) if one < extent => return Some(Selection::One(one)),
-                    _ => (format!("the index {one} is out of range"), "it runs"),
+                    _ => (format!("the index {one} is out of range"), "it runs", one < 0),
                 }
             }
             IndexKind::Range { start, end } => {
@@ -65,11 +65,17 @@ impl Evaluator<'_> {
                 if let (Some(start), Some(end)) = (within(start), within(end)) {
                     return Some(Selection::Range { start, end });
                 }
-                (format!("the range {start}..{end} is out of range"), "indices run")
+                (format!("the range {start}..{end} is out of range"), "indices run", start < 0)
             }
         };
         let last = extent - 1;
-        if extent == self.dimension {
+        if negative {
+            self.diagnostics.error_with_help(
+                index.place,
+                format!("{message} in dimension {}: {selection} from 0 to {last}", self.dimension),
+                "the last component of a vector is `u[D - 1]`",
+            );
+        } else if extent == self.dimension {
             self.diagnostics.error_with_help(
                 index.place,
                 format!("{message} in dimension {}: {selection} from 0 to {last}", self.dimension),

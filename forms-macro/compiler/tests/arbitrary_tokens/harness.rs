@@ -5,14 +5,8 @@ use proc_macro2::TokenStream;
 /// No output is longer, in characters.
 const LONGEST: usize = 20_000_000;
 
-/// Compiles tokens for the plane: no panic, and what comes out is Rust of bounded length. Tokens that are no module are an
-/// error.
-pub fn survives(tokens: TokenStream) {
-    survives_in("dimension = 2", tokens);
-}
-
-/// The same with options of one's own.
-pub fn survives_in(options: &str, tokens: TokenStream) {
+/// Compiles tokens: no panic, and what comes out is Rust of bounded length. Tokens that are no module are an error.
+pub fn survives(options: &str, tokens: TokenStream) {
     let attribute: TokenStream = options.parse().expect("tokens");
     let output = forms_compiler::forms(attribute, tokens);
     let text = output.to_string();

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use harness::survives_in;
+use harness::survives;
 use mutations::{Random, mutate, soup};
 use proc_macro2::TokenStream;
 
@@ -117,7 +117,7 @@ fn check_text(tokens: TokenStream, text: &str) {
 /// Compiles a module; `Err` if it panics, gives no Rust, too much of it, or takes too long.
 fn fault(options: &str, tokens: TokenStream, text: &str) -> Result<(), String> {
     let (start, before) = (Instant::now(), processor_time());
-    let result = catch_unwind(AssertUnwindSafe(|| survives_in(options, tokens)));
+    let result = catch_unwind(AssertUnwindSafe(|| survives(options, tokens)));
     if result.is_err() {
         return Err(format!("the compiler panicked on\n{text}"));
     }
