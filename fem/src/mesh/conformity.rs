@@ -253,24 +253,27 @@ impl<const D: usize> fmt::Display for Conformity<D> {
             return writeln!(f, "cells touch in shared facets alone");
         }
         if let Some([a, b]) = self.cracks.first() {
-            let count = self.cracks.len();
             writeln!(
                 f,
-                "{count} cracks, where facets coincide and are not shared; the first between cells {} and {}",
-                a.cell, b.cell
+                "pairs of facets in cracks: {}; the first between cells {} and {}",
+                self.cracks.len(),
+                a.cell,
+                b.cell
             )?;
         }
-        if let Some(first) = self.hanging_nodes.first() {
-            let (count, facet) = (self.hanging_nodes.len(), first.facet);
-            let HangingNode { node, position, .. } = first;
+        if let Some(HangingNode { node, position, facet }) = self.hanging_nodes.first() {
+            let (count, Facet { cell, local }) = (self.hanging_nodes.len(), facet);
             writeln!(
                 f,
-                "{count} hanging nodes; the first is node {node} at {position:?}, on facet {} of cell {}",
-                facet.local, facet.cell
+                "hanging nodes: {count}; the first is node {node} at {position:?}, on facet {local} of cell {cell}"
             )?;
         }
         if let Some(Overlap { cells: [a, b], position }) = self.overlaps.first() {
-            writeln!(f, "{} overlaps; the first of cells {a} and {b}, at {position:?}", self.overlaps.len())?;
+            writeln!(
+                f,
+                "overlaps: {}; the first of cells {a} and {b}, at {position:?}",
+                self.overlaps.len()
+            )?;
         }
         Ok(())
     }
