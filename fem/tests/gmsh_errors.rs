@@ -472,6 +472,34 @@ fn notes() {
     assert_eq!(notes(clockwise), ["the 2 cells of surface 1 ran clockwise and were turned"]);
 }
 
+// A file's own numbers tell where cells overlap; cracks and hanging nodes are read, and told of.
+#[test]
+fn cells_that_do_not_fit_each_other() {
+    assert_eq!(
+        changed(VERSION_2, "3 2 2 3 1 1 3 4", "3 2 2 3 1 1 2 4"),
+        "square.msh, line 20, in $Elements: element 2 and element 3 overlap: they lie on the same side of the facet with \
+         the nodes [1, 2]"
+    );
+    let more = VERSION_2.replace("$Nodes\n4\n", "$Nodes\n6\n5 0 0 0\n6 1 1 0\n");
+    assert_eq!(
+        message::<2>(more.replace("3 2 2 3 1 1 3 4", "3 2 2 3 1 5 6 4").as_bytes()),
+        "2 cells, [Cracks { count: 1, first: [Item { what: \"element\", tag: 2 }, Item { what: \"element\", tag: 3 }] }]"
+    );
+    // The same triangle on nodes of its own, a corner elsewhere.
+    let again = more.replace("5 0 0 0", "5 1 0.1 0").replace("3 2 2 3 1 1 3 4", "3 2 2 3 1 1 5 3");
+    assert!(message::<2>(again.as_bytes()).contains("element 2 and element 3 overlap"));
+    // A triangle that begins half way along the diagonal.
+    let half = more.replace("5 0 0 0", "5 0.5 0.5 0").replace("3 2 2 3 1 1 3 4", "3 2 2 3 1 5 3 4");
+    let read = GmshMesh::<2>::from_bytes("square.msh", half.as_bytes()).unwrap();
+    assert_eq!(
+        read.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        [
+            "no cell uses 1 nodes, the first of which is node 6; they are left out",
+            "the mesh has hanging nodes: node 5 lies on a facet of element 2, which does not have it; such nodes: 1"
+        ]
+    );
+}
+
 #[test]
 fn places_are_values() {
     let error = Mesh::<2>::read_gmsh_bytes("square.msh", &VERSION_2.as_bytes()[..200]).unwrap_err();

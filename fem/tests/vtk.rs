@@ -191,7 +191,7 @@ fn points_of_fields_that_jump_are_joined() {
     assert_eq!(
         apart.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
         [
-            "the mesh has cracks: 1 pairs of facets coincide and are not shared, as between cell 0 and cell 1",
+            "the mesh has cracks: facets of cell 0 and cell 1 coincide and are not shared; pairs of such facets: 1",
             "3 points stand where another one does, as point 9 where point 1 does, and cells do not share them"
         ]
     );

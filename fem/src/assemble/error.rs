@@ -38,10 +38,10 @@ pub enum AssemblyError {
         /// What is wrong with the mesh.
         source: MeshError,
     },
-    /// A quadrature point of a cell that is inverted there.
+    /// A cell that is inverted at a quadrature point, or anywhere.
     #[error(
-        "form `{form}`, {place}: cell {cell} is inverted at the quadrature point {position:?}, where its Jacobian \
-         determinant is {determinant:e}"
+        "form `{form}`, {place}: cell {cell} is inverted at {position:?}, where its Jacobian determinant is \
+         {determinant:e}"
     )]
     Weight {
         /// The form.

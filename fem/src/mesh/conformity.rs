@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::point_tree::PointTree;
 use super::{Facet, Mesh, MeshError};
+use crate::element::CellShape;
 use crate::locate::{Locator, nearest_on_facet};
 
 /// Nodes and facets are at one place within this part of a facet's size: files with single precision say no more.
@@ -88,7 +89,8 @@ impl<const D: usize> Mesh<D> {
 
     pub(super) fn touching(&self) -> Touching<D> {
         let exterior = self.boundary_facets();
-        let sizes: Vec<f64> = exterior.iter().map(|facet| self.size_of(*facet)).collect();
+        let boxes = self.boxes_of(exterior);
+        let sizes: Vec<f64> = boxes.iter().map(|(lower, upper)| distance(lower, upper)).collect();
         // The smallest facet at each vertex says what is near.
         let mut near: BTreeMap<u32, f64> = BTreeMap::new();
         for (facet, size) in exterior.iter().zip(&sizes) {
@@ -112,8 +114,8 @@ impl<const D: usize> Mesh<D> {
         }
         let stand_in = |vertex: u32| first.get(&vertex).copied().unwrap_or(vertex);
         let mut hanging_nodes = Vec::new();
-        for (&facet, size) in exterior.iter().zip(&sizes) {
-            let (lower, upper) = self.box_of(facet, SAME_PLACE * size);
+        for ((&facet, size), (lower, upper)) in exterior.iter().zip(&sizes).zip(&boxes) {
+            let (lower, upper) = (lower.map(|x| x - SAME_PLACE * size), upper.map(|x| x + SAME_PLACE * size));
             let own: Vec<u32> = self.facet_vertices(facet).map(stand_in).collect();
             tree.for_each_within(&lower, &upper, &mut |position, node| {
                 let on_facet = || nearest_on_facet(self, facet, position, SAME_PLACE);
@@ -141,7 +143,7 @@ impl<const D: usize> Mesh<D> {
         for group in keys.chunk_by(|a, b| a.0 == b.0) {
             for (index, (_, a)) in group.iter().enumerate() {
                 for (_, b) in &group[index + 1..] {
-                    let tolerance = SAME_PLACE * self.size_of(*a);
+                    let tolerance = self.facet_vertices(*a).map(|vertex| near[&vertex]).fold(0.0, f64::max);
                     let [centre, other] = [*a, *b].map(|facet| self.facet_centre(facet));
                     if distance(&centre, &other) > tolerance {
                         continue;
@@ -177,36 +179,46 @@ impl<const D: usize> Mesh<D> {
         found.into_iter().map(|(cells, position)| Overlap { cells, position }).collect()
     }
 
-    /// The diagonal of the box around a facet's nodes \[length\].
-    fn size_of(&self, facet: Facet) -> f64 {
-        let (lower, upper) = self.box_of(facet, 0.0);
-        distance(&lower, &upper)
+    /// A box around each facet: that of its Bézier points, which a quadratic facet does not leave.
+    fn boxes_of(&self, facets: &[Facet]) -> Vec<([f64; D], [f64; D])> {
+        let of_shape = |shape: CellShape| {
+            let element = self.element_of(shape);
+            (shape, (0..shape.facets()).map(|local| element.facet_nodes(local)).collect::<Vec<_>>())
+        };
+        let local: BTreeMap<_, _> = self.shapes().into_iter().map(of_shape).collect();
+        let nodes_of =
+            |facet: &Facet| &local[&self.cell_shape(facet.cell as usize)][usize::from(facet.local)];
+        facets.iter().map(|facet| self.box_of(*facet, nodes_of(facet))).collect()
     }
 
-    /// A box around a facet.
-    fn box_of(&self, facet: Facet, margin: f64) -> ([f64; D], [f64; D]) {
-        let nodes = self.cell(facet.cell as usize);
+    fn box_of(&self, facet: Facet, local: &[usize]) -> ([f64; D], [f64; D]) {
         let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-        let mut include = |node: u32| {
-            let x = self.nodes[node as usize];
+        let mut include = |x: &[f64; D]| {
             for k in 0..D {
                 lower[k] = lower[k].min(x[k]);
                 upper[k] = upper[k].max(x[k]);
             }
         };
-        match self.degree {
-            1 => self.facet_vertices(facet).for_each(include),
-            _ => {
-                let local = self.cell_element(facet.cell as usize).facet_nodes(facet.local.into());
-                local.into_iter().for_each(|node| include(nodes[node]));
-            }
+        let corners: Vec<[f64; D]> =
+            self.facet_vertices(facet).map(|vertex| self.nodes[vertex as usize]).collect();
+        corners.iter().for_each(&mut include);
+        if self.degree == 1 {
+            return (lower, upper);
         }
-        // A quadratic facet can bulge beyond its nodes: by an eighth of their spread per direction of the map.
-        let bulge = if self.degree == 2 { 0.5 } else { 0.0 };
-        for k in 0..D {
-            let margin = margin + bulge * (upper[k] - lower[k]);
-            lower[k] -= margin;
-            upper[k] += margin;
+        let nodes = self.cell(facet.cell as usize);
+        let inside: Vec<[f64; D]> =
+            local[corners.len()..].iter().map(|&node| self.nodes[nodes[node] as usize]).collect();
+        let edges = if D == 2 { 1 } else { corners.len() };
+        // m = (a + 2 c + b)/4 in the middle of an edge, and likewise in both directions of a square.
+        let mut sum = [0.0; D];
+        for (edge, middle) in inside[..edges].iter().enumerate() {
+            let (a, b) = (corners[edge], corners[(edge + 1) % corners.len()]);
+            let point: [f64; D] = std::array::from_fn(|k| 2.0 * middle[k] - 0.5 * (a[k] + b[k]));
+            include(&point);
+            (0..D).for_each(|k| sum[k] += 0.25 * a[k] + 0.5 * point[k]);
+        }
+        if let Some(centre) = inside.get(edges) {
+            include(&std::array::from_fn(|k| 4.0 * centre[k] - sum[k]));
         }
         (lower, upper)
     }
@@ -241,24 +253,27 @@ impl<const D: usize> fmt::Display for Conformity<D> {
             return writeln!(f, "cells touch in shared facets alone");
         }
         if let Some([a, b]) = self.cracks.first() {
-            let count = self.cracks.len();
             writeln!(
                 f,
-                "{count} cracks, where facets coincide and are not shared; the first between cells {} and {}",
-                a.cell, b.cell
+                "pairs of facets in cracks: {}; the first between cells {} and {}",
+                self.cracks.len(),
+                a.cell,
+                b.cell
             )?;
         }
-        if let Some(first) = self.hanging_nodes.first() {
-            let (count, facet) = (self.hanging_nodes.len(), first.facet);
-            let HangingNode { node, position, .. } = first;
+        if let Some(HangingNode { node, position, facet }) = self.hanging_nodes.first() {
+            let (count, Facet { cell, local }) = (self.hanging_nodes.len(), facet);
             writeln!(
                 f,
-                "{count} hanging nodes; the first is node {node} at {position:?}, on facet {} of cell {}",
-                facet.local, facet.cell
+                "hanging nodes: {count}; the first is node {node} at {position:?}, on facet {local} of cell {cell}"
             )?;
         }
         if let Some(Overlap { cells: [a, b], position }) = self.overlaps.first() {
-            writeln!(f, "{} overlaps; the first of cells {a} and {b}, at {position:?}", self.overlaps.len())?;
+            writeln!(
+                f,
+                "overlaps: {}; the first of cells {a} and {b}, at {position:?}",
+                self.overlaps.len()
+            )?;
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ mod blocks;
 mod cell_blocks;
 mod conformity;
 mod connectivity;
-mod determinant;
+pub(crate) mod determinant;
 mod error;
 mod generators;
 pub(crate) mod geometry;

@@ -23,6 +23,7 @@ use super::{AssemblyError, unoptimised};
 use crate::element::CellShape;
 use crate::lanes::{InstructionSet, Order};
 use crate::mesh::Mesh;
+use crate::mesh::determinant::{JacobianDeterminant, Sign};
 use crate::quadrature::Quadrature;
 
 /// A form's element matrices and vectors on cells that the caller lists.
@@ -178,6 +179,37 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         self.tables.layout.rows.len()
     }
 
+    /// That the Jacobian determinants of listed cells are positive everywhere in them. The kernels take the caller's cells as
+    /// they are: to look at each again would cost as much as a small kernel itself.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Weight`], which names the cell; [`AssemblyError::Layout`] where the list of coordinates is too short.
+    pub fn check_cells(&self, cells: &ElementCells) -> Result<(), AssemblyError> {
+        let ElementLayout { geometry, coordinate_stride, coordinate_offsets, .. } = &self.tables.layout;
+        let form = self.form.name();
+        let tested = JacobianDeterminant::<D>::new(geometry);
+        let numbers: Vec<u32> = (0..geometry.nodes() as u32).collect();
+        for cell in 0..cells.count {
+            let node = |offset: &usize| -> Option<[f64; D]> {
+                let own = cells.coordinates.get(cell * coordinate_stride + offset..)?.get(..D)?;
+                Some(std::array::from_fn(|k| own[k]))
+            };
+            let nodes: Option<Vec<[f64; D]>> = coordinate_offsets.iter().map(node).collect();
+            let what = || format!("the list of coordinates ends before cell {cell} of {}", cells.count);
+            let nodes = nodes.ok_or_else(|| AssemblyError::Layout { form, what: what() })?;
+            let (reference, determinant) = match tested.sign(&numbers, &nodes) {
+                Sign::Positive => continue,
+                Sign::Folded { reference, determinant } => (reference, determinant),
+                Sign::Undecided { reference, bound } => (reference, bound),
+            };
+            let values = geometry.tabulate(&[reference]).value;
+            let at = |k: usize| values.iter().zip(&nodes).map(|(value, x)| value * x[k]).sum();
+            let (place, position) = ("the caller's cells".to_owned(), (0..D).map(at).collect());
+            return Err(AssemblyError::Weight { form, place, cell, determinant, position });
+        }
+        Ok(())
+    }
+
     /// Element matrices of the tangent, one after the other, row-major.
     ///
     /// # Errors
@@ -259,3 +291,6 @@ fn too_short(form: &'static str, found: usize, expected: usize) -> AssemblyError
         what: format!("the results have room for {found} numbers, not for {expected}"),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -31,7 +31,7 @@ fn a_crack_is_allowed_and_named() -> Checked {
             assert_eq!(mesh.facet_centre(*a), mesh.facet_centre(*b));
             assert_eq!(mesh.facet_centre(*a)[0], 1.0);
         }
-        assert!(found.to_string().starts_with("3 cracks"));
+        assert!(found.to_string().starts_with("pairs of facets in cracks: 3; the first between cells "));
         assert!(left.conformity().is_conforming());
     }
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
@@ -57,7 +57,7 @@ fn a_hanging_node_is_an_error_unless_asked_for() -> Checked {
         assert_eq!(mesh.facet_centre(facet), [1.0, 0.5]);
         let found = mesh.conformity();
         assert_eq!((found.cracks.len(), found.hanging_nodes.len(), found.overlaps.len()), (0, 1, 0));
-        assert!(found.to_string().starts_with("1 hanging nodes; the first is node"), "{found}");
+        assert!(found.to_string().starts_with("hanging nodes: 1; the first is node "), "{found}");
         // What is refined touches as before.
         assert!(!mesh.refined()?.conformity().is_conforming());
     }

@@ -27,7 +27,7 @@ const NEARLY_AFFINE: f64 = 0.9;
 
 /// What is known of a cell's Jacobian determinant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Sign<const D: usize> {
+pub(crate) enum Sign<const D: usize> {
     /// Positive everywhere.
     Positive,
     /// Not positive at this reference point, up to round-off.
@@ -37,7 +37,7 @@ pub(super) enum Sign<const D: usize> {
 }
 
 /// The determinant as a function of a cell's nodes.
-pub(super) struct JacobianDeterminant<const D: usize> {
+pub(crate) struct JacobianDeterminant<const D: usize> {
     shape: CellShape,
     /// For each reference coordinate the polynomials in which ∂x/∂ξ is written.
     derivatives: [Bernstein; D],
@@ -66,7 +66,7 @@ struct Part<const D: usize> {
 
 impl<const D: usize> JacobianDeterminant<D> {
     /// For the cells of a geometry element.
-    pub(super) fn new(element: &Lagrange) -> Self {
+    pub(crate) fn new(element: &Lagrange) -> Self {
         let (shape, degree) = (element.shape, element.degree as u8);
         let derivatives = std::array::from_fn(|axis| {
             let mut degrees = if D == 2 { [degree, degree, 0] } else { [degree; 3] };
@@ -82,7 +82,7 @@ impl<const D: usize> JacobianDeterminant<D> {
     }
 
     /// The sign on the cell whose nodes stand at some positions \[length\].
-    pub(super) fn sign(&self, nodes: &[u32], positions: &[[f64; D]]) -> Sign<D> {
+    pub(crate) fn sign(&self, nodes: &[u32], positions: &[[f64; D]]) -> Sign<D> {
         let columns: [Vec<[f64; D]>; D] = std::array::from_fn(|axis| {
             let combined = |terms: &Vec<(usize, f64)>| {
                 let mut sum = [0.0; D];

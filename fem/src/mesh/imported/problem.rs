@@ -339,11 +339,11 @@ impl fmt::Display for Note {
             ),
             Note::Cracks { count, first: [first, second] } => write!(
                 f,
-                "the mesh has cracks: {count} pairs of facets coincide and are not shared, as between {first} and {second}"
+                "the mesh has cracks: facets of {first} and {second} coincide and are not shared; pairs of such facets: {count}"
             ),
             Note::HangingNodes { count, node, element } => write!(
                 f,
-                "the mesh has {count} hanging nodes, as {node} on a facet of {element}, which does not have it"
+                "the mesh has hanging nodes: {node} lies on a facet of {element}, which does not have it; such nodes: {count}"
             ),
             Note::FacetsLeftOut { count } => {
                 write!(f, "{count} cells that may be facets belong to no region and are left out")
