@@ -14,6 +14,8 @@ fn main() -> ExitCode {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
     let mut command = Command::new(&cargo);
     command.args(["run", "--release", "--example", "compare_with_peers", "--manifest-path", BENCH, "--"]);
+    // As compilers of other programs do, each crate is built in few parts.
+    command.env("CARGO_INCREMENTAL", "0");
     match command.args(std::env::args_os().skip(1)).status() {
         Ok(status) if status.success() => ExitCode::SUCCESS,
         Ok(status) => {

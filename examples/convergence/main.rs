@@ -34,7 +34,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     let mut written = Vec::new();
     for &theta in &options.theta {
         let study = study::run(options, theta)?;
-        out.line(format!("{}", tables::summary(&study)));
+        out.line(tables::summary(&study));
         written.extend(tables::write_all(&study, &options.out)?);
         written.extend(figures::write_all(&study, &options.out)?);
     }

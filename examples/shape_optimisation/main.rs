@@ -62,7 +62,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     for (name, number, problem) in &problems {
         finished.push(Run::new(options, &initial, name, number, problem, pattern.clone())?);
     }
-    out.line(format!("{}", runs::table(&finished)));
+    out.line(runs::table(&finished));
     if let [first, second] = finished.as_slice() {
         let apart = boundary_distance(&first.mesh, &second.mesh, "holes")?;
         let moved = boundary_distance(&initial, &first.mesh, "holes")?;
