@@ -1,8 +1,8 @@
 //! Memory: what this process has taken, what the system has, and what a computation will need.
 
 /// Bytes per unknown of the direct contact problem in the plane with adjoint states, on Q2 elements: `AT_FIRST` + `PER_DOUBLING`
-/// log₂(unknowns), of which the second part is the Cholesky factor's. Least squares through the five meshes of
-/// docs/scaling.md (33,792 to 3,287,040 unknowns), each of which it gives within 3 %.
+/// log₂(unknowns), of which the second part is the Cholesky factor's. Fitted by hand to the five meshes of
+/// docs/scaling.md (33,792 to 3,287,040 unknowns), each of which it gives within 5 %.
 const AT_FIRST: f64 = 1000.0;
 const PER_DOUBLING: f64 = 103.0;
 
@@ -71,7 +71,7 @@ mod tests {
             let numbers: Vec<f64> = row.split(',').map(|number| number.parse().expect("a number")).collect();
             let (unknowns, measured) = (numbers[1], numbers[11] * f64::from(1 << 30));
             let estimate = of_contact(unknowns);
-            assert!((estimate / measured - 1.0).abs() < 0.1, "{unknowns}: {estimate:e} for {measured:e}");
+            assert!((estimate / measured - 1.0).abs() < 0.05, "{unknowns}: {estimate:e} for {measured:e}");
             rows += 1;
         }
         assert_eq!(rows, 5);

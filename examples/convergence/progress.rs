@@ -32,7 +32,7 @@ impl Reporter {
                 bar.set_message(name.to_owned());
                 bar.inc(1);
             }
-            None => tell(&name),
+            None => tell(name),
         }
     }
 }

@@ -39,7 +39,7 @@ impl Reporter {
                 spinner.println(line(step));
                 spinner.set_message("direct problem (14)");
             }
-            (Progress::Newton(step), None) => tell(format!("{}", line(step))),
+            (Progress::Newton(step), None) => tell(line(step)),
         }
     }
 
@@ -47,7 +47,7 @@ impl Reporter {
     pub fn stage(&self, name: &str) {
         match &self.spinner {
             Some(spinner) => spinner.set_message(name.to_owned()),
-            None => tell(&name),
+            None => tell(name),
         }
     }
 
