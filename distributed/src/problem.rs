@@ -103,7 +103,7 @@ impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
         for (value, change) in lifted.iter_mut().zip(elimination.extend_by_zero(&found)?) {
             *value += change;
         }
-        let not_finite = |_| LinearAlgebraError::Inaccurate { backward_error: f64::NAN };
+        let not_finite = |_| LinearAlgebraError::Inaccurate { row: 0, backward_error: f64::NAN };
         Ok(Field::from_values(&self.space, lifted).map_err(not_finite)?)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::asymmetry::{Asymmetry, sizes_of_unknowns};
 use super::block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_size};
@@ -144,23 +145,25 @@ impl BlockMatrix {
         Ok(y)
     }
 
-    /// Largest |a_ij − a_ji| divided by the largest |a_ij|; 0 for the zero matrix, NaN if an entry is NaN.
+    /// Largest |a_ij − a_ji| beside the size of the entry, as in [`CsrMatrix::asymmetry`].
     ///
     /// # Errors
     /// If the matrix is not square.
     pub fn asymmetry(&self) -> Result<f64, LinearAlgebraError> {
         check_size("the set of columns of a square matrix", self.rows(), self.columns())?;
-        let largest = super::vector::largest(&self.values);
-        if largest == 0.0 || largest.is_nan() {
-            return Ok(largest);
+        if self.values.iter().any(|value| value.is_nan()) {
+            return Ok(f64::NAN);
         }
-        let mut difference = 0.0_f64;
+        let sizes = sizes_of_unknowns(self.diagonal(), |row, visit| {
+            self.row(row).for_each(|(column, value)| visit(column, value));
+        });
+        let mut asymmetry = Asymmetry { sizes: &sizes, most: 0.0 };
         for row in 0..self.rows() {
             for (column, value) in self.row(row) {
-                difference = difference.max((value - self.get(column, row)).abs());
+                asymmetry.visit((row, column), value, self.get(column, row));
             }
         }
-        Ok(difference / largest)
+        Ok(asymmetry.most)
     }
 
     /// The same matrix with an index per entry; all such matrices share one pattern.

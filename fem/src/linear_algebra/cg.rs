@@ -1,6 +1,6 @@
 //! Conjugate gradients with a preconditioner, for symmetric positive definite operators.
 
-use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, goal, residual};
+use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, by_equations, goal, residual};
 use super::operator::{LinearOperator, Preconditioner};
 use super::vector::{add_scaled, dot_on, norm_on};
 
@@ -10,6 +10,17 @@ use super::vector::{add_scaled, dot_on, norm_on};
 /// [`KrylovError`], with the history of residuals; it tells whether the operator or the preconditioner is not positive
 /// definite.
 pub fn cg(
+    operator: &impl LinearOperator,
+    preconditioner: &mut impl Preconditioner,
+    b: &[f64],
+    x: &mut [f64],
+    options: &KrylovOptions,
+) -> Result<KrylovReport, KrylovError> {
+    by_equations(operator, b, x, options, |b, x, options| run(operator, preconditioner, b, x, options))
+}
+
+/// Until the tolerances are met in the norm.
+fn run(
     operator: &impl LinearOperator,
     preconditioner: &mut impl Preconditioner,
     b: &[f64],

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::asymmetry::{Asymmetry, sizes_of_unknowns};
 use super::error::{LinearAlgebraError, check_size};
 use super::large_pages::zeros;
 use super::pattern::SparsityPattern;
@@ -277,7 +278,7 @@ impl CsrMatrix {
     pub fn symmetric_part(&self) -> Result<Self, LinearAlgebraError> {
         check_size("the set of columns of a square matrix", self.rows(), self.columns())?;
         let mut values = self.values.clone();
-        if self.for_each_pair(|k, l| {
+        if self.for_each_pair(|k, l, _, _| {
             let mean = 0.5 * (self.values[k] + self.values[l]);
             values[k] = mean;
             values[l] = mean;
@@ -295,26 +296,38 @@ impl CsrMatrix {
         Self::from_triplets(self.rows(), self.columns(), &triplets)
     }
 
-    /// Largest |a_ij − a_ji| divided by the largest |a_ij|; 0 for the zero matrix, NaN if an entry is NaN.
+    /// Largest |a_ij − a_ji| beside the size of the entry, which is the largest of |a_ij|, |a_ji| and √|a_ii a_jj|: each
+    /// pair in its own unit, so that a stiff part does not hide a soft one. 0 for the zero matrix, NaN if an entry is NaN.
     ///
     /// # Errors
     /// If the matrix is not square.
     pub fn asymmetry(&self) -> Result<f64, LinearAlgebraError> {
         check_size("the set of columns of a square matrix", self.rows(), self.columns())?;
-        let largest = super::vector::largest(&self.values);
-        if largest == 0.0 || largest.is_nan() {
-            return Ok(largest);
+        if self.values.iter().any(|value| value.is_nan()) {
+            return Ok(f64::NAN);
         }
-        let mut difference = 0.0_f64;
-        if !self.for_each_pair(|k, l| difference = difference.max((self.values[k] - self.values[l]).abs())) {
+        let sizes = self.sizes_of_unknowns();
+        let mut asymmetry = Asymmetry { sizes: &sizes, most: 0.0 };
+        let of_pair = |k: usize, l: usize, row: usize, column: usize| {
+            asymmetry.visit((row, column), self.values[k], self.values[l]);
+        };
+        if !self.for_each_pair(of_pair) {
             for row in 0..self.rows() {
                 let (columns, values) = self.row(row);
                 for (&column, value) in columns.iter().zip(values) {
-                    difference = difference.max((value - self.get(column as usize, row)).abs());
+                    asymmetry.visit((row, column as usize), *value, self.get(column as usize, row));
                 }
             }
         }
-        Ok(difference / largest)
+        Ok(asymmetry.most)
+    }
+
+    /// √|a_ii|; where the diagonal is zero, as that of a multiplier, the largest |a_ij| / √|a_jj|.
+    pub(crate) fn sizes_of_unknowns(&self) -> Vec<f64> {
+        sizes_of_unknowns(self.diagonal(), |row, visit| {
+            let (columns, values) = self.row(row);
+            columns.iter().zip(values).for_each(|(column, value)| visit(*column as usize, *value));
+        })
     }
 
     /// Whether [`CsrMatrix::asymmetry`] is at most `tolerance`.
@@ -357,9 +370,9 @@ impl CsrMatrix {
         })
     }
 
-    /// Calls `visit` with the positions of (i, j) and (j, i) for every stored j > i. Returns false, perhaps
+    /// Calls `visit` with the positions of (i, j) and (j, i), i and j for every stored j > i. Returns false, perhaps
     /// after some calls, if the pattern is not symmetric.
-    fn for_each_pair(&self, mut visit: impl FnMut(usize, usize)) -> bool {
+    fn for_each_pair(&self, mut visit: impl FnMut(usize, usize, usize, usize)) -> bool {
         let pointers = self.row_pointers();
         let columns = self.column_indices();
         // Rows come in ascending order, so the partner of (i, j) is the next unvisited entry of row j.
@@ -373,7 +386,7 @@ impl CsrMatrix {
                 }
                 next[column] += 1;
                 if column > row {
-                    visit(position, partner);
+                    visit(position, partner, row, column);
                 }
             }
         }

@@ -72,10 +72,25 @@ pub enum LinearAlgebraError {
         /// smallest singular value of the scaled matrix.
         ratio: f64,
     },
+    /// The matrix is not singular as far as rounding can tell, but too close to a singular one for a solution with
+    /// correct digits: the rounding of its entries alone moves the solution by about its condition times 1e-16.
+    #[error(
+        "the matrix is ill-conditioned: its condition is at least {condition:e}, in the direction of unknown {unknown}"
+    )]
+    IllConditioned {
+        /// Unknown (row number of the matrix) that is determined least.
+        unknown: usize,
+        /// A lower bound of the condition number of the matrix with its diagonal scaled to one.
+        condition: f64,
+    },
     /// A solution could not be brought to a small residual.
-    #[error("the factorisation is too inaccurate: backward error {backward_error:e} after refinement")]
+    #[error(
+        "the solution is inaccurate: equation {row} is off by {backward_error:e} of its terms after refinement"
+    )]
     Inaccurate {
-        /// ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞).
+        /// Row number of the equation that is off most, beside its own terms.
+        row: usize,
+        /// |b − A x| / (|A| |x| + |b|) in that row.
         backward_error: f64,
     },
     /// The matrix or its factor has more entries than 32-bit indices can count.

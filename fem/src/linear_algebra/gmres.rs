@@ -55,6 +55,13 @@ pub struct GmresReport {
     pub at_rounding: bool,
 }
 
+impl From<GmresReport> for super::krylov::KrylovReport {
+    fn from(report: GmresReport) -> Self {
+        let GmresReport { iterations, relative_residual, history, .. } = report;
+        super::krylov::KrylovReport { iterations, relative_residual, history }
+    }
+}
+
 /// Why GMRES failed. The best solution found so far is in `x`.
 #[derive(Debug, thiserror::Error)]
 pub enum GmresError<E> {

@@ -1,5 +1,6 @@
-//! What the Krylov methods for symmetric operators share: when they stop, and what they report.
+//! Stopping of the Krylov methods for symmetric operators, and their reports.
 
+use super::backward_error::{ACCEPTED, Equations, Residual};
 use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::operator::{LinearOperator, OperatorError};
 use super::vector::norm_on;
@@ -8,11 +9,13 @@ use crate::threads::Threads;
 /// When a Krylov method stops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KrylovOptions {
-    /// Stop at ‖b − A x‖₂ ≤ `tolerance` ‖b‖₂.
+    /// Stop at ‖b − A x‖₂ ≤ `tolerance` ‖b‖₂. Where the operator is a matrix, each equation has to hold besides, up to a
+    /// hundred times this part of its own terms; if one does not, the method goes on from the residual.
     pub tolerance: f64,
-    /// Stop also at ‖b − A x‖₂ ≤ `absolute_tolerance` \[unit of b\].
+    /// Stop also at ‖b − A x‖₂ ≤ `absolute_tolerance` \[unit of b\], if no equation of a matrix is off by more than a
+    /// thousandth of its own terms.
     pub absolute_tolerance: f64,
-    /// Most iterations.
+    /// Most iterations; as many again where equations of a matrix are gone on with.
     pub max_iterations: usize,
     /// Threads for dot products, which are the same for each number of them. What the operator and the
     /// preconditioner use is theirs.
@@ -95,6 +98,96 @@ impl KrylovError {
             | KrylovError::IndefinitePreconditioner { report, .. } => Some(report),
         }
     }
+}
+
+/// Equations that are off by more than this many times the tolerance, each beside its own terms, are gone on with.
+pub(crate) const BESIDE_TERMS: f64 = 100.0;
+/// The same where the absolute tolerance was met, and not the relative one.
+pub(crate) const ROUGH: f64 = 1e-3;
+/// Most further runs from the residual.
+pub(crate) const ROUNDS: usize = 6;
+
+/// Improves a solution that meets the tolerances in the norm until each equation holds beside its own terms: the norm
+/// does not see equations of small numbers. `further` solves for a residual, from zero. Returns the report with its runs.
+///
+/// # Errors
+/// [`LinearAlgebraError::Inaccurate`] with the equation that stays off, or as the runs.
+pub(crate) fn until_each_equation_holds<E: From<LinearAlgebraError>>(
+    equations: &impl Equations,
+    b: &[f64],
+    x: &mut [f64],
+    options: &KrylovOptions,
+    mut report: KrylovReport,
+    mut further: impl FnMut(&[f64], &mut [f64]) -> Result<KrylovReport, E>,
+) -> Result<KrylovReport, E> {
+    let b_norm = norm_on(options.threads, b);
+    let exact = BESIDE_TERMS * options.tolerance;
+    // What a run that stopped at rounding leaves has to fall under the tolerance too.
+    let target = options.tolerance.max(options.absolute_tolerance / b_norm);
+    let is_exact = options.tolerance == target || report.relative_residual <= options.tolerance;
+    let level = if is_exact { exact } else { exact.max(ROUGH) };
+    let mut residual = Residual::of(equations, x, b)?;
+    let mut error = residual.worst().error;
+    for _ in 0..ROUNDS {
+        if error <= level && report.relative_residual <= target || b_norm == 0.0 {
+            return Ok(report);
+        }
+        let mut candidate = vec![0.0; b.len()];
+        let run = further(&residual.rest, &mut candidate)?;
+        let before = report.relative_residual;
+        report.iterations += run.iterations;
+        report.history.extend(run.history.iter().skip(1).map(|part| part * before));
+        candidate.iter_mut().zip(&*x).for_each(|(change, x)| *change += x);
+        let next = Residual::of(equations, &candidate, b)?;
+        let next_error = next.worst().error;
+        let next_relative = norm_on(options.threads, &next.rest) / b_norm;
+        if !(next_error < error || error <= level && next_relative < report.relative_residual) {
+            break;
+        }
+        let stalled = next_error > 0.5 * error && next_relative > target;
+        x.copy_from_slice(&candidate);
+        (residual, error, report.relative_residual) = (next, next_error, next_relative);
+        if stalled {
+            break;
+        }
+    }
+    residual.check(equations, x, level.max(ACCEPTED))?;
+    Ok(report)
+}
+
+/// A method for symmetric operators, run until its tolerances are met in the norm and, where the operator is a matrix, by
+/// each equation.
+pub(super) fn by_equations<O: LinearOperator>(
+    operator: &O,
+    b: &[f64],
+    x: &mut [f64],
+    options: &KrylovOptions,
+    mut run: impl FnMut(&[f64], &mut [f64], &KrylovOptions) -> Result<KrylovReport, KrylovError>,
+) -> Result<KrylovReport, KrylovError> {
+    let found = run(b, x, options);
+    let Some(entries) = operator.entries() else { return found };
+    let report = match found {
+        // Rounding in the recurrences stopped it shortly before: it begins anew from the residual.
+        Err(KrylovError::Stagnated(report))
+            if report.relative_residual <= BESIDE_TERMS * options.tolerance =>
+        {
+            report
+        }
+        found => found?,
+    };
+    let further = KrylovOptions { absolute_tolerance: 0.0, ..options.clone() };
+    let report = until_each_equation_holds(&entries, b, x, options, report, |b: &[f64], x: &mut [f64]| {
+        match run(b, x, &further) {
+            // A part of the residual is better than nothing.
+            Err(KrylovError::NotConverged(report) | KrylovError::Stagnated(report)) => Ok(report),
+            found => found,
+        }
+    })?;
+    let target = options.tolerance.max(options.absolute_tolerance / norm_on(options.threads, b));
+    if report.relative_residual > target * (1.0 + 4.0 * f64::EPSILON) {
+        return Err(KrylovError::Stagnated(report));
+    }
+    Ok(report)
 }
 
 /// What a residual is measured by.

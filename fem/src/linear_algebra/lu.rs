@@ -35,6 +35,7 @@ pub struct LuFactor {
     row_scale: Vec<f64>,
     column_scale: Vec<f64>,
     smallest_ratio: f64,
+    least_determined: usize,
     seconds: f64,
 }
 
@@ -71,8 +72,15 @@ impl LuFactor {
                 }
                 LuError::Generic(error) => memory(error),
             })?;
-        let mut factored =
-            LuFactor { symbolic, factor, row_scale, column_scale, smallest_ratio: 1.0, seconds: 0.0 };
+        let mut factored = LuFactor {
+            symbolic,
+            factor,
+            row_scale,
+            column_scale,
+            smallest_ratio: 1.0,
+            least_determined: 0,
+            seconds: 0.0,
+        };
         factored.check_regular()?;
         factored.seconds = start.elapsed().as_secs_f64();
         Ok(factored)
@@ -81,6 +89,11 @@ impl LuFactor {
     /// An estimate of the smallest singular value of the scaled matrix, whose largest entries are about one.
     pub fn smallest_ratio(&self) -> f64 {
         self.smallest_ratio
+    }
+
+    /// The unknown (row number of the matrix) that the matrix determines least.
+    pub fn least_determined(&self) -> usize {
+        self.least_determined
     }
 
     /// Seconds that the factorisation took, its symbolic analysis included.
@@ -117,12 +130,13 @@ impl LuFactor {
             ratio = ratio.min(1.0 / growth);
         }
         self.smallest_ratio = ratio;
+        let largest =
+            |best: usize, k: usize| if direction[k].abs() > direction[best].abs() { k } else { best };
+        self.least_determined = (0..size).fold(0, largest);
         if ratio > singular_ratio(size) {
             return Ok(());
         }
-        let largest =
-            |best: usize, k: usize| if direction[k].abs() > direction[best].abs() { k } else { best };
-        Err(LinearAlgebraError::Singular { unknown: (0..size).fold(0, largest), ratio })
+        Err(LinearAlgebraError::Singular { unknown: self.least_determined, ratio })
     }
 
     fn solve_scaled(&self, b: &mut [f64], transposed: bool) {

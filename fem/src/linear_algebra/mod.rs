@@ -8,7 +8,9 @@
 //! [`Preconditioner`], of which [`Multigrid`] is the one for large systems in space.
 
 pub mod analysis;
+mod asymmetry;
 pub mod back_substitution;
+pub(crate) mod backward_error;
 mod block_graph;
 pub mod block_matrix;
 pub mod block_product;
@@ -17,6 +19,7 @@ pub mod cg;
 pub mod cholesky;
 pub mod condition;
 pub mod csr;
+pub(crate) mod equilibration;
 pub mod error;
 pub mod gmres;
 pub mod krylov;
@@ -49,7 +52,7 @@ pub use krylov::{KrylovError, KrylovOptions, KrylovReport};
 pub use lu::LuFactor;
 pub use minres::minres;
 pub use multigrid::{Multigrid, MultigridOptions};
-pub use operator::{Identity, LinearOperator, OnThreads, OperatorError, Preconditioner};
+pub use operator::{Entries, Identity, LinearOperator, OnThreads, OperatorError, Preconditioner};
 pub use ordering::{Candidate, Chosen, Ordering};
 pub use pattern::SparsityPattern;
 pub use restriction::{Entry, Restriction};

@@ -1,8 +1,10 @@
 //! Linear operators and preconditioners, as Krylov methods see them.
 
+use super::backward_error::{Equations, Side};
 use super::block_matrix::BlockMatrix;
 use super::cholesky::SymmetricFactor;
 use super::csr::CsrMatrix;
+use super::error::LinearAlgebraError;
 use crate::threads::Threads;
 
 /// Why an operator or a preconditioner could not be applied.
@@ -18,6 +20,37 @@ pub trait LinearOperator {
     /// # Errors
     /// Whatever prevents it, for example a vector of another size.
     fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError>;
+
+    /// The matrix, where the operator is one. Krylov methods then see to it that each equation holds beside the sizes of
+    /// its own terms; without entries they see the norm of the residual alone.
+    fn entries(&self) -> Option<Entries<'_>> {
+        None
+    }
+}
+
+/// The matrix that a [`LinearOperator`] is.
+#[derive(Clone, Copy, Debug)]
+pub enum Entries<'a> {
+    /// With an index per entry.
+    Csr(&'a CsrMatrix),
+    /// With an index per block.
+    Block(&'a BlockMatrix),
+}
+
+impl Equations for Entries<'_> {
+    fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
+        match self {
+            Entries::Csr(matrix) => Side::Plain(matrix).products(x),
+            Entries::Block(matrix) => matrix.products(x),
+        }
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        match self {
+            Entries::Csr(matrix) => matrix.diagonal(),
+            Entries::Block(matrix) => matrix.diagonal(),
+        }
+    }
 }
 
 /// An approximation of the inverse of an operator.
@@ -41,6 +74,10 @@ impl LinearOperator for OnThreads<'_, BlockMatrix> {
     fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
         Ok(self.0.multiply_on(self.1, x, y)?)
     }
+
+    fn entries(&self) -> Option<Entries<'_>> {
+        Some(Entries::Block(self.0))
+    }
 }
 
 impl LinearOperator for OnThreads<'_, CsrMatrix> {
@@ -50,6 +87,10 @@ impl LinearOperator for OnThreads<'_, CsrMatrix> {
 
     fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
         Ok(self.0.multiply_on(self.1, x, y)?)
+    }
+
+    fn entries(&self) -> Option<Entries<'_>> {
+        Some(Entries::Csr(self.0))
     }
 }
 
@@ -61,6 +102,10 @@ impl LinearOperator for BlockMatrix {
     fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
         OnThreads(self, Threads::ONE).apply(x, y)
     }
+
+    fn entries(&self) -> Option<Entries<'_>> {
+        Some(Entries::Block(self))
+    }
 }
 
 impl LinearOperator for CsrMatrix {
@@ -70,6 +115,10 @@ impl LinearOperator for CsrMatrix {
 
     fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError> {
         OnThreads(self, Threads::ONE).apply(x, y)
+    }
+
+    fn entries(&self) -> Option<Entries<'_>> {
+        Some(Entries::Csr(self))
     }
 }
 

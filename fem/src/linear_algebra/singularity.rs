@@ -1,41 +1,54 @@
-//! Whether a factor that was computed is one of a singular matrix all the same: rounding hides a zero pivot.
+//! Singular and ill-conditioned matrices told from others by a factor that was computed all the same: rounding hides a
+//! zero pivot.
 
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
 use super::spectrum::irregular;
-use super::vector::largest;
 
-/// A vector y is a null vector if every |(A y)_i| is below this part of the largest Σ|a_ij||y_j|. Floating bodies left
+/// A vector y of which every |(A y)_i| is below this part of the largest Σ|a_ij||y_j|, with the diagonal scaled to one,
+/// is as good as a null vector: rounding of the entries moves a solution along it by a part in 10⁴. Floating bodies left
 /// 1e-16 to 1e-13; a chain of 10⁶ springs, whose condition is 10¹², leaves 1e-9.
 const NOTHING: f64 = 1e-12;
 
+/// Below this part y is a null vector up to the rounding of A y.
+pub(crate) fn singular_ratio(size: usize) -> f64 {
+    1e-14 + 2.0 * f64::EPSILON * (size as f64).sqrt()
+}
+
 /// Solves with an irregular right-hand side, which every null vector has a part in, and looks whether the solution is
-/// one. This proves it, however good or bad the factor is.
+/// one. This proves it, however good or bad the factor is. Each row counts in its own unit.
 ///
 /// # Errors
-/// [`LinearAlgebraError::Singular`] with the unknown that the null vector moves most, or as the solve.
+/// [`LinearAlgebraError::Singular`] with the unknown that the null vector moves most,
+/// [`LinearAlgebraError::IllConditioned`] if it is nearly one, or as the solve.
 pub(crate) fn check_regular(
     matrix: &CsrMatrix,
     solve: impl FnOnce(&mut [f64]) -> Result<(), LinearAlgebraError>,
 ) -> Result<(), LinearAlgebraError> {
-    let mut y: Vec<f64> = irregular(matrix.rows()).collect();
+    let sizes = matrix.sizes_of_unknowns();
+    let mut y: Vec<f64> = irregular(matrix.rows()).zip(&sizes).map(|(value, size)| value * size).collect();
     solve(&mut y)?;
     let (mut product, mut terms) = (0.0_f64, 0.0_f64);
-    for row in 0..matrix.rows() {
+    for (row, size) in sizes.iter().enumerate().filter(|(_, size)| **size > 0.0) {
         let (columns, values) = matrix.row(row);
-        let (mut sum, mut sizes) = (0.0, 0.0_f64);
+        let (mut sum, mut terms_of_row) = (0.0, 0.0_f64);
         for (&column, value) in columns.iter().zip(values) {
             let term = value * y[column as usize];
             sum += term;
-            sizes += term.abs();
+            terms_of_row += term.abs();
         }
-        (product, terms) = (product.max(sum.abs()), terms.max(sizes));
+        (product, terms) = (product.max(sum.abs() / size), terms.max(terms_of_row / size));
     }
     if terms == 0.0 || product > NOTHING * terms {
         return Ok(());
     }
-    let unknown = y.iter().position(|value| value.abs() == largest(&y)).unwrap_or(0);
-    Err(LinearAlgebraError::Singular { unknown, ratio: product / terms })
+    let motion = |unknown: &usize| y[*unknown].abs() * sizes[*unknown];
+    let most = (0..y.len()).max_by(|a, b| motion(a).total_cmp(&motion(b)));
+    let (unknown, ratio) = (most.unwrap_or(0), product / terms);
+    if ratio <= singular_ratio(matrix.rows()) {
+        return Err(LinearAlgebraError::Singular { unknown, ratio });
+    }
+    Err(LinearAlgebraError::IllConditioned { unknown, condition: 1.0 / ratio })
 }
 
 #[cfg(test)]

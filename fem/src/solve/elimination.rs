@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use crate::constraints::{Constraints, Relation};
+use crate::linear_algebra::backward_error::{Equations, Residual};
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
 
@@ -251,7 +252,7 @@ impl Elimination {
 /// The solver keeps the reduced matrix and its factor for further solves.
 ///
 /// # Errors
-/// If sizes disagree, a value is not finite, or the solver fails.
+/// If sizes disagree, a value is not finite, the solver fails, or an equation does not hold with what it found.
 pub fn solve_linear(
     matrix: &BlockMatrix,
     b: &[f64],
@@ -278,6 +279,40 @@ pub fn solve_linear_transposed(
     finish(matrix, rest, lifted, elimination, solver, true)
 }
 
+/// An equation that is off by more than this part of its terms has not been solved, whatever the solver's own measure.
+const HOLDS: f64 = 1e-3;
+
+/// Cᵀ A C, or its transposed, by products with A.
+struct ReducedEquations<'a> {
+    matrix: &'a BlockMatrix,
+    elimination: &'a Elimination,
+    transposed: bool,
+}
+
+impl Equations for ReducedEquations<'_> {
+    fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
+        let full = self.elimination.extend_by_zero(x)?;
+        let (sums, sizes) = match self.transposed {
+            false => self.matrix.products(&full)?,
+            true => {
+                let (mut sums, mut sizes) = (vec![0.0; full.len()], vec![0.0; full.len()]);
+                for (row, factor) in full.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+                    for (column, value) in self.matrix.row(row) {
+                        sums[column] += value * factor;
+                        sizes[column] += (value * factor).abs();
+                    }
+                }
+                (sums, sizes)
+            }
+        };
+        Ok((self.elimination.reduce(&sums)?, self.elimination.reduce_amounts(&sizes)?))
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        self.elimination.free().iter().map(|&unknown| self.matrix.get(unknown, unknown)).collect()
+    }
+}
+
 fn difference(b: &[f64], product: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
     check_size("the right-hand side", product.len(), b.len())?;
     check_finite("the right-hand side", b)?;
@@ -295,6 +330,11 @@ fn finish(
     let reduced = elimination.reduce(&rest)?;
     solver.set_matrix(elimination.reduce_matrix(matrix)?)?;
     let mut result = solver.solve_side(&reduced, 0.0, transposed)?;
+    if !solver.judges_equations() {
+        let equations = ReducedEquations { matrix, elimination, transposed };
+        let residual = Residual::of(&equations, &result.solution, &reduced)?;
+        residual.check(&equations, &result.solution, HOLDS)?;
+    }
     for (&unknown, &value) in elimination.free().iter().zip(&result.solution) {
         lifted[unknown] = value;
     }

@@ -55,9 +55,17 @@ pub trait LinearSolver {
         None
     }
 
-    /// Solves A x = b, or Aᵀ x = b where `transposed`. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the
-    /// caller, who would gain nothing from a smaller one; 0 asks for the solver's own accuracy. Direct solvers may
-    /// ignore it.
+    /// Whether solutions are handed out only if each equation holds beside the sizes of its own terms. Of a solver that
+    /// does not see to it, affine problems look at each solution themselves.
+    fn judges_equations(&self) -> bool {
+        false
+    }
+
+    /// Solves A x = b, or Aᵀ x = b where `transposed`, so that each equation holds beside the sizes of its own terms,
+    /// |b − A x|_i small beside (|A| |x| + |b|)_i: fields of different units and parts of different stiffness are right
+    /// each in its own scale. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would gain
+    /// nothing from a smaller one, if no equation is left aside, that is, off by more than about a thousandth of its
+    /// terms; 0 asks for the solver's own accuracy. Direct solvers may ignore it.
     ///
     /// # Errors
     /// If no matrix was set, the size is wrong, or no accurate solution was found.
@@ -125,6 +133,38 @@ pub enum SolverError {
         /// The rigid motions that nothing resists, in words, where the unknown is a displacement.
         motions: Vec<String>,
     },
+    /// The matrix is close to a singular one, and an unknown that it hardly determines.
+    #[error(
+        "the matrix is ill-conditioned: its condition is at least {condition:e}, and it hardly determines {}`{field}` \
+         at {position:?}; a part may be held by a much softer one, or the spaces do not fit each other",
+        of(component)
+    )]
+    IllConditioned {
+        /// The unknown's name in the form.
+        field: &'static str,
+        /// Its component, where it has several.
+        component: Option<usize>,
+        /// Position of the node.
+        position: Vec<f64>,
+        /// As in [`LinearAlgebraError::IllConditioned`].
+        condition: f64,
+    },
+    /// The solution that was found is none of an equation.
+    #[error(
+        "the solution is inaccurate: the equation of {}`{field}` at {position:?} is off by {backward_error:e} of its \
+         terms",
+        of(component)
+    )]
+    Inaccurate {
+        /// Name of the unknown in the form to which the equation belongs.
+        field: &'static str,
+        /// Its component, where it has several.
+        component: Option<usize>,
+        /// Position of the node.
+        position: Vec<f64>,
+        /// As in [`LinearAlgebraError::Inaccurate`].
+        backward_error: f64,
+    },
     /// A solve was asked for before a matrix was set.
     #[error("no matrix was given to the linear solver")]
     NoMatrix,
@@ -166,6 +206,7 @@ impl SolverError {
                     LinearAlgebraError::Singular { .. }
                         | LinearAlgebraError::NotPositiveDefinite { .. }
                         | LinearAlgebraError::Inaccurate { .. }
+                        | LinearAlgebraError::IllConditioned { .. }
                         | LinearAlgebraError::VectorNotFinite { what: "the solution", .. }
                 )
         )

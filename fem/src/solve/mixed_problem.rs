@@ -241,21 +241,42 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> MixedProblem<'a, F, D, N> {
         }
     }
 
-    /// A singular matrix is reported with the field and the place of an unknown that it does not determine.
+    /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
+    /// that does not hold with those of its unknown.
     fn named(&self, error: SolverError, elimination: &Elimination) -> SolverError {
-        let SolverError::LinearAlgebra(LinearAlgebraError::Singular { unknown, ratio }) = error else {
-            return error;
+        let unknown = match error {
+            SolverError::LinearAlgebra(
+                LinearAlgebraError::Singular { unknown, .. }
+                | LinearAlgebraError::IllConditioned { unknown, .. }
+                | LinearAlgebraError::Inaccurate { row: unknown, .. },
+            ) => unknown,
+            _ => return error,
         };
         let mut index = elimination.free().get(unknown).copied().unwrap_or(0);
         for (number, space) in self.system.spaces.iter().enumerate() {
             if index < space.unknowns() {
                 let components = space.components();
-                return SolverError::Undetermined {
-                    field: self.system.unknown_name(number),
-                    component: (components > 1).then_some(index % components),
-                    position: space.positions()[index / components].to_vec(),
-                    ratio,
-                    motions: self.free_motions(number, elimination),
+                let field = self.system.unknown_name(number);
+                let component = (components > 1).then_some(index % components);
+                let position = space.positions()[index / components].to_vec();
+                return match error {
+                    SolverError::LinearAlgebra(LinearAlgebraError::Inaccurate { backward_error, .. }) => {
+                        SolverError::Inaccurate { field, component, position, backward_error }
+                    }
+                    SolverError::LinearAlgebra(LinearAlgebraError::IllConditioned { condition, .. }) => {
+                        // A body that can move rigidly is singular, whatever rounding makes of its matrix.
+                        let (motions, ratio) = (self.free_motions(number, elimination), 1.0 / condition);
+                        if motions.is_empty() {
+                            SolverError::IllConditioned { field, component, position, condition }
+                        } else {
+                            SolverError::Undetermined { field, component, position, ratio, motions }
+                        }
+                    }
+                    SolverError::LinearAlgebra(LinearAlgebraError::Singular { ratio, .. }) => {
+                        let motions = self.free_motions(number, elimination);
+                        SolverError::Undetermined { field, component, position, ratio, motions }
+                    }
+                    error => error,
                 };
             }
             index -= space.unknowns();

@@ -8,6 +8,8 @@
 
 mod assembled_once;
 pub mod condensed_solver;
+#[cfg(test)]
+mod contrasts;
 pub mod elimination;
 pub mod linear_solver;
 pub mod load_steps;

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::linear_solver::SolverError;
 use crate::constraints::Constraints;
+use crate::linear_algebra::backward_error::Equations;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{
@@ -10,7 +12,7 @@ use crate::linear_algebra::{
 };
 use crate::space::{Family, Space, SpaceError};
 
-/// Forces of a motion, relative to the largest entry of the matrix, that are rounding.
+/// Forces of a motion, relative to the sizes of their terms, that are rounding.
 const NOTHING: f64 = 1e-11;
 
 /// Marks a node that is not kept.
@@ -163,16 +165,27 @@ impl NodeBlocks {
     /// The error that names a free unknown of a motion (or constant) that the matrix does not resist, if there is one.
     /// Motions that prescribed unknowns stop are not among them, since they are cut off there.
     pub(super) fn singular(&self, matrix: &BlockMatrix) -> Option<LinearAlgebraError> {
-        let scale = largest(matrix.values());
         let mut least: Option<(usize, f64)> = None;
         for vector in &self.own_near_null_space {
-            let resistance = largest(&matrix.multiply(vector).ok()?) / (scale * largest(vector));
+            // Each row counts in its own scale.
+            let (sums, sizes) = matrix.products(vector).ok()?;
+            let of_row = |(sum, size): (&f64, &f64)| if *size > 0.0 { sum.abs() / size } else { 0.0 };
+            let resistance = sums.iter().zip(&sizes).map(of_row).fold(0.0, f64::max);
             if resistance <= NOTHING && least.is_none_or(|(_, known)| resistance < known) {
                 let moved = |place: &u32| vector[*place as usize].abs() == largest(vector);
                 least = self.places.iter().position(moved).map(|unknown| (unknown, resistance));
             }
         }
         least.map(|(unknown, ratio)| LinearAlgebraError::Singular { unknown, ratio })
+    }
+
+    /// An error that names the equation of a free unknown, from one that names a row of the matrix over nodes.
+    pub(super) fn reduced(&self, error: SolverError) -> SolverError {
+        let SolverError::LinearAlgebra(LinearAlgebraError::Inaccurate { row, backward_error }) = error else {
+            return error;
+        };
+        let row = self.places.iter().position(|place| *place as usize == row).unwrap_or(0);
+        LinearAlgebraError::Inaccurate { row, backward_error }.into()
     }
 
     /// A vector over nodes from one over free unknowns.

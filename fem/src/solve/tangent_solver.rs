@@ -1,17 +1,20 @@
 //! Solver for tangents that are symmetric, or unsymmetric on few unknowns; saddle points go to LU.
 
+mod iterative;
+
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::lu_solver::LuSolver;
 use super::solver_report::{SolverPath, SolverReport};
+use crate::linear_algebra::backward_error::{Residual, Side};
+use crate::linear_algebra::equilibration::Equilibration;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, ConditionEstimate, CsrMatrix, GmresError, GmresOptions, GmresReport, Ordering, SymmetricFactor,
-    condition_estimate, gmres,
+    Analysis, ConditionEstimate, CsrMatrix, Ordering, SymmetricFactor, condition_estimate,
 };
 use crate::threads::Threads;
 
@@ -23,7 +26,8 @@ pub struct TangentSolverOptions {
     /// A matrix whose [`CsrMatrix::asymmetry`] is at most this is solved as a symmetric one (and refined
     /// with the matrix as it is).
     pub symmetry_tolerance: f64,
-    /// Relative residual that GMRES aims at.
+    /// Relative residual that GMRES aims at. Each equation has to hold besides, up to a hundred times this part of its
+    /// own terms; where one does not, GMRES goes on from the residual.
     pub tolerance: f64,
     /// Relative residual at which stagnation is accepted as rounding.
     pub accepted: f64,
@@ -66,14 +70,21 @@ const DOUBTFUL: f64 = 1e-9;
 /// earlier matrix; its transpose too, with the same factor. Analysis and factor are kept between matrices.
 ///
 /// A matrix with a zero on its diagonal (a saddle point) is factored by LU with partial pivoting, because LBLᵀ
-/// pivots inside supernodes only; so is every matrix on which the other ways fail.
+/// pivots inside supernodes only; so is every matrix on which the other ways fail. Where rows differ much in size, as
+/// those of a stiff and a soft part or of fields in different units, the matrix is scaled first. A solution is handed out
+/// if each equation holds beside its own terms.
 #[derive(Debug, Default)]
 pub struct TangentSolver {
     options: TangentSolverOptions,
     analysis: Option<Arc<Analysis>>,
     factor: Option<SymmetricFactor>,
     matrix: Option<CsrMatrix>,
+    /// The scaling that the factor was made with, and the current matrix scaled by it, where rows differ in size.
+    scaling: Option<Equilibration>,
+    scaled: Option<CsrMatrix>,
     symmetric: bool,
+    /// The matrix is symmetric to the last bit.
+    equals_transposed: bool,
     /// Whether the factor is of the matrix's own symmetric part.
     factor_is_fresh: bool,
     /// GMRES iterations of the last solve with a fresh factor.
@@ -131,9 +142,14 @@ impl TangentSolver {
         Ok(found)
     }
 
+    /// The matrix that is factored and solved with.
+    fn system(&self) -> Result<&CsrMatrix, SolverError> {
+        self.scaled.as_ref().or(self.matrix.as_ref()).ok_or(SolverError::NoMatrix)
+    }
+
     /// Factors the symmetric part of the current matrix.
     fn refactor(&mut self) -> Result<(), SolverError> {
-        let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
+        let matrix = self.scaled.as_ref().or(self.matrix.as_ref()).ok_or(SolverError::NoMatrix)?;
         let own_part;
         let part = if self.symmetric {
             matrix
@@ -176,7 +192,7 @@ impl TangentSolver {
     fn factor_by_lu(&mut self) -> Result<(), SolverError> {
         let matrix = self.matrix.clone().ok_or(SolverError::NoMatrix)?;
         self.lu_size = Some(matrix.rows());
-        self.by_lu = true;
+        (self.by_lu, self.scaled) = (true, None); // LU has a scaling of its own
         let start = Instant::now();
         let result = self.lu.set_matrix(matrix);
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
@@ -191,12 +207,14 @@ impl TangentSolver {
         solution
     }
 
-    fn solve_directly(&mut self, b: &[f64]) -> Result<LinearSolution, SolverError> {
-        let (Some(matrix), Some(factor)) = (&self.matrix, &self.factor) else {
-            return Err(SolverError::NoMatrix);
-        };
+    fn solve_directly(&mut self, b: &[f64], transposed: bool) -> Result<LinearSolution, SolverError> {
+        let matrix = self.system()?;
+        let factor = self.factor.as_ref().ok_or(SolverError::NoMatrix)?;
         let start = Instant::now();
-        let refined = factor.solve_refined(matrix, b, self.options.refinement_steps);
+        // The products of a symmetric matrix are faster than those of its transposed.
+        let side = Side::of(matrix, transposed && !self.equals_transposed);
+        let refined =
+            factor.solve_side_refined(side, matrix.row_sum_norm(), b, self.options.refinement_steps);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         let refined = refined?;
         Ok(LinearSolution {
@@ -206,96 +224,39 @@ impl TangentSolver {
         })
     }
 
-    fn solve_iteratively(
+    /// Solves with the matrix as it was given, of which the factor's system is a scaled one.
+    fn solve_scaled(
         &mut self,
         b: &[f64],
         absolute_tolerance: f64,
         transposed: bool,
     ) -> Result<LinearSolution, SolverError> {
-        loop {
-            let mut x = vec![0.0; b.len()];
-            let start = Instant::now();
-            let result = self.run_gmres(b, &mut x, absolute_tolerance, transposed);
-            self.report.solve_seconds += start.elapsed().as_secs_f64();
-            let report = match result {
-                Ok(report) => report,
-                Err(GmresError::Operator(error)) => return Err(error),
-                Err(
-                    GmresError::Stagnated(report)
-                    | GmresError::NotConverged(report)
-                    | GmresError::NotFinite(report),
-                ) => {
-                    if report.relative_residual <= self.options.accepted {
-                        report
-                    } else if self.factor_is_fresh {
-                        return Err(SolverError::NotConverged(report));
-                    } else {
-                        // The factor of an earlier matrix was not good enough: take this matrix's own.
-                        self.refactor()?;
-                        continue;
-                    }
-                }
-                Err(GmresError::BadArguments { solution, right_hand_side, .. }) => {
-                    check_size("the right-hand side", solution, right_hand_side)?;
-                    return Err(SolverError::NotConverged(GmresReport::default()));
-                }
-            };
-            if self.factor_is_fresh {
-                self.fresh_iterations = Some(report.iterations);
+        let scaling = self.scaling.clone().filter(|_| self.scaled.is_some());
+        let Some(scaling) = scaling else {
+            return if self.symmetric {
+                self.solve_directly(b, transposed)
             } else {
-                let usual = self.fresh_iterations.unwrap_or(0);
-                self.refresh_wanted |= report.iterations > usual + self.worthwhile_excess();
-            }
-            return Ok(LinearSolution {
-                solution: x,
-                relative_residual: report.relative_residual,
-                iterations: report.iterations,
-            });
-        }
-    }
-
-    /// Iterations that cost as much as a factorisation. Measured in 2D: a factorisation with 85 and 168
-    /// multiplications per stored number took the time of 5 and 10 iterations.
-    fn worthwhile_excess(&self) -> usize {
-        let estimate = self.analysis.as_ref().map_or(0.0, |analysis| {
-            analysis.multiplications() / (17.0 * analysis.factor_entries().max(1) as f64)
-        });
-        self.options.refresh_after.unwrap_or(estimate as usize)
-    }
-
-    fn run_gmres(
-        &self,
-        b: &[f64],
-        x: &mut [f64],
-        absolute_tolerance: f64,
-        transposed: bool,
-    ) -> Result<GmresReport, GmresError<SolverError>> {
-        let (Some(matrix), Some(factor)) = (&self.matrix, &self.factor) else {
-            return Err(GmresError::Operator(SolverError::NoMatrix));
+                self.solve_iteratively(b, absolute_tolerance, transposed)
+            };
         };
-        if !norm(b).is_finite() {
-            crate::linear_algebra::error::check_finite("the right-hand side", b)
-                .map_err(|error| GmresError::Operator(error.into()))?;
-        }
-        let options = GmresOptions {
-            tolerance: self.options.tolerance,
-            absolute_tolerance,
-            restart: self.options.restart,
-            max_iterations: self.options.max_iterations,
-            operator_norm: Some(if transposed { matrix.column_sum_norm() } else { matrix.row_sum_norm() }),
-            flexible: false,
-            threads: self.options.threads,
-        };
-        gmres(
-            |v, w| match transposed {
-                false => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
-                true => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
+        let scaled = scaling.times(b);
+        // One number is no tolerance for equations of different units.
+        let found = if self.symmetric {
+            self.solve_directly(&scaled, transposed)
+        } else {
+            self.solve_iteratively(&scaled, 0.0, transposed)
+        }?;
+        let residual = Residual::of(&Side::of(self.system()?, transposed), &found.solution, &scaled)?;
+        let scale = norm(b);
+        Ok(LinearSolution {
+            solution: scaling.times(&found.solution),
+            relative_residual: if scale == 0.0 {
+                0.0
+            } else {
+                norm(&scaling.divided(&residual.rest)) / scale
             },
-            |v| factor.solve_in_place(v).map_err(SolverError::from),
-            b,
-            x,
-            &options,
-        )
+            iterations: found.iterations,
+        })
     }
 }
 
@@ -304,28 +265,43 @@ impl LinearSolver for TangentSolver {
         if (self.factor_is_fresh || self.by_lu) && self.matrix.as_ref() == Some(&matrix) {
             return Ok(()); // an adjoint problem with the tangent that is already factored
         }
-        (self.matrix, self.factor_is_fresh, self.by_lu) = (None, false, false);
+        (self.matrix, self.scaled, self.factor_is_fresh, self.by_lu) = (None, None, false, false);
         self.proved_singular = false;
         check_size("the set of columns of a square matrix", matrix.rows(), matrix.columns())?;
         matrix.check_finite()?;
-        self.symmetric = matrix.is_symmetric(self.options.symmetry_tolerance)?;
+        let asymmetry = matrix.asymmetry()?;
+        (self.symmetric, self.equals_transposed) =
+            (asymmetry <= self.options.symmetry_tolerance, asymmetry == 0.0);
         let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
         let saddle = (0..matrix.rows()).any(|row| matrix.get(row, row) == 0.0);
+        let scaling = Equilibration::of(&matrix);
+        // A factor that is kept asks for the scaling that it was made with.
+        let keeps = fits && !self.symmetric && !self.refresh_wanted;
+        let refactors = !keeps || scaling.is_some() != self.scaling.is_some();
+        if refactors {
+            self.scaling = scaling;
+        }
+        let scales = !known && !saddle;
+        self.scaled = self.scaling.as_ref().filter(|_| scales).map(|scaling| scaling.of_matrix(&matrix));
         self.matrix = Some(matrix);
         let mut result = Ok(());
         if known || saddle {
             result = self.factor_by_lu();
-        } else if self.symmetric || self.refresh_wanted || !fits {
+        } else if refactors {
             result = self.refactor();
             if result.as_ref().is_err_and(SolverError::is_for_lu) && !self.proved_singular {
                 result = self.factor_by_lu();
             }
         }
         if result.is_err() {
-            self.matrix = None;
+            (self.matrix, self.scaled) = (None, None);
         }
         result
+    }
+
+    fn judges_equations(&self) -> bool {
+        true
     }
 
     fn solve_side(
@@ -338,10 +314,8 @@ impl LinearSolver for TangentSolver {
         check_size("the right-hand side", matrix.rows(), b.len())?;
         let found = if self.by_lu {
             self.solve_by_lu(b, transposed)
-        } else if self.symmetric {
-            self.solve_directly(b)
         } else {
-            self.solve_iteratively(b, absolute_tolerance, transposed)
+            self.solve_scaled(b, absolute_tolerance, transposed)
         };
         let solution = match found {
             Err(error) if !self.by_lu && error.is_for_lu() => {

@@ -1,6 +1,7 @@
 //! Sparse matrices against dense arithmetic.
 
 use super::*;
+use crate::linear_algebra::BlockMatrix;
 
 fn example() -> CsrMatrix {
     // [1 2 0; 0 3 4], the 3 as a sum of duplicates given out of order.
@@ -49,18 +50,24 @@ fn wrong_sizes_and_indices_are_errors() {
 fn symmetric_part_and_asymmetry() {
     let matrix =
         CsrMatrix::from_triplets(2, 2, &[(0, 0, 8.0), (0, 1, 3.0), (1, 0, 1.0), (1, 1, 5.0)]).unwrap();
-    assert_eq!(matrix.asymmetry().unwrap(), 0.25);
+    assert!((matrix.asymmetry().unwrap() - 2.0 / 40.0_f64.sqrt()).abs() < 1e-15);
     let part = matrix.symmetric_part().unwrap();
     assert!(Arc::ptr_eq(part.pattern(), matrix.pattern()));
     assert_eq!(part.values(), [8.0, 2.0, 2.0, 5.0]);
     assert!(part.is_symmetric(0.0).unwrap());
     // An unsymmetric pattern.
     let upper = CsrMatrix::from_triplets(2, 2, &[(0, 0, 8.0), (0, 1, 3.0), (1, 1, 5.0)]).unwrap();
-    assert_eq!(upper.asymmetry().unwrap(), 3.0 / 8.0);
+    assert!((upper.asymmetry().unwrap() - 3.0 / 40.0_f64.sqrt()).abs() < 1e-15);
     let part = upper.symmetric_part().unwrap();
     assert_eq!(part.values(), [8.0, 1.5, 1.5, 5.0]);
     let lower = upper.transpose();
-    assert_eq!(lower.asymmetry().unwrap(), 3.0 / 8.0);
+    assert_eq!(lower.asymmetry().unwrap(), upper.asymmetry().unwrap());
+    // A soft part beside a stiff one, and multipliers: each pair in its own unit.
+    let entries =
+        [(0, 0, 1e12), (1, 1, 2.0), (1, 2, 1.0), (2, 1, -1.0), (2, 2, 2.0), (0, 3, 1e6), (3, 0, 1e6)];
+    let soft = CsrMatrix::from_triplets(4, 4, &entries).unwrap();
+    assert!((soft.asymmetry().unwrap() - 1.0).abs() < 1e-15);
+    assert_eq!(BlockMatrix::from(soft.clone()).asymmetry().unwrap(), soft.asymmetry().unwrap());
     assert_eq!(lower.symmetric_part().unwrap().values(), part.values());
 }
 

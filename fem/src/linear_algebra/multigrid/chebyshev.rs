@@ -43,7 +43,7 @@ impl Chebyshev {
                 .to_csr()
                 .check_finite()
                 .err()
-                .unwrap_or(LinearAlgebraError::Inaccurate { backward_error: f64::NAN }),
+                .unwrap_or(LinearAlgebraError::Inaccurate { row: 0, backward_error: f64::NAN }),
         })?;
         let top = MARGIN * found.largest;
         let bottom = top / range;
