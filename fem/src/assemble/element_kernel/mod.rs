@@ -20,6 +20,7 @@ use super::AssemblyError;
 use super::binding::{Binding, Tabulated};
 use super::element_matrices::block_order;
 use super::sizes::{Counted, Sizes};
+use super::unoptimised;
 use crate::element::CellShape;
 use crate::lanes::{InstructionSet, Order};
 use crate::mesh::Mesh;
