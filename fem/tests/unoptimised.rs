@@ -1,6 +1,7 @@
 //! The notice that kernels are not optimised: once per process, and silent where it is asked to be.
 
 use std::process::Command;
+use std::sync::Arc;
 
 use forms_fem::contract::{self, ExpressionVisitor, FieldDescription, Formula, Inputs};
 use forms_fem::prelude::*;
@@ -45,8 +46,8 @@ fn said(silent: bool) -> String {
 #[test]
 fn told_once_per_process() {
     if std::env::var_os(CHILD).is_some() {
-        let mesh = Mesh::rectangle([0.0, 1.0], [0.0, 1.0], [1, 1], CellShape::Triangle, 1);
-        let assembler = Assembler::new(&mesh.expect("a mesh"));
+        let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Triangle, 1).expect("a mesh");
+        let assembler = Assembler::new(&Arc::new(mesh));
         let form = Unoptimised(Inputs { optimised: false, ..Inputs::empty() });
         for _ in 0..2 {
             assert_eq!(assembler.functional(&form, &[]).expect("no integrals"), 0.0);
