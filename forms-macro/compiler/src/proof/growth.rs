@@ -95,7 +95,7 @@ fn emitted(what: &str, dimension: usize, text: &str) -> [usize; 2] {
     [characters.len(), tokens(emitted)]
 }
 
-/// Which is at most so many tokens for a depth, and at most 250 000 characters of formulas more.
+/// Which is at most so many tokens for a depth, and at most 300 000 characters of formulas more.
 fn grows_slowly(name: &str, form: fn(usize) -> String, depths: &[usize], most: fn(usize) -> usize) {
     for &depth in depths {
         let what = format!("{name} of depth {depth}");
@@ -103,7 +103,7 @@ fn grows_slowly(name: &str, form: fn(usize) -> String, depths: &[usize], most: f
         let [characters, tokens] = emitted(&what, 2, &text);
         assert!(tokens <= most(depth), "{what}: {tokens} tokens");
         // The module's text travels with it, for imports.
-        let most = 8 * tokens + 250_000 + 4 * text.len();
+        let most = 8 * tokens + 300_000 + 4 * text.len();
         assert!(characters <= most, "{what}: {characters} characters");
     }
 }
@@ -131,7 +131,7 @@ fn functions_of_tensors() {
     for (name, text, most) in [("Hencky", hencky(), 110_000), ("Ogden", ogden(), 150_000)] {
         let [characters, tokens] = emitted(name, 3, &text);
         assert!(tokens <= most, "{name}: {tokens} tokens");
-        assert!(characters <= 8 * tokens + 250_000, "{name}: {characters} characters");
+        assert!(characters <= 8 * tokens + 300_000, "{name}: {characters} characters");
     }
 }
 
