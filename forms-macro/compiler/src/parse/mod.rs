@@ -60,10 +60,9 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
 }
 
 fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
-    let mut markers = Vec::new();
-    let (marked, others): (Vec<_>, Vec<_>) =
-        item.attrs.into_iter().partition(|attribute| attributes::is_marker(attribute));
-    markers.extend(marked.iter().filter_map(|attribute| attributes::marker(attribute, diagnostics)));
+    let (marked, others): (Vec<_>, Vec<_>) = item.attrs.into_iter().partition(attributes::is_marker);
+    let markers: Vec<Entity> =
+        marked.iter().filter_map(|attribute| attributes::marker(attribute, diagnostics)).collect();
     let attributes = attributes::of_declaration(others, diagnostics);
     // After a mistake the region exists all the same.
     let entity = markers.first().copied().unwrap_or(Entity::Cells);
