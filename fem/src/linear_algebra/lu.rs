@@ -175,10 +175,41 @@ fn memory(_: FaerError) -> LinearAlgebraError {
     LinearAlgebraError::OutOfMemory { what: "the factor" }
 }
 
+/// Scaled diagonals below this say that a matrix with a zero block is dominated by its coupling blocks.
+const WEAK_DIAGONAL: f64 = 1e-6;
+
 /// Factors of rows and columns, powers of two, so that scaling rounds nothing.
 fn scale(matrix: &CsrMatrix) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
     let size = matrix.rows();
-    let (mut rows, mut columns) = (vec![1.0_f64; size], vec![1.0_f64; size]);
+    let (rows, columns) = scale_from(matrix, vec![1.0; size])?;
+    // In a saddle point [K Bᵀ; B 0] whose unknowns have odd units B may hide K: all rows have largest entries of about one
+    // before anything was scaled. There K's own diagonal gives the unit of its unknowns, and B then that of the multipliers.
+    let diagonal: Vec<f64> = (0..size).map(|row| matrix.get(row, row).abs()).collect();
+    let zero_block = diagonal.contains(&0.0);
+    let of_row = |row: usize| diagonal[row] * rows[row] * columns[row];
+    let largest = (0..size).map(of_row).fold(0.0_f64, f64::max);
+    if !zero_block || largest == 0.0 || largest >= WEAK_DIAGONAL {
+        return Ok((rows, columns));
+    }
+    let half = |value: f64| (-0.5 * value.log2()).round().exp2();
+    let mut first: Vec<f64> =
+        diagonal.iter().map(|value| if *value > 0.0 { half(*value) } else { 1.0 }).collect();
+    for row in (0..size).filter(|row| diagonal[*row] == 0.0) {
+        let (indices, values) = matrix.row(row);
+        let terms = indices.iter().zip(values);
+        let largest =
+            terms.map(|(column, value)| (value * first[*column as usize]).abs()).fold(0.0, f64::max);
+        if largest > 0.0 {
+            first[row] = (-largest.log2()).round().exp2();
+        }
+    }
+    scale_from(matrix, first)
+}
+
+/// Rounds of scaling from given factors of rows and columns.
+fn scale_from(matrix: &CsrMatrix, first: Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
+    let size = matrix.rows();
+    let (mut rows, mut columns) = (first.clone(), first);
     for _ in 0..SCALINGS {
         let (mut in_rows, mut in_columns) = (vec![0.0_f64; size], vec![0.0_f64; size]);
         for row in 0..size {
@@ -223,7 +254,7 @@ mod tests {
 
     #[test]
     fn a_saddle_point_of_two_scales_is_solved_to_rounding() {
-        for scale in [1.0, 1e9, 1e-9] {
+        for scale in [1.0, 1e9, 1e-9, 1e-24] {
             let matrix = saddle(400, 40, scale);
             let factor = LuFactor::new(&matrix, None).unwrap();
             let again = LuFactor::new(&matrix, Some(&factor)).unwrap();
