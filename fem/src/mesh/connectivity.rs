@@ -160,6 +160,9 @@ mod tests {
         assert!(error(&SQUARE, &[0, 1, 2, 0, 3, 2]).starts_with("cell 1 is inverted or degenerate"));
         let five = [SQUARE.as_slice(), &[[2.0, 2.0]]].concat();
         assert!(error(&five, &[0, 2, 4]).starts_with("cell 0 is inverted or degenerate"));
+        // An edge whose length has no reciprocal: found by a mutated file.
+        let edge = [[0.0, 0.0], [1e-310, 0.0], [0.0, 1.0]];
+        assert!(error(&edge, &[0, 1, 2]).starts_with("cell 0 is inverted or degenerate"));
         let fan = [SQUARE.as_slice(), &[[0.2, 0.9]]].concat();
         assert_eq!(
             error(&fan, &[0, 1, 2, 0, 2, 3, 0, 2, 4]),

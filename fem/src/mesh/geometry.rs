@@ -1,6 +1,6 @@
 //! The geometry map of a cell: positions, Jacobians, centres, diameters.
 
-use super::determinant::{JacobianDeterminant, ROUND_OFF, Sign};
+use super::determinant::{JacobianDeterminant, ROUND_OFF, SMALLEST, Sign};
 use super::{CellBlock, Facet, Mesh, MeshError};
 use crate::element::MAXIMUM_GEOMETRY_NODES;
 
@@ -98,7 +98,7 @@ impl<const D: usize> Mesh<D> {
             // Round-off of a degenerate cell is of this size relative to its edges.
             let scale: f64 =
                 (0..D).map(|j| jacobian.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt()).product();
-            if determinant.is_nan() || determinant <= ROUND_OFF * scale {
+            if determinant.is_nan() || determinant <= (ROUND_OFF * scale).max(SMALLEST) {
                 let position = self.map(cell, &centre).0.to_vec();
                 return Err(MeshError::Inverted { cell, determinant, position });
             }

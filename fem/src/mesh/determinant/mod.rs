@@ -22,6 +22,10 @@ const MOST_HALVES: usize = 4096;
 /// A determinant this small beside the product of the lengths of the Jacobian's columns is round-off of zero.
 pub(super) const ROUND_OFF: f64 = 1e-14;
 
+/// Below this a determinant has no reciprocal to calculate with: cells with an edge as short as the least numbers are
+/// degenerate.
+pub(super) const SMALLEST: f64 = 1e-300;
+
 /// Relative deviation of the Jacobian from its mean, below which the determinant needs no second look.
 const NEARLY_AFFINE: f64 = 0.9;
 
@@ -109,7 +113,7 @@ impl<const D: usize> JacobianDeterminant<D> {
             coefficients[usize::from(*place)] += weight * determinant(&jacobian);
         }
         let longest = |column: &Vec<[f64; D]>| column.iter().map(length).fold(0.0, f64::max);
-        let least = ROUND_OFF * columns.iter().map(longest).product::<f64>();
+        let least = (ROUND_OFF * columns.iter().map(longest).product::<f64>()).max(SMALLEST);
         let vertices = match self.shape.is_simplex() {
             true => self.shape.vertex_points().iter().map(|x| std::array::from_fn(|k| x[k])).collect(),
             false => vec![[0.0; D], [1.0; D]],
@@ -228,7 +232,10 @@ fn is_nearly_affine<const D: usize>(columns: &[Vec<[f64; D]>; D]) -> bool {
     }
     let scale: f64 = (0..D).map(|axis| length::<D>(&std::array::from_fn(|i| mean[i][axis]))).product();
     let whole = determinant(&mean);
-    let Some(inverse) = inverse(&mean).filter(|_| whole > ROUND_OFF * scale) else { return false };
+    // At no point it is less than a thousandth of this.
+    let Some(inverse) = inverse(&mean).filter(|_| whole > (ROUND_OFF * scale).max(1e3 * SMALLEST)) else {
+        return false;
+    };
     columns.iter().enumerate().all(|(axis, column)| {
         column.iter().all(|x| {
             let off = |i: usize| {
