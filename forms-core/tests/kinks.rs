@@ -14,6 +14,9 @@ pub mod kinks {
     #[cells]
     pub struct Omega;
 
+    pub fn unit(s: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, v)
+    }
     /// heaviside, sign, pos_part, neg_part, abs at s.
     pub fn values(s: Scalar) -> Scalar {
         heaviside(s) + 10 * sign(s) + 100 * pos_part(s) + 1000 * neg_part(s) + 10000 * abs(s)
@@ -228,4 +231,70 @@ fn a_comparison_is_one_switch() {
     let mut count = Count(0);
     contract::Form::switches(&branches::reference(&data, &omega), &mut count).expect("nothing fails");
     assert_eq!(count.0, 1);
+}
+
+#[forms(crate = forms_core)]
+pub mod singular {
+    #[cells]
+    pub struct Omega;
+
+    pub fn zero_times(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, 0 * (1 / u) * v)
+    }
+    pub fn zero_over(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, 0 / u * v)
+    }
+    pub fn quotient(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, u / u * v)
+    }
+    pub fn quotient_of_square(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, u * u / u * v)
+    }
+    pub fn difference(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (1 / u - 1 / u) * v)
+    }
+    pub fn logarithms(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (ln(u) - ln(u) + 0 * pow(u, -0.5)) * v)
+    }
+    /// Nothing is singular here: it is zero, and has no integral.
+    pub fn nothing(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (0 * exp(u) + u - u + pow(u, 0) - 1) * v)
+    }
+    /// The identity's zeros are nothing, whatever is beside them.
+    pub fn off_diagonal(u: State<Scalar>) -> Scalar {
+        (ln(u) * I)[0][1]
+    }
+}
+
+/// What is not a number where a divisor is zero is none in the residual and in the tangent, and what it should be elsewhere.
+#[test]
+fn singular_expressions_are_not_simplified_away() {
+    let mesh = Mesh::<2>::cube(&mut Random(1));
+    let omega = singular::Omega::on("all");
+    let constant = |value: f64| Nodal { values: vec![value; mesh.nodes.len()], components: 1 };
+    // Per unit of ∫ v, at u = 2.
+    macro_rules! check {
+        ($($name:ident $value:expr;)*) => { $({
+            let form = singular::$name::<2>(&omega);
+            let sum = |u: f64| residual::<f64, _, 2>(&mesh, &form, &[constant(u)]).iter().sum::<f64>();
+            assert!((sum(2.0) - $value * mesh_volume(&mesh)).abs() < 1e-12, "{}: {}", stringify!($name), sum(2.0));
+            assert!(sum(0.0).is_nan(), "{} at 0: {}", stringify!($name), sum(0.0));
+            let entries = tangent::<f64, _, 2>(&mesh, &form, &[constant(0.0)]);
+            assert!(entries.iter().flatten().any(|entry| entry.is_nan()), "the tangent of {}", stringify!($name));
+            let lanes = residual::<Four, _, 2>(&mesh, &form, &[constant(0.0)]);
+            assert!(lanes.iter().all(|entry| entry.is_nan()), "{} on four lanes", stringify!($name));
+        })* };
+    }
+    check! { zero_times 0.0; zero_over 0.0; quotient 1.0; quotient_of_square 2.0; difference 0.0; logarithms 0.0; }
+    let nothing = singular::nothing::<2>();
+    assert!(residual::<f64, _, 2>(&mesh, &nothing, &[constant(0.0)]).iter().all(|entry| *entry == 0.0));
+    let off_diagonal = singular::off_diagonal::<2>(Source::Constant(vec![-1.0]));
+    assert_eq!(expression(&mesh, &off_diagonal, (Entity::Cells, "all"))[0], [0.0]);
+}
+
+/// The residual of ∫ v summed over all test functions.
+fn mesh_volume(mesh: &Mesh<2>) -> f64 {
+    let form = kinks::unit::<2>(&kinks::Omega::on("all"));
+    let zero = Nodal { values: vec![0.0; mesh.nodes.len()], components: 1 };
+    residual::<f64, _, 2>(mesh, &form, &[zero]).iter().sum()
 }

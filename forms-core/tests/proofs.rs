@@ -101,7 +101,7 @@ pub mod forms_to_judge {
     }
     /// Looks nonlinear, is not.
     pub fn cancels(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
-        integral(Omega, (u * u / u + 2 * u - u) * v)
+        integral(Omega, (u * u / mu + 2 * u - u * u / mu) * v)
     }
     pub fn switched(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, if gap > 0 { u * v } else { 2 * u * v })

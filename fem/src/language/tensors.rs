@@ -14,7 +14,7 @@
 //! | `cof(A)` | tensor | det A · A⁻ᵀ, defined also where det A = 0 | polynomial in A and dA |
 //! | `norm(e)` | scalar | √(e : e); see [`super::kinks`] at 0 | (e : de)/norm(e) |
 //! | `normalize(e)` | as `e` | e/norm(e), 0 where e is | (de − (m : de) m)/norm(e) with m = normalize(e) |
-//! | `tensor_exp(A)`, `tensor_ln(A)`, `tensor_sqrt(A)` | tensor | of a symmetric tensor; the last two of a positive definite one | exact, also at equal eigenvalues |
+//! | `tensor_exp(A)`, `tensor_ln(A)`, `tensor_sqrt(A)` | tensor | of a symmetric tensor; the last two of a positive definite one | exact, also at equal eigenvalues; by symmetric tensors: an entry and its mirror image move together |
 //! | `identity(3)`, `I` | matrix | δ_ij | |
 //! | `identity4`, `sym_identity4` | rank 4 | δ_ik δ_jl; its symmetric part | |
 //! | `u[0]`, `F[0][1]`, `F[(0, 1)]` | component | counted from 0; `F[0]` is a row | the same of dF |

@@ -360,6 +360,8 @@ pub struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Arena {
     nodes: Vec<Node>,
+    /// How many nodes stand one inside the other in each.
+    depths: Vec<u32>,
     /// What [`Arena::share`] made, by what it says.
     shared: HashMap<Key, Tensor>,
     /// One of all nodes that name the same field, parameter or number.
@@ -375,8 +377,15 @@ impl Arena {
         {
             self.varied.insert(node);
         }
+        let inside = operator.operands().into_iter().map(|operand| self.depth(operand));
+        self.depths.push(inside.max().unwrap_or(0) + 1);
         self.nodes.push(Node { operator, shape, place });
         Tensor(self.nodes.len() as u32 - 1)
+    }
+
+    /// How many nodes stand one inside the other.
+    pub fn depth(&self, tensor: Tensor) -> u32 {
+        self.depths[tensor.0 as usize]
     }
 
     /// As [`Arena::push`], or an equal node that was made by this function before: derivatives of derivatives hold the

@@ -22,6 +22,10 @@ pub enum Value {
 const MOST_NODES: usize = 100_000;
 /// More integrals than any form has.
 const MOST_TERMS: usize = 10_000;
+/// More functions one inside the other than any form calls, and fewer than the stack has room for.
+const MOST_CALLS: usize = 550;
+/// More operations one inside the other than any form has, likewise.
+const MOST_DEPTH: u32 = 2_000;
 
 /// A call, to be told from others: `diff(e, w)` by an argument relies on the identity of its node.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -108,6 +112,10 @@ impl<'a> Evaluator<'a> {
     pub(super) fn inline(&mut self, index: usize, values: Vec<Option<Value>>) -> Option<Value> {
         let function = &self.module.functions[index];
         let body = function.body.as_ref()?;
+        if self.calls.len() >= MOST_CALLS {
+            self.report_deep(index);
+            return None;
+        }
         let call = self.call_of(index, &values);
         if let Some(known) = self.given_calls.get(&call) {
             return known.clone();
@@ -122,8 +130,31 @@ impl<'a> Evaluator<'a> {
             self.report_exhausted(&self.module.functions[outermost].name);
             return None;
         }
+        let depth = match &value {
+            Some(Value::Tensor(tensor)) => self.arena.depth(*tensor),
+            Some(Value::Form(terms)) => {
+                terms.iter().map(|term| self.arena.depth(term.density)).max().unwrap_or(0)
+            }
+            None => 0,
+        };
+        if depth > MOST_DEPTH {
+            self.report_deep(index);
+            return None;
+        }
         self.given_calls.insert(call, value.clone());
         value
+    }
+
+    /// Reports, once, that functions or operations stand too deep inside each other.
+    fn report_deep(&mut self, function: usize) {
+        if !std::mem::replace(&mut self.exhausted, true) {
+            let name = &self.module.functions[function].name;
+            let message = format!(
+                "in `{name}` more than {MOST_CALLS} calls or {MOST_DEPTH} operations stand one inside the other"
+            );
+            let help = "compute it in fewer steps, or in a function written in Rust";
+            self.diagnostics.error_with_help(Place::of(name), message, help);
+        }
     }
 
     fn inline_body(&mut self, index: usize, body: &Block, values: Vec<Option<Value>>) -> Option<Value> {

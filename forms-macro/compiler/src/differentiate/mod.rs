@@ -359,7 +359,9 @@ impl Lowering<'_> {
         }
         let count = match self.arena.node(density).operator {
             Operator::Add(a, b) => self.count_parts(a, known).saturating_add(self.count_parts(b, known)),
-            Operator::Negate(a) | Operator::Divide(a, _) => self.count_parts(a, known),
+            Operator::Negate(a) | Operator::Divide(a, _) | Operator::Restrict(_, a) => {
+                self.count_parts(a, known)
+            }
             Operator::Scale(a, b) => self.count_parts(a, known).max(self.count_parts(b, known)),
             _ => 1,
         };

@@ -117,6 +117,8 @@ pub struct Graph {
     nodes: Vec<Node>,
     /// How each node may behave: see [`Behaviour`].
     behaviours: Vec<Behaviour>,
+    /// The factors 1 + 0/x, each with its x.
+    guards: HashMap<Scalar, Scalar>,
     known: HashMap<Node, Scalar>,
     /// Nodes and their operands.
     size: usize,
@@ -181,6 +183,7 @@ impl Graph {
             self.known.remove(&node);
         }
         self.behaviours.truncate(length);
+        self.guards.retain(|guard, _| (guard.0 as usize) < length);
     }
 
     /// What is known of a node's values.
@@ -226,6 +229,7 @@ impl Graph {
     }
 
     fn gather(&mut self, mut combination: Combination) -> Scalar {
+        self.drop_guards(&mut combination.terms);
         combination.terms.sort_by_key(|(_, term)| *term);
         let mut terms: Vec<(f64, Scalar)> = Vec::new();
         for (coefficient, term) in combination.terms {
@@ -234,8 +238,10 @@ impl Graph {
                 _ => terms.push((coefficient, term)),
             }
         }
-        // Nothing is left of what cancels, but of what may be no number.
-        terms.retain(|(coefficient, term)| *coefficient != 0.0 || self.behaviour(*term).singular);
+        // Nothing is left of what cancels, but of what may be no number where no other term is none.
+        if terms.iter().any(|(coefficient, _)| *coefficient == 0.0) {
+            self.drop_what_cancels(&mut terms);
+        }
         match terms[..] {
             [] => self.number(combination.constant),
             [(1.0, term)] if combination.constant == 0.0 => term,
@@ -246,6 +252,71 @@ impl Graph {
                     .map(|(coefficient, term)| ((coefficient + 0.0).to_bits(), term))
                     .collect();
                 self.intern(Node::Sum { constant, terms })
+            }
+        }
+    }
+
+    /// Removes terms with a zero, but for those that are singular where no other term is.
+    fn drop_what_cancels(&self, terms: &mut Vec<(f64, Scalar)>) {
+        let mut seen: Vec<Scalar> = Vec::new();
+        for (_, term) in terms.iter().filter(|(coefficient, _)| *coefficient != 0.0) {
+            self.singularities(*term, &mut seen);
+        }
+        terms.retain(|(coefficient, term)| {
+            if *coefficient != 0.0 {
+                return true;
+            }
+            let mut own = Vec::new();
+            self.singularities(*term, &mut own);
+            let alone = own.iter().any(|one| !seen.contains(one));
+            seen.extend(own);
+            alone
+        });
+    }
+
+    /// Removes the factors 1 + 0/x of terms beside which another term divides by x.
+    fn drop_guards(&mut self, terms: &mut [(f64, Scalar)]) {
+        if self.guards.is_empty() || terms.len() < 2 {
+            return;
+        }
+        for index in 0..terms.len() {
+            let Node::Product(factors) = self.node(terms[index].1) else { continue };
+            if !factors.iter().any(|(factor, _)| self.guards.contains_key(factor)) {
+                continue;
+            }
+            let factors = factors.clone();
+            let mut others = Vec::new();
+            for (other, (_, term)) in terms.iter().enumerate() {
+                if other != index {
+                    self.singularities(*term, &mut others);
+                }
+            }
+            let kept = |(factor, _): &&(Scalar, i32)| {
+                self.guards.get(factor).is_none_or(|divisor| !others.contains(divisor))
+            };
+            let kept: Vec<(Scalar, i32)> = factors.iter().filter(kept).copied().collect();
+            // What is left stays one term: a number or a multiple would not.
+            if kept.len() < factors.len() && !kept.is_empty() {
+                let product = self.product(&kept);
+                if !matches!(self.node(product), Node::Number(_) | Node::Sum { .. }) {
+                    terms[index].1 = product;
+                }
+            }
+        }
+    }
+
+    /// What makes a term singular: what it divides by and varies, and its other singular factors. Not its guards.
+    fn singularities(&self, term: Scalar, found: &mut Vec<Scalar>) {
+        let Node::Product(factors) = self.node(term) else {
+            if self.behaviour(term).singular {
+                found.push(term);
+            }
+            return;
+        };
+        for (factor, exponent) in factors.iter().filter(|(factor, _)| !self.guards.contains_key(factor)) {
+            let Behaviour { singular, varies } = self.behaviour(*factor);
+            if singular || (*exponent < 0 && varies) {
+                found.push(*factor);
             }
         }
     }
@@ -326,7 +397,9 @@ impl Graph {
         for divisor in lost {
             let (one, inverse) = (self.number(1.0), self.product(&[(divisor, -1)]));
             let nothing = self.scale(0.0, inverse);
-            all.push((self.add(one, nothing), 1));
+            let guard = self.add(one, nothing);
+            self.guards.insert(guard, divisor);
+            all.push((guard, 1));
         }
         if all.len() > 1 { self.product(&all) } else { product }
     }

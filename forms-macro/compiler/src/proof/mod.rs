@@ -7,6 +7,7 @@ mod data;
 mod emitted;
 mod emitted_code;
 mod generator;
+mod growth;
 mod interpreter;
 mod random_forms;
 mod real_forms;

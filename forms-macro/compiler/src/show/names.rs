@@ -18,7 +18,7 @@ const WORTH_A_NAME: usize = 6;
 const LONGEST: usize = 200;
 
 /// More nodes than all equations of a function have together; what follows is left out, with an ellipsis.
-pub const MOST_SHOWN: usize = 6000;
+pub const MOST_SHOWN: usize = 3000;
 
 /// Expressions of more nodes than this have no derivatives shown, but an ellipsis.
 pub const MOST_DIFFERENTIATED: usize = 20_000;

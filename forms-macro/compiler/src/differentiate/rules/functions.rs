@@ -92,10 +92,15 @@ impl Differentiation<'_> {
         let (da, db) = (self.derive(a), self.derive(b));
         // ∂aᵇ/∂a = b aᵇ⁻¹, which holds at a = 0 where aᵇ b / a does not.
         // a⁰ is one, also where a is zero.
-        let constant = matches!(self.arena.node(b).operator, Number(0.0));
-        let first = da.filter(|_| !constant).map(|da| {
-            let minus = self.push(Number(-1.0), vec![], tensor);
-            let less = self.push(Add(b, minus), vec![], tensor);
+        let constant = self.constant(b);
+        let first = da.filter(|_| constant != Some(0.0)).map(|da| {
+            let less = match self.arena.node(b).operator {
+                Number(value) => self.push(Number(value - 1.0), vec![], tensor),
+                _ => {
+                    let minus = self.push(Number(-1.0), vec![], tensor);
+                    self.push(Add(b, minus), vec![], tensor)
+                }
+            };
             let power = self.push(Power(a, less), vec![], tensor);
             let slope = self.push(Scale(b, power), vec![], tensor);
             self.push(Scale(slope, da), vec![], tensor)
@@ -107,6 +112,19 @@ impl Differentiation<'_> {
             self.push(Scale(slope, db), vec![], tensor)
         });
         self.sum(first, second)
+    }
+
+    /// The value of a scalar that is computed of numbers alone.
+    fn constant(&self, tensor: Tensor) -> Option<f64> {
+        use Operator::{Add, Divide, Negate, Number, Scale};
+        Some(match self.arena.node(tensor).operator {
+            Number(value) => value,
+            Negate(a) => -self.constant(a)?,
+            Add(a, b) => self.constant(a)? + self.constant(b)?,
+            Scale(a, b) => self.constant(a)? * self.constant(b)?,
+            Divide(a, b) => self.constant(a)? / self.constant(b)?,
+            _ => return None,
+        })
     }
 
     /// d atan2(y, x) = (x dy − y dx) / (x² + y²), and 0 at the origin.

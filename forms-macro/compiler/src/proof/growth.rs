@@ -1,0 +1,149 @@
+//! What is emitted grows with a form as the form does, not with a power of its depth: counted in characters and tokens,
+//! and each form compiled in bounded time.
+
+use proc_macro2::{TokenStream, TokenTree};
+
+use super::source::Source;
+
+/// A form of scalars over one region, as a module.
+fn scalar_form(lets: &str, density: &str) -> String {
+    format!(
+        "mod m {{ #[cells] struct Omega;
+        fn f(u: Unknown<Scalar>, q: State<Scalar>, v: Test<Scalar>) -> Form {{ {lets} integral(Omega, ({density}) * v) }} }}"
+    )
+}
+
+/// Each `let` uses the one before it twice.
+fn lets(depth: usize) -> String {
+    let list = (1..depth).map(|k| format!("let a{k} = a{0} * (a{0} + 1); ", k - 1));
+    scalar_form(&format!("let a0 = u * (u + 1); {}", list.collect::<String>()), &format!("a{}", depth - 1))
+}
+
+/// Each `let` asks the one before it three times.
+fn conditions(depth: usize) -> String {
+    let one = |k: usize| format!("let a{k} = if a{0} > 0 {{ a{0} * 2 }} else {{ a{0} + 1 }}; ", k - 1);
+    let list: String = (1..depth).map(one).collect();
+    scalar_form(&format!("let a0 = u * (u + 1); {list}"), &format!("a{}", depth - 1))
+}
+
+/// Private functions, each calling the next.
+fn chain(depth: usize) -> String {
+    let one = |k: usize| format!("fn g{k}(w: Scalar) -> Scalar {{ g{}(w) * a + w }} ", k + 1);
+    let list: String = (0..depth).map(one).collect();
+    format!(
+        "mod m {{ #[cells] struct Omega; struct Data {{ a: Param }} {list} fn g{depth}(w: Scalar) -> Scalar {{ w }}
+        fn f(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {{ integral(Omega, g0(u) * v) }} }}"
+    )
+}
+
+/// Derivatives of derivatives, whose terms are as many as the square of the order.
+fn derivatives(depth: usize) -> String {
+    let expression = (0..depth)
+        .fold("u * u / (1 + exp(u) * u)".to_string(), |inner, _| format!("derivative({inner}, u, q)"));
+    scalar_form("", &expression)
+}
+
+/// Products of `let`s and of their derivatives.
+fn derivatives_of_lets(depth: usize) -> String {
+    let one = |k: usize| format!("let a{k} = derivative(a{0}, u, q) * a{0}; ", k - 1);
+    let list: String = (1..=depth).map(one).collect();
+    scalar_form(&format!("let a0 = sin(u) * exp(u); {list}"), &format!("a{depth}"))
+}
+
+fn solid(density: &str) -> String {
+    format!(
+        "mod m {{ #[cells] struct Omega; struct Data {{ mu: Param, lambda: Param, a: Param, b: Param }}
+        fn f(u: Unknown<Vector>) -> Energy {{ let F = I + grad(u); let C = transpose(F) * F; integral(Omega, {density}) }} }}"
+    )
+}
+
+fn hencky() -> String {
+    solid("{ let E = tensor_ln(C) / 2; mu * inner(E, E) + lambda / 2 * pow(tr(E), 2) }")
+}
+
+fn ogden() -> String {
+    solid(
+        "mu / a * tr(tensor_exp(a / 2 * tensor_ln(C))) + mu / b * tr(tensor_exp(b / 2 * tensor_ln(C))) + lambda * pow(ln(det(F)), 2)",
+    )
+}
+
+fn tokens(stream: TokenStream) -> usize {
+    let one = |token| match token {
+        TokenTree::Group(group) => 1 + tokens(group.stream()),
+        _ => 1,
+    };
+    stream.into_iter().map(one).sum()
+}
+
+/// Seconds of the processor that this thread has had, where the system tells.
+fn processor_time() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/stat").ok()?;
+    let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
+    // In hundredths, in user and in system mode.
+    Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
+}
+
+/// Characters and tokens of what is emitted for a form.
+fn emitted(what: &str, dimension: usize, text: &str) -> [usize; 2] {
+    let start = processor_time();
+    let emitted = Source::new(dimension, text).emitted();
+    if let (Some(start), Some(end)) = (start, processor_time()) {
+        assert!(end - start < 5.0, "{what} took {} s", end - start);
+    }
+    let characters = emitted.to_string();
+    assert!(!characters.contains("compile_error"), "{what}: {}", &characters[..300]);
+    [characters.len(), tokens(emitted)]
+}
+
+/// Which is at most so many tokens for a depth, and at most 300 000 characters of formulas more.
+fn grows_slowly(name: &str, form: fn(usize) -> String, depths: &[usize], most: fn(usize) -> usize) {
+    for &depth in depths {
+        let what = format!("{name} of depth {depth}");
+        let text = form(depth);
+        let [characters, tokens] = emitted(&what, 2, &text);
+        assert!(tokens <= most(depth), "{what}: {tokens} tokens");
+        // The module's text travels with it, for imports.
+        let most = 8 * tokens + 300_000 + 4 * text.len();
+        assert!(characters <= most, "{what}: {characters} characters");
+    }
+}
+
+#[test]
+fn lets_that_use_each_other() {
+    grows_slowly("lets", lets, &[14, 18, 40], |depth| 4000 + 120 * depth);
+    grows_slowly("conditions", conditions, &[14, 40], |depth| 4000 + 320 * depth);
+}
+
+#[test]
+fn functions_that_call_each_other() {
+    grows_slowly("a chain", chain, &[50, 200, 500], |depth| 4000 + 100 * depth);
+}
+
+#[test]
+fn derivatives_inside_derivatives() {
+    grows_slowly("derivatives", derivatives, &[4, 6, 9], |depth| 4000 + 80 * depth * depth);
+    grows_slowly("derivatives of lets", derivatives_of_lets, &[3, 6, 9], |depth| 4000 + 30 * depth.pow(3));
+}
+
+/// 3D, where the second derivatives of a function of a tensor have 729 entries, of which 126 are computed.
+#[test]
+fn functions_of_tensors() {
+    for (name, text, most) in [("Hencky", hencky(), 110_000), ("Ogden", ogden(), 150_000)] {
+        let [characters, tokens] = emitted(name, 3, &text);
+        assert!(tokens <= most, "{name}: {tokens} tokens");
+        assert!(characters <= 8 * tokens + 300_000, "{name}: {characters} characters");
+    }
+}
+
+/// What is too deep for a compiler's stack is refused by name.
+#[test]
+fn too_deep() {
+    let steps: String = (1..3000).map(|k| format!("let a{k} = sin(a{}) + 1; ", k - 1)).collect();
+    for text in [chain(1000), scalar_form(&format!("let a0 = u; {steps}"), "a2999")] {
+        let compile = move || Source::new(2, &text).emitted().to_string();
+        // As much as rustc's threads have.
+        let thread = std::thread::Builder::new().stack_size(8 << 20).spawn(compile).expect("a thread");
+        let emitted = thread.join().expect("no overflow");
+        assert!(emitted.contains("stand one inside the other"), "{}", &emitted[..300]);
+    }
+}
