@@ -348,7 +348,7 @@ pub mod zeros {
     }
     pub fn branches(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let w = if u[0] > 2 { [0; D] } else { v };
-        let rows = [[v[D - 1], 0], [0 * u[0], -0 * norm(u)]];
+        let rows = [[v[D - 1], 0], [0 * u[0], -0 * dot(u, u)]];
         integral(Omega, dot(u, w) + tr(rows - 0 * outer([u[0], 1], [1, 1])))
             - integral(Gamma, 0 * u[0] + dot(v, [0; 2 * D / 2]))
     }

@@ -26,6 +26,7 @@ struct Algebra<'a> {
     fields: &'a [FieldInfo],
     diagnostics: &'a mut Diagnostics,
     known: HashMap<Tensor, Option<Dependence>>,
+    regular: HashMap<Tensor, bool>,
 }
 
 /// A `Form`: every term is linear in exactly one test function.
@@ -49,7 +50,7 @@ pub fn check_form(
         );
         return false;
     }
-    let mut algebra = Algebra { arena, fields, diagnostics, known: HashMap::new() };
+    let mut algebra = Algebra { arena, fields, diagnostics, known: HashMap::new(), regular: HashMap::new() };
     let mut right = true;
     for term in terms {
         match algebra.dependence(term.density) {
@@ -125,7 +126,10 @@ impl Algebra<'_> {
             }
             Divide(a, b) | DivideOrZero(a, b) => {
                 self.free(b, "a denominator")?;
-                self.dependence(a)
+                match self.dependence(a)? {
+                    Dependence::Zero if !self.is_constant(b) => Some(Free),
+                    other => Some(other),
+                }
             }
             Determinant(a) | Inverse(a) | Cofactor(a) => self.free(a, "a nonlinear operation"),
             Apply(_, a) | Norm(a) => self.free(a, "a nonlinear function"),
@@ -160,7 +164,9 @@ impl Algebra<'_> {
     fn product(&mut self, whole: Tensor, a: Tensor, b: Tensor) -> Option<Dependence> {
         let (first, second) = (self.dependence(a), self.dependence(b));
         let (first, second) = match (first?, second?) {
-            (Zero, _) | (_, Zero) => return Some(Zero),
+            (Zero, Zero) => return Some(Zero),
+            (Zero, other) => return Some(if self.is_regular(b) { Zero } else { other }),
+            (other, Zero) => return Some(if self.is_regular(a) { Zero } else { other }),
             (Free, other) | (other, Free) => return Some(other),
             (Linear(first), Linear(second)) => (first, second),
         };
@@ -186,6 +192,30 @@ impl Algebra<'_> {
             "each term has one test function: one of the two was meant to be an unknown, or another term";
         self.diagnostics.error_with_help(place, message, help);
         None
+    }
+
+    /// Is it a number wherever fields are? Zero times anything else may be none, and stays in the form. Some that are
+    /// regular are not known to be.
+    fn is_regular(&mut self, tensor: Tensor) -> bool {
+        use Operator::*;
+        if let Some(known) = self.regular.get(&tensor) {
+            return *known;
+        }
+        let operator = self.arena.node(tensor).operator.clone();
+        let itself = match &operator {
+            Divide(_, divisor) => self.is_constant(*divisor),
+            DivideOrZero(..) | Inverse(_) | Apply(..) | Norm(_) | Power(..) | External { .. } => false,
+            Gateaux { .. } | Partial(..) => false,
+            _ => true,
+        };
+        let found = itself && operator.operands().into_iter().all(|operand| self.is_regular(operand));
+        self.regular.insert(tensor, found);
+        found
+    }
+
+    /// Is it a number or a parameter? Forms divide by those that are not zero.
+    fn is_constant(&self, tensor: Tensor) -> bool {
+        matches!(self.arena.node(tensor).operator, Operator::Number(_) | Operator::Parameter(_))
     }
 
     /// Zeros are linear in whatever the other parts are.
