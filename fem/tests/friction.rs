@@ -223,7 +223,9 @@ fn a_piecewise_affine_form_passes_its_taylor_test() {
     let wrong = rough::tresca(&other, &omega, &contact);
     let wrong = assembler.action(&wrong, &[&u], &[&direction], &[&space]).unwrap();
     let report = verification::taylor(1e-3, &wrong, |step| {
-        assembler.residual(&form, &[&u.plus(step, &direction).unwrap()], &[&space]).map(Sample::from)
+        assembler
+            .residual(&form, &[&Field::combination(&[(1.0, &u), (step, &direction)]).unwrap()], &[&space])
+            .map(Sample::from)
     });
     let failure = report.unwrap().second_order();
     assert!(matches!(failure, Err(TaylorFailure::Order { .. })), "{failure:?}");

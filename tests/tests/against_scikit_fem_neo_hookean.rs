@@ -42,7 +42,7 @@ fn remainders_are_of_second_order() {
         let residual = assembler.residual(&form, &[&u], &[&space]).unwrap();
         let slope: f64 = residual.iter().zip(direction.values()).map(|(r, d)| r * d).sum();
         let report = verification::taylor(1.0, &[slope], |step| {
-            let moved = u.plus(step, &direction).unwrap();
+            let moved = Field::combination(&[(1.0, &u), (step, &direction)]).unwrap();
             assembler.functional(&form, &[&moved]).map(verification::Sample::from)
         });
         report.unwrap().second_order().unwrap();

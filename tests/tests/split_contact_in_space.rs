@@ -59,7 +59,7 @@ fn the_residual_is_differentiable_where_facets_are_partly_in_contact() {
                 .action(&problem.direct_form(), &[&u], &[&v], &[space])
                 .unwrap();
             taylor(1e-2, &derivative, |t| {
-                let value = residual(problem, &u.plus(t, &v).unwrap());
+                let value = residual(problem, &Field::combination(&[(1.0, &u), (t, &v)]).unwrap());
                 Ok::<_, AssemblyError>(Sample { value, active_set: None })
             })
             .unwrap()

@@ -20,7 +20,10 @@ fn simplex<const D: usize>(shape: CellShape, vertices: Vec<[f64; D]>) -> Arc<Mes
 }
 
 /// On a mesh with Γ_C = "contact".
-fn problem<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> ContactProblem<D> {
+fn problem<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> ContactProblem<D>
+where
+    Dim: Dimension<D>,
+{
     let space = Space::vector(mesh, degree).unwrap();
     let mut normal = [0.0; D];
     normal[D - 1] = -1.0;
