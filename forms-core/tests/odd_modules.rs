@@ -97,7 +97,7 @@ pub mod numbers {
     pub fn towers(s: Scalar) -> Scalar {
         let a = pow(pow(pow(s, 16), 16), 16);
         let b = pow(pow(pow(pow(pow(a, 16), 16), 16), 16), 16);
-        pow(b, -16) * 0 + pow(s, 0) + pow(a, 1 / 4096) + pow(pow(-2 * s, 3), 3)
+        1 / (1 + pow(b, 16)) - 1 + pow(s, 0) + pow(a, 1 / 4096) + pow(pow(-2 * s, 3), 3)
     }
     pub fn nested(s: Scalar) -> Scalar {
         (-(-(-(-(-(-(-(-(-(-(-(-(s)))))))))))))

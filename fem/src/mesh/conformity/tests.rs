@@ -5,9 +5,11 @@ use crate::element::CellShape;
 use crate::mesh::{annulus, cuboid, rectangle};
 
 type Checked = Result<(), MeshError>;
+/// Nodes, and blocks of cells.
+type Parts<const D: usize> = (Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>);
 
 /// Cells of two meshes beside each other, nodes and cells of the second one after those of the first.
-fn beside<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> (Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>) {
+fn beside<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> Parts<D> {
     let shift = first.node_count() as u32;
     let nodes = [first.nodes(), second.nodes()].concat();
     let cells = first.cells().iter().copied().chain(second.cells().iter().map(|node| node + shift));
