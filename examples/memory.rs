@@ -29,7 +29,7 @@ pub fn check(option: &str, unknowns: f64, bytes: f64) -> Result<(), String> {
     }
 }
 
-/// What the system can still give \[bytes\]; `None` where it has no file that says it (Linux has one).
+/// Memory that the system can still give \[bytes\]; `None` where it has no file that says it (Linux has one).
 fn available() -> Option<f64> {
     kibibytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
         .map(|kibibytes| kibibytes * 1024.0)

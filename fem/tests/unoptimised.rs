@@ -30,7 +30,7 @@ impl contract::Functional<2> for Unoptimised {
 
 const CHILD: &str = "FORMS_TEST_UNOPTIMISED";
 
-/// What a process says that assembles twice.
+/// The standard error of a process that assembles twice.
 fn said(silent: bool) -> String {
     let mut command = Command::new(std::env::current_exe().expect("this binary"));
     command.args(["--exact", "unoptimised::told_once_per_process", "--nocapture"]);

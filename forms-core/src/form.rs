@@ -130,7 +130,7 @@ impl<const D: usize> Inputs<D> {
         }
     }
 
-    /// What kernels read.
+    /// Parameters and tables, as kernels read them.
     pub fn constants(&self) -> Constants<'_> {
         Constants { parameters: &self.parameters, tables: &self.tables }
     }

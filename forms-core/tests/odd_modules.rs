@@ -192,7 +192,7 @@ fn same<R: Real>(s: R) -> R {
     s
 }
 
-/// What Rust allows before and inside of declarations.
+/// Attributes and modifiers that Rust allows before and inside of declarations.
 #[forms(crate = forms_core, dimension = 2)]
 pub mod attributes {
     //! Documentation from inside, with "quotes", \ and #![brackets].

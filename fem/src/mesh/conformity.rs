@@ -1,4 +1,4 @@
-//! Where cells touch without sharing a facet: cracks, hanging nodes, overlaps.
+//! Cells that touch without sharing a facet: cracks, hanging nodes, overlaps.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,7 +12,7 @@ use crate::locate::{Locator, nearest_on_facet};
 /// Nodes and facets are at one place within this part of a facet's size: files with single precision say no more.
 const SAME_PLACE: f64 = 1e-6;
 
-/// Where the cells of a mesh touch or overlap without sharing a facet. Displayed as a list.
+/// Cracks, hanging nodes and overlaps of a mesh. Displayed as a list.
 ///
 /// A crack is allowed: it is how a mesh says that nothing holds the two sides together. So is a hanging node, in meshes that
 /// ask for it ([`Mesh::from_nonconforming_blocks`], files); nothing holds the sides together there either. An overlap is a
@@ -47,7 +47,7 @@ pub struct Overlap<const D: usize> {
     pub position: [f64; D],
 }
 
-/// What exterior facets that touch have in common.
+/// Relations of exterior facets that touch.
 pub(super) struct Touching<const D: usize> {
     pub(super) cracks: Vec<[Facet; 2]>,
     pub(super) hanging_nodes: Vec<HangingNode<D>>,
@@ -63,7 +63,7 @@ impl<const D: usize> Conformity<D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Where cells touch or overlap without sharing a facet.
+    /// Cracks, hanging nodes and overlaps: places where cells touch or overlap without sharing a facet.
     ///
     /// Cracks and hanging nodes are found among all exterior facets. Overlaps are found where the centre of a cell or of an
     /// exterior facet lies in another cell, further from its boundary than round-off: cells that overlap by less than half

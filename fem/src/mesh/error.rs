@@ -60,9 +60,9 @@ pub enum MeshError {
     NoMemory {
         /// "nodes" or "cells".
         what: &'static str,
-        /// How many.
+        /// Their number.
         count: usize,
-        /// What they need \[bytes\].
+        /// Memory that they need \[bytes\].
         bytes: usize,
     },
     /// A coordinate is NaN or infinite.

@@ -8,7 +8,7 @@ use super::{CellBlock, Mesh, MeshError};
 use crate::element::{CellShape, Lagrange};
 use crate::quadrature::cell_rule;
 
-/// How good one cell is, judged at the quarter points of its edges, faces and inside, at points of a quadrature rule, and,
+/// Quality of one cell, judged at the quarter points of its edges, faces and inside, at points of a quadrature rule, and,
 /// if the cell is folded in between, at a point where it is: no folded cell has a positive least determinant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellQuality<const D: usize> {

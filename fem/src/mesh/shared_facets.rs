@@ -1,4 +1,4 @@
-//! What cells that share a facet must agree on: that they lie on its two sides, and which nodes it has.
+//! Agreement of cells that share a facet: they lie on its two sides, and name the same nodes.
 
 use std::collections::BTreeMap;
 

@@ -40,7 +40,7 @@ pub fn write_whole(
 /// it and removed, and the file itself is left as it is. A device is opened, a pipe is believed.
 ///
 /// # Errors
-/// Why the file cannot be written; the message names the path.
+/// The reason why a file cannot be written; the message names the path.
 pub fn check_writable(path: impl AsRef<Path>) -> io::Result<()> {
     let path = path.as_ref();
     let checked = Destination::of(path).and_then(|destination| match destination {
@@ -57,7 +57,7 @@ pub fn check_writable(path: impl AsRef<Path>) -> io::Result<()> {
     checked.map_err(|error| named(path, &error))
 }
 
-/// Where what is written under a path goes.
+/// The target of what is written under a path.
 enum Destination {
     /// A file of this name is replaced or made.
     Whole(PathBuf),

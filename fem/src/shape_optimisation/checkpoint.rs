@@ -40,7 +40,7 @@ pub enum CheckpointError {
         /// What is wrong in it.
         why: String,
     },
-    /// What is in the file is not what was written.
+    /// The file's content is not what was written.
     #[error("{} is damaged: its checksum is {found}, not {expected}", path.display())]
     Damaged {
         /// The file.
@@ -62,7 +62,7 @@ pub enum CheckpointError {
     },
 }
 
-/// What stands in the file.
+/// The content of the file.
 #[derive(Serialize, Deserialize)]
 struct Sealed {
     checksum: String,

@@ -11,7 +11,7 @@ use crate::field::Field;
 use crate::mesh::MeshError;
 use crate::space::Space;
 
-/// Why there is no reaction.
+/// A reaction that does not exist.
 #[derive(Debug, Error)]
 pub enum ReactionError {
     /// No such region.
@@ -22,7 +22,7 @@ pub enum ReactionError {
     Unknown {
         /// The number asked for.
         number: usize,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
     /// The residual of the field.

@@ -15,7 +15,7 @@ const GAUSS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// Where a cell's nodes are on the reference cell, in halves: vertices, middles of edges and faces, and of the cell.
+/// Positions of a cell's nodes on the reference cell, in halves: vertices, middles of edges and faces, and of the cell.
 fn node_halves(shape: CellShape, degree: usize) -> Vec<[i32; 3]> {
     let vertices: Vec<[i32; 3]> = match shape {
         CellShape::Triangle => vec![[0, 0, 0], [2, 0, 0], [0, 2, 0]],

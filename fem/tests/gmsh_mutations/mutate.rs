@@ -75,7 +75,7 @@ const VALUES: [u64; 14] = [
     u64::MAX,
 ];
 
-/// How many files to mutate: `FORMS_MUTATIONS`, or so many as a rule.
+/// Number of files to mutate: `FORMS_MUTATIONS`, or so many as a rule.
 pub fn count(usual: u64) -> u64 {
     match std::env::var("FORMS_MUTATIONS") {
         Ok(count) => count.parse().expect("FORMS_MUTATIONS is a number"),
@@ -86,7 +86,7 @@ pub fn count(usual: u64) -> u64 {
 /// Longest time that a reader may think about a file \[s\]. The files have some hundred lines.
 const LONGEST: f64 = 5.0;
 
-/// How many of so many mutated files a reader accepts; none may make it panic or think long.
+/// Number of mutated files that a reader accepts; none may make it panic or think long.
 pub fn accepted(corpus: &[Vec<u8>], mutations: u64, reads: impl Fn(&[u8]) -> bool + Sync) -> u64 {
     let threads = std::thread::available_parallelism().map_or(1, |count| count.get()) as u64;
     let start = std::time::Instant::now();

@@ -133,7 +133,7 @@ impl Truth {
         }
     }
 
-    /// How comparisons are joined, without what is compared.
+    /// The connectives of comparisons, without what is compared.
     fn structure(&self) -> String {
         match self {
             Truth::Compare(comparison, ..) => format!("{comparison:?} "),
@@ -360,9 +360,9 @@ pub struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Arena {
     nodes: Vec<Node>,
-    /// How many nodes stand one inside the other in each.
+    /// Depth of each: nodes that stand one inside the other.
     depths: Vec<u32>,
-    /// What [`Arena::share`] made, by what it says.
+    /// Nodes that [`Arena::share`] made, by their content.
     shared: HashMap<Key, Tensor>,
     /// One of all nodes that name the same field, parameter or number.
     leaves: HashMap<Key, Tensor>,
@@ -383,7 +383,7 @@ impl Arena {
         Tensor(self.nodes.len() as u32 - 1)
     }
 
-    /// How many nodes stand one inside the other.
+    /// Depth: the number of nodes that stand one inside the other.
     pub fn depth(&self, tensor: Tensor) -> u32 {
         self.depths[tensor.0 as usize]
     }
@@ -506,7 +506,7 @@ struct Key {
     rest: Rest,
 }
 
-/// What an operator holds beside its operands.
+/// The data of an operator beside its operands.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Rest {
     Nothing,

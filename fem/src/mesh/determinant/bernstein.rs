@@ -17,7 +17,7 @@ pub(super) struct Bernstein {
     pub(super) exponents: Vec<Exponents>,
 }
 
-/// Where a reference cell is halved: between two vertices of a simplex, or across an axis.
+/// A cut through a reference cell: between two vertices of a simplex, or across an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Cut {
     Edge(usize, usize),

@@ -29,7 +29,7 @@ pub(super) const SMALLEST: f64 = 1e-300;
 /// Relative deviation of the Jacobian from its mean, below which the determinant needs no second look.
 const NEARLY_AFFINE: f64 = 0.9;
 
-/// What is known of a cell's Jacobian determinant.
+/// The sign of a cell's Jacobian determinant, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sign<const D: usize> {
     /// Positive everywhere.
@@ -64,7 +64,7 @@ struct Expansion<const D: usize> {
 struct Part<const D: usize> {
     coefficients: Vec<f64>,
     vertices: Vec<[f64; D]>,
-    /// How often it was halved.
+    /// Number of halvings.
     depth: usize,
 }
 

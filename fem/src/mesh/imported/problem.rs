@@ -236,7 +236,7 @@ pub enum ImportProblem {
 pub enum Note {
     /// Nodes that no cell uses, such as centres of circles: they are left out.
     UnusedNodes {
-        /// How many.
+        /// Their number.
         count: usize,
         /// The first one.
         first: Item,
@@ -271,14 +271,14 @@ pub enum Note {
     },
     /// Facets that coincide, and that the cells on their two sides do not share.
     Cracks {
-        /// How many pairs of facets.
+        /// Number of pairs of facets.
         count: usize,
         /// The cells at the first one.
         first: [Item; 2],
     },
     /// Vertices on facets of cells that do not have them: nothing holds the two sides together there.
     HangingNodes {
-        /// How many.
+        /// Their number.
         count: usize,
         /// The first one.
         node: Item,
@@ -287,7 +287,7 @@ pub enum Note {
     },
     /// Cells of dimension D − 1 in a file that says nothing of regions: no facets are named.
     FacetsLeftOut {
-        /// How many.
+        /// Their number.
         count: usize,
     },
     /// A group holds facets on the boundary and facets between cells: the latter are a region of their own.

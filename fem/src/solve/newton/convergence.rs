@@ -125,7 +125,7 @@ impl Iteration<'_> {
         (0..count).map(|field| self.options.relative_tolerance * self.scale(field))
     }
 
-    /// What a field's residual is measured by: the one at the start, or the largest one where other fields drive it.
+    /// The scale of a field's residual: the one at the start, or the largest one where other fields drive it.
     fn scale(&self, field: usize) -> f64 {
         let first = self.norms.first().map_or(0.0, |start| start.residual[field]);
         let most = self.largest_residual(field);

@@ -8,7 +8,7 @@ use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::syntax::{ArgumentRole, Function};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
 
-/// How a node depends on the test functions.
+/// Dependence of a node on the test functions.
 #[derive(Clone)]
 enum Dependence {
     /// It is zero whatever they are: linear in each of them, and free of them, too.
@@ -80,7 +80,7 @@ pub fn check_functional(function: &Function, diagnostics: &mut Diagnostics) -> b
 }
 
 impl Algebra<'_> {
-    /// How a node depends on the test functions; `None` after a report.
+    /// Dependence of a node on the test functions; `None` after a report.
     fn dependence(&mut self, tensor: Tensor) -> Option<Dependence> {
         if let Some(known) = self.known.get(&tensor) {
             return known.clone();

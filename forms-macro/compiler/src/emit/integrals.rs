@@ -130,7 +130,7 @@ impl Walks {
         walks
     }
 
-    /// What is joined on no region stands by itself in the whole, too.
+    /// Adds to the whole the integrals of regions on which nothing is joined.
     fn complete_whole(&mut self, optimised: &Optimised) {
         if self.whole_residual.is_empty() {
             return;

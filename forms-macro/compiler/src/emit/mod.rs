@@ -105,7 +105,7 @@ fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
     }
 }
 
-/// What every declaration derives, but for what its own attributes do.
+/// The traits that every declaration derives, but for those that its own attributes do.
 fn derived(attributes: &[syn::Attribute]) -> TokenStream {
     let mut own = Vec::new();
     for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("derive")) {

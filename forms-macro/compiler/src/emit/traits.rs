@@ -49,14 +49,14 @@ pub fn implementations(function: &Function, dimensions: &[usize]) -> TokenStream
     }
 }
 
-/// What differs between a function for all dimensions and one for a single dimension.
+/// The parts of an implementation that differ between a function for all dimensions and one for a single dimension.
 struct Writer {
     generics: TokenStream,
     dimension: TokenStream,
     bound: TokenStream,
     /// The type whose functions walk the integrals.
     walks: TokenStream,
-    /// What those functions take as their first type.
+    /// The first type argument of those functions, if they take one.
     kernels: TokenStream,
 }
 

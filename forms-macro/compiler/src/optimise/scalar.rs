@@ -115,7 +115,7 @@ impl Node {
 #[derive(Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// How each node may behave: see [`Behaviour`].
+    /// The behaviour of each node: see [`Behaviour`].
     behaviours: Vec<Behaviour>,
     /// The factors 1 + 0/x, each with its x.
     guards: HashMap<Scalar, Scalar>,
@@ -186,7 +186,7 @@ impl Graph {
         self.guards.retain(|guard, _| (guard.0 as usize) < length);
     }
 
-    /// What is known of a node's values.
+    /// Known properties of a node's values.
     pub fn behaviour(&self, scalar: Scalar) -> Behaviour {
         self.behaviours[scalar.0 as usize]
     }
@@ -305,7 +305,7 @@ impl Graph {
         }
     }
 
-    /// What makes a term singular: what it divides by and varies, and its other singular factors. Not its guards.
+    /// Singular parts of a term: the varying divisors, and its other singular factors. Not its guards.
     fn singularities(&self, term: Scalar, found: &mut Vec<Scalar>) {
         let Node::Product(factors) = self.node(term) else {
             if self.behaviour(term).singular {
@@ -544,7 +544,7 @@ impl Graph {
     }
 }
 
-/// What is known of a node's values.
+/// Known properties of a node's values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Behaviour {
     /// It may be no number, or infinite, where all fields are finite: it holds a quotient, a logarithm or the like of what

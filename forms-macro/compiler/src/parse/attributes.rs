@@ -38,7 +38,7 @@ pub fn is_marker(attribute: &Attribute) -> bool {
     Entity::MARKERS.iter().any(|(name, _)| attribute.path().is_ident(name))
 }
 
-/// What a region consists of; `None` for other attributes.
+/// The entities of a region; `None` for other attributes.
 pub fn marker(attribute: &Attribute, diagnostics: &mut Diagnostics) -> Option<Entity> {
     let (name, entity) = Entity::MARKERS.iter().find(|(name, _)| attribute.path().is_ident(name))?;
     if !matches!(attribute.meta, Meta::Path(_)) {

@@ -1,4 +1,4 @@
-//! What is emitted grows with a form as the form does, not with a power of its depth: counted in characters and tokens,
+//! Emitted code grows with a form as the form does, not with a power of its depth: counted in characters and tokens,
 //! and each form compiled in bounded time.
 
 use proc_macro2::{TokenStream, TokenTree};
@@ -135,7 +135,7 @@ fn functions_of_tensors() {
     }
 }
 
-/// What is too deep for a compiler's stack is refused by name.
+/// A form too deep for a compiler's stack is refused by name.
 #[test]
 fn too_deep() {
     let steps: String = (1..3000).map(|k| format!("let a{k} = sin(a{}) + 1; ", k - 1)).collect();

@@ -122,7 +122,7 @@ impl Namer {
     }
 }
 
-/// What is left out.
+/// The mark of what is left out.
 pub fn ellipsis() -> Formula {
     Formula::word("…")
 }

@@ -28,7 +28,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What a node is, whether it has a name or not.
+    /// The operator of a node, whether it has a name or not.
     pub fn read_node(&self, tensor: Tensor) -> Formula {
         use Operator::*;
         let node = self.arena.node(tensor);

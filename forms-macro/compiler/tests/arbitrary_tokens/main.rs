@@ -135,7 +135,7 @@ fn fault(options: &str, tokens: TokenStream, text: &str) -> Result<(), String> {
     if spent > LONGEST { Err(format!("{spent:?} for\n{text}")) } else { Ok(()) }
 }
 
-/// What this thread has spent; `None` where the system does not tell.
+/// Processor time that this thread has spent; `None` where the system does not tell.
 fn processor_time() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
