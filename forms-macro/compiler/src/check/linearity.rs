@@ -165,8 +165,10 @@ impl Algebra<'_> {
         let (first, second) = (self.dependence(a), self.dependence(b));
         let (first, second) = match (first?, second?) {
             (Zero, Zero) => return Some(Zero),
-            (Zero, other) => return Some(if self.is_regular(b) { Zero } else { other }),
-            (other, Zero) => return Some(if self.is_regular(a) { Zero } else { other }),
+            // Zero times a test function is linear in it.
+            (Zero, Linear(tests)) | (Linear(tests), Zero) => return Some(Linear(tests)),
+            (Zero, Free) => return Some(if self.is_regular(b) { Zero } else { Free }),
+            (Free, Zero) => return Some(if self.is_regular(a) { Zero } else { Free }),
             (Free, other) | (other, Free) => return Some(other),
             (Linear(first), Linear(second)) => (first, second),
         };
