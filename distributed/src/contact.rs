@@ -18,7 +18,10 @@ pub struct SharedContact<'w, const D: usize> {
     problem: ContactProblem<D>,
 }
 
-impl<'w, const D: usize> SharedContact<'w, D> {
+impl<'w, const D: usize> SharedContact<'w, D>
+where
+    Dim: Dimension<D>,
+{
     /// The same problem on all processes.
     ///
     /// # Errors
@@ -43,10 +46,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
-    ) -> Result<Solved<D>, NewtonError<SharedAssemblyError>>
-    where
-        Dim: Dimension<D>,
-    {
+    ) -> Result<Solved<D>, NewtonError<SharedAssemblyError>> {
         let ContactProblem { assembler, space, constraints, .. } = &self.problem;
         let form = self.problem.direct_form();
         let start = Field::zero(space);
@@ -68,10 +68,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
         adjoint: Adjoint,
         u: &Field<D>,
         solver: &mut dyn LinearSolver,
-    ) -> Result<Field<D>, SharedAffineError>
-    where
-        Dim: Dimension<D>,
-    {
+    ) -> Result<Field<D>, SharedAffineError> {
         let (data, regions) = (&self.problem.data, &self.problem.regions);
         let (omega, gamma_c, boundary) = (&regions.omega, &regions.gamma_c, &regions.boundary);
         match adjoint {
@@ -102,10 +99,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
     ///
     /// # Errors
     /// Data that do not fit.
-    pub fn criterion(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError>
-    where
-        Dim: Dimension<D>,
-    {
+    pub fn criterion(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError> {
         let regions = &self.problem.regions;
         self.functional(&forms::criterion(&self.problem.data, &regions.omega, &regions.boundary, u))
     }
@@ -114,10 +108,7 @@ impl<'w, const D: usize> SharedContact<'w, D> {
     ///
     /// # Errors
     /// Data that do not fit.
-    pub fn contact_force(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError>
-    where
-        Dim: Dimension<D>,
-    {
+    pub fn contact_force(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError> {
         self.functional(&forms::contact_force(&self.problem.data, &self.problem.regions.gamma_c, u))
     }
 
