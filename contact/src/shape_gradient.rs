@@ -105,7 +105,14 @@ impl<const D: usize> ContactProblem<D> {
         let mut values = assembler.residual(&form, &[], &[&movements])?;
         if diameters == Diameters::Moving {
             let cells = Space::discontinuous_scalar(assembler.mesh(), 0)?;
-            let form = forms::diameter_gradient(&self.data, &regions.gamma_c, u, p);
+            let form = forms::diameter_gradient(
+                &self.data,
+                &regions.omega,
+                &regions.gamma_n,
+                &regions.gamma_c,
+                u,
+                p,
+            );
             let per_cell = assembler.residual(&form, &[], &[&cells])?;
             add(&mut values, &diameters_to_movements(&movements, &per_cell)?);
         }
@@ -127,8 +134,14 @@ impl<const D: usize> ContactProblem<D> {
         Dim: Dimension<D>,
     {
         let regions = &self.regions;
-        let form =
-            forms::discrete_adjoint(&self.data, &regions.omega, &regions.gamma_c, &regions.boundary, u);
+        let form = forms::discrete_adjoint(
+            &self.data,
+            &regions.omega,
+            &regions.gamma_n,
+            &regions.gamma_c,
+            &regions.boundary,
+            u,
+        );
         let reaction = self.assembler_at(u)?.residual(&form, &[p], &[&self.space])?;
         let mut by_axis = vec![vec![0.0; self.space.node_count()]; D];
         for &unknown in self.constraints.prescribed().keys() {

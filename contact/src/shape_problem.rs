@@ -169,7 +169,7 @@ impl<F> ContactShape<F> {
             .solve_affine(&problem.constraints.homogeneous(), solver)?;
         let form = load_and_pressure::shape_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
         let mut gradient = assembler.residual(&form, &[], &[movements])?;
-        let form = load_and_pressure::diameter_gradient(&data, &gamma_c, u, &p);
+        let form = load_and_pressure::diameter_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
         let cells = Space::discontinuous_scalar(movements.mesh(), 0)?;
         let per_cell = assembler.residual(&form, &[], &[&cells])?;
         add(&mut gradient, 1.0, &diameters_to_movements(movements, &per_cell)?);

@@ -290,10 +290,10 @@ where
         u: &Field<D>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Timed<Field<D>>, LinearProblemError> {
-        let Regions { omega, gamma_n: _, gamma_c, boundary } = &self.regions;
+        let Regions { omega, gamma_n, gamma_c, boundary } = &self.regions;
         match adjoint {
             Adjoint::Discrete => {
-                let form = forms::discrete_adjoint(&self.data, omega, gamma_c, boundary, u);
+                let form = forms::discrete_adjoint(&self.data, omega, gamma_n, gamma_c, boundary, u);
                 self.solve_affine(&form, &self.assembler_at(u)?, solver)
             }
             Adjoint::Consistent => {

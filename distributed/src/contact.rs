@@ -72,9 +72,10 @@ where
         let (data, regions) = (&self.problem.data, &self.problem.regions);
         let (omega, gamma_c, boundary) = (&regions.omega, &regions.gamma_c, &regions.boundary);
         match adjoint {
-            Adjoint::Discrete => {
-                self.solve_affine(&forms::discrete_adjoint(data, omega, gamma_c, boundary, u), solver)
-            }
+            Adjoint::Discrete => self.solve_affine(
+                &forms::discrete_adjoint(data, omega, &regions.gamma_n, gamma_c, boundary, u),
+                solver,
+            ),
             Adjoint::Consistent => {
                 self.solve_affine(&forms::consistent_adjoint(data, omega, gamma_c, boundary, u), solver)
             }

@@ -365,6 +365,7 @@ fn zeros_are_linear_in_the_test_function() {
     let mesh = Mesh::<2>::cube(&mut Random(7));
     let u = [Random(8).field(4, 2, 0.0, 1.0)];
     let (data, omega) = (zeros::Data { lambda: 1.3, mu: 0.7 }, zeros::Omega::on("all"));
+    let gamma = zeros::Gamma::on("boundary");
     let same = |first: Vec<f64>, second: Vec<f64>| {
         assert!(first.iter().any(|entry| entry.abs() > 1e-3));
         for (a, b) in first.iter().zip(&second) {
@@ -373,10 +374,10 @@ fn zeros_are_linear_in_the_test_function() {
     };
     let embedded = residual::<f64, _, 2>(&mesh, &zeros::embedded(&data, &omega), &u);
     same(embedded, residual::<f64, _, 2>(&mesh, &zeros::plane(&data, &omega), &u));
-    let branches = residual::<f64, _, 2>(&mesh, &zeros::branches(&data, &omega), &u);
+    let branches = residual::<f64, _, 2>(&mesh, &zeros::branches(&data, &omega, &gamma), &u);
     same(branches, residual::<f64, _, 2>(&mesh, &zeros::by_hand(&data, &omega), &u));
-    // Nothing is left on the facets: the constructor asks for no region there.
-    let last = zeros::nothing_on_the_facets(&data, &omega, Source::Constant(vec![3.0, 5.0]));
+    // Nothing is left on the facets; the constructor asks for what the text names.
+    let last = zeros::nothing_on_the_facets(&data, &omega, &gamma, Source::Constant(vec![3.0, 5.0]));
     let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     assert!((functional(&mesh, &last, &[]) - 5.0 * volume).abs() < 1e-14);
 }

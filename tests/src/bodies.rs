@@ -144,7 +144,14 @@ impl<const D: usize> Body<D> {
     /// (21) at the body's state.
     pub fn discrete_adjoint(&self, data: &forms::Data<D>) -> forms::discrete_adjoint::Compiled<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
-        forms::discrete_adjoint(data, &omega, &gamma_c, &forms::Boundary::on("boundary"), &self.u)
+        forms::discrete_adjoint(
+            data,
+            &omega,
+            &forms::GammaN::on(LOADED),
+            &gamma_c,
+            &forms::Boundary::on("boundary"),
+            &self.u,
+        )
     }
 
     /// (22) at the body's state.

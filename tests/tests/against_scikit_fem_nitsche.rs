@@ -64,7 +64,7 @@ fn compare(file: ReferenceFile) -> f64 {
     // The adjoints: affine in p, so that minus the residual at p = 0 is the right side.
     let zero = Field::zero(&space);
     let (unknowns, tests) = ([&zero], [&space]);
-    let discrete = forms::discrete_adjoint(&data, &omega, &gamma_c, &boundary, &u);
+    let discrete = forms::discrete_adjoint(&data, &omega, &gamma_n, &gamma_c, &boundary, &u);
     let consistent = forms::consistent_adjoint(&data, &omega, &gamma_c, &boundary, &u);
     let extended = forms::extended_adjoint(&data, &omega, &gamma_c, &boundary, &u);
     let matrix = assembler.tangent(&discrete, &unknowns, &tests).unwrap();
@@ -87,7 +87,7 @@ fn compare(file: ReferenceFile) -> f64 {
     // Without N all three have one right side.
     let sides = [
         assembler.residual(
-            &forms::discrete_adjoint(&interior, &omega, &gamma_c, &boundary, &u),
+            &forms::discrete_adjoint(&interior, &omega, &gamma_n, &gamma_c, &boundary, &u),
             &unknowns,
             &tests,
         ),

@@ -249,7 +249,7 @@ fn the_shape_gradient_of_the_block_is_exact() {
                 .solve(&Field::zero(&space), &constraints, &mut solver, &options, &mut |_| ())
                 .unwrap()
                 .field;
-            let adjoint = stored::adjoint(&data, &omega, &gamma_c, &u);
+            let adjoint = stored::adjoint(&data, &omega, &gamma_n, &gamma_c, &u);
             let p = FormProblem::new(&adjoint, &assembler, &space)
                 .unwrap()
                 .solve_affine(&constraints.homogeneous(), &mut solver)

@@ -14,9 +14,9 @@ use crate::diagnostics::{Diagnostics, Place};
 use crate::differentiate::differentiate;
 use crate::dump::{self, Dump};
 use crate::emit::emit;
-use crate::emit::form::used_regions;
+use crate::emit::named_regions::regions_named;
 use crate::one_form::OneForm;
-use crate::optimise::{Failure, Optimised, optimise};
+use crate::optimise::{Failure, optimise};
 use crate::parse::attributes::outer;
 use crate::parse::parse;
 use crate::reuse::import::Arrived;
@@ -236,10 +236,11 @@ impl Unit<'_> {
         };
         let text = payload::write(&item, &imported, !diagnostics.is_empty());
         let carrier = carrier::write(&item, &imported, &text);
-        let first: Vec<&Optimised> = optimised.iter().filter(|one| one.function == 0).collect();
-        let used = module.functions.first().filter(|_| first.len() == options.dimensions.len());
-        let used = used.map(|function| {
-            let used = used_regions(first.iter().copied(), function).into_iter();
+        let complete = |index: usize| {
+            optimised.iter().filter(|one| one.function == index).count() == options.dimensions.len()
+        };
+        let used = module.functions.first().filter(|_| complete(0)).map(|function| {
+            let used = regions_named(&module, function).into_iter();
             used.map(|region| module.regions[region].name.clone()).collect()
         });
         let errors = diagnostics.into_tokens();

@@ -6,7 +6,8 @@ use quote::quote;
 use super::formula;
 use super::integrals::emit_integrals;
 use super::model::snake_case;
-use super::placeholder::{likely_regions, placeholder};
+use super::named_regions::{likely_regions, regions_named};
+use super::placeholder::placeholder;
 use super::traits::implementations;
 use crate::check::field_members;
 use crate::optimise::Optimised;
@@ -24,7 +25,7 @@ pub fn emit_function(
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
     let complete = optimised.len() == dimensions.len();
-    let used = used_regions(optimised.iter(), function);
+    let used = regions_named(module, function);
     let constructor_arguments = constructor_arguments(module, function, &used);
     let inputs = inputs(module, function, &used);
     let mut integrals = TokenStream::new();
@@ -82,22 +83,6 @@ pub fn emit_function(
             #integrals
         }
     }
-}
-
-/// Regions of the module that the function integrates over, in the order of their declaration.
-pub fn used_regions<'a>(optimised: impl Iterator<Item = &'a Optimised>, function: &Function) -> Vec<usize> {
-    if matches!(function.output, Output::Value(_)) {
-        return vec![];
-    }
-    let mut used: Vec<usize> = optimised
-        .flat_map(|one| {
-            let linear = one.residual.iter().map(|integral| integral.description.region);
-            linear.chain(one.density.iter().map(|integral| integral.description.region)).collect::<Vec<_>>()
-        })
-        .collect();
-    used.sort_unstable();
-    used.dedup();
-    used
 }
 
 fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -> Vec<TokenStream> {

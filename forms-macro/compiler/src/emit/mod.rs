@@ -3,12 +3,13 @@
 
 mod description;
 mod external;
-pub mod form;
+mod form;
 mod formula;
 mod integrals;
 mod kernel;
 mod layout;
 mod model;
+pub mod named_regions;
 mod placeholder;
 mod print;
 mod traits;
@@ -51,7 +52,7 @@ pub fn emit(
         .filter(|(_, (function, _))| is_first(&function.name))
         .map(|(index, (function, optimised))| {
             if optimised.len() == dimensions.len() {
-                bound.push(Bound { function, regions: form::used_regions(optimised.iter(), function) });
+                bound.push(Bound { function, regions: named_regions::regions_named(module, function) });
             }
             let formula = formulas.get(index).and_then(Option::as_ref);
             form::emit_function(module, function, dimensions, optimised, formula)

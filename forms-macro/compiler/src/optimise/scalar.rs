@@ -351,19 +351,23 @@ impl Graph {
         self.scale(-1.0, a)
     }
 
-    /// Coefficient times something whose first coefficient is one.
+    /// Coefficient times something whose first coefficient is one: exactly, so that what is primitive stays as it is and cancels
+    /// against itself.
     fn primitive(&mut self, a: Scalar) -> (f64, Scalar) {
-        let combination = self.combination(a);
+        let mut combination = self.combination(a);
         if combination.terms.is_empty() {
             return (combination.constant, self.number(1.0));
         }
-        match combination.terms.iter().find(|(coefficient, _)| *coefficient != 0.0) {
-            None | Some((1.0, _)) => (1.0, a),
-            Some((leading, _)) => {
-                let leading = *leading;
-                (leading, self.scale(1.0 / leading, a))
-            }
+        let Some(first) = combination.terms.iter().position(|(coefficient, _)| *coefficient != 0.0) else {
+            return (1.0, a);
+        };
+        let leading = combination.terms[first].0;
+        if leading == 1.0 {
+            return (1.0, a);
         }
+        combination.constant /= leading;
+        combination.terms.iter_mut().for_each(|(coefficient, _)| *coefficient /= leading);
+        (leading, self.gather(combination))
     }
 
     /// a b as it is written: where a divisor of one is a factor of the other, that the divisor must not be zero stays.

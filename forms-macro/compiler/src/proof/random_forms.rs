@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::comparison::{Tally, compare};
 use super::data::Random;
@@ -10,13 +11,16 @@ use super::generator;
 use super::source::Source;
 use crate::check::builtins::{BUILTINS, CONSTANTS};
 
-/// `PROPTEST_CASES` gives another number of cases.
+/// The same forms in every run. `PROPTEST_CASES` gives another number of cases, and `PROPTEST_RNG_SEED` others.
 fn configuration(cases: u32) -> ProptestConfig {
     // A failure is made simpler for two minutes, in ms.
     let mut configuration =
         ProptestConfig { max_shrink_iters: 2048, max_shrink_time: 120_000, ..ProptestConfig::default() };
     if std::env::var_os("PROPTEST_CASES").is_none() {
         configuration.cases = cases;
+    }
+    if std::env::var_os("PROPTEST_RNG_SEED").is_none() {
+        configuration.rng_seed = RngSeed::Fixed(2026);
     }
     configuration
 }

@@ -25,6 +25,37 @@ fn what_jumps_is_neither_constant_nor_linear() {
     assert_eq!(form("heaviside(h - 1)")[0].dependence, "Constant");
 }
 
+/// Found by random forms: log₁₀ brings the factor 1/ln 10, and a sum divided by its first coefficient had 0.999… there; it did
+/// not cancel against itself, and the kernel divided by a derivative that is zero.
+#[test]
+fn what_is_taken_out_cancels() {
+    let text = "mod m { #[interior_facets] struct Skeleton;
+        fn e(u: Unknown<Vector>) -> Energy {
+            let a = log10(2.5 + cos(other(diff(sin(inner(u, u)) * dot(u, x), u)[0])));
+            integral(Skeleton, div(grad(ln(2.5 + cos(neg_part(a))))))
+        } }";
+    let compared =
+        compare(&Source::new(3, text), 1).unwrap_or_else(|difference| panic!("{difference}")).compared;
+    assert!(compared > 20, "{compared} numbers compared");
+}
+
+/// Found by random forms: an integral may vanish from the residual and leave something in another list. Its region is asked
+/// for all the same.
+#[test]
+fn a_region_stays_whose_integral_is_zero() {
+    let text = "mod m { #[cells] struct Omega; #[facets] struct Gamma;
+        fn f(u: Unknown<Scalar>, q: State<Scalar>, v: Test<Scalar>) -> Form {
+            integral(Omega, 0 * u * v) + integral(Gamma, derivative(q * q, q, q) * v - 2 * q * q * v)
+        }
+        fn s(u: Unknown<Scalar>, q: State<Scalar>, v: Test<Scalar>) -> Form {
+            derivative(integral(Omega, u * v) + integral(Gamma, u * q * v), q, q)
+        } }";
+    let functions = read(Source::new(2, text).emitted());
+    for name in ["f", "s"] {
+        assert_eq!(functions[name].argument_types, ["Omega", "Gamma"], "{name}");
+    }
+}
+
 /// A derivative may be a node that stands elsewhere as well: only what bears the name is varied.
 #[test]
 fn a_name_for_a_derivative_varies_alone() {
