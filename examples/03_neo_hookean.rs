@@ -78,7 +78,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let solved = problem.solve(&u, &constraints, &mut solver, &NewtonOptions::default(), &mut |_| ())?;
         u = solved.field;
 
-        let force = assembler.functional(&rubber::force(&data, &end, &u), &[])?;
+        let force = assembler.functional(&rubber::force(&data, &end, &u))?;
         let exact = MU * (stretch - 1.0 / stretch) + LAMBDA * (stretch * across * across).ln() / stretch;
         let measured = 1.0 + u.evaluate(&[2.0, 1.0, 1.0])?[1];
         let steps = solved.history.len() - 1;

@@ -95,7 +95,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         ));
     })?;
 
-    let force = assembler.functional(&block::force(&data, &bottom, &solved.field), &[])?;
+    let force = assembler.functional(&block::force(&data, &bottom, &solved.field))?;
     let exact = YOUNG / (1.0 - POISSON * POISSON) * (PUSH - GAP) / HEIGHT * WIDTH;
     out.line(format!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm"));
 

@@ -156,7 +156,7 @@ fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         (u, _) = step(&assembler, &data, &constraints, &u)?;
 
         let form = metal::stress_along_x(&data, &metal::Omega::on("all"), &u);
-        let stress = assembler.functional(&form, &[])?;
+        let stress = assembler.functional(&form)?;
         commit(&data);
         let exact = match loading {
             true => curve(strain, first_yield),

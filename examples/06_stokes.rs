@@ -90,7 +90,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures])?;
     let [u, p] = problem.solve_affine([&walls, &level], &mut TangentSolver::default())?;
 
-    let flux = assembler.functional(&fluid::flux(&data, &fluid::Outlet::on("right"), &u), &[])?;
+    let flux = assembler.functional(&fluid::flux(&data, &fluid::Outlet::on("right"), &u))?;
     let exact_flux = exact(OUTER)[1] - exact(INNER)[1];
     let middle = p.evaluate(&[0.0, 15.0])?[0];
     out.line(format!("unknowns               {} + {}", velocities.unknowns(), pressures.unknowns()));

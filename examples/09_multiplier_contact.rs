@@ -116,13 +116,13 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual));
     })?;
     let [_, p] = &solved.fields;
-    let force = assembler.functional(&pressed::force(&data, &top, p), &[])?;
+    let force = assembler.functional(&pressed::force(&data, &top, p))?;
 
     let form = pressed::nitsche(&data, &omega, &top);
     let mut problem = FormProblem::new(&form, &assembler, &displacements)?;
     let start = Field::zero(&displacements);
     let without = problem.solve(&start, &held, &mut solver, &options, &mut |_| ())?.field;
-    let nitsche_force = assembler.functional(&pressed::nitsche_force(&data, &top, &without), &[])?;
+    let nitsche_force = assembler.functional(&pressed::nitsche_force(&data, &top, &without))?;
 
     // The pressure along the top, by x.
     let along = |samples: Vec<forms_fem::assemble::FacetSample<2>>| {

@@ -55,7 +55,7 @@ fn rigidity(mesh: &Arc<Mesh<2>>) -> Result<(f64, Field<2>), Box<dyn Error>> {
     let form = bar::twist(&section);
     let u =
         FormProblem::new(&form, &assembler, &space)?.solve_affine(&held, &mut TangentSolver::default())?;
-    Ok((assembler.functional(&bar::rigidity(&section, &u), &[])?, u))
+    Ok((assembler.functional(&bar::rigidity(&section, &u))?, u))
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
@@ -71,12 +71,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // Points move in the space of the mesh's geometry.
     let movements = Space::of_geometry(&mesh)?;
     let growth = Field::interpolate(&movements, |x| *x)?;
-    let derivative = assembler.functional(&bar::along(&section, &u, &p, &growth), &[])?;
+    let derivative = assembler.functional(&bar::along(&section, &u, &p, &growth))?;
     out.line(format!("J = {value:.9}, derivative along x = {derivative:.9}, 4 J = {:.9}", 4.0 * value));
 
     // Is it the derivative of what the program computes? A Taylor test along some other movement says so.
     let wave = Field::interpolate(&movements, |x| [(2.0 * x[1]).sin(), x[0] * x[1] + 0.3 * x[0]])?;
-    let slope = assembler.functional(&bar::along(&section, &u, &p, &wave), &[])?;
+    let slope = assembler.functional(&bar::along(&section, &u, &p, &wave))?;
     let report = verification::shape(&wave, 0.1, slope, |moved| {
         let (value, _) = rigidity(moved)?;
         Ok::<_, Box<dyn Error>>(value.into())
@@ -94,7 +94,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         .write_png("out/11_shape_derivative.png")?;
 
     assert!((derivative - 4.0 * value).abs() < 1e-11 * value, "{derivative} is not four times {value}");
-    let along_steepest = assembler.functional(&bar::along(&section, &u, &p, &steepest), &[])?;
+    let along_steepest = assembler.functional(&bar::along(&section, &u, &p, &steepest))?;
     assert!(along_steepest > 0.0, "the rigidity falls along the steepest movement");
     Ok(())
 }

@@ -32,7 +32,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let report = solver.report();
     let u = &direct.result.field;
     let criterion = forms::criterion(&problem.data, &problem.regions.omega, &problem.regions.boundary, u);
-    let j = problem.assembler.functional(&criterion, &[])?;
+    let j = problem.assembler.functional(&criterion)?;
     let steps = direct.result.history.len() - 1;
 
     out.line(format!("n_r = {radial}, θ = {theta}, {} unknowns, one thread\n", problem.space.unknowns()));

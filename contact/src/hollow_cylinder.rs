@@ -278,9 +278,9 @@ pub fn solve(
     let p_discrete = adjoint(Adjoint::Discrete, "discrete adjoint (21)")?;
     let Regions { omega, gamma_c, boundary, .. } = &problem.regions;
     let (assembler, data) = (&problem.assembler, &problem.data);
-    let criterion = assembler.functional(&forms::criterion(data, omega, boundary, &u), &[])?;
-    let contact_force = assembler.functional(&forms::contact_force(data, gamma_c, &u), &[])?;
-    let contact_length = assembler.functional(&forms::contact_length(data, gamma_c, &u), &[])?;
+    let criterion = assembler.functional(&forms::criterion(data, omega, boundary, &u))?;
+    let contact_force = assembler.functional(&forms::contact_force(data, gamma_c, &u))?;
+    let contact_length = assembler.functional(&forms::contact_length(data, gamma_c, &u))?;
     let samples =
         assembler.along_facets_uniformly(&forms::penetration(data, &u), CONTACT, PENETRATION_SAMPLES)?;
     let max_penetration = samples.iter().map(|sample| sample.value[0]).fold(f64::NEG_INFINITY, f64::max);

@@ -102,7 +102,7 @@ impl<const D: usize> ContactProblem<D> {
             u,
             p,
         );
-        let mut values = assembler.residual(&form, &[], &[&movements])?;
+        let mut values = assembler.linear_form(&form, &movements)?;
         if diameters == Diameters::Moving {
             let cells = Space::discontinuous_scalar(assembler.mesh(), 0)?;
             let form = forms::diameter_gradient(
@@ -113,7 +113,7 @@ impl<const D: usize> ContactProblem<D> {
                 u,
                 p,
             );
-            let per_cell = assembler.residual(&form, &[], &[&cells])?;
+            let per_cell = assembler.linear_form(&form, &cells)?;
             add(&mut values, &diameters_to_movements(&movements, &per_cell)?);
         }
         if let Some(slope) = imposed {

@@ -146,7 +146,7 @@ impl<F> ContactShape<F> {
         let data = Self::weighted(problem, weights);
         problem
             .assembler_at(u)?
-            .functional(&load_and_pressure::criterion(&data, &omega, &gamma_n, &gamma_c, u), &[])
+            .functional(&load_and_pressure::criterion(&data, &omega, &gamma_n, &gamma_c, u))
     }
 
     /// The derivative of load ℓ(u) + ∫ (square p² + linear p), with its adjoint state solved for.
@@ -168,10 +168,10 @@ impl<F> ContactShape<F> {
         let p = FormProblem::new(&form, &assembler, &problem.space)?
             .solve_affine(&problem.constraints.homogeneous(), solver)?;
         let form = load_and_pressure::shape_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
-        let mut gradient = assembler.residual(&form, &[], &[movements])?;
+        let mut gradient = assembler.linear_form(&form, movements)?;
         let form = load_and_pressure::diameter_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
         let cells = Space::discontinuous_scalar(movements.mesh(), 0)?;
-        let per_cell = assembler.residual(&form, &[], &[&cells])?;
+        let per_cell = assembler.linear_form(&form, &cells)?;
         add(&mut gradient, 1.0, &diameters_to_movements(movements, &per_cell)?);
         Ok(gradient)
     }
@@ -195,7 +195,7 @@ impl<F> ContactShape<F> {
         let data = boundary_form::Data::of(&problem.data, Given::constant([0.0; D]));
         let free = boundary_form::Free::on(self.moving.clone());
         let form = boundary_form::gradient_on_free(&data, &free, u, &p);
-        Ok(problem.assembler.residual(&form, &[], &[movements])?)
+        Ok(problem.assembler.linear_form(&form, movements)?)
     }
 }
 
@@ -224,7 +224,7 @@ where
             Criterion::Paper => {
                 let regions = &problem.regions;
                 let form = forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
-                criterion += problem.assembler.functional(&form, &[])?;
+                criterion += problem.assembler.functional(&form)?;
             }
             Criterion::Compliance => criterion += self.functional(&problem, &u, [1.0, 0.0, 0.0])?,
             Criterion::Unevenness { over } => {

@@ -215,11 +215,11 @@ impl LinearSolver for PetscSolver<'_> {
         Ok(())
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         absolute: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         self.check_size("the right-hand side", b.len())?;
         let start = Instant::now();
@@ -235,7 +235,7 @@ impl LinearSolver for PetscSolver<'_> {
                 let (absolute, most) = (absolute.max(f64::MIN_POSITIVE), Index::from(max_iterations));
                 call!(KSPSetTolerances(solver, tolerance, absolute, DEFAULT, most))?;
             }
-            if transposed && self.method == Method::Direct {
+            if transpose == Transpose::Yes && self.method == Method::Direct {
                 call!(KSPSolveTranspose(solver, b, x))?;
             } else {
                 // Conjugate gradients take the matrix for its transpose.
@@ -246,7 +246,7 @@ impl LinearSolver for PetscSolver<'_> {
                 return Err(self.not_converged(solver)?);
             }
             call!(KSPGetIterationNumber(solver, &mut iterations))?;
-            if transposed {
+            if transpose == Transpose::Yes {
                 call!(MatMultTranspose(matrix, x, rest))?;
             } else {
                 call!(MatMult(matrix, x, rest))?;

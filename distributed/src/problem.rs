@@ -117,7 +117,7 @@ pub fn shared_functional<G: Functional<D>, const D: usize>(
     share: &Assembler<D>,
     functional: &G,
 ) -> Result<f64, SharedAssemblyError> {
-    let own = world.agree(share.functional(functional, &[]))?;
+    let own = world.agree(share.functional(functional))?;
     Ok(world.sum(&[own])?[0])
 }
 

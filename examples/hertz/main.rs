@@ -56,7 +56,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
     }
 
     let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
-    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[])?;
+    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u))?;
     let hertz = Hertz::of_point(force);
     let Hertz { reach: a, peak: p0 } = hertz;
     let error = hertz.profile_error(&problem, &u)?;

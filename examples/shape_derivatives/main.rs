@@ -88,7 +88,7 @@ fn criterion(problem: &ContactProblem<2>) -> Result<(f64, Field<2>), Box<dyn Err
     let u = problem.solve_direct(&mut TangentSolver::default(), &options, &mut |_| ())?.result.field;
     let regions = &problem.regions;
     let form = forms_contact::forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
-    Ok((problem.assembler.functional(&form, &[])?, u))
+    Ok((problem.assembler.functional(&form)?, u))
 }
 
 fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivatives>, Box<dyn Error>> {
@@ -108,17 +108,17 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
         let boundary = |p: &Field<2>| match piece {
             Piece::Free => {
                 let form = boundary_form::on_free(&data, &boundary_form::Free::on(region), &u, p, &along);
-                assembler.functional(&form, &[])
+                assembler.functional(&form)
             }
             Piece::Clamped => {
                 let form =
                     boundary_form::on_clamped(&data, &boundary_form::Clamped::on(region), &u, p, &along);
-                assembler.functional(&form, &[])
+                assembler.functional(&form)
             }
             Piece::Contact => {
                 let form =
                     boundary_form::on_contact(&data, &boundary_form::Contact::on(region), &u, p, &along);
-                assembler.functional(&form, &[])
+                assembler.functional(&form)
             }
         };
         let volume = gradient.along(&along)?;
@@ -134,7 +134,7 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
             volume,
             boundary_consistent: boundary(&consistent)?,
             boundary_discrete: boundary(&discrete)?,
-            adjoint_part: volume - assembler.functional(&explicit, &[])?,
+            adjoint_part: volume - assembler.functional(&explicit)?,
             difference,
         });
     }

@@ -46,7 +46,7 @@ impl LinearSolver for Krylov {
         Ok(())
     }
 
-    fn solve_side(&mut self, b: &[f64], _: f64, _: bool) -> Result<LinearSolution, SolverError> {
+    fn solve_with(&mut self, b: &[f64], _: f64, _: Transpose) -> Result<LinearSolution, SolverError> {
         let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
         let mut x = vec![0.0; b.len()];
         let options = KrylovOptions { tolerance: 1e-9, max_iterations: 3000, ..KrylovOptions::default() };

@@ -146,7 +146,7 @@ fn discontinuous_multipliers_glue_cells() {
         for (value, x) in u.values().iter().zip(cells.positions()) {
             assert!((value - exact(x)).abs() < 1e-11, "{shape:?} {degree}: {value} at {x:?}");
         }
-        let defect = assembler.functional(&glued::defect(&skeleton, &u, &flux), &[]).unwrap();
+        let defect = assembler.functional(&glued::defect(&skeleton, &u, &flux)).unwrap();
         assert!(defect < 1e-20, "{shape:?} {degree}: {defect}");
     }
 }
@@ -231,11 +231,11 @@ fn the_gradient_on_facets_is_tangential() {
     let field = Field::interpolate(&space, |x| x[0]).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let gamma = shown::Gamma::on("outer");
-    let square = assembler.functional(&shown::slope(&gamma, &field), &[]).unwrap();
+    let square = assembler.functional(&shown::slope(&gamma, &field)).unwrap();
     assert!((square - std::f64::consts::TAU).abs() < 1e-4, "{square}");
-    assert!(assembler.functional(&shown::across(&gamma, &field), &[]).unwrap().abs() < 1e-13);
+    assert!(assembler.functional(&shown::across(&gamma, &field)).unwrap().abs() < 1e-13);
     let constant = Field::interpolate(&Space::on_facets(&mesh, "outer", 0).unwrap(), |_| 1.0).unwrap();
-    let length = assembler.functional(&shown::length(&gamma, &constant), &[]).unwrap();
+    let length = assembler.functional(&shown::length(&gamma, &constant)).unwrap();
     assert!((length - 2.0 * std::f64::consts::TAU).abs() < 1e-4);
 }
 
@@ -246,12 +246,12 @@ fn a_multiplier_off_its_facets_is_an_error() {
     let assembler = Assembler::new(&mesh);
     let message = |result: Result<f64, AssemblyError>| result.unwrap_err().to_string();
     assert_eq!(
-        message(assembler.functional(&shown::length(&shown::Gamma::on("boundary"), &field), &[])),
+        message(assembler.functional(&shown::length(&shown::Gamma::on("boundary"), &field))),
         "form `length` needs `l` over the region `Gamma` (\"boundary\"), but its space lives on the facets of \
          \"bottom\" alone"
     );
     assert_eq!(
-        message(assembler.functional(&shown::inside(&shown::Omega::on("all"), &field), &[])),
+        message(assembler.functional(&shown::inside(&shown::Omega::on("all"), &field))),
         "form `inside` needs `l` over the region `Omega` (\"all\"), but its space lives on the facets of \
          \"bottom\" alone"
     );

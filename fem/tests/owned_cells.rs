@@ -96,14 +96,14 @@ fn shares_of_cells_and_boundary_facets_add_up() {
             add(&mut product, &products(&tangent));
             entries = entries.max(tangent.values().len());
             add(&mut action, &share.action(&form, &[&u], &[&u], &[&space]).unwrap());
-            integral += share.functional(&energy, &[]).unwrap();
+            integral += share.functional(&energy).unwrap();
             active += count(share.active_set(&form, &[&u]).unwrap());
         }
         let tangent = whole.tangent(&form, &[&u], &[&space]).unwrap();
         assert_close(&residual, &whole.residual(&form, &[&u], &[&space]).unwrap());
         assert_close(&product, &products(&tangent));
         assert_close(&action, &whole.action(&form, &[&u], &[&u], &[&space]).unwrap());
-        assert_close(&[integral], &[whole.functional(&energy, &[]).unwrap()]);
+        assert_close(&[integral], &[whole.functional(&energy).unwrap()]);
         assert_eq!(active, count(whole.active_set(&form, &[&u]).unwrap()));
         assert!(active > 0 && entries < tangent.values().len());
     }

@@ -27,9 +27,9 @@ fn solve(divisions: usize, theta: f64) -> Contact {
     let solved = problem.solve_direct(&mut TangentSolver::default(), &NewtonOptions::default(), &mut |_| ());
     let u = solved.unwrap().result.field;
     let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
-    let force = 2.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[]).unwrap();
+    let force = 2.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u)).unwrap();
     let exact = Hertz::of_line(force);
-    let length = assembler.functional(&forms::contact_length(data, gamma_c, &u), &[]).unwrap();
+    let length = assembler.functional(&forms::contact_length(data, gamma_c, &u)).unwrap();
     let pressure = forms::contact_pressure(data, &u);
     let samples = assembler.along_facets_uniformly(&pressure, CONTACT, 2).unwrap();
     let first = samples.iter().min_by(|a, b| a.position[0].total_cmp(&b.position[0])).unwrap();

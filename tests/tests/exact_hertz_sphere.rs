@@ -28,8 +28,8 @@ fn solve(body: Body, divisions: usize, theta: f64) -> Contact {
     let solved = solved.unwrap().result;
     let u = solved.field;
     let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
-    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[]).unwrap();
-    let area = 4.0 * assembler.functional(&forms::contact_length(data, gamma_c, &u), &[]).unwrap();
+    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u)).unwrap();
+    let area = 4.0 * assembler.functional(&forms::contact_length(data, gamma_c, &u)).unwrap();
     let exact = Hertz::of_point(force);
     let radius = (area / std::f64::consts::PI).sqrt();
     let pressure = forms::contact_pressure(data, &u);

@@ -23,7 +23,7 @@ fn pressure_error(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {
 
 fn contact_length(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {
     let Regions { gamma_c, .. } = &problem.regions;
-    problem.assembler.functional(&forms::contact_length(&problem.data, gamma_c, u), &[]).unwrap()
+    problem.assembler.functional(&forms::contact_length(&problem.data, gamma_c, u)).unwrap()
 }
 
 /// Measured along a sequence of meshes.

@@ -93,19 +93,19 @@ impl Ring {
         let inner = boundary_form::on_clamped(&data, &clamped, &u, &p, &outwards);
         let loaded = boundary_form::Loaded::on("outer");
         let outer = boundary_form::on_loaded(&data, &loaded, &u, &p, &outwards);
-        let outer = problem.assembler.functional(&outer, &[]).unwrap();
+        let outer = problem.assembler.functional(&outer).unwrap();
         if self.load == [0.0; 2] {
             // Without a load it is a free boundary as well.
             let free = boundary_form::Free::on("outer");
             let form = boundary_form::on_free(&data, &free, &u, &p, &outwards);
-            let found = problem.assembler.functional(&form, &[]).unwrap();
+            let found = problem.assembler.functional(&form).unwrap();
             assert!((found - outer).abs() <= 1e-13 * outer.abs(), "{found} and {outer}");
             let form = boundary_form::gradient_on_free(&data, &free, &u, &p);
-            let gradient = problem.assembler.residual(&form, &[], &[&space]).unwrap();
+            let gradient = problem.assembler.linear_form(&form, &space).unwrap();
             let found: f64 = gradient.iter().zip(outwards.values()).map(|(g, v)| g * v).sum();
             assert!((found - outer).abs() <= 1e-12 * outer.abs(), "{found} and {outer}");
         }
-        [problem.assembler.functional(&inner, &[]).unwrap(), outer]
+        [problem.assembler.functional(&inner).unwrap(), outer]
     }
 }
 

@@ -49,7 +49,7 @@ fn solve(problem: &ContactProblem<2>) -> Option<(Field<2>, f64)> {
     let mut solver = CondensedSolver::default();
     let u = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ()).ok()?.result.field;
     let force = forms::contact_force(&problem.data, &problem.regions.gamma_c, &u);
-    let force = problem.assembler.functional(&force, &[]).unwrap();
+    let force = problem.assembler.functional(&force).unwrap();
     Some((u, force))
 }
 

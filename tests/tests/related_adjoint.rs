@@ -45,7 +45,7 @@ fn problem(relate: fn(&mut Constraints<2>)) -> ContactProblem<2> {
 
 fn criterion(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {
     let Regions { omega, boundary, .. } = &problem.regions;
-    problem.assembler.functional(&forms::criterion(&problem.data, omega, boundary, u), &[]).unwrap()
+    problem.assembler.functional(&forms::criterion(&problem.data, omega, boundary, u)).unwrap()
 }
 
 fn solve(problem: &ContactProblem<2>) -> Field<2> {

@@ -145,7 +145,7 @@ fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Optio
     let u = solved.field;
     let criterion = forms::criterion(data, &regions.omega, &regions.boundary, &u);
     let active = assembler.active_set(&problem.direct_form(), &[&u]).unwrap();
-    Solution { criterion: assembler.functional(&criterion, &[]).unwrap(), u, active, residual }
+    Solution { criterion: assembler.functional(&criterion).unwrap(), u, active, residual }
 }
 
 /// A movement of the points near a place of the boundary, radially and around.

@@ -86,7 +86,7 @@ fn newtons_method_and_the_adjoint_follow_the_split() {
         // What presses from below holds what presses from above.
         let assembler = problem.assembler_at(&u).unwrap();
         let gamma_c = &problem.regions.gamma_c;
-        let force = assembler.functional(&forms::contact_force(&problem.data, gamma_c, &u), &[]).unwrap();
+        let force = assembler.functional(&forms::contact_force(&problem.data, gamma_c, &u)).unwrap();
         assert!((force + TOTAL).abs() < 1e-9, "θ = {theta}: {force}");
         // The derivative of ∫F·u by the height of the obstacle, by (21) and by differences.
         let lifted = |height: f64| {
@@ -99,7 +99,7 @@ fn newtons_method_and_the_adjoint_follow_the_split() {
             let solved = problem.solve_direct(&mut TangentSolver::default(), &options, &mut |_| ()).unwrap();
             let (regions, u) = (&problem.regions, solved.result.field);
             let form = forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
-            problem.assembler.functional(&form, &[]).unwrap()
+            problem.assembler.functional(&form).unwrap()
         };
         let p = problem.solve_adjoint(Adjoint::Discrete, &u, &mut solver).unwrap().result;
         let residual = |height: f64| {

@@ -6,10 +6,19 @@ use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::mesh::MeshError;
 use crate::quadrature::QuadratureError;
+use crate::solve::CommunicationError;
 
 /// Why a form cannot be assembled. Every message names the form and the thing in it.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AssemblyError {
+    /// What several processes do together was not done.
+    #[error("form `{form}`: {source}")]
+    Communication {
+        /// The form.
+        form: &'static str,
+        /// Why.
+        source: CommunicationError,
+    },
     /// The layout of an element kernel does not fit the form or its cells.
     #[error("form `{form}`, element kernel: {what}")]
     Layout {

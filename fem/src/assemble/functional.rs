@@ -13,17 +13,28 @@ use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
 impl<const D: usize> Assembler<D> {
-    /// The value of a functional or energy; `unknowns` are its arguments declared `Unknown`.
+    /// The value of a functional.
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the functional and what does not fit.
-    pub fn functional<F: Functional<D>>(
+    pub fn functional<F: Functional<D>>(&self, functional: &F) -> Result<f64, AssemblyError> {
+        self.integrate(functional, &[])
+    }
+
+    /// The value of an energy at its unknowns.
+    ///
+    /// # Errors
+    /// As [`Assembler::functional`].
+    pub fn energy<F: Functional<D>>(&self, energy: &F, unknowns: &[&Field<D>]) -> Result<f64, AssemblyError> {
+        self.integrate(energy, &views(unknowns))
+    }
+
+    fn integrate<F: Functional<D>>(
         &self,
         form: &F,
-        unknowns: &[&Field<D>],
+        unknowns: &[FieldView<D>],
     ) -> Result<f64, AssemblyError> {
-        let unknowns = views(unknowns);
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
             .on(self.owned.as_deref());
         let degrees = binding.degrees(&[]);
         let walk =

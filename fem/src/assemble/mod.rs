@@ -41,6 +41,7 @@ mod tangent;
 mod unoptimised;
 mod walk;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use action::TangentAction;
@@ -74,6 +75,18 @@ pub struct Assembler<const D: usize> {
     owned: Option<Arc<OwnedCells>>,
 }
 
+impl<'a, const D: usize> From<&'a Assembler<D>> for Cow<'a, Assembler<D>> {
+    fn from(assembler: &'a Assembler<D>) -> Self {
+        Cow::Borrowed(assembler)
+    }
+}
+
+impl<const D: usize> From<Assembler<D>> for Cow<'_, Assembler<D>> {
+    fn from(assembler: Assembler<D>) -> Self {
+        Cow::Owned(assembler)
+    }
+}
+
 /// Which integrals to assemble, by their dependence on the unknowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parts {
@@ -89,7 +102,7 @@ impl Parts {
     /// Every integral.
     pub const ALL: Parts = Parts { constant: true, linear: true, nonlinear: true };
     /// What an iteration over the unknowns does not change.
-    pub const FIXED: Parts = Parts { constant: true, linear: true, nonlinear: false };
+    pub const LINEAR_AND_CONSTANT: Parts = Parts { constant: true, linear: true, nonlinear: false };
     /// What an iteration over the unknowns changes.
     pub const NONLINEAR: Parts = Parts { constant: false, linear: false, nonlinear: true };
 

@@ -19,6 +19,14 @@ use crate::space::Space;
 use crate::threads::Threads;
 
 impl<const D: usize> Assembler<D> {
+    /// The vector of a linear form, one entry per unknown of the space of its test function.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub fn linear_form<F: Form<D>>(&self, form: &F, space: &Arc<Space<D>>) -> Result<Vec<f64>, AssemblyError> {
+        self.residual(form, &[], &[space])
+    }
+
     /// The residual of a form at given unknowns: one entry per unknown of the test spaces, in a row.
     ///
     /// # Errors

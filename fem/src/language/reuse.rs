@@ -24,10 +24,10 @@
 //! let u = Field::interpolate(&Space::vector(&mesh, 1)?, |x| [0.1 * x[0], 0.0])?;
 //! let data = elasticity::Data { lambda: 2.0, mu: 3.0 };
 //! let work = loaded::work(&data, &elasticity::Body::on("all"), &u);
-//! assert!((assembler.functional(&work, &[])? - 0.5 * (2.0 + 2.0 * 3.0) * 0.01).abs() < 1e-14);
+//! assert!((assembler.functional(&work)? - 0.5 * (2.0 + 2.0 * 3.0) * 0.01).abs() < 1e-14);
 //!
 //! let area = form!(|| -> Functional { integral(cells("all"), 1) }, dimension = 2);
-//! assert!((assembler.functional(&area, &[])? - 1.0).abs() < 1e-14);
+//! assert!((assembler.functional(&area)? - 1.0).abs() < 1e-14);
 //! # Ok(())
 //! # }
 //! ```

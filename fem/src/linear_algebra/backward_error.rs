@@ -4,6 +4,7 @@
 use super::block_matrix::BlockMatrix;
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_size};
+use super::transpose::Transpose;
 
 /// Refinement goes on as long as an equation is off by more than this part of its terms.
 const AIM: f64 = 1e-12;
@@ -34,8 +35,11 @@ pub(crate) enum Side<'a> {
 
 impl<'a> Side<'a> {
     /// The side that a solve asks for.
-    pub(crate) fn of(matrix: &'a CsrMatrix, transposed: bool) -> Self {
-        if transposed { Side::Transposed(matrix) } else { Side::Plain(matrix) }
+    pub(crate) fn of(matrix: &'a CsrMatrix, transpose: Transpose) -> Self {
+        match transpose {
+            Transpose::No => Side::Plain(matrix),
+            Transpose::Yes => Side::Transposed(matrix),
+        }
     }
 }
 

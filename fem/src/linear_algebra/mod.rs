@@ -36,6 +36,7 @@ pub mod rigid_motions;
 pub(crate) mod singularity;
 pub mod spectrum;
 pub mod symbolic;
+pub mod transpose;
 pub mod vector;
 
 pub use analysis::Analysis;
@@ -58,4 +59,5 @@ pub use pattern::SparsityPattern;
 pub use restriction::{Entry, Restriction};
 pub use rigid_motions::{free_motions, rigid_motions};
 pub use spectrum::{Spectrum, spectrum};
+pub use transpose::Transpose;
 pub use symbolic::Fill;

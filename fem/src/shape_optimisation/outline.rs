@@ -41,7 +41,7 @@ pub fn outline<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Result<f64,
 where
     Dim: Dimension<D>,
 {
-    assembler(mesh).functional(&outline_form::measure(&outline_form::Outline::on(region)), &[])
+    assembler(mesh).functional(&outline_form::measure(&outline_form::Outline::on(region)))
 }
 
 /// Its derivative by the movement of each node \[length^(D−2)\].
@@ -56,5 +56,5 @@ where
     Dim: Dimension<D>,
 {
     let form = outline_form::gradient(&outline_form::Outline::on(region));
-    assembler(movements.mesh()).residual(&form, &[], &[movements])
+    assembler(movements.mesh()).linear_form(&form, movements)
 }

@@ -78,12 +78,12 @@ fn check_halves(name: &str, solver: &mut dyn LinearSolver, matrix: &CsrMatrix, c
     let size = matrix.rows();
     let b = vec![1.0; size];
     solver.set_matrix(matrix.clone()).unwrap();
-    for transposed in [false, true] {
-        let exact = if transposed { thomas(&matrix.transpose(), &b) } else { thomas(matrix, &b) };
-        let found = solver.solve_side(&b, 0.0, transposed).unwrap().solution;
+    for transpose in [Transpose::No, Transpose::Yes] {
+        let exact = if transpose == Transpose::Yes { thomas(&matrix.transpose(), &b) } else { thomas(matrix, &b) };
+        let found = solver.solve_with(&b, 0.0, transpose).unwrap().solution;
         for half in [0..size / 2, size / 2..size] {
             let error = error(&found[half.clone()], &exact[half.clone()]);
-            assert!(error < 1e-9, "{name}, contrast {contrast:e}, {half:?} {transposed}: off by {error:e}");
+            assert!(error < 1e-9, "{name}, contrast {contrast:e}, {half:?} {transpose:?}: off by {error:e}");
         }
     }
 }
@@ -176,9 +176,9 @@ fn changes_in_the_soft_half_are_no_rounding_of_the_stiff_one() {
         let (b, mut solver) = (vec![1.0; N], CondensedSolver::default());
         solver.set_linear_part(&linear_part).unwrap();
         solver.set_changed(&linear_part, &entries).unwrap();
-        for transposed in [false, true] {
-            let exact = thomas(&if transposed { whole.transpose() } else { whole.clone() }, &b);
-            let found = solver.solve_side(&b, 0.0, transposed).unwrap().solution;
+        for transpose in [Transpose::No, Transpose::Yes] {
+            let exact = thomas(&if transpose == Transpose::Yes { whole.transpose() } else { whole.clone() }, &b);
+            let found = solver.solve_with(&b, 0.0, transpose).unwrap().solution;
             for half in [0..N / 2, N / 2..N] {
                 let error = error(&found[half.clone()], &exact[half.clone()]);
                 assert!(error < 1e-9, "contrast {contrast:e}, {half:?}: off by {error:e}");
@@ -324,13 +324,13 @@ impl LinearSolver for HalfDone {
         self.0.set_matrix(matrix)
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
-        let mut found = self.0.solve_side(b, tolerance, transposed)?;
+        let mut found = self.0.solve_with(b, tolerance, transpose)?;
         let half = b.len() / 2;
         found.solution[half..].fill(0.0);
         Ok(LinearSolution { relative_residual: 0.81, ..found })

@@ -1,6 +1,7 @@
 //! Direct solver for any square matrix: LU with partial pivoting and iterative refinement.
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::{Residual, Side, refined};
 use crate::linear_algebra::vector::{add_scaled, largest, norm};
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, LuFactor};
@@ -54,15 +55,15 @@ impl LinearSolver for LuSolver {
         true
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         _absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let (matrix, factor) = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
-        let matrix_norm = if transposed { matrix.column_sum_norm() } else { matrix.row_sum_norm() };
-        let side = Side::of(matrix, transposed);
+        let matrix_norm = if transpose == Transpose::Yes { matrix.column_sum_norm() } else { matrix.row_sum_norm() };
+        let side = Side::of(matrix, transpose);
         let measure = |x: &[f64]| -> Result<(Residual, f64), LinearAlgebraError> {
             let residual = Residual::of(&side, x, b)?;
             let scale = matrix_norm * largest(x) + largest(b);
@@ -70,7 +71,7 @@ impl LinearSolver for LuSolver {
             Ok((residual, backward_error))
         };
         let mut x = b.to_vec();
-        factor.solve_in_place(&mut x, transposed)?;
+        factor.solve_in_place(&mut x, transpose)?;
         let (mut residual, mut backward_error) = measure(&x)?;
         // The first step also helps where the backward error is at rounding: rows of small entries, as those
         // of a constraint beside a stiffness, profit from it.
@@ -79,7 +80,7 @@ impl LinearSolver for LuSolver {
                 break;
             }
             let mut change = residual.rest.clone();
-            factor.solve_in_place(&mut change, transposed)?;
+            factor.solve_in_place(&mut change, transpose)?;
             add_scaled(&mut change, 1.0, &x);
             let (next, next_error) = measure(&change)?;
             if next_error > backward_error || norm(&next.rest) >= norm(&residual.rest) {
@@ -88,7 +89,7 @@ impl LinearSolver for LuSolver {
             (x, residual, backward_error) = (change, next, next_error);
         }
         // Each equation has to hold in its own scale.
-        let solve = |change: &mut Vec<f64>| factor.solve_in_place(change, transposed);
+        let solve = |change: &mut Vec<f64>| factor.solve_in_place(change, transpose);
         let (x, residual) = refined(&side, b, x, residual, solve)?;
         let scale = norm(b);
         let relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use crate::linear_algebra::Transpose;
 use super::node_blocks::NodeBlocks;
 use crate::constraints::Constraints;
 use crate::linear_algebra::backward_error::Equations;
@@ -225,11 +226,11 @@ impl LinearSolver for MultigridSolver {
         true
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         absolute: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let Some(current) = &mut self.current else { return Err(SolverError::NoMatrix) };
         check_size("the right-hand side", self.blocks.free_unknowns(), b.len())?;
@@ -250,7 +251,7 @@ impl LinearSolver for MultigridSolver {
                 cg(&operator, &mut current.multigrid, &all, &mut x, &options).map_err(failed)
             }
             Some(other) => {
-                let matrix = if transposed { other } else { &*current.matrix };
+                let matrix = if transpose == Transpose::Yes { other } else { &*current.matrix };
                 let options = GmresOptions {
                     tolerance: self.options.tolerance,
                     absolute_tolerance: absolute,

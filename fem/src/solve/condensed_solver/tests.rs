@@ -28,17 +28,17 @@ fn load() -> Vec<f64> {
     (0..SIDE * SIDE).map(|k| (k as f64 * 0.7).sin()).collect()
 }
 
-fn rest(sum: &Sum, x: &[f64], b: &[f64], transposed: bool) -> Vec<f64> {
+fn rest(sum: &Sum, x: &[f64], b: &[f64], transpose: Transpose) -> Vec<f64> {
     Residual::of(&SumSide { sum, transposed }, x, b).unwrap().rest
 }
 
 fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
     let b = load();
     solver.set_matrix(matrix.clone()).unwrap();
-    for transposed in [false, true] {
-        let found = solver.solve_side(&b, 0.0, transposed).unwrap();
+    for transpose in [Transpose::No, Transpose::Yes] {
+        let found = solver.solve_with(&b, 0.0, transpose).unwrap();
         let matrix = Sum { base: Arc::new(matrix.clone()), additions: vec![] };
-        let rest = rest(&matrix, &found.solution, &b, transposed);
+        let rest = rest(&matrix, &found.solution, &b, transpose);
         assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
     }
 }
@@ -112,10 +112,10 @@ fn changed_entries_make_the_same_matrix() {
     ];
     for (solver, linear_part, entries, whole) in solvers {
         solver.set_changed(linear_part, entries).unwrap();
-        for transposed in [false, true] {
-            let found = solver.solve_side(&b, 0.0, transposed).unwrap();
+        for transpose in [Transpose::No, Transpose::Yes] {
+            let found = solver.solve_with(&b, 0.0, transpose).unwrap();
             let whole = Sum { base: Arc::new(whole.clone()), additions: vec![] };
-            let rest = rest(&whole, &found.solution, &b, transposed);
+            let rest = rest(&whole, &found.solution, &b, transpose);
             assert!(norm(&rest) <= 1e-12 * norm(&b), "residual {:e}", norm(&rest));
         }
         let missing = [Entry { row: 0, column: 100, value: 1.0 }];

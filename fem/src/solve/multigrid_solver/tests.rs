@@ -75,11 +75,11 @@ fn unsymmetric_systems_and_their_transposes_go_to_gmres() {
     let (constraints, matrix, load) = system(4, 2, 0.3);
     let mut solver = MultigridSolver::new(&constraints, options()).unwrap();
     solver.set_matrix(matrix.clone()).unwrap();
-    for transposed in [false, true] {
-        let solution = solver.solve_side(&load, 0.0, transposed).unwrap().solution;
-        let product = match transposed {
-            false => matrix.multiply(&solution),
-            true => matrix.multiply_transposed(&solution),
+    for transpose in [Transpose::No, Transpose::Yes] {
+        let solution = solver.solve_with(&load, 0.0, transpose).unwrap().solution;
+        let product = match transpose {
+            Transpose::No => matrix.multiply(&solution),
+            Transpose::Yes => matrix.multiply_transposed(&solution),
         };
         assert!(distance(&product.unwrap(), &load) < 1e-8);
     }

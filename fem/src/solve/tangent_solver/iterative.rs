@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::TangentSolver;
+use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::{ACCEPTED, Residual, Side};
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::krylov::{BESIDE_TERMS, ROUGH, ROUNDS};
@@ -15,12 +16,12 @@ impl TangentSolver {
         &mut self,
         b: &[f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         loop {
             let mut x = vec![0.0; b.len()];
             let start = Instant::now();
-            let result = self.run_gmres_by_rows(b, &mut x, absolute_tolerance, transposed);
+            let result = self.run_gmres_by_rows(b, &mut x, absolute_tolerance, transpose);
             self.report.solve_seconds += start.elapsed().as_secs_f64();
             let report = match result {
                 Ok(report) => report,
@@ -81,11 +82,11 @@ impl TangentSolver {
         b: &[f64],
         x: &mut [f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<GmresReport, GmresError<SolverError>> {
         let failed = |error: LinearAlgebraError| GmresError::Operator(error.into());
-        let side = Side::of(self.system().map_err(GmresError::Operator)?, transposed);
-        let mut report = match self.run_gmres(b, x, absolute_tolerance, transposed) {
+        let side = Side::of(self.system().map_err(GmresError::Operator)?, transpose);
+        let mut report = match self.run_gmres(b, x, absolute_tolerance, transpose) {
             // Rounding kept it from its tolerance.
             Err(GmresError::Stagnated(report) | GmresError::NotConverged(report))
                 if report.relative_residual <= self.options.accepted =>
@@ -105,7 +106,7 @@ impl TangentSolver {
                 return Ok(report);
             }
             let mut change = vec![0.0; b.len()];
-            let further = match self.run_gmres(&residual.rest, &mut change, 0.0, transposed) {
+            let further = match self.run_gmres(&residual.rest, &mut change, 0.0, transpose) {
                 Ok(further) => further,
                 // Part of a residual is better than nothing.
                 Err(GmresError::Stagnated(further) | GmresError::NotConverged(further)) => further,
@@ -136,7 +137,7 @@ impl TangentSolver {
         b: &[f64],
         x: &mut [f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<GmresReport, GmresError<SolverError>> {
         let matrix = self.system().map_err(GmresError::Operator)?;
         let factor = self.factor.as_ref().ok_or(GmresError::Operator(SolverError::NoMatrix))?;
@@ -149,14 +150,14 @@ impl TangentSolver {
             absolute_tolerance,
             restart: self.options.restart,
             max_iterations: self.options.max_iterations,
-            operator_norm: Some(if transposed { matrix.column_sum_norm() } else { matrix.row_sum_norm() }),
+            operator_norm: Some(if transpose == Transpose::Yes { matrix.column_sum_norm() } else { matrix.row_sum_norm() }),
             flexible: false,
             threads: self.options.threads,
         };
         gmres(
-            |v, w| match transposed {
-                false => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
-                true => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
+            |v, w| match transpose {
+                Transpose::No => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
+                Transpose::Yes => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
             },
             |v| factor.solve_in_place(v).map_err(SolverError::from),
             b,

@@ -1,10 +1,11 @@
-//! What Newton's method is asked for, and what it tells: options, iterates, solution, failures.
+//! Newton's options, iterates, solution and failures.
 
 use std::fmt;
 
 use super::line_search::LineSearch;
 #[cfg(doc)]
 use super::newton;
+use crate::assemble::AssemblyError;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::solve::linear_solver::SolverError;
 
@@ -69,6 +70,24 @@ pub struct NewtonStep {
     pub damping: Option<f64>,
     /// Unknowns of the system of that step, where it was condensed to those that the nonlinearity touches.
     pub condensed_unknowns: Option<usize>,
+}
+
+impl NewtonStep {
+    /// The start of an iteration, with ‖R‖₂ there.
+    pub fn start(residual: f64) -> Self {
+        NewtonStep {
+            iteration: 0,
+            residual,
+            relative_residual: if residual == 0.0 { 0.0 } else { 1.0 },
+            field_residuals: vec![residual],
+            active_points: None,
+            active_set_changed: None,
+            step: None,
+            linear_iterations: None,
+            damping: None,
+            condensed_unknowns: None,
+        }
+    }
 }
 
 /// The solution and how it was reached.
@@ -145,7 +164,7 @@ pub enum NewtonFailure<E> {
 
 /// A failure of Newton's method with the history up to it.
 #[derive(thiserror::Error)]
-#[error("Newton's method failed at iteration {}: {why}", .history.len().saturating_sub(1))]
+#[error("{}: {why}", stage(history))]
 pub struct NewtonError<E: std::error::Error> {
     /// The reason.
     pub why: NewtonFailure<E>,
@@ -153,6 +172,32 @@ pub struct NewtonError<E: std::error::Error> {
     pub history: Vec<NewtonStep>,
     /// The last iterate.
     pub u: Vec<f64>,
+}
+
+/// How far it came: without an iterate there was no Newton's method yet, as in an affine problem.
+fn stage(history: &[NewtonStep]) -> String {
+    match history.len() {
+        0 => "the problem was not solved".to_owned(),
+        count => format!("Newton's method failed at iteration {}", count - 1),
+    }
+}
+
+impl<E: std::error::Error> From<NewtonFailure<E>> for NewtonError<E> {
+    fn from(why: NewtonFailure<E>) -> Self {
+        NewtonError { why, history: vec![], u: vec![] }
+    }
+}
+
+impl From<AssemblyError> for NewtonError<AssemblyError> {
+    fn from(error: AssemblyError) -> Self {
+        NewtonFailure::Assembly(error).into()
+    }
+}
+
+impl From<SolverError> for NewtonError<AssemblyError> {
+    fn from(error: SolverError) -> Self {
+        NewtonFailure::LinearSolver(error).into()
+    }
 }
 
 /// Iterates that [`NewtonError`] prints.

@@ -1,6 +1,7 @@
-//! A form on its spaces with what no iterate changes assembled once, and one tangent that is updated in place.
+//! Linear part of a problem: the integrals that no iterate changes, assembled once, and one tangent that is updated in place.
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -15,12 +16,30 @@ use crate::space::Space;
 
 /// A form, the spaces of its unknowns and test functions, and who assembles it.
 pub(super) struct System<'a, F, const D: usize, const N: usize> {
-    pub form: &'a F,
-    pub assembler: &'a Assembler<D>,
+    pub form: Held<'a, F>,
+    pub assembler: Cow<'a, Assembler<D>>,
     /// Who assembles the nonlinear integrals at an iterate, where that depends on the iterate.
     pub assembler_at: Option<AssemblerAt<'a, D>>,
     pub spaces: [Arc<Space<D>>; N],
-    pub pattern: Arc<BlockPattern<D>>,
+    /// Positions of the tangent's entries, from the first use on.
+    pub pattern: OnceCell<Arc<BlockPattern<D>>>,
+}
+
+/// A form that is lent, or kept.
+pub(super) enum Held<'a, F> {
+    Lent(&'a F),
+    Own(F),
+}
+
+impl<F> std::ops::Deref for Held<'_, F> {
+    type Target = F;
+
+    fn deref(&self) -> &F {
+        match self {
+            Held::Lent(form) => form,
+            Held::Own(form) => form,
+        }
+    }
 }
 
 /// The assembler for the nonlinear integrals at given unknowns.
@@ -90,6 +109,16 @@ impl Assembled {
 }
 
 impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
+    /// The matrix pattern: blocks that the form leaves empty are not stored, nor those that the assembler's cells leave empty.
+    pub fn pattern(&self) -> Result<&Arc<BlockPattern<D>>, AssemblyError> {
+        if let Some(known) = self.pattern.get() {
+            return Ok(known);
+        }
+        let spaces = self.spaces.each_ref();
+        let pattern = BlockPattern::for_share(&*self.form, &spaces, &spaces, &self.assembler)?;
+        Ok(self.pattern.get_or_init(|| Arc::new(pattern)))
+    }
+
     /// Number of unknowns of all spaces.
     pub fn unknowns(&self) -> usize {
         self.spaces.iter().map(|space| space.unknowns()).sum()
@@ -120,7 +149,7 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
     fn assembler_at(&self, u: &[f64]) -> Result<Cow<'_, Assembler<D>>, AssemblyError> {
         match &self.assembler_at {
             Some(choose) => Ok(Cow::Owned(choose(&self.fields(u))?)),
-            None => Ok(Cow::Borrowed(self.assembler)),
+            None => Ok(Cow::Borrowed(&*self.assembler)),
         }
     }
 
@@ -136,22 +165,22 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
 
     /// Assembles what no iterate changes, in the memory of an earlier assembly.
     pub fn assemble(&self, commits: u64, earlier: Option<Assembled>) -> Result<Assembled, AssemblyError> {
-        let (form, pattern) = (self.form, &self.pattern);
+        let (form, pattern) = (&*self.form, self.pattern()?);
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (zero.each_ref(), self.spaces.each_ref());
-        let load = self.assembler.residual_parts(form, &zero, &spaces, Parts::FIXED)?;
+        let load = self.assembler.residual_parts(form, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?;
         let mut assembled = match earlier {
             Some(earlier) => Assembled { commits, load, ..earlier },
             None => {
                 let touched = pattern.touched(form, Parts::NONLINEAR)?;
                 let (matrix, linear_values) = (BlockMatrix::zero(pattern.sparsity()), vec![]);
-                let linear = pattern.has_tangent(form, Parts::FIXED);
+                let linear = pattern.has_tangent(form, Parts::LINEAR_AND_CONSTANT);
                 Assembled { commits, load, linear, matrix, updated: false, touched, linear_values }
             }
         };
         if assembled.linear {
             let Assembled { matrix, linear_values, touched, .. } = &mut assembled;
-            self.assembler.assemble_tangent(form, &zero, &spaces, Parts::FIXED, pattern, matrix)?;
+            self.assembler.assemble_tangent(form, &zero, &spaces, Parts::LINEAR_AND_CONSTANT, pattern, matrix)?;
             linear_values.clear();
             linear_values.reserve_exact(touched.places.iter().map(|places| places.len()).sum());
             for places in &touched.places {
@@ -179,7 +208,7 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
     /// The residual of the nonlinear integrals at u.
     pub fn nonlinear_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        self.assembler_at(u)?.residual_of(self.form, &views, &spaces, Parts::NONLINEAR)
+        self.assembler_at(u)?.residual_of(&*self.form, &views, &spaces, Parts::NONLINEAR)
     }
 
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
@@ -201,7 +230,7 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
             assembled.restore();
         }
         assembled.updated = true;
-        let (form, pattern, matrix) = (self.form, &self.pattern, &mut assembled.matrix);
+        let (form, pattern, matrix) = (&*self.form, self.pattern()?, &mut assembled.matrix);
         assembler.tangent_of(form, &views, &spaces, Parts::NONLINEAR, pattern, matrix, !overwrites)
     }
 }

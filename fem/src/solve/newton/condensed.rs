@@ -1,4 +1,4 @@
-//! Newton's iteration where the nonlinearity lives on few unknowns: the same iterates as on all unknowns, but
+//! Condensed Newton iteration, where the nonlinearity lives on few unknowns: the same iterates as on all unknowns, but
 //! between the first and the last one only what the nonlinearity reads and touches is computed.
 
 use std::sync::Arc;
@@ -7,9 +7,9 @@ use super::convergence::{Norms, Rounding, mark};
 use super::{Iteration, NewtonFailure, NonlinearProblem, Step};
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{CsrMatrix, Entry};
-use crate::solve::condensed_solver::{CondensedSolver, FewUnknowns, additions};
+use crate::solve::condensed_solver::{CondensedSystem, additions};
 use crate::solve::elimination::Elimination;
-use crate::solve::linear_solver::SolverError;
+use crate::solve::linear_solver::{CondensingSolver, SolverError};
 
 type Outcome<T, P> = Result<T, NewtonFailure<<P as NonlinearProblem>::Error>>;
 
@@ -27,13 +27,13 @@ pub(super) fn changed_entries<P: NonlinearProblem>(
 impl Iteration<'_> {
     /// Iterates from the first iterate, whose residual is given, as long as it converges and the solver condenses.
     /// Afterwards u is the last iterate of the history on all unknowns. False: nothing was done.
-    pub(super) fn iterate_on_few<P: NonlinearProblem>(
+    pub(super) fn iterate_condensed<P: NonlinearProblem>(
         &mut self,
         problem: &mut P,
         elimination: &mut Elimination,
         linear_part: &Arc<CsrMatrix>,
         residual: &[f64],
-        solver: &mut CondensedSolver,
+        solver: &mut dyn CondensingSolver,
     ) -> Outcome<bool, P> {
         let Some(nonlinear) = problem.nonlinear_residual(&self.u).map_err(NewtonFailure::Assembly)? else {
             return Ok(false);
@@ -49,31 +49,31 @@ impl Iteration<'_> {
         let start: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
         // The increment since u₀, up to date in the watched unknowns.
         let mut x = vec![0.0; b.len()];
-        let mut known: Option<(FewUnknowns, Vec<f64>)> = None;
+        let mut known: Option<(CondensedSystem, Vec<f64>)> = None;
         let failed = NewtonFailure::LinearSolver;
         loop {
             let touched: Vec<u32> = (0..x.len() as u32).filter(|i| nonlinear[*i as usize] != 0.0).collect();
             let added = additions(linear_part, &entries).map_err(failed)?;
-            let holds = known.as_ref().is_some_and(|(few, _)| solver.holds_as(few, &added, &touched));
+            let holds = known.as_ref().is_some_and(|(system, _)| solver.covers(system, &added, &touched));
             if !holds {
                 // The iterate is completed with the factor that it belongs to.
-                if let Some((few, x_c)) = known.take() {
-                    self.complete(elimination, &start, &few.finish(solver, &x_c).map_err(failed)?)?;
+                if let Some((system, x_c)) = known.take() {
+                    self.complete(elimination, &start, &solver.complete(system, &x_c).map_err(failed)?)?;
                     let full = elimination.free().iter().map(|unknown| self.u[*unknown]);
                     x = full.zip(&start).map(|(u, start)| u - start).collect();
                 }
-                if !solver.hold(&added, &touched).map_err(failed)? {
+                if !solver.cover(&added, &touched).map_err(failed)? {
                     return Ok(self.history.len() > 1);
                 }
-                let few = solver.few_unknowns(&b, &watched).map_err(failed)?;
-                let x_c = few.condensed(&x);
-                known = Some((few, x_c));
+                let system = solver.condensed_system(&b, &watched).map_err(failed)?;
+                let x_c = system.condensed(&x);
+                known = Some((system, x_c));
             }
-            let Some((few, x_c)) = &mut known else { return Ok(false) };
-            let rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
-            let step = solver.few_step(linear_part, added, &rest).map_err(failed)?;
+            let Some((system, x_c)) = &mut known else { return Ok(false) };
+            let reduced_residual = system.residual(x_c, &nonlinear);
+            let step = solver.condensed_step(linear_part, added, &reduced_residual).map_err(failed)?;
             add_scaled(x_c, 1.0, &step);
-            few.update(solver, x_c, &mut x).map_err(failed)?;
+            system.update(x_c, &mut x).map_err(failed)?;
             let moved = |i: usize| start[i] + x[i] - self.u[elimination.free()[i]];
             let lengths = self.fields.norms_over(&watched, moved);
             for &i in &watched {
@@ -83,8 +83,9 @@ impl Iteration<'_> {
             nonlinear = elimination.reduce(&found.unwrap_or_default()).map_err(NewtonFailure::Mismatch)?;
             // Rows outside of c hold; N may have got beyond c.
             let mut residual = nonlinear.clone();
-            let rest = few.residual(solver, x_c, &nonlinear).map_err(failed)?;
-            few.unknowns().iter().zip(&rest).for_each(|(place, rest)| residual[*place as usize] = *rest);
+            let reduced_residual = system.residual(x_c, &nonlinear);
+            let condensed = system.unknowns().iter().zip(&reduced_residual);
+            condensed.for_each(|(place, value)| residual[*place as usize] = *value);
             let norms = Norms {
                 residual: self.fields.norms(&residual),
                 u: self.fields.norms_over(&watched, |i| start[i] + x[i]),
@@ -110,8 +111,8 @@ impl Iteration<'_> {
             }
             entries = changed_entries(problem, elimination, &self.u)?;
         }
-        if let Some((few, x_c)) = known {
-            self.complete(elimination, &start, &few.finish(solver, &x_c).map_err(failed)?)?;
+        if let Some((system, x_c)) = known {
+            self.complete(elimination, &start, &solver.complete(system, &x_c).map_err(failed)?)?;
         }
         Ok(true)
     }
