@@ -105,7 +105,7 @@ const MAKERS: [Maker; 8] = [
     },
     // Its finest mesh needs 10 GiB and minutes: last, so that all others are there.
     Maker {
-        arguments: &["-p", "forms-contact", "--example", "scaling"],
+        arguments: &["-p", "forms-bench", "--example", "scaling"],
         pictures: &[("out/scaling.png", "scaling.png")],
     },
 ];

@@ -10,8 +10,8 @@ use forms_fem::forms;
 #[forms]
 pub mod nitsche {
     pub use crate::operators::linear_elastic::{stress, von_mises};
-    use crate::operators::obstacle::gamma;
     pub use crate::operators::obstacle::{current_gap, normal_displacement, penetration};
+    use crate::operators::obstacle::{gamma, nitsche_test};
 
     /// Data of all forms.
     pub struct Data {
@@ -68,14 +68,14 @@ pub mod nitsche {
 
     /// σ_n(w) − γ (w_n − g); −β_h of the paper.
     #[doc(alias = "P")]
-    fn nitsche_pressure(w: Vector) -> Scalar {
+    fn augmented_stress(w: Vector) -> Scalar {
         normal_stress(w) - gamma() * penetration(w)
     }
 
     /// β_h = −σ_n(w) + γ (w_n − g): contact where positive.
     #[doc(alias = "β_h")]
     pub fn contact_indicator(w: Vector) -> Scalar {
-        -nitsche_pressure(w)
+        -augmented_stress(w)
     }
 
     /// β_h − ξ, ξ = C √h_T: positive in the contact zone of (41).
@@ -85,13 +85,7 @@ pub mod nitsche {
 
     /// \[σ_n(w) − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
     pub fn contact_pressure(w: Vector) -> Scalar {
-        neg_part(nitsche_pressure(w))
-    }
-
-    /// θ σ_n(w) − γ w_n.
-    #[doc(alias = "P_θ")]
-    fn tested(w: Vector) -> Scalar {
-        theta * normal_stress(w) - gamma() * normal_displacement(w)
+        neg_part(augmented_stress(w))
     }
 
     /// a(u, v) = ∫ σ(u):ε(v).
@@ -106,7 +100,7 @@ pub mod nitsche {
             - integral(Omega, dot(body_force, v))
             - integral(GammaN, dot(traction, v))
             - integral(GammaC, theta / gamma() * normal_stress(u) * normal_stress(v))
-            - integral(GammaC, neg_part(nitsche_pressure(u)) / gamma() * tested(v))
+            - integral(GammaC, neg_part(augmented_stress(u)) / gamma() * nitsche_test(normal_stress(v), v))
     }
 
     /// M(u) = F·u.
@@ -162,7 +156,9 @@ pub mod nitsche {
         elasticity(p, q) - integral(GammaC, theta / gamma() * (normal_stress(p) + slope) * normal_stress(q))
             + integral(
                 GammaC,
-                contact / gamma() * (normal_stress(p) + slope - gamma() * normal_displacement(p)) * tested(q),
+                contact / gamma()
+                    * (normal_stress(p) + slope - gamma() * normal_displacement(p))
+                    * nitsche_test(normal_stress(q), q),
             )
             + derivative(criterion(u), u, q)
     }

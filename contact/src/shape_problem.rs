@@ -3,7 +3,7 @@
 use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
-    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, outline, outline_derivative,
+    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, perimeter, perimeter_derivative,
 };
 
 use crate::boundary_form::boundary_form;
@@ -21,7 +21,7 @@ pub enum Criterion {
     Compliance,
     /// L ∫p²/(∫p)² of the contact pressure p: 1 where it is constant over a length (or area) L, less where it is spread
     /// over more. It does not depend on the force.
-    Unevenness {
+    PressureVariation {
         /// L.
         over: f64,
     },
@@ -42,7 +42,7 @@ pub enum VolumeRule {
     /// V = V₀.
     Constraint(Volume),
     /// λ V is added to the criterion \[criterion/volume\].
-    Price(f64),
+    Penalty(f64),
 }
 
 /// A contact problem on a shape that may change.
@@ -60,7 +60,7 @@ pub struct ContactShape<F> {
     /// Γ_m, without load and contact.
     pub moving: String,
     /// What a unit of Γ_m's length (area) adds to the criterion: it keeps boundaries from becoming rough.
-    pub outline_price: f64,
+    pub perimeter_penalty: f64,
     /// Boundaries that stay.
     pub fixed: Vec<String>,
     /// Γ_N.
@@ -75,7 +75,7 @@ pub struct ContactState<const D: usize> {
     pub problem: ContactProblem<D>,
     /// u_h of (14).
     pub u: Field<D>,
-    /// The criterion alone, without what volume and outline cost.
+    /// The criterion alone, without the penalties of volume and perimeter.
     pub criterion: f64,
     /// ∫p, the resultant of the contact pressure, and ∫p²; none for criteria that do not ask for them.
     pub pressure: Option<[f64; 2]>,
@@ -227,7 +227,7 @@ where
                 criterion += problem.assembler.functional(&form)?;
             }
             Criterion::Compliance => criterion += self.functional(&problem, &u, [1.0, 0.0, 0.0])?,
-            Criterion::Unevenness { over } => {
+            Criterion::PressureVariation { over } => {
                 let force = self.functional(&problem, &u, [0.0, 0.0, 1.0])?;
                 let square = self.functional(&problem, &u, [0.0, 1.0, 0.0])?;
                 if force <= 0.0 {
@@ -240,11 +240,11 @@ where
             }
         }
         let alone = criterion;
-        criterion += self.outline_price * outline(mesh, &self.moving)?;
+        criterion += self.perimeter_penalty * perimeter(mesh, &self.moving)?;
         let constraint = match self.volume {
             VolumeRule::Constraint(volume) => Some(volume.value(mesh)?),
-            VolumeRule::Price(price) => {
-                criterion += price * measured_volume(mesh)?;
+            VolumeRule::Penalty(weight) => {
+                criterion += weight * measured_volume(mesh)?;
                 None
             }
         };
@@ -259,7 +259,7 @@ where
     ) -> Result<Derivatives, Failure> {
         let mut criterion = match (self.criterion, state.pressure) {
             (Criterion::Paper, _) => self.gradient_of_papers(movements, state)?,
-            (Criterion::Unevenness { over }, Some([force, square])) => {
+            (Criterion::PressureVariation { over }, Some([force, square])) => {
                 // The chain rule: L ∫p²/(∫p)² by ∫p² and by ∫p.
                 let by_square = over / (force * force);
                 let by_force = -2.0 * over * square / (force * force * force);
@@ -267,19 +267,19 @@ where
             }
             _ => self.gradient_of(movements, state, [1.0, 0.0, 0.0])?,
         };
-        add(&mut criterion, self.outline_price, &outline_derivative(movements, &self.moving)?);
+        add(&mut criterion, self.perimeter_penalty, &perimeter_derivative(movements, &self.moving)?);
         let constraint = match self.volume {
             VolumeRule::Constraint(volume) => Some(volume.derivative(movements)?),
-            VolumeRule::Price(price) => {
+            VolumeRule::Penalty(weight) => {
                 let by_volume = Volume { target: 1.0 }.derivative(movements)?;
-                add(&mut criterion, price, &by_volume);
+                add(&mut criterion, weight, &by_volume);
                 None
             }
         };
         Ok(Derivatives { criterion, constraint })
     }
 
-    fn hold(&self, movements: &mut Constraints<D>) -> Result<(), Failure> {
+    fn fix(&self, movements: &mut Constraints<D>) -> Result<(), Failure> {
         for region in &self.fixed {
             movements.fix(region, |_| [0.0; D])?;
         }

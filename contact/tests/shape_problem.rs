@@ -56,7 +56,7 @@ fn shape(
         gradient,
         volume,
         moving: "holes".into(),
-        outline_price: 0.2,
+        perimeter_penalty: 0.2,
         fixed: vec!["inner".into(), "outer".into()],
         gamma_n: "above".into(),
         gamma_c: CONTACT.into(),
@@ -83,8 +83,8 @@ fn derivatives_are_those_of_what_is_computed() {
     for (criterion, volume) in [
         (Criterion::Paper, constraint),
         (Criterion::Compliance, constraint),
-        (Criterion::Unevenness { over: 10.0 }, constraint),
-        (Criterion::Compliance, VolumeRule::Price(-0.3)),
+        (Criterion::PressureVariation { over: 10.0 }, constraint),
+        (Criterion::Compliance, VolumeRule::Penalty(-0.3)),
     ] {
         let problem = shape(criterion, Adjoint::Discrete, GradientForm::Volume, volume);
         let mut values = problem.solve(&mesh).unwrap();
@@ -122,7 +122,7 @@ fn derivatives_are_those_of_what_is_computed() {
                     derivative.iter().zip(along.values()).map(|(by, along)| (by * along).abs()).sum();
                 assert!((exact - differences).abs() < 1e-10 * scale, "{exact} and {differences}, {scale}");
             }
-            (VolumeRule::Price(_), None) => assert!(values.constraint.is_none()),
+            (VolumeRule::Penalty(_), None) => assert!(values.constraint.is_none()),
             _ => panic!("a constraint where there is none, or none where there is one"),
         }
     }
@@ -132,7 +132,7 @@ fn derivatives_are_those_of_what_is_computed() {
 /// criterion as cells become smaller.
 #[test]
 fn the_boundary_form_is_near_the_volume_form_on_holes() {
-    let volume = VolumeRule::Price(0.0);
+    let volume = VolumeRule::Penalty(0.0);
     let exact = shape(Criterion::Paper, Adjoint::Discrete, GradientForm::Volume, volume);
     let papers = shape(Criterion::Paper, Adjoint::Consistent, GradientForm::Boundary, volume);
     // A smooth movement of what is near the holes alone.
@@ -162,20 +162,20 @@ fn the_boundary_form_is_near_the_volume_form_on_holes() {
 
 #[test]
 fn criteria_without_their_adjoint_are_refused() {
-    let volume = VolumeRule::Price(0.0);
+    let volume = VolumeRule::Penalty(0.0);
     let refused = |criterion, adjoint, gradient| {
         shape(criterion, adjoint, gradient, volume).check().err().map(|error| error.to_string())
     };
-    let uneven = Criterion::Unevenness { over: 10.0 };
+    let variation = Criterion::PressureVariation { over: 10.0 };
     assert_eq!(refused(Criterion::Paper, Adjoint::Discrete, GradientForm::Boundary), None);
     assert_eq!(refused(Criterion::Paper, Adjoint::Extended, GradientForm::Boundary), None);
-    assert_eq!(refused(uneven, Adjoint::Discrete, GradientForm::Volume), None);
+    assert_eq!(refused(variation, Adjoint::Discrete, GradientForm::Volume), None);
     let message = refused(Criterion::Paper, Adjoint::Consistent, GradientForm::Volume).unwrap();
     assert!(message.contains("needs the adjoint (21)"), "{message}");
     for (adjoint, gradient) in
         [(Adjoint::Consistent, GradientForm::Volume), (Adjoint::Discrete, GradientForm::Boundary)]
     {
-        let message = refused(uneven, adjoint, gradient).unwrap();
+        let message = refused(variation, adjoint, gradient).unwrap();
         assert!(message.contains("cover the paper's criterion (3) alone"), "{message}");
     }
 }

@@ -6,19 +6,21 @@ use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
 use forms_fem::solve::{NewtonFailure, Solved};
 
-use crate::error::SharedError;
-use crate::problem::{SharedAffineError, SharedAssemblyError, SharedProblem, shared_functional};
+use crate::error::DistributedError;
+use crate::problem::{
+    DistributedAffineError, DistributedAssemblyError, DistributedProblem, distributed_functional,
+};
 use crate::world::World;
 
 /// A contact problem of which each process assembles the integrals over its own cells and their facets. Facets are not split
 /// at the edge of contact.
 #[derive(Debug)]
-pub struct SharedContact<'w, const D: usize> {
+pub struct DistributedContact<'w, const D: usize> {
     world: &'w World,
     problem: ContactProblem<D>,
 }
 
-impl<'w, const D: usize> SharedContact<'w, D>
+impl<'w, const D: usize> DistributedContact<'w, D>
 where
     Dim: Dimension<D>,
 {
@@ -29,10 +31,10 @@ where
     pub fn new(world: &'w World, mut problem: ContactProblem<D>) -> Result<Self, MeshError> {
         let mesh = problem.space.mesh().clone();
         problem.assembler = problem.assembler.on_owned_cells(world.own_cells(&mesh))?;
-        Ok(SharedContact { world, problem })
+        Ok(DistributedContact { world, problem })
     }
 
-    /// The problem, with this process's share of its integrals.
+    /// The problem, with this process's part of its integrals.
     pub fn problem(&self) -> &ContactProblem<D> {
         &self.problem
     }
@@ -46,12 +48,12 @@ where
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
-    ) -> Result<Solved<D>, NewtonError<SharedAssemblyError>> {
+    ) -> Result<Solved<D>, NewtonError<DistributedAssemblyError>> {
         let ContactProblem { assembler, space, constraints, .. } = &self.problem;
         let form = self.problem.direct_form();
         let start = Field::zero(space);
-        let checked = self.problem.check_gamma0("direct").map_err(SharedError::Here);
-        match checked.and_then(|()| SharedProblem::new(self.world, &form, assembler, space)) {
+        let checked = self.problem.check_gamma0("direct").map_err(DistributedError::Here);
+        match checked.and_then(|()| DistributedProblem::new(self.world, &form, assembler, space)) {
             Ok(mut problem) => problem.solve(&start, constraints, solver, options, progress),
             Err(error) => {
                 Err(NewtonError { why: NewtonFailure::Assembly(error), history: vec![], u: vec![] })
@@ -68,7 +70,7 @@ where
         adjoint: Adjoint,
         u: &Field<D>,
         solver: &mut dyn LinearSolver,
-    ) -> Result<Field<D>, SharedAffineError> {
+    ) -> Result<Field<D>, DistributedAffineError> {
         let (data, regions) = (&self.problem.data, &self.problem.regions);
         let (omega, gamma_c, boundary) = (&regions.omega, &regions.gamma_c, &regions.boundary);
         match adjoint {
@@ -89,10 +91,10 @@ where
         &self,
         form: &F,
         solver: &mut dyn LinearSolver,
-    ) -> Result<Field<D>, SharedAffineError> {
+    ) -> Result<Field<D>, DistributedAffineError> {
         let ContactProblem { assembler, space, constraints, .. } = &self.problem;
-        self.problem.check_gamma0(form.name()).map_err(SharedError::Here)?;
-        let mut problem = SharedProblem::new(self.world, form, assembler, space)?;
+        self.problem.check_gamma0(form.name()).map_err(DistributedError::Here)?;
+        let mut problem = DistributedProblem::new(self.world, form, assembler, space)?;
         problem.solve_affine(&constraints.homogeneous(), solver)
     }
 
@@ -100,7 +102,7 @@ where
     ///
     /// # Errors
     /// Data that do not fit.
-    pub fn criterion(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError> {
+    pub fn criterion(&self, u: &Field<D>) -> Result<f64, DistributedAssemblyError> {
         let regions = &self.problem.regions;
         self.functional(&forms::criterion(&self.problem.data, &regions.omega, &regions.boundary, u))
     }
@@ -109,11 +111,11 @@ where
     ///
     /// # Errors
     /// Data that do not fit.
-    pub fn contact_force(&self, u: &Field<D>) -> Result<f64, SharedAssemblyError> {
+    pub fn contact_force(&self, u: &Field<D>) -> Result<f64, DistributedAssemblyError> {
         self.functional(&forms::contact_force(&self.problem.data, &self.problem.regions.gamma_c, u))
     }
 
-    fn functional<G: Functional<D>>(&self, functional: &G) -> Result<f64, SharedAssemblyError> {
-        shared_functional(self.world, &self.problem.assembler, functional)
+    fn functional<G: Functional<D>>(&self, functional: &G) -> Result<f64, DistributedAssemblyError> {
+        distributed_functional(self.world, &self.problem.assembler, functional)
     }
 }

@@ -45,7 +45,7 @@ impl From<PetscError> for SolverError {
 
 /// Why something that all processes do together was not done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SharedError<E: std::error::Error> {
+pub enum DistributedError<E: std::error::Error> {
     /// This process failed.
     #[error(transparent)]
     Here(E),
@@ -60,12 +60,12 @@ pub enum SharedError<E: std::error::Error> {
     Petsc(#[from] PetscError),
 }
 
-impl From<SharedError<LinearAlgebraError>> for SolverError {
-    fn from(error: SharedError<LinearAlgebraError>) -> Self {
+impl From<DistributedError<LinearAlgebraError>> for SolverError {
+    fn from(error: DistributedError<LinearAlgebraError>) -> Self {
         match error {
-            SharedError::Here(error) => error.into(),
-            SharedError::Petsc(error) => error.into(),
-            SharedError::Elsewhere { .. } => {
+            DistributedError::Here(error) => error.into(),
+            DistributedError::Petsc(error) => error.into(),
+            DistributedError::Elsewhere { .. } => {
                 SolverError::Other { solver: "PETSc", why: error.to_string(), history: vec![] }
             }
         }

@@ -5,7 +5,7 @@
 //! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method.
 //!
 //! ```no_run
-//! use forms_distributed::{Method, PetscSolver, SharedProblem, World};
+//! use forms_distributed::{Method, PetscSolver, DistributedProblem, World};
 //! use forms_fem::prelude::*;
 //!
 //! let world = World::start()?;
@@ -14,9 +14,9 @@
 //! let poisson = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
 //! let mut constraints = Constraints::new(&space);
 //! constraints.fix("boundary", |_| 0.0)?;
-//! let share = Assembler::new(&mesh).with_threads(Threads::new(1)).on_owned_cells(world.own_cells(&mesh))?;
+//! let local = Assembler::new(&mesh).with_threads(Threads::new(1)).on_owned_cells(world.own_cells(&mesh))?;
 //! let mut solver = PetscSolver::new(&world, &constraints, Method::conjugate_gradients())?;
-//! let u = SharedProblem::new(&world, &poisson, &share, &space)?.solve_affine(&constraints, &mut solver)?;
+//! let u = DistributedProblem::new(&world, &poisson, &local, &space)?.solve_affine(&constraints, &mut solver)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -32,8 +32,10 @@ mod rows;
 mod vector;
 mod world;
 
-pub use contact::SharedContact;
-pub use error::{PetscError, SharedError};
+pub use contact::DistributedContact;
+pub use error::{DistributedError, PetscError};
 pub use petsc_solver::{Method, PetscReport, PetscSolver, TOLERANCE, UnknownMethod};
-pub use problem::{SharedAffineError, SharedAssemblyError, SharedProblem, shared_functional};
+pub use problem::{
+    DistributedAffineError, DistributedAssemblyError, DistributedProblem, distributed_functional,
+};
 pub use world::World;

@@ -9,10 +9,10 @@ use forms_fem::prelude::*;
 use forms_fem::solve::{LinearSolution, SolverError};
 
 use crate::error::PetscError;
-use crate::matrix::SharedMatrix;
+use crate::matrix::DistributedMatrix;
 use crate::node_rows::NodeRows;
 use crate::petsc::{self, DEFAULT, EUCLIDEAN, Index, Object, TRUE, UNPRECONDITIONED, call};
-use crate::vector::SharedVector;
+use crate::vector::DistributedVector;
 use crate::world::World;
 
 /// The relative residual that conjugate gradients reach where nothing else is asked for.
@@ -89,28 +89,28 @@ pub struct PetscReport {
     pub solve_seconds: f64,
 }
 
-/// Solves by PETSc on all processes together. Its matrices are shares, whose sum over the processes is the matrix; right-hand
+/// Solves by PETSc on all processes together. Its matrices are local contributions, whose sum over the processes is the matrix; right-hand
 /// sides and solutions are whole, and the same on all.
 #[derive(Debug)]
 pub struct PetscSolver<'w> {
     world: &'w World,
     method: Method,
     nodes: NodeRows,
-    b: SharedVector<'w>,
-    x: SharedVector<'w>,
-    residual: SharedVector<'w>,
+    b: DistributedVector<'w>,
+    x: DistributedVector<'w>,
+    residual: DistributedVector<'w>,
     system: Option<System<'w>>,
     report: PetscReport,
 }
 
 #[derive(Debug)]
 struct System<'w> {
-    matrix: SharedMatrix<'w>,
+    matrix: DistributedMatrix<'w>,
     solver: Object,
 }
 
 impl<'w> System<'w> {
-    fn new(matrix: SharedMatrix<'w>, world: &World, method: Method) -> Result<Self, PetscError> {
+    fn new(matrix: DistributedMatrix<'w>, world: &World, method: Method) -> Result<Self, PetscError> {
         let mut system = System { matrix, solver: null_mut() };
         let mut preconditioner = null_mut();
         // SAFETY: PETSc writes the handles; the solver is this system's own, the preconditioner the solver's. Names end
@@ -154,7 +154,7 @@ impl<'w> PetscSolver<'w> {
         method: Method,
     ) -> Result<Self, PetscError> {
         let nodes = NodeRows::new(world, constraints)?;
-        let vector = || SharedVector::new(world, nodes.rows.clone());
+        let vector = || DistributedVector::new(world, nodes.rows.clone());
         let (b, x, residual) = (vector()?, vector()?, vector()?);
         let report = PetscReport { rows: nodes.rows.count, ..PetscReport::default() };
         Ok(PetscSolver { world, method, b, x, residual, nodes, system: None, report })
@@ -195,18 +195,18 @@ impl<'w> PetscSolver<'w> {
 }
 
 impl LinearSolver for PetscSolver<'_> {
-    fn set_matrix(&mut self, share: CsrMatrix) -> Result<(), SolverError> {
+    fn set_matrix(&mut self, local: CsrMatrix) -> Result<(), SolverError> {
         let start = Instant::now();
-        let fit = self.check_size("the set of rows", share.rows());
-        self.world.agree(fit.and_then(|()| share.check_finite()))?;
+        let fit = self.check_size("the set of rows", local.rows());
+        self.world.agree(fit.and_then(|()| local.check_finite()))?;
         // All processes tell their positions anew if one has to.
-        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&share));
+        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&local));
         let mut system = match self.system.take() {
             Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,
-            Some(_) => self.new_system(&share)?,
-            None => self.new_system(&share)?,
+            Some(_) => self.new_system(&local)?,
+            None => self.new_system(&local)?,
         };
-        system.matrix.assemble(&share)?;
+        system.matrix.assemble(&local)?;
         let matrix = system.matrix.handle();
         // SAFETY: handles of the system, which keeps both.
         unsafe { call!(KSPSetOperators(system.solver, matrix, matrix))? };
@@ -270,8 +270,8 @@ impl LinearSolver for PetscSolver<'_> {
 }
 
 impl<'w> PetscSolver<'w> {
-    fn new_system(&mut self, share: &CsrMatrix) -> Result<System<'w>, PetscError> {
+    fn new_system(&mut self, local: &CsrMatrix) -> Result<System<'w>, PetscError> {
         self.report.patterns += 1;
-        System::new(SharedMatrix::new(self.world, &self.nodes, share)?, self.world, self.method)
+        System::new(DistributedMatrix::new(self.world, &self.nodes, local)?, self.world, self.method)
     }
 }

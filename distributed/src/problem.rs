@@ -9,55 +9,56 @@ use forms_fem::solve::{
     newton_eliminating,
 };
 
-use crate::error::{PetscError, SharedError};
+use crate::error::{DistributedError, PetscError};
 use crate::rows::Rows;
-use crate::vector::SharedVector;
+use crate::vector::DistributedVector;
 use crate::world::World;
 
 /// What may fail in assembly on all processes.
-pub type SharedAssemblyError = SharedError<AssemblyError>;
+pub type DistributedAssemblyError = DistributedError<AssemblyError>;
 
-/// A form with one unknown, of which each process assembles its share: a [`FormProblem`] made with
-/// [`Assembler::on_owned_cells`]. Residuals are added up and whole on every process; tangents remain shares, as
+/// A form with one unknown, of which each process assembles its own cells: a [`FormProblem`] made with
+/// [`Assembler::on_owned_cells`]. Residuals are added up and whole on every process; tangents remain local contributions, as
 /// [`crate::PetscSolver`] takes them.
-pub struct SharedProblem<'w, 'a, F, const D: usize> {
+pub struct DistributedProblem<'w, 'a, F, const D: usize> {
     world: &'w World,
-    share: FormProblem<'a, F, D>,
+    local: FormProblem<'a, F, D>,
     space: Arc<Space<D>>,
-    sum: SharedVector<'w>,
+    sum: DistributedVector<'w>,
 }
 
 /// Why an affine problem was not solved.
 #[derive(Debug, thiserror::Error)]
-pub enum SharedAffineError {
+pub enum DistributedAffineError {
     /// Assembly failed, here or elsewhere.
     #[error(transparent)]
-    Assembly(#[from] SharedAssemblyError),
+    Assembly(#[from] DistributedAssemblyError),
     /// The system was not solved.
     #[error(transparent)]
     Solver(#[from] SolverError),
 }
 
-impl From<LinearAlgebraError> for SharedAffineError {
+impl From<LinearAlgebraError> for DistributedAffineError {
     fn from(error: LinearAlgebraError) -> Self {
-        SharedAffineError::Solver(error.into())
+        DistributedAffineError::Solver(error.into())
     }
 }
 
-impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
-    /// Prepares the positions of this process's share of the matrix.
+impl<'w, 'a, F: Form<D>, const D: usize> DistributedProblem<'w, 'a, F, D> {
+    /// Prepares the positions of this process's part of the matrix.
     ///
     /// # Errors
     /// As [`FormProblem::new`], on any process.
     pub fn new(
         world: &'w World,
         form: &'a F,
-        share: &'a Assembler<D>,
+        local: &'a Assembler<D>,
         space: &Arc<Space<D>>,
-    ) -> Result<Self, SharedAssemblyError> {
-        let share = world.agree(FormProblem::new(form, share, space))?;
-        let sum = SharedVector::new(world, Rows::of_nodes(world, space.node_count(), space.components())?)?;
-        Ok(SharedProblem { world, share, space: space.clone(), sum })
+    ) -> Result<Self, DistributedAssemblyError> {
+        let local = world.agree(FormProblem::new(form, local, space))?;
+        let sum =
+            DistributedVector::new(world, Rows::of_nodes(world, space.node_count(), space.components())?)?;
+        Ok(DistributedProblem { world, local, space: space.clone(), sum })
     }
 
     /// Solves R(u) = 0 by semismooth Newton from u = `start` with the constraints imposed on it.
@@ -71,7 +72,7 @@ impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
         solver: &mut dyn LinearSolver,
         options: &NewtonOptions,
         progress: &mut dyn FnMut(&NewtonStep),
-    ) -> Result<Solved<D>, NewtonError<SharedAssemblyError>> {
+    ) -> Result<Solved<D>, NewtonError<DistributedAssemblyError>> {
         let u = start.values().to_vec();
         let elimination = match Elimination::of(&[constraints]) {
             Ok(elimination) => elimination,
@@ -92,7 +93,7 @@ impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
         &mut self,
         constraints: &Constraints<D>,
         solver: &mut dyn LinearSolver,
-    ) -> Result<Field<D>, SharedAffineError> {
+    ) -> Result<Field<D>, DistributedAffineError> {
         let mut elimination = Elimination::of(&[constraints])?;
         let mut lifted = elimination.lifted()?;
         let rest = self.residual(&lifted)?;
@@ -108,46 +109,50 @@ impl<'w, 'a, F: Form<D>, const D: usize> SharedProblem<'w, 'a, F, D> {
     }
 }
 
-/// A functional of which each process integrates its share.
+/// A functional of which each process integrates its own cells.
 ///
 /// # Errors
 /// What does not fit, on any process.
-pub fn shared_functional<G: Functional<D>, const D: usize>(
+pub fn distributed_functional<G: Functional<D>, const D: usize>(
     world: &World,
-    share: &Assembler<D>,
+    local: &Assembler<D>,
     functional: &G,
-) -> Result<f64, SharedAssemblyError> {
-    let own = world.agree(share.functional(functional))?;
+) -> Result<f64, DistributedAssemblyError> {
+    let own = world.agree(local.functional(functional, &[]))?;
     Ok(world.sum(&[own])?[0])
 }
 
-impl<F: Form<D>, const D: usize> NonlinearProblem for SharedProblem<'_, '_, F, D> {
-    type Error = SharedAssemblyError;
+impl<F: Form<D>, const D: usize> NonlinearProblem for DistributedProblem<'_, '_, F, D> {
+    type Error = DistributedAssemblyError;
 
-    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, SharedAssemblyError> {
-        let own = self.world.agree(self.share.residual(u))?;
+    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, DistributedAssemblyError> {
+        let own = self.world.agree(self.local.residual(u))?;
         Ok(self.sum.sum(&own)?)
     }
 
-    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, SharedAssemblyError> {
-        let own = self.world.agree(self.share.tangent(u))?;
-        // Which places change is known of this share alone.
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, DistributedAssemblyError> {
+        let own = self.world.agree(self.local.tangent(u))?;
+        // Which places change is known of this process's cells alone.
         Ok(Tangent { changed: None, ..own })
     }
 
-    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, SharedAssemblyError> {
-        let own = self.world.agree(self.share.active_points(u))?;
+    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, DistributedAssemblyError> {
+        let own = self.world.agree(self.local.active_points(u))?;
         own.map(|own| Ok(self.all_active(own)?)).transpose()
     }
 
-    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, SharedAssemblyError> {
+    fn balancing_forces(
+        &mut self,
+        u: &[f64],
+        amplitudes: &[f64],
+    ) -> Result<Vec<f64>, DistributedAssemblyError> {
         // All processes must come to the same judgement of convergence.
-        let own = self.world.agree(self.share.balancing_forces(u, amplitudes))?;
+        let own = self.world.agree(self.local.balancing_forces(u, amplitudes))?;
         Ok(self.sum.sum(&own)?)
     }
 }
 
-impl<F, const D: usize> SharedProblem<'_, '_, F, D> {
+impl<F, const D: usize> DistributedProblem<'_, '_, F, D> {
     /// The set of all processes' active points: sums of integers below 2⁵³ are exact in any order.
     fn all_active(&self, own: ActivePoints) -> Result<ActivePoints, PetscError> {
         let mut hasher = DefaultHasher::new();

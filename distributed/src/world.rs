@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use forms_fem::mesh::Mesh;
 use forms_fem::output::{StandardOutput, program};
 
-use crate::error::{PetscError, SharedError};
+use crate::error::{DistributedError, PetscError};
 use crate::petsc::{self, call};
 use crate::rows::Rows;
-use crate::vector::SharedVector;
+use crate::vector::DistributedVector;
 
 static STARTED: AtomicBool = AtomicBool::new(false);
 
@@ -96,18 +96,18 @@ impl World {
     /// # Errors
     /// What PETSc says.
     pub fn sum(&self, numbers: &[f64]) -> Result<Vec<f64>, PetscError> {
-        SharedVector::new(self, Rows::of_nodes(self, numbers.len(), 1)?)?.sum(numbers)
+        DistributedVector::new(self, Rows::of_nodes(self, numbers.len(), 1)?)?.sum(numbers)
     }
 
     /// A result of this process, if all have one. Else an error on all, so that none waits for another for ever.
     ///
     /// # Errors
     /// This process's own error, or that there was one elsewhere.
-    pub fn agree<T, E: Error>(&self, own: Result<T, E>) -> Result<T, SharedError<E>> {
+    pub fn agree<T, E: Error>(&self, own: Result<T, E>) -> Result<T, DistributedError<E>> {
         let failed = self.sum(&[f64::from(u8::from(own.is_err()))])?[0];
         match own {
-            Err(error) => Err(SharedError::Here(error)),
-            Ok(_) if failed > 0.0 => Err(SharedError::Elsewhere { count: failed as usize }),
+            Err(error) => Err(DistributedError::Here(error)),
+            Ok(_) if failed > 0.0 => Err(DistributedError::Elsewhere { count: failed as usize }),
             Ok(own) => Ok(own),
         }
     }

@@ -64,7 +64,7 @@ pub fn shape_problem(initial: &Arc<Mesh<2>>) -> Outcome<ContactShape<ProblemOn>>
         gradient: GradientForm::Volume,
         volume: VolumeRule::Constraint(Volume { target: measured_volume(initial)? }),
         moving: "top".into(),
-        outline_price: 0.0,
+        perimeter_penalty: 0.0,
         fixed: vec!["left".into(), "right".into(), "bottom".into()],
         gamma_n: "right".into(),
         gamma_c: "contact".into(),

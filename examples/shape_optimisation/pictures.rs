@@ -150,7 +150,7 @@ fn outlines(mesh: &Mesh<2>) -> Outcome<Vec<Vec<[f64; 2]>>> {
     Ok(curves)
 }
 
-/// The contact pressure before and after; where its unevenness is the criterion, over its mean on the length L, for the force
+/// The contact pressure before and after; where its variation is the criterion, over its mean on the length L, for the force
 /// changes too and the criterion does not see it.
 fn pressures(runs: &[Run]) -> Outcome<Drawing> {
     let Some(first) = runs.first() else { return Err("no run".into()) };

@@ -14,7 +14,7 @@ use forms_fem::shape_optimisation::{Failure, Volume, measured_volume};
 use crate::Outcome;
 use crate::options::Options;
 
-/// The length L of the unevenness of the pressure \[cm\].
+/// The length L of the variation of the pressure \[cm\].
 pub const EVEN_OVER: f64 = 10.0;
 
 /// A contact problem on a mesh of the ring.
@@ -57,7 +57,7 @@ pub fn shape_problem(
         gradient,
         volume: VolumeRule::Constraint(Volume { target: measured_volume(initial)? }),
         moving: "holes".into(),
-        outline_price: 0.0,
+        perimeter_penalty: 0.0,
         fixed: vec!["inner".into(), "outer".into()],
         gamma_n: "outer".into(),
         gamma_c: CONTACT.into(),

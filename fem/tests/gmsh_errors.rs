@@ -2,7 +2,7 @@
 //! group.
 
 use forms_fem::mesh::Mesh;
-use forms_fem::mesh::gmsh::{GmshMesh, GmshProblem, Place};
+use forms_fem::mesh::gmsh::{FilePosition, GmshMesh, GmshProblem};
 
 const VERSION_4: &str = r#"$MeshFormat
 4.1 0 8
@@ -501,8 +501,8 @@ fn cells_that_do_not_fit_each_other() {
 }
 
 #[test]
-fn places_are_values() {
+fn positions_are_values() {
     let error = Mesh::<2>::read_gmsh_bytes("square.msh", &VERSION_2.as_bytes()[..200]).unwrap_err();
     assert_eq!((error.file.as_str(), error.section.as_deref()), ("square.msh", Some("Elements")));
-    assert_eq!(error.place, Some(Place::Line(20)));
+    assert_eq!(error.position, Some(FilePosition::Line(20)));
 }

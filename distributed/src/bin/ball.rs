@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::report::{tell, tell_steps};
-use forms_distributed::{Method, PetscSolver, SharedContact, World};
+use forms_distributed::{DistributedContact, Method, PetscSolver, World};
 use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
@@ -14,7 +14,7 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let divisions = given(1).map_or(Ok(4), |number| number.parse())?;
     let theta = given(2).map_or(Ok(-1.0), |number| number.parse())?;
     let method = Method::named(given(3).as_deref().unwrap_or("direct"))?;
-    let contact = SharedContact::new(world, ball_on_flat(divisions, theta)?)?;
+    let contact = DistributedContact::new(world, ball_on_flat(divisions, theta)?)?;
     let mut solver = PetscSolver::new(world, &contact.problem().constraints, method)?;
     let solved = contact.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ())?;
     tell_steps(world, &solved.history);

@@ -7,13 +7,13 @@ use std::process::ExitCode;
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
 use forms_contact::states::Adjoint;
 use forms_distributed::cases::report::{tell, tell_steps};
-use forms_distributed::{Method, PetscSolver, SharedContact, World};
+use forms_distributed::{DistributedContact, Method, PetscSolver, World};
 use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let radial = std::env::args().nth(1).map_or(Ok(4), |number| number.parse())?;
     let settings = Settings { radial, threads: Threads::new(1), ..Settings::default() };
-    let contact = SharedContact::new(world, hollow_cylinder(&settings)?)?;
+    let contact = DistributedContact::new(world, hollow_cylinder(&settings)?)?;
     let mut solver = PetscSolver::new(world, &contact.problem().constraints, Method::Direct)?;
     let solved = contact.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ())?;
     let u = solved.field;

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use forms_distributed::cases::hanging_block::HangingBlock;
 use forms_distributed::cases::report::tell;
-use forms_distributed::{Method, PetscSolver, SharedProblem, TOLERANCE, World};
+use forms_distributed::{DistributedProblem, Method, PetscSolver, TOLERANCE, World};
 use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
@@ -21,11 +21,11 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     }
     let method = Method::named(&name)?;
     let HangingBlock { form, space, constraints } = block;
-    let share = Assembler::new(space.mesh()).with_threads(Threads::new(1));
-    let share = share.on_owned_cells(world.own_cells(space.mesh()))?;
+    let local = Assembler::new(space.mesh()).with_threads(Threads::new(1));
+    let local = local.on_owned_cells(world.own_cells(space.mesh()))?;
     let start = Instant::now();
     let mut solver = PetscSolver::new(world, &constraints, method)?;
-    let u = SharedProblem::new(world, &form, &share, &space)?.solve_affine(&constraints, &mut solver)?;
+    let u = DistributedProblem::new(world, &form, &local, &space)?.solve_affine(&constraints, &mut solver)?;
     let report = solver.report();
     tell(world, "unknowns", &[space.unknowns() as f64]);
     tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());

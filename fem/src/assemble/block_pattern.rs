@@ -8,9 +8,9 @@ use std::sync::Arc;
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
 use super::binding::Entities;
-use super::cliques::{Cliques, couple};
+use super::block_index::BlockIndex;
 use super::owned_cells::OwnedCells;
-use super::place_map::PlaceMap;
+use super::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::mesh::Facet;
@@ -28,7 +28,7 @@ pub struct BlockPattern<const D: usize> {
     tests: Vec<Arc<Space<D>>>,
     trials: Vec<Arc<Space<D>>>,
     /// `maps[test][trial]`
-    maps: Vec<Vec<Option<PlaceMap>>>,
+    maps: Vec<Vec<Option<BlockIndex>>>,
     /// The cells whose couplings it holds, where they are not all.
     owned: Option<Arc<OwnedCells>>,
 }
@@ -114,7 +114,7 @@ impl<const D: usize> BlockPattern<D> {
         Self::for_cells(form, tests, trials, None)
     }
 
-    /// The pattern of the share of a form's tangent that an assembler assembles.
+    /// The pattern of the part of a form's tangent that an assembler assembles.
     pub(crate) fn for_share<F: Form<D>>(
         form: &F,
         tests: &[&Arc<Space<D>>],
@@ -223,7 +223,7 @@ impl<const D: usize> BlockPattern<D> {
                 let parts = test.mesh.by_shape(walked);
                 let (mut walk, mut starts, mut start) = (Vec::new(), Vec::new(), 0);
                 for (shape, cells_of_shape) in parts.iter().filter(|(_, own)| !own.is_empty()) {
-                    walk.resize(cells.len(), PlaceMap::ABSENT);
+                    walk.resize(cells.len(), BlockIndex::ABSENT);
                     for (place, cell) in cells_of_shape.iter().enumerate() {
                         walk[*cell as usize] = place as u32;
                     }
@@ -238,7 +238,7 @@ impl<const D: usize> BlockPattern<D> {
                 let (blocks, places) =
                     couple(&cliques, (test.node_count(), trial.node_count()), walked.len());
                 row_of_pairs.push(blocks);
-                row_of_maps.push((!walked.is_empty()).then_some(PlaceMap { places, starts, walk }));
+                row_of_maps.push((!walked.is_empty()).then_some(BlockIndex { places, starts, walk }));
             }
             pairs.push(row_of_pairs);
             maps.push(row_of_maps);
@@ -339,11 +339,11 @@ impl<const D: usize> BlockPattern<D> {
     /// Bytes of the maps from element matrices to the matrix, without the positions themselves
     /// ([`BlockSparsity::memory`]).
     pub fn map_memory(&self) -> usize {
-        self.maps.iter().flatten().flatten().map(PlaceMap::memory).sum()
+        self.maps.iter().flatten().flatten().map(BlockIndex::memory).sum()
     }
 
     /// The places of the blocks of cells for a pair of spaces.
-    pub(super) fn map(&self, test: usize, trial: usize) -> Option<&PlaceMap> {
+    pub(super) fn map(&self, test: usize, trial: usize) -> Option<&BlockIndex> {
         self.maps[test][trial].as_ref()
     }
 

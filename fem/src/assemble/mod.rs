@@ -7,8 +7,8 @@
 //! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
-//! block_pattern, cliques, place_map   the positions of a matrix, and where element matrices go
-//! owned_cells   the share of an assembler that assembles some of the cells
+//! block_pattern, sparsity, block_index the positions of a matrix, and where element matrices go
+//! owned_cells   the partial sums of an assembler of some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
@@ -16,8 +16,8 @@
 mod action;
 mod batch;
 mod binding;
+mod block_index;
 mod block_pattern;
-mod cliques;
 mod derived;
 mod element_kernel;
 mod element_matrices;
@@ -28,13 +28,13 @@ mod functional;
 mod owned_cells;
 mod pairs;
 mod partition;
-mod place_map;
 mod positive_parts;
-mod receiver;
 mod reference_tensor;
 mod residual;
 mod scatter;
+mod sink;
 mod sizes;
+mod sparsity;
 mod split_facets;
 mod sum_factorisation;
 mod tangent;

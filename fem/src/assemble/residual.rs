@@ -8,8 +8,8 @@ use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirem
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_vectors::ElementVectors;
-use super::receiver::Deliver;
 use super::scatter::{GroupNodes, VectorScatter};
+use super::sink::Deliver;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::{Field, FieldView, views};

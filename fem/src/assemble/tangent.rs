@@ -8,8 +8,8 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requ
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_matrices::ElementMatrices;
-use super::receiver::Deliver;
 use super::scatter::{GroupNodes, MatrixScatter};
+use super::sink::Deliver;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::field::{Field, FieldView, views};

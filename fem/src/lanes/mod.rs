@@ -57,7 +57,7 @@ pub(crate) trait SharedWork<L> {
     fn run(self) -> Self::Output;
 }
 
-/// A lane type with the passages between memory and lanes.
+/// A lane type with gather, scatter and transposition between memory and lanes.
 pub(crate) trait SimdLane: Lane {
     /// How many values the processor's registers hold.
     const REGISTERS: usize;

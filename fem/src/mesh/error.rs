@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::Facet;
-use crate::element::{CellShape, ElementError};
+use crate::element::{CellShape, ElementError, plurals};
 
 /// Why a mesh or a region of it does not exist.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -303,10 +303,6 @@ pub enum MeshError {
 
 fn kind(exists: bool, name: &str, what: &str) -> String {
     if exists { format!(" (\"{name}\" consists of {what})") } else { String::new() }
-}
-
-pub(crate) fn plurals(shapes: &[CellShape]) -> String {
-    shapes.iter().map(|shape| shape.plural()).collect::<Vec<_>>().join(" and ")
 }
 
 fn quoted(names: &[String]) -> String {

@@ -293,7 +293,7 @@ where
         let unknowns = movements.unknowns();
         check_length("the criterion", &derivatives.criterion, unknowns)?;
         let mut held = Constraints::new(movements);
-        self.problem.hold(&mut held).map_err(of_problem)?;
+        self.problem.fix(&mut held).map_err(of_problem)?;
         if let Some(pattern) = &self.pattern {
             pattern.average(&mut derivatives.criterion)?;
         }

@@ -16,7 +16,7 @@ mod error;
 mod history;
 mod inner_product;
 mod logbook;
-mod outline;
+mod perimeter;
 #[cfg(feature = "pictures")]
 mod pictures;
 mod problem;
@@ -33,7 +33,7 @@ pub use error::{Failure, ShapeOptimisationError};
 pub use history::{DescentState, Finish, Row, Step};
 pub use inner_product::{InnerProduct, movement_product};
 pub use logbook::Logbook;
-pub use outline::{outline, outline_derivative, outline_form};
+pub use perimeter::{perimeter, perimeter_derivative, perimeter_form};
 #[cfg(feature = "pictures")]
 pub use pictures::{history_picture, strip};
 pub use problem::{Derivatives, ShapeProblem, Values};

@@ -30,7 +30,7 @@ pub trait ShapeProblem<const D: usize> {
     ///
     /// # Errors
     /// A region that does not exist.
-    fn hold(&self, movements: &mut Constraints<D>) -> Result<(), Failure>;
+    fn fix(&self, movements: &mut Constraints<D>) -> Result<(), Failure>;
 }
 
 /// Values on a shape.

@@ -10,7 +10,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::{Ident, ItemMod, LitInt, Path, Token};
 
 use crate::check::check;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::differentiate::differentiate;
 use crate::dump::{self, Dump};
 use crate::emit::emit;
@@ -216,12 +216,12 @@ impl Unit<'_> {
                     }
                     Err(Failure::NotLinear(argument)) => {
                         diagnostics.error(
-                            Place::of(name),
+                            SourceSpan::of(name),
                             format!("`{name}` could not be brought into a form linear in `{argument}`"),
                         );
                     }
                     Err(Failure::TooLarge) => diagnostics.error_with_help(
-                        Place::of(name),
+                        SourceSpan::of(name),
                         format!("`{name}` unfolds to more than 2 million scalar operations"),
                         "split it into several forms, or compute tensors of high rank in fewer steps",
                     ),

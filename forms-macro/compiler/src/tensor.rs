@@ -1,4 +1,4 @@
-//! The tensor expressions that stages 2 and 3 share: nodes in an arena, each with a shape and a place.
+//! The tensor expressions that stages 2 and 3 share: nodes in an arena, each with a shape and a span.
 //!
 //! `check` builds them, still with the three operators of differentiation ([`Operator::Gradient`],
 //! [`Operator::Partial`], [`Operator::Gateaux`]); `differentiate` removes those.
@@ -6,7 +6,7 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::mem::{Discriminant, discriminant};
 
-use crate::diagnostics::Place;
+use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::{Comparison, Entity};
 
 /// A node of an [`Arena`].
@@ -353,7 +353,7 @@ impl Operator {
 pub struct Node {
     pub operator: Operator,
     pub shape: Shape,
-    pub place: Place,
+    pub span: SourceSpan,
 }
 
 /// All nodes of one function in one dimension.
@@ -371,7 +371,7 @@ pub struct Arena {
 }
 
 impl Arena {
-    pub fn push(&mut self, operator: Operator, shape: Shape, place: Place) -> Tensor {
+    pub fn push(&mut self, operator: Operator, shape: Shape, span: SourceSpan) -> Tensor {
         if let Operator::Partial(_, Variable::Node(node))
         | Operator::Gateaux { variable: Variable::Node(node), .. } = operator
         {
@@ -379,7 +379,7 @@ impl Arena {
         }
         let inside = operator.operands().into_iter().map(|operand| self.depth(operand));
         self.depths.push(inside.max().unwrap_or(0) + 1);
-        self.nodes.push(Node { operator, shape, place });
+        self.nodes.push(Node { operator, shape, span });
         Tensor(self.nodes.len() as u32 - 1)
     }
 
@@ -391,12 +391,12 @@ impl Arena {
     /// As [`Arena::push`], or an equal node that was made by this function before: derivatives of derivatives hold the
     /// same expression many times, and grow with a power of their order instead of exponentially. A node that a `diff`
     /// varies stands for itself alone.
-    pub fn share(&mut self, operator: Operator, shape: Shape, place: Place) -> Tensor {
+    pub fn share(&mut self, operator: Operator, shape: Shape, span: SourceSpan) -> Tensor {
         let key = Key::new(&operator, &shape, &mut |operand| self.representative(operand));
         match self.shared.get(&key) {
             Some(known) if !self.varied.contains(known) => *known,
             _ => {
-                let new = self.push(operator, shape, place);
+                let new = self.push(operator, shape, span);
                 self.shared.insert(key, new);
                 new
             }
@@ -434,8 +434,8 @@ impl Arena {
         &self.node(tensor).shape
     }
 
-    pub fn place(&self, tensor: Tensor) -> Place {
-        self.node(tensor).place
+    pub fn span(&self, tensor: Tensor) -> SourceSpan {
+        self.node(tensor).span
     }
 
     /// The names of all values that have one.
@@ -451,10 +451,10 @@ impl Arena {
         self.nodes.len()
     }
 
-    /// Gives all nodes from the index `first` on another place.
-    pub fn move_to(&mut self, first: usize, place: Place) {
+    /// Gives all nodes from the index `first` on another span.
+    pub fn move_to(&mut self, first: usize, span: SourceSpan) {
         for node in &mut self.nodes[first..] {
-            node.place = place;
+            node.span = span;
         }
     }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::mesh::imported::{ImportProblem, Place, dimensions, entities, entity};
+use crate::mesh::imported::{FilePosition, ImportProblem, dimensions, entities, entity};
 
 /// Why a Gmsh file gives no mesh: which file, where in it, and what is wrong there.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct GmshError {
     /// The file's name, as it was given.
     pub file: String,
     /// Where, unless the problem is of the whole file.
-    pub place: Option<Place>,
+    pub position: Option<FilePosition>,
     /// The section, without its dollar sign.
     pub section: Option<String>,
     /// What is wrong.
@@ -152,8 +152,8 @@ pub enum GmshProblem {
 impl fmt::Display for GmshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file)?;
-        if let Some(place) = self.place {
-            write!(f, ", {place}")?;
+        if let Some(position) = self.position {
+            write!(f, ", {position}")?;
         }
         if let Some(section) = &self.section {
             write!(f, ", in ${section}")?;

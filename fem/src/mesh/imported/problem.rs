@@ -8,7 +8,7 @@ use crate::mesh::MeshError;
 
 /// Where in a file something stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePosition {
     /// A line of a text file, counted from 1.
     Line(usize),
     /// An offset in a binary file \[bytes\], counted from 0.
@@ -372,11 +372,11 @@ pub(in crate::mesh) fn dimensions(dimension: usize) -> &'static str {
         .unwrap_or("more dimensions")
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Line(line) => write!(f, "line {line}"),
-            Place::Byte(offset) => write!(f, "byte {offset}"),
+            FilePosition::Line(line) => write!(f, "line {line}"),
+            FilePosition::Byte(offset) => write!(f, "byte {offset}"),
         }
     }
 }

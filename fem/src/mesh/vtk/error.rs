@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::mesh::imported::{ImportProblem, Place};
+use crate::mesh::imported::{FilePosition, ImportProblem};
 
 /// Why a VTK file gives no mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,10 +37,10 @@ pub enum VtkProblem {
         found: String,
     },
     /// Something else stands where a number, a name or a mark should, or the file ends.
-    #[error("{place}: expected {expected}, found {found}")]
+    #[error("{position}: expected {expected}, found {found}")]
     Unexpected {
         /// Where.
-        place: Place,
+        position: FilePosition,
         /// What should stand there.
         expected: String,
         /// What stands there, shortened.

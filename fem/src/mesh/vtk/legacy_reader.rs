@@ -2,7 +2,7 @@
 
 use super::array::{NumberType, Values};
 use super::error::VtkProblem;
-use crate::mesh::imported::{Place, shortened};
+use crate::mesh::imported::{FilePosition, shortened};
 
 type Result<T> = std::result::Result<T, VtkProblem>;
 
@@ -23,8 +23,8 @@ impl<'a> Reader<'a> {
     /// What stands at an offset is not what should.
     pub(super) fn unexpected(&self, at: usize, expected: &str) -> VtkProblem {
         let mut problem = super::markup::unexpected(self.bytes, at, expected);
-        if let (VtkProblem::Unexpected { place, .. }, true) = (&mut problem, self.binary) {
-            *place = Place::Byte(at);
+        if let (VtkProblem::Unexpected { position, .. }, true) = (&mut problem, self.binary) {
+            *position = FilePosition::Byte(at);
         }
         problem
     }

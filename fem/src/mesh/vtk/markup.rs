@@ -1,7 +1,7 @@
 //! The little of XML that VTK's files use: elements with attributes, text and children.
 
 use super::error::VtkProblem;
-use crate::mesh::imported::{Place, shortened};
+use crate::mesh::imported::{FilePosition, shortened};
 
 /// An element.
 #[derive(Debug, Default)]
@@ -201,5 +201,5 @@ pub(super) fn unexpected(bytes: &[u8], at: usize, expected: &str) -> VtkProblem 
         Some(found) if at < bytes.len() => format!("{:?}", shortened(found)),
         _ => "the end of the file".to_owned(),
     };
-    VtkProblem::Unexpected { place: Place::Line(line), expected: expected.to_owned(), found }
+    VtkProblem::Unexpected { position: FilePosition::Line(line), expected: expected.to_owned(), found }
 }

@@ -19,7 +19,7 @@ use super::Mesh;
 use super::imported::{self, Imported};
 use grid::Grid;
 
-pub use super::imported::{ImportProblem, Item, Note, Place};
+pub use super::imported::{FilePosition, ImportProblem, Item, Note};
 pub use array::VtkArray;
 pub use error::{VtkError, VtkProblem};
 

@@ -20,7 +20,7 @@ use std::collections::HashMap;
 
 use proc_macro2::Ident;
 
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Tensor};
 
@@ -169,7 +169,7 @@ fn check_value(function: &Function, diagnostics: &mut Diagnostics) -> bool {
             function.name, argument.name
         );
         let help = "give the rank alone, `Scalar`, `Vector` or `Tensor`: forms may pass what they like";
-        diagnostics.error_with_help(Place::of(&argument.name), message, help);
+        diagnostics.error_with_help(SourceSpan::of(&argument.name), message, help);
         right = false;
     }
     right
@@ -185,7 +185,7 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     for name in data.clone().chain(regions.clone()).chain(functions.clone()) {
         if is_reserved(&name.to_string()) {
             let message = format!("the name `{name}` is used by the compiled module itself");
-            diagnostics.error_with_help(Place::of(name), message, "choose another name");
+            diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
         }
     }
     check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
@@ -195,7 +195,7 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
             // Rust takes it for the region's pattern, too.
             if module.regions.iter().any(|region| region.name == *name) {
                 let message = format!("`{name}` is a region of this module, and no argument");
-                diagnostics.error_with_help(Place::of(name), message, "choose another name");
+                diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
             }
         }
     }
@@ -207,7 +207,7 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
         let text = name.to_string();
         check_not_built_in(name, diagnostics);
         if seen.insert(text, ()).is_some() {
-            diagnostics.error(Place::of(name), format!("the name `{name}` is declared twice"));
+            diagnostics.error(SourceSpan::of(name), format!("the name `{name}` is declared twice"));
         }
     }
 }
@@ -222,7 +222,7 @@ fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {
     let text = name.to_string();
     if builtins::is_built_in(&text) {
         diagnostics.error_with_help(
-            Place::of(name),
+            SourceSpan::of(name),
             format!("`{name}` is built in and cannot be declared again"),
             format!("call this one `{name}_`, or `{name}` with a word that says which"),
         );

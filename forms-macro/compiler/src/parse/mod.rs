@@ -11,7 +11,7 @@ pub mod whole_number;
 
 use syn::{Fields, FnArg, Generics, Item, ItemFn, ItemMod, ItemStruct, Pat, PatIdent, ReturnType, Type};
 
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use declared_type::Unread;
 use syntax::*;
 
@@ -26,11 +26,11 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         mistaken: Vec::new(),
     };
     if let Some(unsafety) = item.unsafety {
-        diagnostics.error(Place::of(&unsafety), "a forms module is not `unsafe`");
+        diagnostics.error(SourceSpan::of(&unsafety), "a forms module is not `unsafe`");
     }
     let Some((_, items)) = item.content else {
         diagnostics.error_with_help(
-            Place::of(&module.name),
+            SourceSpan::of(&module.name),
             "`#[forms]` needs the module's body",
             format!("write `mod {} {{ .. }}` with the forms inside the braces", module.name),
         );
@@ -50,7 +50,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
             // Read by `reuse::uses`.
             Item::Use(item) => item.attrs.iter().for_each(|one| attributes::check_inside(one, diagnostics)),
             other => diagnostics.error_with_help(
-                Place::of(&other),
+                SourceSpan::of(&other),
                 "unsupported item in a forms module",
                 "a forms module holds one data struct, regions (`#[cells]`, `#[facets]`, `#[interior_facets]`), and functions",
             ),
@@ -68,7 +68,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
     let entity = markers.first().copied().unwrap_or(Entity::Cells);
     if !is_plain(&item.generics) {
         diagnostics.error_with_help(
-            Place::of(&item.generics),
+            SourceSpan::of(&item.generics),
             format!("`{}` cannot be generic", item.ident),
             "the dimension is generic by itself; ranks are `Scalar`, `Vector` and `Tensor`",
         );
@@ -86,7 +86,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
                         "a region consists of one kind: keep one of `#[cells]`, `#[facets]`, `#[interior_facets]`",
                     ),
                 };
-                diagnostics.error_with_help(Place::of(&item.ident), message, help);
+                diagnostics.error_with_help(SourceSpan::of(&item.ident), message, help);
                 module.mistaken.push(Mistaken::Region(item.ident.clone()));
             }
             module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, entity });
@@ -94,7 +94,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
         Fields::Named(fields) if module.data.is_none() => {
             if let Some(marker) = marked.first() {
                 diagnostics.error_with_help(
-                    Place::of(marker),
+                    SourceSpan::of(marker),
                     format!("`{}` has members, and a region has none", item.ident),
                     "leave the marker out, or write a region as `pub struct Omega;`",
                 );
@@ -112,12 +112,12 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
             module.data = Some(Data { attributes, visibility: item.vis, name: item.ident, members });
         }
         Fields::Named(_) => diagnostics.error_with_help(
-            Place::of(&item.ident),
+            SourceSpan::of(&item.ident),
             "a forms module has one data struct",
             "move these members into the first one",
         ),
         Fields::Unnamed(_) => diagnostics.error_with_help(
-            Place::of(&item.ident),
+            SourceSpan::of(&item.ident),
             "a data struct needs named members",
             "write `pub struct Data { lambda: Param, .. }`",
         ),
@@ -151,7 +151,7 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
         Err(Unread::Reported) => return None,
         Err(Unread::Unknown) => {
             diagnostics.error_with_help(
-                Place::of(&field.ty),
+                SourceSpan::of(&field.ty),
                 format!("`{name}` has a type that is not known here"),
                 "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>`, `Given<Tensor>`, `Table`, or `Carried<..>`, `History<..>` as `Given<..>`",
             );
@@ -159,9 +159,9 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
         }
     };
     if let Some((equals, value)) = &field.default {
-        let place = Place::of(&quote::quote! { #equals #value });
+        let span = SourceSpan::of(&quote::quote! { #equals #value });
         let help = "give the value where the struct is made";
-        diagnostics.error_with_help(place, format!("the member `{name}` has no value of its own"), help);
+        diagnostics.error_with_help(span, format!("the member `{name}` has no value of its own"), help);
     }
     let attributes = attributes::of_declaration(field.attrs.clone(), diagnostics);
     Some(Member { attributes, name, kind, rank })
@@ -225,7 +225,7 @@ pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Func
         && matches!(before.safety, syn::Safety::Default);
     if !plain {
         diagnostics.error_with_help(
-            Place::of(&item.sig),
+            SourceSpan::of(&item.sig),
             format!(
                 "unsupported signature of `{}`: a function of a weak form has no generics or qualifiers",
                 before.ident
@@ -244,16 +244,16 @@ pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Func
             None => complete = false,
         }
     }
-    let (output, place) = match &item.sig.output {
-        ReturnType::Type(_, ty) => (read_output(ty, diagnostics), Place::of(ty)),
-        ReturnType::Default => (Err(Unread::Unknown), Place::of(&item.sig.ident)),
+    let (output, span) = match &item.sig.output {
+        ReturnType::Type(_, ty) => (read_output(ty, diagnostics), SourceSpan::of(ty)),
+        ReturnType::Default => (Err(Unread::Unknown), SourceSpan::of(&item.sig.ident)),
     };
     let output = match output {
         Ok(output) => output,
         Err(Unread::Reported) => return None,
         Err(Unread::Unknown) => {
             diagnostics.error_with_help(
-                place,
+                span,
                 format!("`{}` does not say what it gives", item.sig.ident),
                 "the return type is one of `Scalar`, `Vector`, `Tensor`, `Form`, `Energy`, `Functional`",
             );
@@ -279,13 +279,13 @@ fn is_name(pattern: &PatIdent) -> bool {
 
 fn read_argument(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<Argument> {
     let FnArg::Typed(input) = input else {
-        diagnostics.error(Place::of(input), "unsupported argument: a form has no `self`");
+        diagnostics.error(SourceSpan::of(input), "unsupported argument: a form has no `self`");
         return None;
     };
     let pattern = match &*input.pat {
         Pat::Ident(pattern) if is_name(pattern) => pattern,
         other => {
-            diagnostics.error(Place::of(other), "unsupported argument pattern: an argument is a name");
+            diagnostics.error(SourceSpan::of(other), "unsupported argument pattern: an argument is a name");
             return None;
         }
     };
@@ -304,7 +304,7 @@ fn read_argument(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<Argumen
         Err(Unread::Reported) => return None,
         Err(Unread::Unknown) => {
             diagnostics.error_with_help(
-                Place::of(&input.ty),
+                SourceSpan::of(&input.ty),
                 format!("the argument `{}` has a type that is not known here", pattern.ident),
                 "write `Scalar`, `Vector`, `Tensor`, or one of them in `Unknown<..>`, `Test<..>`, `State<..>`",
             );

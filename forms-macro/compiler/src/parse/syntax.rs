@@ -6,7 +6,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use syn::{Attribute, Visibility};
 
 use super::whole_number::WholeNumber;
-use crate::diagnostics::Place;
+use crate::diagnostics::SourceSpan;
 
 /// A module of weak forms.
 pub struct Module {
@@ -257,7 +257,7 @@ pub struct Block {
 }
 
 pub struct Expression {
-    pub place: Place,
+    pub span: SourceSpan,
     pub kind: ExpressionKind,
 }
 
@@ -273,8 +273,8 @@ pub enum ExpressionKind {
     Binary(BinaryOperator, Box<Expression>, Box<Expression>),
     Index(Box<Expression>, Vec<Index>),
     Array(Vec<Expression>),
-    /// `[entry; 3]`, with the place of the count.
-    Repeat(Box<Expression>, WholeNumber, Place),
+    /// `[entry; 3]`, with the span of the count.
+    Repeat(Box<Expression>, WholeNumber, SourceSpan),
     If(Box<Condition>, Block, Block),
     Block(Block),
 }
@@ -319,7 +319,7 @@ impl Condition {
 
 /// What is taken of one axis.
 pub struct Index {
-    pub place: Place,
+    pub span: SourceSpan,
     pub kind: IndexKind,
 }
 

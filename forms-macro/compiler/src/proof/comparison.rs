@@ -6,7 +6,7 @@ use super::data::{Random, combination, points};
 use super::emitted::{Function, Integral, read};
 use super::source::Source;
 use crate::check::{CheckedFunction, Content};
-use crate::reference::{Condition, Evaluator, Patience};
+use crate::reference::{Budget, Condition, Evaluator};
 use crate::tensor::{FieldRole, Side};
 
 /// Arguments nearer to a kink or a singularity than this are not compared.
@@ -17,9 +17,9 @@ const MAGNITUDE: f64 = 1e6;
 const TOLERANCE: f64 = 1e-9;
 
 /// What the reference may cost for all numbers of a module, in products: two to five seconds.
-const PATIENCE: u64 = 2_000_000_000;
+const BUDGET: u64 = 2_000_000_000;
 
-/// How many numbers were compared, and how many were left out as badly conditioned or for lack of patience.
+/// How many numbers were compared, and how many were left out as badly conditioned or for lack of budget.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     pub compared: usize,
@@ -35,7 +35,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
     let module = source.module();
     let emitted = read(source.emitted());
     let mut tally = Tally::default();
-    let patience = &Patience::new(PATIENCE);
+    let budget = &Budget::new(BUDGET);
     for checked in &checked {
         let name = module.functions[checked.function].name.to_string();
         let emitted = emitted.get(&name).ok_or_else(|| format!("`{name}` was not emitted"))?;
@@ -62,7 +62,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
         let comparison = Comparison {
             checked,
             emitted,
-            patience,
+            budget,
             regions,
             count_of_regions,
             seed,
@@ -79,7 +79,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
 struct Comparison<'a> {
     checked: &'a CheckedFunction,
     emitted: &'a Function,
-    patience: &'a Patience,
+    budget: &'a Budget,
     /// The module's region of each region of the emitted form.
     regions: Vec<usize>,
     count_of_regions: usize,
@@ -150,7 +150,7 @@ impl Comparison<'_> {
         let mut expected = 0.0;
         let mut condition = Condition { distance: f64::INFINITY, magnitude: 1.0 };
         for (index, (weight, point)) in points.iter().enumerate() {
-            let evaluator = Evaluator::new(self.checked, point, self.patience);
+            let evaluator = Evaluator::new(self.checked, point, self.budget);
             expected += weight * reference(&evaluator, index);
             let own = evaluator.condition();
             condition.distance = condition.distance.min(own.distance);

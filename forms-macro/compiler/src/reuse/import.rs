@@ -10,7 +10,7 @@ use super::needs;
 use super::payload::{Payload, origin_of, rename_calls};
 use super::uses::Import;
 use crate::check::builtins::nearest;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::read_function;
 use crate::parse::syntax::{Foreign, Mistaken, Module};
 
@@ -40,7 +40,7 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
         match Payload::read(text, import.name.span()) {
             Some(payload) => arrived.push(Arrived { import, payload }),
             None => diagnostics.error(
-                Place::of(&import.name),
+                SourceSpan::of(&import.name),
                 format!("`{}` does not come from a forms module", import.name),
             ),
         }
@@ -164,14 +164,14 @@ pub fn imported_path(attributes: &[syn::Attribute]) -> Option<&proc_macro2::Toke
 /// The name in the payload of the function that is asked for.
 fn find(import: &Import, payload: &Payload, diagnostics: &mut Diagnostics) -> Option<String> {
     let (name, module) = (&import.name, &payload.item.ident);
-    let place = Place::of(name);
+    let span = SourceSpan::of(name);
     for item in payload.items() {
         match item {
             Item::Fn(item) if item.sig.ident == *name => {
                 if matches!(item.vis, Visibility::Inherited) {
                     let origin = origin_of(&item.attrs).unwrap_or_default();
                     let message = format!("{origin} is private in the forms module `{module}`");
-                    diagnostics.error_with_help(place, message, format!("declare it `pub fn {name}`"));
+                    diagnostics.error_with_help(span, message, format!("declare it `pub fn {name}`"));
                     return None;
                 }
                 return Some(name.to_string());
@@ -193,8 +193,8 @@ fn find(import: &Import, payload: &Payload, diagnostics: &mut Diagnostics) -> Op
         .collect();
     let message = format!("the forms module `{module}` has no function `{name}`");
     match nearest(&name.to_string(), public.iter().map(String::as_str)) {
-        Some(near) => diagnostics.error_with_help(place, message, format!("did you mean `{near}`?")),
-        None => diagnostics.error_with_help(place, message, format!("it has `{}`", public.join("`, `"))),
+        Some(near) => diagnostics.error_with_help(span, message, format!("did you mean `{near}`?")),
+        None => diagnostics.error_with_help(span, message, format!("it has `{}`", public.join("`, `"))),
     }
     None
 }

@@ -11,7 +11,7 @@ use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
 use super::payload::Payload;
 use super::uses::Import;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::declared_type::{self, word};
 use crate::parse::syntax::Rank;
 
@@ -35,7 +35,7 @@ pub fn check(
         free_names(item.block.to_token_stream(), typed.collect(), &mut names);
     }
     let (theirs, ours) = (Declarations::of(&payload.item), Declarations::of(item));
-    let place = Place::of(&import.name);
+    let span = SourceSpan::of(&import.name);
     let (mut missing, mut complete) = (Vec::new(), true);
     for (name, ty) in theirs.members.iter().filter(|(name, _)| names.contains(name)) {
         match ours.members.iter().find(|(other, _)| other == name) {
@@ -43,7 +43,7 @@ pub fn check(
             Some((_, own)) => {
                 let message = format!("`{}` reads `{name}` as `{ty}`, and here it is `{own}`", import.name);
                 let help = format!("the ranks must agree: declare `{name}: {ty}`");
-                diagnostics.error_with_help(place, message, help);
+                diagnostics.error_with_help(span, message, help);
                 complete = false;
             }
             None => missing.push((name, ty)),
@@ -53,7 +53,7 @@ pub fn check(
         let message =
             format!("`{}` calls `{external}`, which is written in Rust and cannot be imported", import.name);
         let help = "import functions that do not call it, or take what it gives as an argument";
-        diagnostics.error_with_help(place, message, help);
+        diagnostics.error_with_help(span, message, help);
         complete = false;
     }
     if !missing.is_empty() {
@@ -65,7 +65,7 @@ pub fn check(
             Some(data) => format!("add `{}` to `{data}`", lines.join(", ")),
             None => format!("declare `pub struct Data {{ {} }}`", lines.join(", ")),
         };
-        diagnostics.error_with_help(place, message, help);
+        diagnostics.error_with_help(span, message, help);
         complete = false;
     }
     for (name, marker) in theirs.regions.iter().filter(|(name, _)| names.contains(name)) {
@@ -77,7 +77,7 @@ pub fn check(
             ),
             None => format!("`{}` integrates over `{name}`, which this module does not declare", import.name),
         };
-        diagnostics.error_with_help(place, message, format!("declare `#[{marker}] pub struct {name};`"));
+        diagnostics.error_with_help(span, message, format!("declare `#[{marker}] pub struct {name};`"));
         complete = false;
     }
     complete

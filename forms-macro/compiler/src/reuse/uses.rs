@@ -5,7 +5,7 @@ use quote::quote;
 use syn::{Item, ItemUse, UseTree, Visibility};
 
 use crate::check::builtins::is_built_in;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 
 /// One name that is imported.
 pub struct Import {
@@ -44,7 +44,7 @@ fn read_tree(
     let mut leaf = |name: &Ident, local: &Ident| {
         if name == "self" {
             diagnostics.error_with_help(
-                Place::of(name),
+                SourceSpan::of(name),
                 "a module cannot be imported into a forms module, its functions can",
                 "name them: `use path::{stress, strain};`",
             );
@@ -70,7 +70,7 @@ fn read_tree(
             }
         }
         UseTree::Glob(glob) => diagnostics.error_with_help(
-            Place::of(glob),
+            SourceSpan::of(glob),
             "a forms module cannot import everything: the macro does not see which names there are",
             "name the functions: `use path::{stress, strain};`; the vocabulary itself needs no `use`",
         ),

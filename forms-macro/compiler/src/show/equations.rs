@@ -217,11 +217,11 @@ fn vary(
         if arena.reachable(&[term.density]).len() > MOST_DIFFERENTIATED {
             return Some((None, field));
         }
-        let place = arena.place(term.density);
-        let direction = arena.push(Operator::Field { field, order: 0 }, shape.clone(), place);
+        let span = arena.span(term.density);
+        let direction = arena.push(Operator::Field { field, order: 0 }, shape.clone(), span);
         let variable = Variable::Field(unknown);
         let operator = Operator::Gateaux { expression: term.density, variable, direction };
-        let density = arena.push(operator, vec![], place);
+        let density = arena.push(operator, vec![], span);
         let density = outlines.carry_out(arena, density, fields)?;
         let density = Simplifier::new(outlines, arena, fields).simplify(density);
         if !arena.is_zero(density) {

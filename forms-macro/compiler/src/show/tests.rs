@@ -234,8 +234,8 @@ fn the_direct_problem_reads_as_in_the_paper() {
     assert_eq!(
         shown(&nitsche(), "direct").unicode(),
         "\
-direct(u, v) = ∫_Ω σ(u):ε(v) dx − ∫_Ω f·v dx − ∫_Γ_N g_N·v ds − ∫_Γ_C (θ/γ) σ_n(u) σ_n(v) ds − ∫_Γ_C ([P(u)]₋/γ) P_θ(v) ds
-D direct(u, v)[δu] = ∫_Ω σ(δu):ε(v) dx − ∫_Γ_C (θ/γ) σ_n(δu) σ_n(v) ds + ∫_Γ_C (H(−P(u)) DP(u)[δu]/γ) P_θ(v) ds
+direct(u, v) = ∫_Ω σ(u):ε(v) dx − ∫_Ω f·v dx − ∫_Γ_N g_N·v ds − ∫_Γ_C (θ/γ) σ_n(u) σ_n(v) ds − ∫_Γ_C ([P(u)]₋/γ) P_θ(σ_n(v), v) ds
+D direct(u, v)[δu] = ∫_Ω σ(δu):ε(v) dx − ∫_Γ_C (θ/γ) σ_n(δu) σ_n(v) ds + ∫_Γ_C (H(−P(u)) DP(u)[δu]/γ) P_θ(σ_n(v), v) ds
 where
   σ(w) = 2 μ ε(w) + λ tr(ε(w)) I
   γ = γ₀/h
@@ -243,7 +243,7 @@ where
   P(w) = σ_n(w) − γ penetration(w)
   penetration(w) = w_n − g
   w_n = w·n_y
-  P_θ(w) = θ σ_n(w) − γ w_n
+  P_θ(σ_n, w) = θ σ_n − γ w_n
   DP(w)[δw] = σ_n(δw) − γ δw_n"
     );
 }
@@ -251,7 +251,7 @@ where
 #[test]
 fn derivatives_inside_a_form_are_carried_out() {
     let lines = [
-        "discrete_adjoint(u, p, q) = ∫_Ω σ(q):ε(p) dx − ∫_Γ_C (θ/γ) σ_n(q) σ_n(p) ds + ∫_Γ_C (H(−P(u)) DP(u)[q]/γ) P_θ(p) ds + ∫_Ω M(q) dx + ∫_∂Ω DN(u)[q] ds",
+        "discrete_adjoint(u, p, q) = ∫_Ω σ(q):ε(p) dx − ∫_Γ_C (θ/γ) σ_n(q) σ_n(p) ds + ∫_Γ_C (H(−P(u)) DP(u)[q]/γ) P_θ(σ_n(p), p) ds + ∫_Ω M(q) dx + ∫_∂Ω DN(u)[q] ds",
         "DN(w)[δw] = c δw·w",
         "N(w) = (c/2) w·w",
     ];

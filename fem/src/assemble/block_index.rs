@@ -3,15 +3,15 @@
 use crate::element::CellShape;
 
 /// A place in a row of blocks.
-pub(super) trait Place: Copy + Send + Sync + 'static {
+pub(super) trait Slot: Copy + Send + Sync + 'static {
     /// No row of more blocks can be described.
     const LONGEST_ROW: usize;
-    /// A place below [`Place::LONGEST_ROW`].
+    /// A place below [`Slot::LONGEST_ROW`].
     fn new(place: u32) -> Self;
     fn index(self) -> usize;
 }
 
-impl Place for u8 {
+impl Slot for u8 {
     const LONGEST_ROW: usize = 0x100;
     #[inline(always)]
     fn new(place: u32) -> Self {
@@ -23,7 +23,7 @@ impl Place for u8 {
     }
 }
 
-impl Place for u16 {
+impl Slot for u16 {
     const LONGEST_ROW: usize = 0x1_0000;
     #[inline(always)]
     fn new(place: u32) -> Self {
@@ -35,7 +35,7 @@ impl Place for u16 {
     }
 }
 
-impl Place for u32 {
+impl Slot for u32 {
     const LONGEST_ROW: usize = usize::MAX;
     #[inline(always)]
     fn new(place: u32) -> Self {
@@ -47,26 +47,26 @@ impl Place for u32 {
     }
 }
 
-/// Places in the smallest type that holds those of the longest row.
+/// Slots in the smallest type that holds those of the longest row.
 #[derive(Clone, Debug)]
-pub(super) enum Places {
+pub(super) enum Slots {
     Bytes(Vec<u8>),
     Words(Vec<u16>),
     Long(Vec<u32>),
 }
 
-impl Places {
+impl Slots {
     /// Zeros, of one byte each.
     pub fn new(count: usize) -> Self {
-        Places::Bytes(vec![0; count])
+        Slots::Bytes(vec![0; count])
     }
 
     /// The same in the next larger type.
     pub fn widened(self) -> Self {
         match self {
-            Places::Bytes(places) => Places::Words(places.into_iter().map(u16::from).collect()),
-            Places::Words(places) => Places::Long(places.into_iter().map(u32::from).collect()),
-            Places::Long(places) => Places::Long(places),
+            Slots::Bytes(places) => Slots::Words(places.into_iter().map(u16::from).collect()),
+            Slots::Words(places) => Slots::Long(places.into_iter().map(u32::from).collect()),
+            Slots::Long(places) => Slots::Long(places),
         }
     }
 }
@@ -74,17 +74,17 @@ impl Places {
 /// For cells that take part, walked in some order, and each of their pairs of a test and a trial node: the place of
 /// the pair's block in the row of the test node.
 #[derive(Clone, Debug)]
-pub(super) struct PlaceMap {
+pub(super) struct BlockIndex {
     /// Shape after shape, `[cell in the walk of those of its shape][test node][trial node]`.
-    pub places: Places,
+    pub places: Slots,
     /// Where the places of the cells of each shape begin.
     pub starts: Vec<(CellShape, usize)>,
-    /// Of each cell of the mesh, where it comes in the walk of those of its shape; [`PlaceMap::ABSENT`] for those that
+    /// Of each cell of the mesh, where it comes in the walk of those of its shape; [`BlockIndex::ABSENT`] for those that
     /// take no part.
     pub walk: Vec<u32>,
 }
 
-impl PlaceMap {
+impl BlockIndex {
     pub const ABSENT: u32 = u32::MAX;
 
     /// Where the places of the cells of a shape begin.
@@ -95,9 +95,9 @@ impl PlaceMap {
     /// Bytes.
     pub fn memory(&self) -> usize {
         let places = match &self.places {
-            Places::Bytes(places) => size_of_val(&places[..]),
-            Places::Words(places) => size_of_val(&places[..]),
-            Places::Long(places) => size_of_val(&places[..]),
+            Slots::Bytes(places) => size_of_val(&places[..]),
+            Slots::Words(places) => size_of_val(&places[..]),
+            Slots::Long(places) => size_of_val(&places[..]),
         };
         places + size_of_val(&self.walk[..])
     }

@@ -1,7 +1,7 @@
 //! Time and memory of the paper's cylinder over finer and finer meshes: the direct problem (14) and both adjoint states,
 //! (22) and (21). Each mesh has a process of its own, so that the largest memory is its own.
 //!
-//! `cargo run --release -p forms-contact --example scaling [-- N_R ...]` (default 16 32 64 128 160; the last has 3.3
+//! `cargo run --release -p forms-bench --example scaling [-- N_R ...]` (default 16 32 64 128 160; the last has 3.3
 //! million unknowns and needs about 10 GiB) prints a table and writes `out/scaling.csv` and `out/scaling.png`.
 
 use std::error::Error;

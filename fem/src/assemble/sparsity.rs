@@ -6,7 +6,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops that are to be vectorised are plain.
 #![allow(clippy::needless_range_loop)]
 
-use super::place_map::{Place, Places};
+use super::block_index::{Slot, Slots};
 use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 
@@ -58,9 +58,9 @@ pub(super) fn couple(
     cliques: &Cliques,
     (row_nodes, column_nodes): (usize, usize),
     mapped: usize,
-) -> (BlockRows, Places) {
+) -> (BlockRows, Slots) {
     if cliques.rows.is_empty() {
-        return (BlockRows::default(), Places::new(0));
+        return (BlockRows::default(), Slots::new(0));
     }
     // Where the places of each clique begin.
     let mut begins = Vec::with_capacity(mapped + 1);
@@ -68,7 +68,7 @@ pub(super) fn couple(
     for (rows, columns) in cliques.rows.iter().zip(&cliques.columns).take(mapped) {
         begins.push(begins[begins.len() - 1] + rows.len() * columns.len());
     }
-    let mut places = Places::new(begins[mapped]);
+    let mut places = Slots::new(begins[mapped]);
     let mut pointers = Vec::with_capacity(row_nodes + 1);
     pointers.push(0);
     let mut rows = Rows {
@@ -83,9 +83,9 @@ pub(super) fn couple(
     loop {
         let rows = &mut rows;
         let finished = match &mut places {
-            Places::Bytes(places) => set.run(Fill { rows, places }),
-            Places::Words(places) => set.run(Fill { rows, places }),
-            Places::Long(places) => set.run(Fill { rows, places }),
+            Slots::Bytes(places) => set.run(Fill { rows, places }),
+            Slots::Words(places) => set.run(Fill { rows, places }),
+            Slots::Long(places) => set.run(Fill { rows, places }),
         };
         if finished {
             break;
@@ -115,7 +115,7 @@ struct Fill<'r, 'a, P> {
     places: &'r mut [P],
 }
 
-impl<P: Place> LaneWork for Fill<'_, '_, P> {
+impl<P: Slot> LaneWork for Fill<'_, '_, P> {
     type Output = bool;
 
     #[inline(always)]
@@ -235,7 +235,7 @@ mod tests {
         let sets: Vec<&[u32]> = chain.iter().map(|pair| &pair[..]).chain([&wide[..]]).collect();
         let cliques = Cliques { rows: sets.clone(), columns: sets.clone() };
         let (blocks, places) = couple(&cliques, (401, 401), sets.len());
-        let Places::Words(places) = places else { panic!("300 columns need two bytes") };
+        let Slots::Words(places) = places else { panic!("300 columns need two bytes") };
         let mut start = 0;
         for set in &sets {
             for (i, row) in set.iter().enumerate() {

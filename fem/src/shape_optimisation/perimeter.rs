@@ -1,5 +1,5 @@
-//! The length (area) of a boundary and its derivative by the shape. At a price it keeps boundaries from becoming rough: without
-//! one a best shape need not exist.
+//! The perimeter: length (area) of a boundary, and its derivative by the shape. As a penalty it regularises the boundary;
+//! without it a minimiser need not exist.
 
 use std::sync::Arc;
 
@@ -12,14 +12,14 @@ use crate::space::Space;
 
 /// Forms of the measure.
 #[forms(crate = crate)]
-pub mod outline_form {
+pub mod perimeter_form {
     /// The boundary.
     #[facets]
-    pub struct Outline;
+    pub struct Boundary;
 
     /// ∫ 1.
     pub fn measure() -> Functional {
-        integral(Outline, 1)
+        integral(Boundary, 1)
     }
     /// Its derivative by the shape.
     pub fn gradient(Theta: Test<Vector>) -> Form {
@@ -37,24 +37,24 @@ fn assembler<const D: usize>(mesh: &Arc<Mesh<D>>) -> Assembler<D> {
 ///
 /// # Errors
 /// A region that does not exist.
-pub fn outline<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Result<f64, AssemblyError>
+pub fn perimeter<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Result<f64, AssemblyError>
 where
     Dim: Dimension<D>,
 {
-    assembler(mesh).functional(&outline_form::measure(&outline_form::Outline::on(region)))
+    assembler(mesh).functional(&perimeter_form::measure(&perimeter_form::Boundary::on(region)), &[])
 }
 
 /// Its derivative by the movement of each node \[length^(D−2)\].
 ///
 /// # Errors
 /// A region that does not exist.
-pub fn outline_derivative<const D: usize>(
+pub fn perimeter_derivative<const D: usize>(
     movements: &Arc<Space<D>>,
     region: &str,
 ) -> Result<Vec<f64>, AssemblyError>
 where
     Dim: Dimension<D>,
 {
-    let form = outline_form::gradient(&outline_form::Outline::on(region));
-    assembler(movements.mesh()).linear_form(&form, movements)
+    let form = perimeter_form::gradient(&perimeter_form::Boundary::on(region));
+    assembler(movements.mesh()).residual(&form, &[], &[movements])
 }

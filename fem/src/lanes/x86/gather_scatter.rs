@@ -1,4 +1,4 @@
-//! Between memory and lanes: numbers of several cells become lane values, and back.
+//! Gather, scatter and transposition between memory and SIMD lanes.
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lanes are plain.
@@ -63,7 +63,7 @@ fn next_tile<const ADD: bool>(done: usize, count: usize) -> Option<usize> {
 /// # Safety
 /// Four numbers can be read and written there.
 #[inline(always)]
-unsafe fn put_row<const ADD: bool>(row: *mut f64, values: __m256d) {
+unsafe fn store_row<const ADD: bool>(row: *mut f64, values: __m256d) {
     // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
     unsafe { _mm256_storeu_pd(row, if ADD { _mm256_add_pd(_mm256_loadu_pd(row), values) } else { values }) }
 }
@@ -87,13 +87,13 @@ unsafe fn store_tile<const ADD: bool>(
         // Two lanes of two entries side by side in each register: half of the shuffling is done by the loads.
         let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
         let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
-        put_row::<ADD>(target, _mm256_unpacklo_pd(ac, bd));
-        put_row::<ADD>(target.add(stride), _mm256_unpackhi_pd(ac, bd));
+        store_row::<ADD>(target, _mm256_unpacklo_pd(ac, bd));
+        store_row::<ADD>(target.add(stride), _mm256_unpackhi_pd(ac, bd));
         let (a, b, c, d) = (a.add(2), b.add(2), c.add(2), d.add(2));
         let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
         let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
-        put_row::<ADD>(target.add(2 * stride), _mm256_unpacklo_pd(ac, bd));
-        put_row::<ADD>(target.add(3 * stride), _mm256_unpackhi_pd(ac, bd));
+        store_row::<ADD>(target.add(2 * stride), _mm256_unpacklo_pd(ac, bd));
+        store_row::<ADD>(target.add(3 * stride), _mm256_unpackhi_pd(ac, bd));
     }
 }
 
@@ -278,10 +278,10 @@ unsafe fn store_half_square<const ADD: bool>(
         let odd = [_mm512_unpackhi_pd(pairs[0], pairs[1]), _mm512_unpackhi_pd(pairs[2], pairs[3])];
         let first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
         let second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-        put_long_row::<ADD>(target, _mm512_permutex2var_pd(even[0], first, even[1]));
-        put_long_row::<ADD>(target.add(stride), _mm512_permutex2var_pd(odd[0], first, odd[1]));
-        put_long_row::<ADD>(target.add(2 * stride), _mm512_permutex2var_pd(even[0], second, even[1]));
-        put_long_row::<ADD>(target.add(3 * stride), _mm512_permutex2var_pd(odd[0], second, odd[1]));
+        store_long_row::<ADD>(target, _mm512_permutex2var_pd(even[0], first, even[1]));
+        store_long_row::<ADD>(target.add(stride), _mm512_permutex2var_pd(odd[0], first, odd[1]));
+        store_long_row::<ADD>(target.add(2 * stride), _mm512_permutex2var_pd(even[0], second, even[1]));
+        store_long_row::<ADD>(target.add(3 * stride), _mm512_permutex2var_pd(odd[0], second, odd[1]));
     }
 }
 
@@ -290,7 +290,7 @@ unsafe fn store_half_square<const ADD: bool>(
 /// # Safety
 /// Eight numbers can be read and written there.
 #[inline(always)]
-unsafe fn put_long_row<const ADD: bool>(row: *mut f64, values: __m512d) {
+unsafe fn store_long_row<const ADD: bool>(row: *mut f64, values: __m512d) {
     // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
     unsafe { _mm512_storeu_pd(row, if ADD { _mm512_add_pd(_mm512_loadu_pd(row), values) } else { values }) }
 }

@@ -3,7 +3,7 @@
 use super::AssemblyError;
 
 /// Takes the results of a batch.
-pub(super) trait Receiver {
+pub(super) trait Sink {
     /// Memory for `count` results of `size` numbers each, that of entity `first` first.
     fn room(&mut self, first: usize, count: usize, size: usize) -> &mut [f64];
     /// The memory that was given last has been filled.
@@ -25,7 +25,7 @@ impl<'a> Buffered<'a> {
     }
 }
 
-impl Receiver for Buffered<'_> {
+impl Sink for Buffered<'_> {
     #[inline]
     fn room(&mut self, _: usize, count: usize, size: usize) -> &mut [f64] {
         if self.buffer.len() < count * size {
@@ -47,7 +47,7 @@ pub(super) struct Direct<'a> {
     pub addend: Option<&'a mut Vec<f64>>,
 }
 
-impl Receiver for Direct<'_> {
+impl Sink for Direct<'_> {
     #[inline(always)]
     fn room(&mut self, first: usize, count: usize, size: usize) -> &mut [f64] {
         match &mut self.addend {

@@ -1,7 +1,7 @@
 //! The paper's cylinder, the direct problem (14), beside GetFEM with MUMPS: one run, the same mesh, elements and
 //! quadrature; time, Newton steps and the criterion J of both.
 //!
-//! `cargo run --release -p forms-contact --example beside_getfem [-- RADIAL [THETA]]` (default 64: 528,384 unknowns,
+//! `cargo run --release -p forms-bench --example beside_getfem [-- RADIAL [THETA]]` (default 64: 528,384 unknowns,
 //! and −1). GetFEM is run by `bench/peers/cylinder_getfem.py` with the system's Python. Debian: python3-getfem.
 
 use std::error::Error;
@@ -80,7 +80,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 
 /// The line of JSON that GetFEM's script prints.
 fn run_getfem(radial: usize, theta: f64) -> Result<String, Box<dyn Error>> {
-    let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../bench/peers/cylinder_getfem.py");
+    let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peers/cylinder_getfem.py");
     let python = if Path::new("/usr/bin/python3").exists() { "/usr/bin/python3" } else { "python3" };
     let mut command = Command::new(python);
     command.arg(script).arg(radial.to_string()).arg(theta.to_string());

@@ -1,6 +1,6 @@
 //! What a Newton step's update of the tangent costs on finer and finer meshes of the hollow cylinder.
 //!
-//! `cargo run --release -p forms-contact --example contact_update [-- THREADS]`
+//! `cargo run --release -p forms-bench --example contact_update [-- THREADS]`
 //!
 //! Only the contact integrals depend on the iterate, so the update costs a time per contact facet, whatever the
 //! number of cells. Beside it stands the assembly of everything from scratch.

@@ -3,25 +3,25 @@
 
 use std::cell::Cell;
 
+use super::environment::Environment;
 use super::number::Number;
-use super::surroundings::Surroundings;
 
 /// A node costs as much as so many products of coefficients, if its numbers are real.
 const NODE: u64 = 50;
 
-/// A number of the surroundings costs as much as so many products when it is moved.
+/// A number of the environment costs as much as so many products when it is moved.
 const NUMBER: u64 = 5;
 
-/// What is left of the work that may be done, in products of coefficients.
+/// The work that may still be done, in products of coefficients.
 #[derive(Debug)]
-pub struct Patience(Cell<u64>);
+pub struct Budget(Cell<u64>);
 
-impl Patience {
+impl Budget {
     pub fn new(products: u64) -> Self {
-        Patience(Cell::new(products))
+        Budget(Cell::new(products))
     }
 
-    pub fn is_lost(&self) -> bool {
+    pub fn is_exhausted(&self) -> bool {
         self.0.get() == 0
     }
 
@@ -31,8 +31,8 @@ impl Patience {
         self.take(NODE + products);
     }
 
-    /// Takes off what it costs to move the surroundings: each of their numbers gets a further infinitesimal.
-    pub(super) fn spend_on_surroundings(&self, around: &Surroundings) {
+    /// Takes off what it costs to move the environment: each of their numbers gets a further infinitesimal.
+    pub(super) fn spend_on_environment(&self, around: &Environment) {
         let numbers: usize =
             around.fields.iter().flatten().map(|jet| jet.iter().map(Vec::len).sum::<usize>()).sum();
         self.take((NUMBER * numbers as u64) << around.level);

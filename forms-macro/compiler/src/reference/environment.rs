@@ -14,7 +14,7 @@ pub(super) const SIDES: [Side; 2] = [Side::This, Side::Other];
 /// The numbers that stand for the symbols of a form. Moving them by an infinitesimal is how a
 /// derivative is taken.
 #[derive(Clone)]
-pub(super) struct Surroundings {
+pub(super) struct Environment {
     /// Per side, field and order of derivative.
     pub fields: [Vec<Rc<Vec<Vec<Number>>>>; 2],
     /// From which side the expression at hand is seen.
@@ -33,10 +33,10 @@ pub(super) struct Surroundings {
 }
 
 impl Evaluator<'_> {
-    pub(super) fn start(&self) -> Surroundings {
+    pub(super) fn start(&self) -> Environment {
         let numbers = |list: &Vec<f64>| list.iter().map(|value| Number::real(*value)).collect();
         let jet = |jet: &Jet| Rc::new(jet.iter().map(numbers).collect());
-        Surroundings {
+        Environment {
             fields: [0, 1].map(|side| self.point.fields[side].iter().map(jet).collect()),
             side: Side::This,
             parameters: self.point.parameters.iter().map(|list| Rc::new(numbers(list))).collect(),
@@ -52,7 +52,7 @@ impl Evaluator<'_> {
     }
 
     /// A form's test functions are fields of their own; the test function of an energy is a direction.
-    pub(super) fn tested<'m>(&self, test: Move<'m>) -> (Surroundings, Vec<Move<'m>>) {
+    pub(super) fn tested<'m>(&self, test: Move<'m>) -> (Environment, Vec<Move<'m>>) {
         let mut around = self.start();
         if let Content::Energy(_) = self.checked.content {
             return (around, vec![test]);
@@ -75,9 +75,9 @@ impl Evaluator<'_> {
     }
 
     /// After a step along an axis: fields move by their gradients, the position by a unit vector.
-    pub(super) fn shifted(&self, axis: usize, around: &Surroundings) -> Surroundings {
+    pub(super) fn shifted(&self, axis: usize, around: &Environment) -> Environment {
         let (dimension, level) = (self.checked.dimension, around.level);
-        self.patience.spend_on_surroundings(around);
+        self.budget.spend_on_environment(around);
         let mut shifted = around.clone();
         let jets = around.fields.iter().flatten().zip(shifted.fields.iter_mut().flatten());
         for (jet, moved) in jets {
@@ -96,14 +96,14 @@ impl Evaluator<'_> {
         shifted
     }
 
-    /// The surroundings after a variable has moved by a direction, given as far as it is needed.
+    /// The environment after a variable has moved by a direction, given as far as it is needed.
     pub(super) fn moved(
         &self,
-        around: &Surroundings,
+        around: &Environment,
         variable: Variable,
         directions: &[Vec<Vec<Number>>; 2],
-    ) -> Surroundings {
-        self.patience.spend_on_surroundings(around);
+    ) -> Environment {
+        self.budget.spend_on_environment(around);
         let (mut moved, level) = (around.clone(), around.level);
         moved.level += 1;
         let shift = |numbers: &mut Vec<Number>, direction: &[Number]| {
@@ -129,7 +129,7 @@ impl Evaluator<'_> {
             }
             Variable::Size(size) => {
                 for (sizes, direction) in moved.sizes.iter_mut().zip(directions) {
-                    let number = &mut sizes[place_of_size(size)];
+                    let number = &mut sizes[index_of_size(size)];
                     *number = number.moved(&direction[0][0], level);
                 }
             }
@@ -139,8 +139,8 @@ impl Evaluator<'_> {
     }
 }
 
-/// Among [`Surroundings::sizes`].
-pub(super) fn place_of_size(size: Geometry) -> usize {
+/// Among [`Environment::sizes`].
+pub(super) fn index_of_size(size: Geometry) -> usize {
     match size {
         Geometry::Diameter => 0,
         Geometry::CellVolume => 1,
