@@ -56,7 +56,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // factor. The quadrature degree is its estimate unless `with_quadrature` says otherwise.
     let assembler = Assembler::new(&mesh);
     let mut solver = TangentSolver::default();
-    let u = FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+    let u = Problem::new(&form, &space)
+        .assembler(&assembler)
+        .constrained(&constraints)
+        .solver(&mut solver)
+        .solve()?
+        .into_field();
 
     let (centre, exact) = (u.evaluate(&[0.5, 0.5])?[0], exact_centre());
     out.line(format!("unknowns          {}", space.unknowns()));

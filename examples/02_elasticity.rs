@@ -73,7 +73,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let form = pipe::equilibrium(&data, &pipe::Omega::on("all"), &pipe::Inside::on("inner"));
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let mut solver = TangentSolver::default();
-    let u = FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+    let u = Problem::new(&form, &space)
+        .assembler(&assembler)
+        .constrained(&constraints)
+        .solver(&mut solver)
+        .solve()?
+        .into_field();
 
     // A function of the module, evaluated along a facet region: three points on each facet.
     let hoop = assembler.along_facets_uniformly(&pipe::hoop_stress(&data, &u), "inner", 3)?;

@@ -84,25 +84,31 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let (omega, bottom) = (block::Omega::on("all"), block::Bottom::on("bottom"));
     let form = block::contact(&data, &omega, &bottom);
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let (start, options) = (Field::zero(&space), NewtonOptions::default());
     let mut solver = TangentSolver::default();
-    let solved = problem.solve(&start, &constraints, &mut solver, &options, &mut |step| {
-        let active = step.active_points.unwrap_or(0);
-        out.line(format!(
-            "Newton {}: residual {:.2e}, {active} active points",
-            step.iteration, step.residual
-        ));
-    })?;
+    let solved = problem
+        .start(&start)
+        .constrained(&constraints)
+        .solver(&mut solver)
+        .options(options.clone())
+        .each_step(|step| {
+            let active = step.active_points.unwrap_or(0);
+            out.line(format!(
+                "Newton {}: residual {:.2e}, {active} active points",
+                step.iteration, step.residual
+            ));
+        })
+        .solve()?;
 
-    let force = assembler.functional(&block::force(&data, &bottom, &solved.field))?;
+    let force = assembler.functional(&block::force(&data, &bottom, solved.field()))?;
     let exact = YOUNG / (1.0 - POISSON * POISSON) * (PUSH - GAP) / HEIGHT * WIDTH;
     out.line(format!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm"));
 
     std::fs::create_dir_all("out")?;
-    FieldMap::of(&solved.field, Shown::Magnitude, "|u| [mm]")
+    FieldMap::of(solved.field(), Shown::Magnitude, "|u| [mm]")
         .length_unit("mm")
-        .deformed(&solved.field, 1.0)
+        .deformed(solved.field(), 1.0)
         .undeformed_outline("before")
         .line(&[[-0.2, -GAP], [WIDTH + 0.2, -GAP]], "table", Colour::BLACK)
         .write_png("out/04_signorini.png")?;

@@ -107,17 +107,15 @@ fn step(
 ) -> Result<(Field<2>, Vec<NewtonStep>), Box<dyn Error>> {
     let omega = metal::Omega::on("all");
     let predictor = metal::predictor(data, &omega, start);
-    let mut problem = FormProblem::new(&predictor, assembler, start.space())?;
-    let start = problem.solve_affine(constraints, &mut TangentSolver::default())?;
+    let start = Problem::new(&predictor, start.space()).constrained(constraints).solve()?.into_field();
     let form = metal::equilibrium(data, &omega);
-    let mut problem = FormProblem::new(&form, assembler, start.space())?;
-    // An elastic step is solved by its predictor: what is left is rounding.
-    let absolute_tolerance = 1e-11 * YIELD_STRESS;
-    let options = NewtonOptions { max_iterations: 15, absolute_tolerance, ..NewtonOptions::default() };
-    let solved = problem.solve(&start, constraints, &mut TangentSolver::default(), &options, &mut |_| ())?;
-    assembler.update_history(&metal::new_plastic(data, &solved.field), &data.plastic)?;
-    assembler.update_history(&metal::new_amount(data, &solved.field), &data.amount)?;
-    Ok((solved.field, solved.history))
+    let options = NewtonOptions { max_iterations: 15, ..NewtonOptions::default() };
+    let mut problem =
+        Problem::new(&form, start.space()).constrained(constraints).start(&start).options(options);
+    let solved = problem.solve()?;
+    assembler.update_history(&metal::new_plastic(data, solved.field()), &data.plastic)?;
+    assembler.update_history(&metal::new_amount(data, solved.field()), &data.amount)?;
+    Ok((solved.field().clone(), solved.history))
 }
 
 fn commit(data: &metal::Data<2>) {

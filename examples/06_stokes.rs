@@ -87,8 +87,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let data = fluid::Data { viscosity: VISCOSITY, pressure: PRESSURE };
     let form = fluid::equilibrium(&data, &fluid::Omega::on("all"), &fluid::Inlet::on("left"));
     let assembler = Assembler::new(&mesh);
-    let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures])?;
-    let [u, p] = problem.solve_affine([&walls, &level], &mut TangentSolver::default())?;
+    let problem = Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
+    let [u, p] = problem.constrained(&walls).constrained(&level).solve()?.fields;
 
     let flux = assembler.functional(&fluid::flux(&data, &fluid::Outlet::on("right"), &u))?;
     let exact_flux = exact(OUTER)[1] - exact(INNER)[1];

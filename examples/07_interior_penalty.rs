@@ -67,8 +67,8 @@ fn error(n: usize, degree: usize) -> Result<f64, Box<dyn Error>> {
     let form = diffusion::balance(&data, &regions.0, &regions.1, &regions.2);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let nothing = Constraints::new(&space);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    let u = problem.solve_affine(&nothing, &mut TangentSolver::default())?;
+    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let u = problem.constrained(&nothing).solve()?.into_field();
 
     let slope = |x: &[f64; 2], out: &mut [f64]| {
         out[0] = -PI * (PI * x[0]).sin() * x[1].exp();

@@ -55,8 +55,8 @@ fn solve(weight: f64) -> Result<Field<2>, Box<dyn Error>> {
     let data = transport::Data { diffusivity: DIFFUSIVITY, wind: [1.0, 0.0], weight };
     let form = transport::balance(&data, &transport::Omega::on("all"), &transport::Inner::on("interior"));
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    Ok(problem.solve_affine(&constraints, &mut TangentSolver::default())?)
+    let problem = Problem::new(&form, &space).assembler(&assembler);
+    Ok(problem.constrained(&constraints).solve()?.into_field())
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {

@@ -95,7 +95,6 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let pressures = Space::on_facets(&mesh, "top", 1)?;
     let mut held = Constraints::new(&displacements);
     held.fix("bottom", |_| [0.0, 0.0])?;
-    let free = Constraints::new(&pressures);
 
     let data = pressed::Data {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
@@ -107,21 +106,19 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let (omega, top) = (pressed::Omega::on("all"), pressed::Top::on("top"));
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    let (options, mut solver) = (NewtonOptions::default(), TangentSolver::default());
 
     let form = pressed::contact(&data, &omega, &top);
-    let mut problem = MixedProblem::new(&form, &assembler, [&displacements, &pressures])?;
-    let start = [&Field::zero(&displacements), &Field::zero(&pressures)];
-    let solved = problem.solve(start, [&held, &free], &mut solver, &options, &mut |step| {
-        out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual));
-    })?;
+    let solved = Problem::new(&form, [&displacements, &pressures])
+        .constrained(&held)
+        .assembler(&assembler)
+        .each_step(|step| out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual)))
+        .solve()?;
     let [_, p] = &solved.fields;
     let force = assembler.functional(&pressed::force(&data, &top, p))?;
 
     let form = pressed::nitsche(&data, &omega, &top);
-    let mut problem = FormProblem::new(&form, &assembler, &displacements)?;
-    let start = Field::zero(&displacements);
-    let without = problem.solve(&start, &held, &mut solver, &options, &mut |_| ())?.field;
+    let without =
+        Problem::new(&form, &displacements).constrained(&held).assembler(&assembler).solve()?.into_field();
     let nitsche_force = assembler.functional(&pressed::nitsche_force(&data, &top, &without))?;
 
     // The pressure along the top, by x.

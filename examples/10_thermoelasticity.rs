@@ -76,8 +76,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let form = pipe::balance(&data, &pipe::Omega::on("all"));
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    let mut problem = MixedProblem::new(&form, &assembler, [&displacements, &temperatures])?;
-    let [u, temperature] = problem.solve_affine([&held, &heated], &mut TangentSolver::default())?;
+    let problem = Problem::new(&form, [&displacements, &temperatures]).assembler(&assembler);
+    let [u, temperature] = problem.constrained(&held).constrained(&heated).solve()?.fields;
 
     let ratio = (OUTER / INNER).ln();
     let factor = YOUNG * EXPANSION * HOTTER / (2.0 * (1.0 - POISSON) * ratio);

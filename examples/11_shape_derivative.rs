@@ -53,8 +53,7 @@ fn rigidity(mesh: &Arc<Mesh<2>>) -> Result<(f64, Field<2>), Box<dyn Error>> {
     held.fix("boundary", |_| 0.0)?;
     let (assembler, section) = (Assembler::new(mesh), bar::Section::on("all"));
     let form = bar::twist(&section);
-    let u =
-        FormProblem::new(&form, &assembler, &space)?.solve_affine(&held, &mut TangentSolver::default())?;
+    let u = Problem::new(&form, &space).assembler(&assembler).constrained(&held).solve()?.into_field();
     Ok((assembler.functional(&bar::rigidity(&section, &u))?, u))
 }
 
@@ -65,8 +64,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mut held = Constraints::new(u.space());
     held.fix("boundary", |_| 0.0)?;
     let adjoint = bar::adjoint(&section, &u);
-    let p = FormProblem::new(&adjoint, &assembler, u.space())?
-        .solve_affine(&held, &mut TangentSolver::default())?;
+    let p = Problem::new(&adjoint, u.space()).assembler(&assembler).constrained(&held).solve()?.into_field();
 
     // Points move in the space of the mesh's geometry.
     let movements = Space::of_geometry(&mesh)?;
@@ -86,8 +84,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 
     let outline = bar::Outline::on("boundary");
     let steepest = bar::steepest(&section, &outline, &u, &p);
-    let steepest = FormProblem::new(&steepest, &assembler, &movements)?
-        .solve_affine(&Constraints::new(&movements), &mut TangentSolver::default())?;
+    let steepest = Problem::new(&steepest, &movements).assembler(&assembler).solve()?.into_field();
     std::fs::create_dir_all("out")?;
     FieldMap::of(&u, Shown::Component(0), "u")
         .arrows(&steepest, "where the section must grow", "")

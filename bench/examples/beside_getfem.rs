@@ -25,20 +25,25 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let options = TangentSolverOptions { threads: Threads::ONE, ..TangentSolverOptions::default() };
     let mut solver = CondensedSolver::new(options);
     let cpu_before = cpu_seconds();
-    let direct = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
-        tell(format!("Newton {}: relative residual {:.2e}", step.iteration, step.relative_residual));
-    })?;
+    let direct = problem
+        .direct()?
+        .solver(&mut solver)
+        .each_step(|step| {
+            tell(format!("Newton {}: relative residual {:.2e}", step.iteration, step.relative_residual));
+        })
+        .solve()?;
     let cpu = cpu_seconds().zip(cpu_before).map_or(f64::NAN, |(after, before)| after - before);
     let report = solver.report();
-    let u = &direct.result.field;
-    let criterion = forms::criterion(&problem.data, &problem.regions.omega, &problem.regions.boundary, u);
+    let u = direct.field();
+    let criterion =
+        forms::criterion(&problem.law.data, &problem.law.regions.omega, &problem.law.regions.boundary, u);
     let j = problem.assembler.functional(&criterion)?;
-    let steps = direct.result.history.len() - 1;
+    let steps = direct.history.len() - 1;
 
     out.line(format!("n_r = {radial}, θ = {theta}, {} unknowns, one thread\n", problem.space.unknowns()));
     out.line("| program | mesh, space, pattern (s) | direct problem (s) | the same, CPU (s) | Newton steps | relative residual | J |");
     out.line("| --- | --: | --: | --: | --: | --: | --: |");
-    let residual = direct.result.history[steps].relative_residual;
+    let residual = direct.history[steps].relative_residual;
     out.line(format!(
         "| forms-contact | {set_up:.2} | {:.2} | {cpu:.2} | {steps} | {residual:.1e} | {j:.12} |",
         direct.seconds

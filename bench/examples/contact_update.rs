@@ -36,13 +36,13 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     for radial in [4, 8, 16, 32, 64] {
         let problem = hollow_cylinder(&Settings { radial, threads, ..Settings::default() })?;
         let (mesh, space, assembler) = (problem.space.mesh(), &problem.space, &problem.assembler);
-        let form = problem.direct_form();
-        let mut system = FormProblem::new(&form, assembler, space)?;
+        let form = problem.law.direct();
+        let mut system = Problem::new(&form, space).assembler(assembler);
         // About half of Γ_C penetrates.
         let u = Field::interpolate(space, |_| [0.0, -5.0])?;
         let changed: usize = system.changed_places()?.iter().map(|places| places.len()).sum();
         let update = best(20, || system.tangent(u.values()).map(|_| ()))?;
-        let pattern = system.pattern().clone();
+        let pattern = system.pattern()?.clone();
         let mut whole = BlockMatrix::zero(pattern.sparsity());
         let assembly =
             best(3, || assembler.assemble_tangent(&form, &[&u], &[space], Parts::ALL, &pattern, &mut whole))?;

@@ -10,8 +10,8 @@ use std::io::Write as _;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
+use forms_contact::Adjoint;
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
-use forms_contact::states::Adjoint;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
 use forms_fem::output::{StandardOutput, program, tell, write_whole};
 use forms_fem::prelude::*;
@@ -105,22 +105,26 @@ fn one(radial: usize, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let set_up = start.elapsed().as_secs_f64();
     tell(format!("  {} unknowns; mesh, space and pattern in {set_up:.1} s", problem.space.unknowns()));
     let mut solver = CondensedSolver::default();
-    let direct = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
-        let condensed =
-            step.condensed_unknowns.map_or(String::new(), |count| format!(" by {count} unknowns"));
-        let relative = step.relative_residual;
-        tell(format!("  Newton {}{condensed}: relative residual {relative:.1e}", step.iteration));
-    })?;
+    let direct = problem
+        .direct()?
+        .solver(&mut solver)
+        .each_step(|step| {
+            let condensed =
+                step.condensed_unknowns.map_or(String::new(), |count| format!(" by {count} unknowns"));
+            let relative = step.relative_residual;
+            tell(format!("  Newton {}{condensed}: relative residual {relative:.1e}", step.iteration));
+        })
+        .solve()?;
     let report = solver.report();
     tell(format!("  direct problem in {:.1} s; {} factorisation(s)", direct.seconds, report.factorisations));
     let orderings: Vec<_> = report.orderings.iter().map(|candidate| candidate.name).collect();
     tell(format!("  {} entries in the factor; orderings: {}", report.factor_entries, orderings.join(", ")));
-    let u = &direct.result.field;
+    let u = direct.field();
     let consistent = problem.solve_adjoint(Adjoint::Consistent, u, &mut solver)?.seconds;
     let discrete = problem.solve_adjoint(Adjoint::Discrete, u, &mut solver)?.seconds;
     let all = start.elapsed().as_secs_f64();
     tell(format!("  adjoint states in {consistent:.1} s and {discrete:.1} s, {all:.1} s in all"));
-    let (unknowns, steps) = (problem.space.unknowns() as f64, (direct.result.history.len() - 1) as f64);
+    let (unknowns, steps) = (problem.space.unknowns() as f64, (direct.history.len() - 1) as f64);
     let row = [
         radial as f64,
         unknowns,

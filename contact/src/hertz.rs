@@ -15,8 +15,8 @@ use forms_fem::prelude::*;
 use forms_fem::space::SpaceError;
 use thiserror::Error;
 
+use crate::contact_problem::ContactProblem;
 use crate::forms;
-use crate::states::{ContactProblem, Regions};
 
 /// R, radius of cylinder and ball \[mm\].
 pub const RADIUS: f64 = 8.0;
@@ -191,7 +191,8 @@ where
         criterion_weight: Given::constant(0.0),
     };
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(degree));
-    Ok(ContactProblem::new(assembler, &space, data, Regions::new("right", CONTACT), constraints)?)
+    let regions = forms::Regions::default().gamma_n("right").gamma_c(CONTACT);
+    Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)
 }
 
 /// Hertz's answer: the pressure p0 √(1 − r²/a²).
@@ -233,7 +234,7 @@ impl Hertz {
     where
         Dim: Dimension<D>,
     {
-        let pressure = forms::contact_pressure(&problem.data, u);
+        let pressure = problem.law.contact_pressure(u);
         let points = problem.assembler.at_quadrature_points(&pressure, Entity::Facets, CONTACT, 8)?;
         let (mut difference, mut whole) = (0.0, 0.0);
         for ((x, weight), value) in points.positions.iter().zip(&points.weights).zip(&points.values) {

@@ -111,7 +111,7 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// positive. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
-    ($($module:ident)::+ {
+    ($module:ident {
         direct: $direct:ident,
         region: $region:ident
         $(, indicator: $indicator:ident)?
@@ -120,14 +120,14 @@ macro_rules! contact_law {
         $(, positive: $positive:ident)*
         $(,)?
     }) => {
-        impl<const D: usize> $crate::law::ContactLaw<D> for $($module)::+::Model<D>
+        impl<const D: usize> $crate::law::ContactLaw<D> for $module::Model<D>
         where
             $crate::fem::Dim: $crate::fem::Dimension<D>,
         {
-            type Direct = $($module)::+::$direct::Compiled<D>;
+            type Direct = $module::$direct::Compiled<D>;
 
             fn direct(&self) -> Self::Direct {
-                $($module)::+::Model::$direct(self)
+                $module::Model::$direct(self)
             }
 
             fn contact_region(&self) -> &str {
@@ -148,47 +148,47 @@ macro_rules! contact_law {
             }
         }
         $(
-            impl<const D: usize> $crate::law::WithIndicator<D> for $($module)::+::Model<D>
+            impl<const D: usize> $crate::law::WithIndicator<D> for $module::Model<D>
             where
                 $crate::fem::Dim: $crate::fem::Dimension<D>,
             {
-                type Indicator = $($module)::+::$indicator::Compiled<D>;
+                type Indicator = $module::$indicator::Compiled<D>;
 
                 fn indicator(&self, u: &$crate::fem::Field<D>) -> Self::Indicator {
-                    $($module)::+::Model::$indicator(self, u)
+                    $module::Model::$indicator(self, u)
                 }
             }
         )?
         $(
-            impl<const D: usize> $crate::law::WithAdjoint<D> for $($module)::+::Model<D>
+            impl<const D: usize> $crate::law::WithAdjoint<D> for $module::Model<D>
             where
                 $crate::fem::Dim: $crate::fem::Dimension<D>,
             {
-                type Criterion = $($module)::+::$criterion::Compiled<D>;
-                type Adjoint = $($module)::+::$adjoint::Compiled<D>;
+                type Criterion = $module::$criterion::Compiled<D>;
+                type Adjoint = $module::$adjoint::Compiled<D>;
 
                 fn criterion(&self, u: &$crate::fem::Field<D>) -> Self::Criterion {
-                    $($module)::+::Model::$criterion(self, u)
+                    $module::Model::$criterion(self, u)
                 }
 
                 fn adjoint(&self, u: &$crate::fem::Field<D>) -> Self::Adjoint {
-                    $($module)::+::Model::$adjoint(self, u)
+                    $module::Model::$adjoint(self, u)
                 }
             }
             $(
-                impl<const D: usize> $crate::law::WithShapeGradient<D> for $($module)::+::Model<D>
+                impl<const D: usize> $crate::law::WithShapeGradient<D> for $module::Model<D>
                 where
                     $crate::fem::Dim: $crate::fem::Dimension<D>,
                 {
-                    type ShapeGradient = $($module)::+::$shape_gradient::Compiled<D>;
-                    type DiameterGradient = $($module)::+::$diameter_gradient::Compiled<D>;
+                    type ShapeGradient = $module::$shape_gradient::Compiled<D>;
+                    type DiameterGradient = $module::$diameter_gradient::Compiled<D>;
 
                     fn shape_gradient(
                         &self,
                         u: &$crate::fem::Field<D>,
                         p: &$crate::fem::Field<D>,
                     ) -> Self::ShapeGradient {
-                        $($module)::+::Model::$shape_gradient(self, u, p)
+                        $module::Model::$shape_gradient(self, u, p)
                     }
 
                     fn diameter_gradient(
@@ -196,7 +196,7 @@ macro_rules! contact_law {
                         u: &$crate::fem::Field<D>,
                         p: &$crate::fem::Field<D>,
                     ) -> Self::DiameterGradient {
-                        $($module)::+::Model::$diameter_gradient(self, u, p)
+                        $module::Model::$diameter_gradient(self, u, p)
                     }
                 }
             )?

@@ -101,7 +101,7 @@ where
         let mut solve_at = |theta: f64, line_search, first: &Field<D>| {
             problem.law.data.theta = theta;
             let options = NewtonOptions { line_search, ..options.clone() };
-            let mut direct = problem.direct()?.start(first).solver(&mut *solver).options(options);
+            let direct = problem.direct()?.start(first).solver(&mut *solver).options(options);
             let solved = direct.each_step(|step| progress(theta, step)).solve();
             solved.map(Solved::into_field)
         };

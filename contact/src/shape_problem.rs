@@ -7,10 +7,10 @@ use forms_fem::shape_optimisation::{
 };
 
 use crate::boundary_form::boundary_form;
-use crate::forms;
+use crate::contact_problem::ContactProblem;
 use crate::load_and_pressure::load_and_pressure;
+use crate::paper_law::{Adjoint, ThetaPath};
 use crate::shape_gradient::Diameters;
-use crate::states::{Adjoint, ContactProblem, ThetaPath};
 
 /// What is to become small.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +108,7 @@ impl<F> ContactShape<F> {
         problem: &ContactProblem<D>,
         weights: [f64; 3],
     ) -> load_and_pressure::Data<D> {
-        let (data, [load, square, linear]) = (&problem.data, weights);
+        let (data, [load, square, linear]) = (&problem.law.data, weights);
         load_and_pressure::Data {
             lambda: data.lambda,
             mu: data.mu,
@@ -165,8 +165,7 @@ impl<F> ContactShape<F> {
         let data = Self::weighted(problem, weights);
         let assembler = problem.assembler_at(u)?;
         let form = load_and_pressure::adjoint(&data, &omega, &gamma_n, &gamma_c, u);
-        let p = FormProblem::new(&form, &assembler, &problem.space)?
-            .solve_affine(&problem.constraints.homogeneous(), solver)?;
+        let p = problem.state(form, u)?.solver(solver).solve()?.into_field();
         let form = load_and_pressure::shape_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
         let mut gradient = assembler.linear_form(&form, movements)?;
         let form = load_and_pressure::diameter_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
@@ -187,12 +186,12 @@ impl<F> ContactShape<F> {
     {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
-        let p = problem.solve_adjoint(self.adjoint, u, solver)?.result;
+        let p = problem.solve_adjoint(self.adjoint, u, solver)?.into_field();
         if self.gradient == GradientForm::Volume {
             return Ok(problem.shape_gradient(u, &p, Diameters::Moving, None)?.values);
         }
         // A free boundary asks for no imposed displacement.
-        let data = boundary_form::Data::of(&problem.data, Given::constant([0.0; D]));
+        let data = boundary_form::Data::of(&problem.law.data, Given::constant([0.0; D]));
         let free = boundary_form::Free::on(self.moving.clone());
         let form = boundary_form::gradient_on_free(&data, &free, u, &p);
         Ok(problem.assembler.linear_form(&form, movements)?)
@@ -210,21 +209,20 @@ where
         self.check()?;
         let problem = (self.problem)(mesh)?;
         let mut solver = CondensedSolver::default();
-        let options = NewtonOptions::default();
-        let u = match problem.solve_direct(&mut solver, &options, &mut |_| ()) {
-            Ok(solved) => solved.result.field,
+        let solved = problem.direct()?.solver(&mut solver).solve();
+        let u = match solved {
+            Ok(solved) => solved.into_field(),
             // A hard start: by way of the variant that has a potential.
             Err(_) => {
                 let path = ThetaPath::default();
-                problem.solve_direct_through(path, &mut solver, &options, &mut |_, _| ())?.state
+                let options = NewtonOptions::default();
+                problem.solve_through(path, &mut solver, &options, |_, _| ())?.state
             }
         };
         let (mut criterion, mut pressure) = (0.0, None);
         match self.criterion {
             Criterion::Paper => {
-                let regions = &problem.regions;
-                let form = forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
-                criterion += problem.assembler.functional(&form)?;
+                criterion += problem.assembler.functional(&problem.law.criterion(&u))?;
             }
             Criterion::Compliance => criterion += self.functional(&problem, &u, [1.0, 0.0, 0.0])?,
             Criterion::PressureVariation { over } => {

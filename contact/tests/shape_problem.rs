@@ -3,7 +3,7 @@
 
 use forms_contact::hollow_cylinder::{CONTACT, Settings, hollow_cylinder_on};
 use forms_contact::shape_problem::{ContactShape, ContactState, Criterion, GradientForm, VolumeRule};
-use forms_contact::states::{Adjoint, ContactProblem};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::mesh::PerforatedAnnulus;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, ShapeProblem, Values, Volume, measured_volume};
@@ -13,10 +13,10 @@ type ProblemOn = fn(&Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure>;
 /// The paper's cylinder with holes, whose upper outside is loaded, too.
 fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
     let mut problem = hollow_cylinder_on(mesh, &Settings::default())?;
-    problem.data.traction =
+    problem.law.data.traction =
         Given::function_with_gradient(|x| [0.01 * x[0], -0.2], |_| [[0.01, 0.0], [0.0; 2]]);
-    problem.data.body_force = Given::constant([0.02, -0.01]);
-    problem.regions.gamma_n = forms_contact::forms::GammaN::on("above");
+    problem.law.data.body_force = Given::constant([0.02, -0.01]);
+    problem.law.regions.gamma_n = forms_contact::forms::GammaN::on("above");
     Ok(problem)
 }
 
@@ -65,7 +65,7 @@ fn shape(
 
 fn active(state: &ContactState<2>) -> Option<Vec<u32>> {
     let problem = &state.problem;
-    problem.assembler.active_set(&problem.direct_form(), &[&state.u]).unwrap()
+    problem.assembler.active_set(&problem.law.direct(), &[&state.u]).unwrap()
 }
 
 #[test]

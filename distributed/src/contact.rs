@@ -50,7 +50,7 @@ where
         progress: &mut dyn FnMut(&NewtonStep),
     ) -> Result<Solved<D>, NewtonError<DistributedAssemblyError>> {
         let ContactProblem { assembler, space, constraints, .. } = &self.problem;
-        let form = self.problem.direct_form();
+        let form = self.problem.law.direct();
         let start = Field::zero(space);
         let checked = self.problem.check_gamma0("direct").map_err(DistributedError::Here);
         match checked.and_then(|()| DistributedProblem::new(self.world, &form, assembler, space)) {

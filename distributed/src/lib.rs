@@ -16,7 +16,7 @@
 //! constraints.fix("boundary", |_| 0.0)?;
 //! let local = Assembler::new(&mesh).with_threads(Threads::new(1)).on_owned_cells(world.own_cells(&mesh))?;
 //! let mut solver = PetscSolver::new(&world, &constraints, Method::conjugate_gradients())?;
-//! let u = DistributedProblem::new(&world, &poisson, &local, &space)?.solve_affine(&constraints, &mut solver)?;
+//! let u = DistributedProblem::new(&world, &poisson, &local, &space)?.constrained(&constraints).solver(&mut solver).solve()?.into_field();
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -118,7 +118,7 @@ pub fn distributed_functional<G: Functional<D>, const D: usize>(
     local: &Assembler<D>,
     functional: &G,
 ) -> Result<f64, DistributedAssemblyError> {
-    let own = world.agree(local.functional(functional, &[]))?;
+    let own = world.agree(local.functional(functional))?;
     Ok(world.sum(&[own])?[0])
 }
 

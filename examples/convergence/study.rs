@@ -1,7 +1,7 @@
 //! The study at one θ: the reference, the errors of the coarser meshes against it, and the contact zones.
 
+use forms_contact::Adjoint;
 use forms_contact::hollow_cylinder::{INNER_RADIUS, OUTER_RADIUS};
-use forms_contact::states::Adjoint;
 use forms_fem::norms::{Comparison, Norms, norms};
 use forms_fem::prelude::*;
 

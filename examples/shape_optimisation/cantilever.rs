@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use forms_contact::forms;
 use forms_contact::shape_problem::{ContactShape, Criterion, GradientForm, VolumeRule};
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, Volume, measured_volume};
 
@@ -52,7 +52,12 @@ fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
         criterion_weight: Given::constant(0.0),
     };
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(8));
-    Ok(ContactProblem::new(assembler, &space, data, Regions::new("right", "contact"), constraints)?)
+    Ok(ContactProblem::new(
+        assembler,
+        &space,
+        forms::Model { data, regions: forms::Regions::default().gamma_n("right").gamma_c("contact") },
+        constraints,
+    )?)
 }
 
 /// The cantilever whose top moves at constant volume.

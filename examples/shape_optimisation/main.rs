@@ -9,8 +9,8 @@ mod runs;
 use std::error::Error;
 use std::process::ExitCode;
 
+use forms_contact::Adjoint;
 use forms_contact::shape_problem::Criterion;
-use forms_contact::states::Adjoint;
 use forms_examples::command_line::program_with_options;
 use forms_examples::memory;
 use forms_fem::output::StandardOutput;

@@ -6,7 +6,7 @@ use forms_contact::hollow_cylinder::{
     CONTACT, CONTACT_CELLS, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on,
 };
 use forms_contact::shape_problem::{ContactShape, Criterion, GradientForm, VolumeRule};
-use forms_contact::states::{Adjoint, ContactProblem};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::mesh::PerforatedAnnulus;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, Volume, measured_volume};

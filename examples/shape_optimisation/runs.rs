@@ -70,7 +70,7 @@ impl Run {
             Criterion::Paper => {
                 let solve = |state: &ContactState<2>| -> Outcome<Field<2>> {
                     let mut solver = TangentSolver::default();
-                    Ok(state.problem.solve_adjoint(problem.adjoint, &state.u, &mut solver)?.result)
+                    Ok(state.problem.solve_adjoint(problem.adjoint, &state.u, &mut solver)?.into_field())
                 };
                 Some([solve(&start)?, solve(&end)?])
             }

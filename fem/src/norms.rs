@@ -267,13 +267,11 @@ macro_rules! measure_in {
                 let (l2, seminorm) = match field.space().components() {
                     1 => (
                         assembler.functional(&squared::scalar_l2_error(&omega, field, exact))?,
-                        assembler
-                            .functional(&squared::scalar_seminorm_error(&omega, field, gradient))?,
+                        assembler.functional(&squared::scalar_seminorm_error(&omega, field, gradient))?,
                     ),
                     _ => (
                         assembler.functional(&squared::vector_l2_error(&omega, field, exact))?,
-                        assembler
-                            .functional(&squared::vector_seminorm_error(&omega, field, gradient))?,
+                        assembler.functional(&squared::vector_seminorm_error(&omega, field, gradient))?,
                     ),
                 };
                 Ok(Norms::from_squares(l2, seminorm))

@@ -276,8 +276,8 @@ fn an_affine_form_is_solved_in_one_step_and_the_active_set_counts_its_kinks() {
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     let space = Space::scalar(&mesh, 1).unwrap();
     let form = measured::mass(&data(), &Omega::on("all"));
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    let u = problem.solve_affine(&Constraints::new(&space), &mut TangentSolver::default()).unwrap();
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let u = problem.solve().unwrap().into_field();
     assert!(u.values().iter().all(|value| (value - 0.5).abs() < 1e-13));
     // u = x − 1/2 is negative at the points of the left cells: 2 cells × 4 points.
     let field = Field::interpolate(&space, |x| x[0] - 0.5).unwrap();
@@ -303,10 +303,7 @@ fn mistakes_name_the_form_and_the_thing() {
     says(assembler.functional(&measured::weighted(&bad, &omega)), &["weighted", "factor", "NaN"]);
     let bad = measured::Data { factor: 1.0, weight: Given::function(|x: &[f64; 2]| 1.0 / (x[0] - x[0])) };
     says(assembler.functional(&measured::weighted(&bad, &omega)), &["weight", "not finite", "x = ["]);
-    says(
-        assembler.functional(&measured::volume(&data(), &Omega::on("body"))),
-        &["Omega", "body", "all"],
-    );
+    says(assembler.functional(&measured::volume(&data(), &Omega::on("body"))), &["Omega", "body", "all"]);
     says(assembler.functional(&measured::area(&data(), &Gamma::on("rim"))), &["Gamma", "rim", "outer"]);
     let other = Field::zero(&Space::scalar(&ring(1), 1).unwrap());
     let foreign = measured::Data { factor: 1.0, weight: Given::field(&other) };

@@ -125,20 +125,21 @@ fn a_problem_that_outlives_a_commit_sees_the_new_values() -> Outcome {
     let omega = memory::Omega::on("all");
     let free = Constraints::new(&space);
     let form = memory::mass(&data, &omega);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    let first = problem.solve_affine(&free, &mut TangentSolver::default())?;
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let first = problem.solve()?.into_field();
     assert!(first.values().iter().all(|value| (value - 0.5).abs() < 1e-12));
     assembler.update_history(&memory::new_a(&data, &first), &data.a)?;
     data.a.commit();
-    let second = problem.solve_affine(&free, &mut TangentSolver::default())?;
+    let second = problem.solve()?.into_field();
     assert!(second.values().iter().all(|value| (value - 2.0).abs() < 1e-12));
 
     // Linear, constant and nonlinear integrals in one form: u + u³ = 2.
     let form = memory::cubic(&data, &omega);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let options = NewtonOptions::default();
-    let found = problem.solve(&second, &free, &mut TangentSolver::default(), &options, &mut |_| {})?;
-    assert!(found.field.values().iter().all(|value| (value - 1.0).abs() < 1e-10));
+    let found =
+        problem.start(&second).constrained(&free).options(options.clone()).each_step(|_| {}).solve()?;
+    assert!(found.field().values().iter().all(|value| (value - 1.0).abs() < 1e-10));
     Ok(())
 }
 
@@ -183,8 +184,7 @@ fn what_does_not_fit_is_named() -> Outcome {
     let omega = memory::Omega::on("all");
     let u = Field::interpolate(&space, |x| x[0] - 1.0)?;
     let text = |error: Option<AssemblyError>| error.map(|error| error.to_string()).unwrap_or_default();
-    let total =
-        |data: &memory::Data<2>| text(assembler.functional(&memory::total(data, &omega, &u)).err());
+    let total = |data: &memory::Data<2>| text(assembler.functional(&memory::total(data, &omega, &u)).err());
     assert_eq!(total(&data), "");
 
     // A value that is not finite, and what was written before stays.

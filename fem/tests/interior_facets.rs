@@ -195,9 +195,9 @@ fn solve(mesh: &Arc<Mesh<2>>, degree: usize, data: &penalty::Data<2>) -> Field<2
         &penalty::Skeleton::on("interior"),
     );
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let mut solver = TangentSolver::default();
-    let u = problem.solve_affine(&Constraints::new(&space), &mut solver).unwrap();
+    let u = problem.solver(&mut solver).solve().unwrap().into_field();
     assert_eq!(solver.is_positive_definite(), Some(true));
     u
 }

@@ -141,8 +141,8 @@ fn discontinuous_multipliers_glue_cells() {
         let mut sides = Constraints::new(&cells);
         sides.fix("boundary", exact).unwrap();
         let free = Constraints::new(&facets);
-        let mut problem = MixedProblem::new(&form, &assembler, [&cells, &facets]).unwrap();
-        let [u, flux] = problem.solve_affine([&sides, &free], &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, [&cells, &facets]).assembler(&assembler);
+        let [u, flux] = problem.constrained(&sides).constrained(&free).solve().unwrap().fields;
         for (value, x) in u.values().iter().zip(cells.positions()) {
             assert!((value - exact(x)).abs() < 1e-11, "{shape:?} {degree}: {value} at {x:?}");
         }
@@ -168,8 +168,8 @@ fn a_discontinuous_multiplier_is_the_flux() {
         sides.fix(side, exact).unwrap();
     }
     let free = Constraints::new(&edge);
-    let mut problem = MixedProblem::new(&form, &assembler, [&whole, &edge]).unwrap();
-    let [u, flux] = problem.solve_affine([&sides, &free], &mut TangentSolver::default()).unwrap();
+    let problem = Problem::new(&form, [&whole, &edge]).assembler(&assembler);
+    let [u, flux] = problem.constrained(&sides).constrained(&free).solve().unwrap().fields;
     for (value, x) in u.values().iter().zip(whole.positions()) {
         assert!((value - exact(x)).abs() < 1e-11);
     }
@@ -200,9 +200,9 @@ fn a_multiplier_is_the_flux() {
         // At the corners u is prescribed already: the multiplier there is not determined.
         ends.fix_nearest(&[0.0, 0.0], 0.0).unwrap();
         ends.fix_nearest(&[1.0, 0.0], 3.0).unwrap();
-        let mut problem = MixedProblem::new(&form, &assembler, [&whole, &edge]).unwrap();
+        let problem = Problem::new(&form, [&whole, &edge]).assembler(&assembler);
         // Only nodes at the region's facets are coupled with the multiplier.
-        let pattern = problem.pattern().clone();
+        let pattern = problem.pattern().unwrap().clone();
         let offset = pattern.column_offset(1) as u32;
         for node in 0..whole.node_count() {
             let coupled = pattern.pattern().row(node).iter().any(|&column| column >= offset);
@@ -210,7 +210,8 @@ fn a_multiplier_is_the_flux() {
             assert!(near || !coupled);
         }
         let mut solver = TangentSolver::default();
-        let [u, flux] = problem.solve_affine([&sides, &ends], &mut solver).unwrap();
+        let [u, flux] =
+            problem.constrained(&sides).constrained(&ends).solver(&mut solver).solve().unwrap().fields;
         for (value, x) in u.values().iter().zip(whole.positions()) {
             assert!((value - exact(x)).abs() < 1e-11);
         }

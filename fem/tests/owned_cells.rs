@@ -134,8 +134,8 @@ fn problems_of_shares_add_up_at_each_iterate() {
         let form = terms::contact(&terms::Omega::on("all"), &terms::Wall::on("boundary"));
         let (shares, whole) = (shares(&mesh), Assembler::new(&mesh));
         let mut problems: Vec<_> =
-            shares.iter().map(|share| FormProblem::new(&form, share, &space).unwrap()).collect();
-        let mut problem = FormProblem::new(&form, &whole, &space).unwrap();
+            shares.iter().map(|share| Problem::new(&form, &space).assembler(share)).collect();
+        let mut problem = Problem::new(&form, &space).assembler(&whole);
         let field = wave(&space);
         for factor in [1.0, -2.0] {
             let u: Vec<f64> = field.values().iter().map(|value| factor * value).collect();

@@ -255,8 +255,7 @@ macro_rules! agree {
                     .unwrap();
                 let cells = rate.space();
                 let by_diameters = assembler
-                    .linear_form(
-                        &moving::gradient_by_diameters(&data, &omega, &wall, &skeleton, u, k), cells)
+                    .linear_form(&moving::gradient_by_diameters(&data, &omega, &wall, &skeleton, u, k), cells)
                     .unwrap();
                 let share = diameters_to_movements(space, &by_diameters).unwrap();
                 close("diameters", dot(&share, along.values()), dot(&by_diameters, rate.values()));
@@ -264,9 +263,7 @@ macro_rules! agree {
                 let whole = assembler
                     .functional(&moving::in_cells_along(&data, &omega, u, &along, &rate))
                     .unwrap()
-                    + assembler
-                        .functional(&moving::on_walls_along(&data, &wall, u, &along, &rate))
-                        .unwrap()
+                    + assembler.functional(&moving::on_walls_along(&data, &wall, u, &along, &rate)).unwrap()
                     + assembler
                         .functional(&moving::on_skeleton_along(&data, &skeleton, u, k, &along, &rate))
                         .unwrap();
@@ -279,8 +276,7 @@ macro_rules! agree {
                 close("tested", dot(&vector, v.values()), assembler.functional(&number).unwrap());
 
                 // Frozen sizes, and a derived field: ∇u moves by −∇u ∇Θ.
-                let sizes =
-                    assembler.functional(&moving::sizes_along(&data, &omega, &wall, &along)).unwrap();
+                let sizes = assembler.functional(&moving::sizes_along(&data, &omega, &wall, &along)).unwrap();
                 let frozen =
                     assembler.functional(&moving::sizes_frozen(&data, &omega, &wall, &along)).unwrap();
                 close("sizes", sizes, frozen);

@@ -95,14 +95,14 @@ fn newtons_method_follows_the_split_of_each_iterate() {
         assembler.split_at_zeros(&contact::above(&contact::Data { level: 0.0 }, r), "bottom", 1)
     };
     let solve = |split: bool| {
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+        let mut problem = Problem::new(&form, &space).assembler(&assembler);
         if split {
-            problem = problem.with_assembler_at(indicator);
+            problem = problem.assembler_at(|r| indicator(&r[0]));
         }
         let start = Field::interpolate(&space, |x| x[0]).unwrap();
         let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
         let mut solver = TangentSolver::default();
-        problem.solve(&start, &Constraints::new(&space), &mut solver, &options, &mut |_| ()).unwrap()
+        problem.start(&start).solver(&mut solver).options(options.clone()).solve().unwrap()
     };
     let (split, whole) = (solve(true), solve(false));
     assert!(split.history.iter().all(|step| step.active_points.is_none()));
@@ -119,8 +119,8 @@ fn newtons_method_follows_the_split_of_each_iterate() {
         let second = 2.0 / 3.0 * (b - 1.0) + b * ((1.0 - z.powi(3)) / 3.0 - z * (1.0 - z * z) / 2.0);
         first.abs() + second.abs()
     };
-    assert!(moments(&split.field) < 1e-12, "{}", moments(&split.field));
-    assert!(moments(&whole.field) > 1e-4, "{}", moments(&whole.field));
+    assert!(moments(&split.field()) < 1e-12, "{}", moments(&split.field()));
+    assert!(moments(&whole.field()) > 1e-4, "{}", moments(&whole.field()));
 }
 
 #[test]

@@ -45,12 +45,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let data = heat::Data { growth: 2.0, source: Given::constant(0.0) };
     let form = heat::balance(&data, &heat::Plate::on("all"));
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
     let (start, options) = (Field::zero(&space), NewtonOptions::default());
     let solved =
-        problem.solve(&start, &constraints, &mut TangentSolver::default(), &options, &mut |step| {
+        problem.start(&start).constrained(&constraints).options(options.clone()).each_step(|step| {
             out.line(format!("Newton step {}: residual {:.2e}", step.iteration, step.residual));
-        })?;
+        }).solve()?;
 
     let flux = assembler.at_points(&heat::flux(&data, &solved.field), &[[1.0, 0.5]])?;
     out.line(format!("heat flux in the middle: {:?}", flux.values[0]));

@@ -2,8 +2,8 @@
 //! solution is linear, so every element has it to rounding: σ_yy = −E′δ/H, J = ½ a(u,u) = ½ E′δ²w/H,
 //! contact force E′δw/H, with E′ = E/(1−ν²) in plane strain.
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
 use forms_fem::prelude::*;
 
@@ -58,12 +58,14 @@ where
         criterion_force: Given::constant([0.0; D]),
         criterion_weight: Given::constant(0.0),
     };
-    let (assembler, regions) = (Assembler::new(&mesh), Regions::new("right", "bottom"));
-    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints).unwrap();
-    problem.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
-    let solved = problem.solve_direct(&mut TangentSolver::default(), &NewtonOptions::default(), &mut |_| ());
-    let solved = solved.unwrap().result;
-    let (u, assembler) = (&solved.field, &problem.assembler);
+    let (assembler, regions) =
+        (Assembler::new(&mesh), forms::Regions::default().gamma_n("right").gamma_c("bottom"));
+    let mut problem =
+        ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
+    problem.law.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
+    let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve();
+    let solved = solved.unwrap();
+    let (u, assembler) = (solved.field(), &problem.assembler);
     println!("{:?} k={degree} θ={theta}: {} steps", mesh.shapes(), solved.history.len() - 1);
 
     let transverse = POISSON / (1.0 - POISSON) * PRESSED / HEIGHT;
@@ -76,7 +78,8 @@ where
         }
     }
     let pressure = PLANE_MODULUS * PRESSED / HEIGHT;
-    let stresses = assembler.at_quadrature_points(&forms::stress(&problem.data, u), Entity::Cells, "all", 4);
+    let stresses =
+        assembler.at_quadrature_points(&forms::stress(&problem.law.data, u), Entity::Cells, "all", 4);
     let stresses = stresses.unwrap();
     for (x, stress) in stresses.positions.iter().zip(&stresses.values) {
         for i in 0..D {
@@ -92,14 +95,14 @@ where
         }
     }
     // J = ½ a(u, u).
-    let form = forms::elasticity(&problem.data, &problem.regions.omega);
+    let form = forms::elasticity(&problem.law.data, &problem.law.regions.omega);
     let internal = assembler.residual(&form, &[u], &[&space]).unwrap();
     let energy: f64 = 0.5 * internal.iter().zip(u.values()).map(|(force, u)| force * u).sum::<f64>();
     relative(energy, 0.5 * PLANE_MODULUS * PRESSED.powi(2) * area / HEIGHT, "J");
-    let Regions { gamma_c, .. } = &problem.regions;
-    let force = assembler.functional(&forms::contact_force(&problem.data, gamma_c, u)).unwrap();
+    let forms::Regions { gamma_c, .. } = &problem.law.regions;
+    let force = assembler.functional(&forms::contact_force(&problem.law.data, gamma_c, u)).unwrap();
     relative(force, pressure * area, "contact force");
-    let length = assembler.functional(&forms::contact_length(&problem.data, gamma_c, u)).unwrap();
+    let length = assembler.functional(&forms::contact_length(&problem.law.data, gamma_c, u)).unwrap();
     relative(length, area, "contact area");
     // The reaction of the top holds the contact force.
     let top = space.nodes_on("top").unwrap();
@@ -244,16 +247,22 @@ fn the_shape_gradient_of_the_block_is_exact() {
             let direct = stored::direct(&data, &omega, &gamma_n, &gamma_c);
             let mut solver = TangentSolver::default();
             let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
-            let u = FormProblem::new(&direct, &assembler, &space)
+            let u = Problem::new(&direct, &space)
+                .assembler(&assembler)
+                .constrained(&constraints)
+                .solver(&mut solver)
+                .options(options.clone())
+                .solve()
                 .unwrap()
-                .solve(&Field::zero(&space), &constraints, &mut solver, &options, &mut |_| ())
-                .unwrap()
-                .field;
+                .into_field();
             let adjoint = stored::adjoint(&data, &omega, &gamma_n, &gamma_c, &u);
-            let p = FormProblem::new(&adjoint, &assembler, &space)
+            let p = Problem::new(&adjoint, &space)
+                .assembler(&assembler)
+                .vanishing(&constraints)
+                .solver(&mut solver)
+                .solve()
                 .unwrap()
-                .solve_affine(&constraints.homogeneous(), &mut solver)
-                .unwrap();
+                .into_field();
             let movements = Space::of_geometry(&mesh).unwrap();
             let form = stored::gradient(&data, &omega, &gamma_n, &gamma_c, &u, &p);
             let gradient = assembler.linear_form(&form, &movements).unwrap();

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use forms_contact::boundary_form::boundary_form;
 use forms_contact::forms;
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 
 use crate::convergence::{digits, order};
@@ -81,14 +81,15 @@ impl Ring {
             },
         };
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
-        let regions = Regions::new("outer", "outer");
-        let problem = ContactProblem::new(assembler, &space, data, regions, constraints).unwrap();
+        let regions = forms::Regions::default().gamma_n("outer").gamma_c("outer");
+        let problem =
+            ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
         let mut solver = TangentSolver::default();
-        let u = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ()).unwrap();
-        let u = u.result.field;
-        let p = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver).unwrap().result;
+        let u = problem.direct().unwrap().solver(&mut solver).solve().unwrap();
+        let u = u.into_field();
+        let p = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver).unwrap().into_field();
         let outwards = Field::interpolate(&space, |x| radially([1.0, 0.0], x)).unwrap();
-        let data = boundary_form::Data::of(&problem.data, given(self.imposed));
+        let data = boundary_form::Data::of(&problem.law.data, given(self.imposed));
         let clamped = boundary_form::Clamped::on("inner");
         let inner = boundary_form::on_clamped(&data, &clamped, &u, &p, &outwards);
         let loaded = boundary_form::Loaded::on("outer");

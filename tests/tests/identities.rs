@@ -190,7 +190,7 @@ fn variants_agree_as_the_mesh_is_refined() {
         [-1.0, 0.0, 1.0]
             .map(|theta| {
                 let settings = Settings { radial, theta, ..Settings::default() };
-                let solution = solve(&settings, &mut |_| ()).unwrap();
+                let solution = solve(&settings).unwrap();
                 let h1 = |field| norms::norms(&solution.problem.assembler, field).unwrap().h1;
                 [solution.criterion, h1(&solution.u), h1(&solution.p_consistent), solution.contact_force]
             })

@@ -150,8 +150,8 @@ fn one_form_with_an_imported_operator_solves_poissons_equation_of_elasticity() {
     let mut constraints = Constraints::new(&space);
     constraints.fix("boundary", |x| [x[0], 0.0]).unwrap();
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&elasticity, &assembler, &space).unwrap();
-    let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+    let problem = Problem::new(&elasticity, &space).assembler(&assembler);
+    let u = problem.constrained(&constraints).solve().unwrap().into_field();
     let inside = u.evaluate(&[0.4, 0.7]).unwrap();
     assert!((inside[0] - 0.4).abs() < 1e-13 && inside[1].abs() < 1e-13, "{inside:?}");
 }

@@ -3,8 +3,8 @@
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT_CELLS, Settings, hollow_cylinder};
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 
 const LAMBDA: f64 = 1.7;
@@ -41,8 +41,8 @@ where
         criterion_weight: Given::constant(0.0),
     };
     let constraints = Constraints::new(&space);
-    let regions = Regions::new("contact", "contact");
-    ContactProblem::new(Assembler::new(mesh), &space, data, regions, constraints).unwrap()
+    let regions = forms::Regions::default().gamma_n("contact").gamma_c("contact");
+    ContactProblem::new(Assembler::new(mesh), &space, forms::Model { data, regions }, constraints).unwrap()
 }
 
 /// The γ₀ of [`required_gamma0`] on a mesh with Γ_C = "contact", all of whose cells own facets of it.
@@ -143,9 +143,9 @@ fn contact_cells_that_lack_one_and_gamma0_that_is_not_positive_are_errors() {
     assert!(error.contains("fewer"), "{error}");
     let u = Field::zero(&cylinder.space);
     for gamma0 in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        cylinder.data.gamma0 = gamma0;
+        cylinder.law.data.gamma0 = gamma0;
         let solver = &mut TangentSolver::default();
-        let direct = cylinder.solve_direct(solver, &NewtonOptions::default(), &mut |_| ()).unwrap_err();
+        let direct = cylinder.direct().unwrap().solver(solver).solve().unwrap_err();
         let adjoint = cylinder.solve_adjoint(Adjoint::Discrete, &u, solver).unwrap_err();
         for error in [direct.to_string(), adjoint.to_string()] {
             assert!(error.contains("`gamma0`") && error.contains(&gamma0.to_string()), "{error}");

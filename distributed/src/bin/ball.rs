@@ -16,7 +16,7 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let method = Method::named(given(3).as_deref().unwrap_or("direct"))?;
     let contact = DistributedContact::new(world, ball_on_flat(divisions, theta)?)?;
     let mut solver = PetscSolver::new(world, &contact.problem().constraints, method)?;
-    let solved = contact.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ())?;
+    let solved = contact.direct()?.solver(&mut solver).solve()?;
     tell_steps(world, &solved.history);
     tell(world, "J", &[contact.criterion(&solved.field)?]);
     tell(world, "force", &[contact.contact_force(&solved.field)?]);

@@ -5,7 +5,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
-use forms_contact::states::Adjoint;
+use forms_contact::Adjoint;
 use forms_distributed::cases::report::{tell, tell_steps};
 use forms_distributed::{DistributedContact, Method, PetscSolver, World};
 use forms_fem::prelude::*;
@@ -15,7 +15,7 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let settings = Settings { radial, threads: Threads::new(1), ..Settings::default() };
     let contact = DistributedContact::new(world, hollow_cylinder(&settings)?)?;
     let mut solver = PetscSolver::new(world, &contact.problem().constraints, Method::Direct)?;
-    let solved = contact.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ())?;
+    let solved = contact.direct()?.solver(&mut solver).solve()?;
     let u = solved.field;
     let adjoint = contact.solve_adjoint(Adjoint::Discrete, &u, &mut solver)?;
     tell_steps(world, &solved.history);

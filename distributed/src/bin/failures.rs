@@ -21,7 +21,7 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let local = local.on_owned_cells(world.own_cells(space.mesh()))?;
     let method = Method::ConjugateGradients { tolerance: 1e-10, max_iterations: 3 };
     let mut solver = PetscSolver::new(world, &constraints, method)?;
-    DistributedProblem::new(world, &form, &local, &space)?.solve_affine(&constraints, &mut solver)?;
+    DistributedProblem::new(world, &form, &local, &space)?.constrained(&constraints).solver(&mut solver).solve()?.into_field();
     Ok(())
 }
 

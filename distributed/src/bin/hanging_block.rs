@@ -25,7 +25,7 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let local = local.on_owned_cells(world.own_cells(space.mesh()))?;
     let start = Instant::now();
     let mut solver = PetscSolver::new(world, &constraints, method)?;
-    let u = DistributedProblem::new(world, &form, &local, &space)?.solve_affine(&constraints, &mut solver)?;
+    let u = DistributedProblem::new(world, &form, &local, &space)?.constrained(&constraints).solver(&mut solver).solve()?.into_field();
     let report = solver.report();
     tell(world, "unknowns", &[space.unknowns() as f64]);
     tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());
@@ -48,7 +48,7 @@ fn by_multigrid(world: &World, block: HangingBlock) -> Result<(), Box<dyn Error>
     let options =
         MultigridSolverOptions { tolerance: TOLERANCE, threads, ..MultigridSolverOptions::default() };
     let mut solver = MultigridSolver::new(&constraints, options)?;
-    FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+    Problem::new(&form, &space).assembler(&assembler).constrained(&constraints).solver(&mut solver).solve()?.into_field();
     let report = solver.report();
     tell(world, "unknowns", &[space.unknowns() as f64]);
     tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());

@@ -115,7 +115,7 @@ impl<const D: usize> BlockPattern<D> {
     }
 
     /// The pattern of the part of a form's tangent that an assembler assembles.
-    pub(crate) fn for_share<F: Form<D>>(
+    pub(crate) fn for_cells_of<F: Form<D>>(
         form: &F,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],

@@ -11,6 +11,12 @@ use crate::solve::CommunicationError;
 /// Why a form cannot be assembled. Every message names the form and the thing in it.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AssemblyError {
+    /// Constraints on a space on which the form has no unknown, or on which all have theirs.
+    #[error("form `{form}`: constraints were given for a space on which no unknown is left without")]
+    Constraints {
+        /// The form.
+        form: &'static str,
+    },
     /// What several processes do together was not done.
     #[error("form `{form}`: {source}")]
     Communication {

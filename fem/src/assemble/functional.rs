@@ -29,11 +29,7 @@ impl<const D: usize> Assembler<D> {
         self.integrate(energy, &views(unknowns))
     }
 
-    fn integrate<F: Functional<D>>(
-        &self,
-        form: &F,
-        unknowns: &[FieldView<D>],
-    ) -> Result<f64, AssemblyError> {
+    fn integrate<F: Functional<D>>(&self, form: &F, unknowns: &[FieldView<D>]) -> Result<f64, AssemblyError> {
         let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
             .on(self.owned.as_deref());
         let degrees = binding.degrees(&[]);

@@ -75,7 +75,7 @@ impl<const D: usize> Assembler<D> {
     /// let (first, last) = mesh.cell_order().cells().split_at(10);
     /// let mut sum = 0.0;
     /// for cells in [first, last] {
-    ///     let partial = Assembler::new(&mesh).on_owned_cells(cells)?.functional(&area, &[])?;
+    ///     let partial = Assembler::new(&mesh).on_owned_cells(cells)?.functional(&area)?;
     ///     assert!((partial - cells.len() as f64 / 32.0).abs() < 1e-15);
     ///     sum += partial;
     /// }

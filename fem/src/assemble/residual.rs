@@ -23,7 +23,11 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::residual`].
-    pub fn linear_form<F: Form<D>>(&self, form: &F, space: &Arc<Space<D>>) -> Result<Vec<f64>, AssemblyError> {
+    pub fn linear_form<F: Form<D>>(
+        &self,
+        form: &F,
+        space: &Arc<Space<D>>,
+    ) -> Result<Vec<f64>, AssemblyError> {
         self.residual(form, &[], &[space])
     }
 

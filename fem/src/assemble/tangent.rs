@@ -33,7 +33,7 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
-        let pattern = BlockPattern::for_share(form, tests, &trials, self)?;
+        let pattern = BlockPattern::for_cells_of(form, tests, &trials, self)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix.into_csr())

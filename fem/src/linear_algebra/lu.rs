@@ -276,10 +276,10 @@ mod tests {
             CsrMatrix::from_triplets(3, 3, &[(0, 1, 2.0), (1, 0, 4.0), (1, 2, 1.0), (2, 2, 8.0)]).unwrap();
         let factor = LuFactor::new(&matrix, None).unwrap();
         let mut x = vec![2.0, 5.0, 8.0];
-        factor.solve_in_place(&mut x, false).unwrap();
+        factor.solve_in_place(&mut x, Transpose::No).unwrap();
         assert_eq!(x, [1.0, 1.0, 1.0]);
         let mut x = matrix.multiply_transposed(&[3.0, -1.0, 2.0]).unwrap();
-        factor.solve_in_place(&mut x, true).unwrap();
+        factor.solve_in_place(&mut x, Transpose::Yes).unwrap();
         assert_eq!(x, [3.0, -1.0, 2.0]);
     }
 

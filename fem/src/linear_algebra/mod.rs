@@ -59,5 +59,5 @@ pub use pattern::SparsityPattern;
 pub use restriction::{Entry, Restriction};
 pub use rigid_motions::{free_motions, rigid_motions};
 pub use spectrum::{Spectrum, spectrum};
-pub use transpose::Transpose;
 pub use symbolic::Fill;
+pub use transpose::Transpose;

@@ -41,7 +41,7 @@ pub fn perimeter<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Result<f6
 where
     Dim: Dimension<D>,
 {
-    assembler(mesh).functional(&perimeter_form::measure(&perimeter_form::Boundary::on(region)), &[])
+    assembler(mesh).functional(&perimeter_form::measure(&perimeter_form::Boundary::on(region)))
 }
 
 /// Its derivative by the movement of each node \[length^(D−2)\].
@@ -56,5 +56,5 @@ where
     Dim: Dimension<D>,
 {
     let form = perimeter_form::gradient(&perimeter_form::Boundary::on(region));
-    assembler(movements.mesh()).residual(&form, &[], &[movements])
+    assembler(movements.mesh()).linear_form(&form, movements)
 }

@@ -16,13 +16,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use condensation::Condensation;
-use faer::linalg::solvers::PartialPivLu;
 pub use condensed_system::CondensedSystem;
+use faer::linalg::solvers::PartialPivLu;
 
 use super::linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
-use crate::linear_algebra::Transpose;
 use super::solver_report::{SolverPath, SolverReport};
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
+use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::{Equations, Residual, Side, refined};
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;

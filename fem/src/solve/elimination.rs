@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use crate::linear_algebra::Transpose;
 use crate::constraints::{Constraints, Relation};
+use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::{Equations, Residual};
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
@@ -177,7 +177,11 @@ impl Elimination {
     ///
     /// # Errors
     /// If a size is wrong.
-    pub fn null_space_residual(&self, motion: &[f64], forces: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+    pub fn null_space_residual(
+        &self,
+        motion: &[f64],
+        forces: &[f64],
+    ) -> Result<Vec<f64>, LinearAlgebraError> {
         check_size("the vector of all unknowns", self.size, motion.len())?;
         let free: Vec<f64> = self.free.iter().map(|&unknown| motion[unknown]).collect();
         let given = self.extend_by_zero(&free)?;

@@ -115,7 +115,7 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
             return Ok(known);
         }
         let spaces = self.spaces.each_ref();
-        let pattern = BlockPattern::for_share(&*self.form, &spaces, &spaces, &self.assembler)?;
+        let pattern = BlockPattern::for_cells_of(&*self.form, &spaces, &spaces, &self.assembler)?;
         Ok(self.pattern.get_or_init(|| Arc::new(pattern)))
     }
 
@@ -180,7 +180,14 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
         };
         if assembled.linear {
             let Assembled { matrix, linear_values, touched, .. } = &mut assembled;
-            self.assembler.assemble_tangent(form, &zero, &spaces, Parts::LINEAR_AND_CONSTANT, pattern, matrix)?;
+            self.assembler.assemble_tangent(
+                form,
+                &zero,
+                &spaces,
+                Parts::LINEAR_AND_CONSTANT,
+                pattern,
+                matrix,
+            )?;
             linear_values.clear();
             linear_values.reserve_exact(touched.places.iter().map(|places| places.len()).sum());
             for places in &touched.places {

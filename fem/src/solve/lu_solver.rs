@@ -62,7 +62,8 @@ impl LinearSolver for LuSolver {
         transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let (matrix, factor) = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
-        let matrix_norm = if transpose == Transpose::Yes { matrix.column_sum_norm() } else { matrix.row_sum_norm() };
+        let matrix_norm =
+            if transpose == Transpose::Yes { matrix.column_sum_norm() } else { matrix.row_sum_norm() };
         let side = Side::of(matrix, transpose);
         let measure = |x: &[f64]| -> Result<(Residual, f64), LinearAlgebraError> {
             let residual = Residual::of(&side, x, b)?;

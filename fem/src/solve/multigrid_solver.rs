@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use crate::linear_algebra::Transpose;
 use super::node_blocks::NodeBlocks;
 use crate::constraints::Constraints;
+use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::Equations;
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::krylov::until_each_equation_holds;
@@ -85,7 +85,7 @@ pub struct MultigridSolverReport {
 /// constraints.fix("boundary", |_| 0.0)?;
 /// let assembler = Assembler::new(&mesh);
 /// let mut solver = MultigridSolver::new(&constraints, MultigridSolverOptions::default())?;
-/// let u = FormProblem::new(&poisson, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+/// let u = Problem::new(&poisson, &space).assembler(&assembler).constrained(&constraints).solver(&mut solver).solve()?.into_field();
 /// assert!((u.evaluate(&[0.5; 3])?[0] - 0.056).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -16,11 +16,11 @@ use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
-use convergence::{Fields, Norms, Rounding, mark};
 use condensed::changed_entries;
-pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
+use convergence::{Fields, Norms, Rounding, mark};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
+pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.

@@ -348,10 +348,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
             };
             match (0..N).find(fits) {
                 Some(number) => given[number] = Some(constraints.clone()),
-                None => {
-                    let (form, field) = (self.system.form.name(), self.system.unknown_name(0));
-                    return Err(AssemblyError::OtherSpace { form, field, what: "constraints" });
-                }
+                None => return Err(AssemblyError::Constraints { form: self.system.form.name() }),
             }
         }
         let mut number = 0;

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use crate::linear_algebra::Transpose;
 use super::lu_solver::LuSolver;
 use super::solver_report::{SolverPath, SolverReport};
+use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::{Residual, Side};
 use crate::linear_algebra::equilibration::Equilibration;
 use crate::linear_algebra::error::check_size;

@@ -170,8 +170,7 @@ fn a_rule_on_cells_serves_one_shape() {
     let facet = QuadratureRule::on_segment(&[(0.5, 1.0)]);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
     let u = rough(&Space::scalar(&mesh, 1).unwrap());
-    let error =
-        assembler.functional(&everything::square(&Omega::on("all"), &u)).unwrap_err().to_string();
+    let error = assembler.functional(&everything::square(&Omega::on("all"), &u)).unwrap_err().to_string();
     let expected = "an explicit rule on cells needs a mesh of one shape; this one has quadrilaterals and triangles: \
                     choose a degree";
     assert!(error.contains(expected), "{error}");

@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
 use forms_fem::norms::{Norms, errors};
 use forms_fem::prelude::*;
@@ -62,11 +62,12 @@ pub fn direct_problem(mesh: &Arc<Mesh<2>>, degree: usize, theta: f64) -> Contact
         criterion_weight: Given::constant(0.0),
     };
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(DEGREE));
-    let regions = Regions::new(SIDES, "bottom");
-    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints).unwrap();
-    problem.data.gamma0 = MARGIN * required_gamma0(&problem, CONTACT_CELLS).unwrap();
-    problem.data.theta = theta;
-    assert!(problem.data.gamma0 > required_gamma0(&problem, CONTACT_CELLS).unwrap());
+    let regions = forms::Regions::default().gamma_n(SIDES).gamma_c("bottom");
+    let mut problem =
+        ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
+    problem.law.data.gamma0 = MARGIN * required_gamma0(&problem, CONTACT_CELLS).unwrap();
+    problem.law.data.theta = theta;
+    assert!(problem.law.data.gamma0 > required_gamma0(&problem, CONTACT_CELLS).unwrap());
     problem
 }
 
@@ -88,7 +89,16 @@ pub fn solved_direct(
     let values = SOLVED.lock().unwrap().entry(case).or_default().clone();
     let solve = || {
         let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
-        problem.solve_direct(&mut solver, &options, &mut |_| ()).unwrap().result.field.values().to_vec()
+        problem
+            .direct()
+            .unwrap()
+            .solver(&mut solver)
+            .options(options.clone())
+            .solve()
+            .unwrap()
+            .into_field()
+            .values()
+            .to_vec()
     };
     let u = Field::from_values(&problem.space, values.get_or_init(solve).clone()).unwrap();
     (problem, u)

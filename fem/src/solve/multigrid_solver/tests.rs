@@ -27,7 +27,7 @@ fn system(n: usize, degree: usize, drift: f64) -> (Constraints<3>, CsrMatrix, Ve
     constraints.fix_component("bottom", 2, |_: &[f64; 3]| 0.0).unwrap();
     let form = body::balance(&body::Data { drift }, &body::Omega::on("all"));
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
     let zero = vec![0.0; space.unknowns()];
     let mut elimination = Elimination::of(&[&constraints]).unwrap();
     let residual = problem.residual(&zero).unwrap();
@@ -99,8 +99,8 @@ fn a_body_that_floats_or_slides_is_named_by_its_motions() {
         let mut direct = TangentSolver::default();
         let solvers: [&mut dyn LinearSolver; 2] = [&mut multigrid, &mut direct];
         for (number, solver) in solvers.into_iter().enumerate() {
-            let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-            let found = problem.solve_affine(constraints, solver);
+            let problem = Problem::new(&form, &space).assembler(&assembler);
+            let found = problem.constrained(constraints).solver(solver).solve();
             let Err(error) = found else {
                 // Where nothing pulls along a free motion, conjugate gradients find one of the solutions.
                 assert_eq!((number, motions), (0, 3), "a floating body is solved");

@@ -150,7 +150,11 @@ impl TangentSolver {
             absolute_tolerance,
             restart: self.options.restart,
             max_iterations: self.options.max_iterations,
-            operator_norm: Some(if transpose == Transpose::Yes { matrix.column_sum_norm() } else { matrix.row_sum_norm() }),
+            operator_norm: Some(if transpose == Transpose::Yes {
+                matrix.column_sum_norm()
+            } else {
+                matrix.row_sum_norm()
+            }),
             flexible: false,
             threads: self.options.threads,
         };
