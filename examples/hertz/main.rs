@@ -115,6 +115,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
     let (outline, obstacle) = contact.outline();
     FieldMap::of(&cut, Shown::Component(1), "u_{z} [mm]")
         .length_unit("mm")
+        .axes("x", "z")
         .title("The plane y = 0")
         .deformed(&cut, 1.0)
         .undeformed_outline("before")
