@@ -43,7 +43,7 @@ mod metal {
     fn magnitude(s: Tensor) -> Scalar {
         sqrt(inner(s, s) + tr(s) * tr(s))
     }
-    /// How far the trial stress is outside the yield surface.
+    /// Distance of the trial stress from the yield surface, positive outside.
     fn excess(w: Vector) -> Scalar {
         magnitude(trial(w)) - sqrt(2 / 3) * (yield_stress + hardening * amount)
     }
@@ -67,7 +67,7 @@ mod metal {
         integral(Omega, inner(stress(u), eps(v)))
     }
 
-    /// What is remembered after a step.
+    /// The plastic strain after a step.
     pub fn new_plastic(w: Vector) -> Tensor {
         plastic + flow(w)
     }
@@ -111,9 +111,7 @@ fn step(
     let start = problem.solve_affine(constraints, &mut TangentSolver::default())?;
     let form = metal::equilibrium(data, &omega);
     let mut problem = FormProblem::new(&form, assembler, start.space())?;
-    // An elastic step is solved by its predictor: what is left is rounding.
-    let absolute_tolerance = 1e-11 * YIELD_STRESS;
-    let options = NewtonOptions { max_iterations: 15, absolute_tolerance, ..NewtonOptions::default() };
+    let options = NewtonOptions { max_iterations: 15, ..NewtonOptions::default() };
     let solved = problem.solve(&start, constraints, &mut TangentSolver::default(), &options, &mut |_| ())?;
     assembler.update_history(&metal::new_plastic(data, &solved.field), &data.plastic)?;
     assembler.update_history(&metal::new_amount(data, &solved.field), &data.amount)?;

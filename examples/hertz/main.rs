@@ -28,7 +28,7 @@ const DIVISIONS: usize = 12; // cells in each direction
 #[derive(Parser)]
 #[command(version, name = "hertz")]
 struct Options {
-    /// What is pressed onto what
+    /// The pair of bodies
     body: Contact,
 }
 

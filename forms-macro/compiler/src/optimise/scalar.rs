@@ -41,7 +41,7 @@ impl Derivative {
         }
     }
 
-    /// How many times the component is differentiated.
+    /// Order of differentiation of the component.
     pub fn order(self) -> usize {
         match self {
             Derivative::Value => 0,
@@ -174,7 +174,7 @@ impl Graph {
         self.work.set(self.work.get() + work);
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }

@@ -1,4 +1,4 @@
-//! What simplification must keep: nodes that may be no number where all fields are finite, and the factors 1 + 0/x that stand
+//! Limits of simplification: nodes that may be no number where all fields are finite are kept, and factors 1 + 0/x stand
 //! for a divisor x that has cancelled. So no NaN is hidden: u/u is NaN where u is zero.
 
 use super::{Graph, Node, Scalar};
