@@ -43,7 +43,7 @@ mod metal {
     fn magnitude(s: Tensor) -> Scalar {
         sqrt(inner(s, s) + tr(s) * tr(s))
     }
-    /// How far the trial stress is outside the yield surface.
+    /// Distance of the trial stress from the yield surface, positive outside.
     fn excess(w: Vector) -> Scalar {
         magnitude(trial(w)) - sqrt(2 / 3) * (yield_stress + hardening * amount)
     }
@@ -67,7 +67,7 @@ mod metal {
         integral(Omega, inner(stress(u), eps(v)))
     }
 
-    /// What is remembered after a step.
+    /// The plastic strain after a step.
     pub fn new_plastic(w: Vector) -> Tensor {
         plastic + flow(w)
     }

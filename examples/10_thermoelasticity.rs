@@ -26,7 +26,7 @@ mod pipe {
     #[cells]
     pub struct Omega;
 
-    /// What is strained beyond the free thermal expansion α T I makes stress.
+    /// The stress of the strain beyond the free thermal expansion α T I.
     fn stress(w: Vector, T: Scalar) -> Tensor {
         2 * mu * eps(w) + (lambda * tr(eps(w)) - (3 * lambda + 2 * mu) * expansion * T) * I
     }

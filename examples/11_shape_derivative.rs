@@ -28,7 +28,7 @@ mod bar {
         integral(Section, u)
     }
 
-    /// What the constraint costs: the adjoint state p, whose form is a derivative.
+    /// The adjoint state p, whose form is a derivative.
     pub fn adjoint(u: State<Scalar>, p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
         derivative(rigidity(u) + twist(u, p), u, q)
     }

@@ -1,4 +1,4 @@
-//! What a Newton step's update of the tangent costs on finer and finer meshes of the hollow cylinder.
+//! Cost of a Newton step's update of the tangent on finer and finer meshes of the hollow cylinder.
 //!
 //! `cargo run --release -p forms-bench --example contact_update [-- THREADS]`
 //!

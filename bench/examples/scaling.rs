@@ -19,7 +19,7 @@ use forms_fem::prelude::*;
 /// The first argument of a process that computes one mesh.
 const ONE: &str = "--one";
 
-/// What is measured, in the order of the columns.
+/// The measurements, in the order of the columns.
 const COLUMNS: [&str; 12] = [
     "n_r",
     "unknowns",

@@ -79,7 +79,7 @@ impl Case {
     }
 }
 
-/// What is measured; times in seconds, one entry per sample.
+/// Measurements; times in seconds, one entry per sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Measured {
     /// The program.
@@ -138,7 +138,7 @@ fn timed<T>(work: impl FnOnce() -> Result<T, Box<dyn Error>>) -> Result<(f64, T)
 /// Measures a case.
 ///
 /// # Errors
-/// What mesh, space or assembler say.
+/// Errors of mesh, space or assembler.
 pub fn measure(
     case: Case,
     divisions: usize,

@@ -41,7 +41,7 @@ pub const CONTACT_CELLS: &str = "contact cells";
 const CYLINDER_REACH: f64 = 1.2;
 const QUARTER_REACH: f64 = 0.75;
 
-/// Why a contact could not be set up.
+/// Errors of a contact's set-up.
 #[derive(Debug, Error)]
 pub enum HertzError {
     /// The mesh could not be made.
@@ -87,7 +87,7 @@ pub fn quarter_place(t: f64) -> f64 {
     QUARTER_WIDTH * OF_QUARTER.place(t)
 }
 
-/// What is pressed onto what in space.
+/// The pairs of bodies in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
     /// A ball with its centre at the origin, on the plane z = −R.

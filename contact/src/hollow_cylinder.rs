@@ -35,7 +35,7 @@ pub const CONTACT_CELLS: &str = "contact cells";
 /// Samples per facet at which the penetration is measured.
 pub const PENETRATION_SAMPLES: usize = 21;
 
-/// What may be varied.
+/// Parameters of the experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// n_r, cells across the thickness; 16 n_r around.
@@ -52,7 +52,7 @@ pub struct Settings {
     pub degree: usize,
     /// C in ξ = C √h_T of (41) \[MPa/√cm\].
     pub extension: f64,
-    /// How many threads assemble; results do not depend on it.
+    /// Number of threads that assemble; results do not depend on it.
     pub threads: Threads,
 }
 
@@ -71,7 +71,7 @@ impl Default for Settings {
     }
 }
 
-/// Why the cylinder could not be computed.
+/// Errors of the cylinder's computation.
 #[derive(Debug, Error)]
 pub enum CylinderError {
     /// A setting without meaning.
@@ -81,7 +81,7 @@ pub enum CylinderError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is asked of it.
+        /// The requirement.
         why: &'static str,
     },
     /// The mesh could not be made.
@@ -231,7 +231,7 @@ pub struct CylinderSolution {
     pub required_gamma0: f64,
     /// Seconds per stage.
     pub seconds: Seconds,
-    /// What the linear solver did.
+    /// Report of the linear solver.
     pub solver: SolverReport,
 }
 
@@ -310,7 +310,7 @@ pub fn solve_with_progress(
     })
 }
 
-/// What [`solve`] tells while it works.
+/// Progress of [`solve`].
 #[derive(Clone, Copy, Debug)]
 pub enum Progress<'a> {
     /// A Newton iterate.

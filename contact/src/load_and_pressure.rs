@@ -66,7 +66,7 @@ pub mod load_and_pressure {
         derivative(criterion(u) + direct(u, p), shape, Theta)
     }
 
-    /// What the diameters h_T in γ = γ₀ / h_T contribute, per cell and unit of growth.
+    /// The contribution of the diameters h_T in γ = γ₀ / h_T, per cell and unit of growth.
     pub fn diameter_gradient(u: State<Vector>, p: State<Vector>, growth: Test<Scalar>) -> Form {
         derivative(criterion(u) + direct(u, p), h, growth)
     }

@@ -11,10 +11,10 @@ use thiserror::Error;
 use crate::contact_problem::ContactProblem;
 use crate::law::WithShapeGradient;
 
-/// What h_T in γ = γ₀ / h_T is while the shape moves.
+/// The convention for h_T in γ = γ₀ / h_T while the shape moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Diameters {
-    /// What it was before: γ is a number per cell.
+    /// h_T stays as it was: γ is a number per cell.
     Frozen,
     /// The diameter of the moved cell.
     Moving,
@@ -32,7 +32,7 @@ pub struct ShapeGradient<const D: usize> {
     pub values: Vec<f64>,
 }
 
-/// Why there is no shape gradient.
+/// Errors of shape gradients.
 #[derive(Debug, Error)]
 pub enum ShapeError {
     /// Data that do not fit; a function of position without its gradient, by name.

@@ -12,7 +12,7 @@ use crate::load_and_pressure::load_and_pressure;
 use crate::paper_law::{Adjoint, ThetaPath};
 use crate::shape_gradient::Diameters;
 
-/// What is to become small.
+/// The objective.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// (3), with the data's M and N.
@@ -36,7 +36,7 @@ pub enum GradientForm {
     Boundary,
 }
 
-/// What holds the volume.
+/// Control of the volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum VolumeRule {
     /// V = V₀.
@@ -49,7 +49,7 @@ pub enum VolumeRule {
 pub struct ContactShape<F> {
     /// The problem on a mesh: the same for all shapes.
     pub problem: F,
-    /// What is to become small.
+    /// The objective.
     pub criterion: Criterion,
     /// The adjoint state: (21) for all criteria; (22) or (41) for the paper's.
     pub adjoint: Adjoint,
@@ -59,7 +59,7 @@ pub struct ContactShape<F> {
     pub volume: VolumeRule,
     /// Γ_m, without load and contact.
     pub moving: String,
-    /// What a unit of Γ_m's length (area) adds to the criterion: it keeps boundaries from becoming rough.
+    /// Penalty per length (area) of Γ_m, added to the criterion: it regularises the boundary.
     pub perimeter_penalty: f64,
     /// Boundaries that stay.
     pub fixed: Vec<String>,
@@ -86,7 +86,7 @@ impl<F> ContactShape<F> {
     /// Whether criterion, adjoint state and formula go together.
     ///
     /// # Errors
-    /// What does not, and why.
+    /// The pair that does not, and why.
     pub fn check(&self) -> Result<(), Failure> {
         if self.criterion == Criterion::Paper {
             return match (self.adjoint, self.gradient) {

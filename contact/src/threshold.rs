@@ -13,7 +13,7 @@ use crate::forms;
 /// Eigenvalues of ∫_T σ:ε below this part of the largest belong to rigid motions.
 const RIGID: f64 = 1e-10;
 
-/// What Nitsche's method asks of γ₀ on a mesh.
+/// The threshold of γ₀ for Nitsche's method on a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
     /// The γ₀ \[stress\] at which s = 1 on the worst contact cell; zero for θ = −1, which has no threshold.

@@ -64,7 +64,7 @@ where
     /// Solves for an adjoint state at the displacement u; it vanishes on Γ_D.
     ///
     /// # Errors
-    /// What does not fit, or why the system was not solved.
+    /// The mismatch, or why the system was not solved.
     pub fn solve_adjoint(
         &self,
         adjoint: Adjoint,

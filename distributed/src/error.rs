@@ -1,4 +1,4 @@
-//! What can go wrong in PETSc, and on other processes.
+//! Errors in PETSc, and on other processes.
 
 use forms_fem::linear_algebra::LinearAlgebraError;
 use forms_fem::solve::SolverError;
@@ -13,7 +13,7 @@ pub enum PetscError {
         function: &'static str,
         /// Its `PetscErrorCode`.
         code: i32,
-        /// What PETSc says of it.
+        /// PETSc's message.
         message: String,
     },
     /// [`crate::World`] was made twice.
@@ -32,7 +32,7 @@ pub enum PetscError {
     TooMany {
         /// Of what.
         what: &'static str,
-        /// How many.
+        /// Their number.
         count: usize,
     },
 }
@@ -52,7 +52,7 @@ pub enum DistributedError<E: std::error::Error> {
     /// Others failed, and say why themselves.
     #[error("{count} of the other processes failed")]
     Elsewhere {
-        /// How many.
+        /// Their number.
         count: usize,
     },
     /// The exchange between the processes failed.

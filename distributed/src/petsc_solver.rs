@@ -18,7 +18,7 @@ use crate::world::World;
 /// The relative residual that conjugate gradients reach where nothing else is asked for.
 pub const TOLERANCE: f64 = 1e-10;
 
-/// How systems are solved.
+/// Methods of solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// LU by MUMPS, for any matrix.
@@ -65,14 +65,14 @@ impl Method {
     "no method is called \"{name}\": there are \"direct\" (MUMPS) and \"cg\" (conjugate gradients with GAMG)"
 )]
 pub struct UnknownMethod {
-    /// What was asked for.
+    /// The name that was asked for.
     pub name: String,
 }
 
 /// Relative residual of a direct solution beyond which it is refused.
 const ACCEPTED: f64 = 1e-6;
 
-/// What a solver did so far.
+/// Counts of a solver so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PetscReport {
     /// Rows of the matrix on all processes.
@@ -147,7 +147,7 @@ impl<'w> PetscSolver<'w> {
     /// A solver for systems on the space of these constraints, which must be those of every system.
     ///
     /// # Errors
-    /// What PETSc says.
+    /// PETSc's error.
     pub fn new<const D: usize>(
         world: &'w World,
         constraints: &Constraints<D>,
@@ -160,7 +160,7 @@ impl<'w> PetscSolver<'w> {
         Ok(PetscSolver { world, method, b, x, residual, nodes, system: None, report })
     }
 
-    /// What was done so far.
+    /// Counts so far.
     pub fn report(&self) -> &PetscReport {
         &self.report
     }

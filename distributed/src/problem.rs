@@ -14,7 +14,7 @@ use crate::rows::Rows;
 use crate::vector::DistributedVector;
 use crate::world::World;
 
-/// What may fail in assembly on all processes.
+/// Errors of assembly, on all processes.
 pub type DistributedAssemblyError = DistributedError<AssemblyError>;
 
 /// A form with one unknown, of which each process assembles its own cells: a [`FormProblem`] made with
@@ -27,7 +27,7 @@ pub struct DistributedProblem<'w, 'a, F, const D: usize> {
     sum: DistributedVector<'w>,
 }
 
-/// Why an affine problem was not solved.
+/// Errors of solving an affine problem.
 #[derive(Debug, thiserror::Error)]
 pub enum DistributedAffineError {
     /// Assembly failed, here or elsewhere.
@@ -88,7 +88,7 @@ impl<'w, 'a, F: Form<D>, const D: usize> DistributedProblem<'w, 'a, F, D> {
     /// Solves a form that is affine in its unknown: one assembly, one linear system.
     ///
     /// # Errors
-    /// What does not fit, or why the system was not solved.
+    /// The mismatch, or why the system was not solved.
     pub fn solve_affine(
         &mut self,
         constraints: &Constraints<D>,
@@ -112,7 +112,7 @@ impl<'w, 'a, F: Form<D>, const D: usize> DistributedProblem<'w, 'a, F, D> {
 /// A functional of which each process integrates its own cells.
 ///
 /// # Errors
-/// What does not fit, on any process.
+/// The mismatch, on any process.
 pub fn distributed_functional<G: Functional<D>, const D: usize>(
     world: &World,
     local: &Assembler<D>,

@@ -68,7 +68,7 @@ impl World {
         unsafe { petsc::PetscGlobalRank as usize }
     }
 
-    /// How many processes there are.
+    /// Number of processes.
     pub fn size(&self) -> usize {
         // SAFETY: as for the rank.
         unsafe { petsc::PetscGlobalSize as usize }
@@ -94,7 +94,7 @@ impl World {
     /// The sums over all processes of as many numbers of each; the same on all.
     ///
     /// # Errors
-    /// What PETSc says.
+    /// PETSc's error.
     pub fn sum(&self, numbers: &[f64]) -> Result<Vec<f64>, PetscError> {
         DistributedVector::new(self, Rows::of_nodes(self, numbers.len(), 1)?)?.sum(numbers)
     }

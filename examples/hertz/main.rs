@@ -28,7 +28,7 @@ const DIVISIONS: usize = 12; // cells in each direction
 #[derive(Parser)]
 #[command(version, name = "hertz")]
 struct Options {
-    /// What is pressed onto what
+    /// The pair of bodies
     body: Contact,
 }
 
@@ -119,6 +119,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
     let (outline, obstacle) = contact.outline();
     FieldMap::of(&cut, Shown::Component(1), "u_{z} [mm]")
         .length_unit("mm")
+        .axes("x", "z")
         .title("The plane y = 0")
         .deformed(&cut, 1.0)
         .undeformed_outline("before")

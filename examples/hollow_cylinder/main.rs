@@ -26,7 +26,7 @@ use measurements::Measurements;
 use options::Options;
 use progress::Reporter;
 
-/// What can go wrong while files are written has no common type.
+/// Errors of writing files have no common type.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {

@@ -20,7 +20,7 @@ use forms_fem::space::Space;
 use options::{Case, Options};
 use runs::Run;
 
-/// What can go wrong has no common type.
+/// Errors have no common type.
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 fn main() -> ExitCode {

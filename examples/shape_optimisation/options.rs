@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug, Parser)]
 #[command(version, name = "shape_optimisation")]
 pub struct Options {
-    /// What is optimised
+    /// The problem to optimise
     #[arg(value_enum, default_value_t = Case::Figure6)]
     pub case: Case,
     /// Holes around the ring
@@ -61,7 +61,7 @@ pub struct Options {
     pub out: PathBuf,
 }
 
-/// What is optimised.
+/// The problem to optimise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Case {
     /// The paper's Figure 6: a pressed ring with holes, ∫ F·u with F = (0, −1 N), once with the adjoint (22) in the
@@ -123,7 +123,7 @@ impl Options {
         8.0 * cells
     }
 
-    /// How the descent goes.
+    /// Options of the descent.
     pub fn descent(&self) -> DescentOptions {
         let inner_product = InnerProduct { tangential: self.smoothing, ..InnerProduct::elasticity(0.0) };
         DescentOptions {

@@ -25,9 +25,9 @@ pub struct Run {
     pub state: DescentState,
     /// The best shape.
     pub mesh: Arc<Mesh<2>>,
-    /// What was solved for on the round holes.
+    /// The state on the round holes.
     pub start: ContactState<2>,
-    /// What was solved for on the best shape.
+    /// The state on the best shape.
     pub end: ContactState<2>,
     /// The adjoint states, on the round holes and on the best shape; none if the criterion is not the paper's.
     pub adjoints: Option<[Field<2>; 2]>,

@@ -38,7 +38,7 @@ pub(crate) fn views<'a, const D: usize>(fields: &[&'a Field<D>]) -> Vec<FieldVie
     fields.iter().map(|field| field.view()).collect()
 }
 
-/// Why a field does not exist or has no value somewhere.
+/// Errors of a field or of its evaluation.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FieldError {
     /// A wrong number of coefficients.

@@ -102,12 +102,12 @@ pub use forms_core::forms;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// What stands after the closure: data (`k: Param = 2.0`; without a value the variable of that name), regions
+/// After the closure stand data (`k: Param = 2.0`; without a value the variable of that name), regions
 /// (`Wall: Facets = "wall"`; or in place, `cells("all")`, `facets("wall")`), and the options of [`macro@forms`]. A closure with
 /// known fields gives a Rust closure that takes them. `use path::operator;` before the closure imports.
 pub use forms_core::form;
 
-/// What a program that states and solves forms needs.
+/// The usual imports of a program that states and solves forms.
 pub mod prelude {
     pub use std::sync::Arc;
 

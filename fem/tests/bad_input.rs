@@ -96,7 +96,7 @@ struct Case {
     lambda: f64,
     load: fn(&[f64; 3]) -> [f64; 3],
     region: &'static str,
-    /// What every error says, one of these.
+    /// Fragments, one of which stands in every error.
     says: &'static [&'static str],
 }
 

@@ -75,7 +75,7 @@ fn updates_are_those_of_an_assembly_from_scratch() {
     follows(&resting::both(&data(), &omega), &space);
 }
 
-/// What changes between two iterates is what the problem says, and lies in rows and columns of nodes of the cells
+/// The changes between two iterates are those that the problem announces, and lie in rows and columns of nodes of the cells
 /// at the floor; the number of places grows with the floor's facets and not with the cells.
 #[test]
 fn only_rows_of_cells_at_the_contact_facets_change() {

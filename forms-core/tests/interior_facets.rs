@@ -175,7 +175,7 @@ fn interior_penalty_equals_loops_and_is_consistent() {
     interior_penalty_in::<3>();
 }
 
-/// What a backend is told of the integrals on one region.
+/// The description of the integrals on one region.
 #[derive(Default)]
 struct Told {
     region: usize,

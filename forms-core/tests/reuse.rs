@@ -92,7 +92,7 @@ mod library {
     }
 }
 
-/// What `contact` means, typed out.
+/// `contact`, typed out.
 #[forms(crate = forms_core)]
 pub mod typed_out {
     pub struct Data {

@@ -336,7 +336,7 @@ fn known_fields_have_second_derivatives() {
     assert_matrix(&vec![found], &vec![expected]);
 }
 
-/// What a backend is told: symmetry of the tangents, which kernels read second derivatives, degrees.
+/// The description for a backend: symmetry of the tangents, which kernels read second derivatives, degrees.
 #[derive(Default)]
 struct Told {
     symmetric: Vec<bool>,

@@ -76,7 +76,7 @@ fn by_hand_data<const D: usize>(theta: f64) -> by_hand::Data<D> {
     }
 }
 
-/// What the forms give at a body's state: matrix, and the residual at some p.
+/// The forms at a body's state: matrix, and the residual at some p.
 struct System {
     matrix: nalgebra::DMatrix<f64>,
     residual: Vec<f64>,

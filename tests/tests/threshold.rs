@@ -134,7 +134,7 @@ fn the_cylinder() {
     }
 }
 
-/// What would make a wrong γ₀ pass for a right one, or obstacles pull, is an error that names it.
+/// Data with which a wrong γ₀ would pass for a right one, or obstacles would pull, are an error that names them.
 #[test]
 fn contact_cells_that_lack_one_and_gamma0_that_is_not_positive_are_errors() {
     let settings = Settings { radial: 4, theta: 1.0, ..Settings::default() };

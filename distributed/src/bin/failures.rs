@@ -1,4 +1,4 @@
-//! What must fail on all processes, and not leave one waiting: `mpirun -n 2 failures [assembly | convergence | twice]`.
+//! Failures on all processes, which must not leave one waiting: `mpirun -n 2 failures [assembly | convergence | twice]`.
 
 use std::error::Error;
 use std::process::ExitCode;

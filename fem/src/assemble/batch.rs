@@ -155,9 +155,9 @@ pub(super) struct Batch<'a, L, const D: usize> {
     cells: Cells<'a, D>,
     tables: [SideTables<'a, D>; 2],
     buffers: &'a mut BatchBuffers<L, D>,
-    /// How many lanes hold cells of their own.
+    /// Number of lanes that hold cells of their own.
     filled: usize,
-    /// How far the two sides of an interior facet may be apart.
+    /// Largest distance between the two sides of an interior facet.
     tolerance: [f64; WIDEST],
     /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
     affine: Option<AffineGeometry<L, D>>,
@@ -173,7 +173,7 @@ pub(super) struct Reads {
     pub hessian: bool,
 }
 
-/// What is the same at all points of affine cells.
+/// The geometry that is constant on affine cells.
 #[derive(Clone, Copy)]
 struct AffineGeometry<L, const D: usize> {
     measure: L,

@@ -1,4 +1,4 @@
-//! Where the blocks of element matrices stand in their rows, looked up once per pair of spaces.
+//! Slots of the blocks of element matrices in their rows, looked up once per pair of spaces.
 
 use crate::element::CellShape;
 

@@ -33,7 +33,7 @@ pub struct BlockPattern<const D: usize> {
     owned: Option<Arc<OwnedCells>>,
 }
 
-/// What an integral couples for a pair of spaces.
+/// The coupling of an integral for a pair of spaces.
 #[derive(Clone, Default)]
 struct Coupled<'a> {
     /// Cells whose nodes are coupled with each other.
@@ -57,7 +57,7 @@ struct CouplingVisitor {
     found: Vec<Coupling>,
 }
 
-/// What the tangents of some of a form's integrals couple.
+/// The couplings of the tangents of some of a form's integrals.
 fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
     let mut visitor = CouplingVisitor { parts, found: vec![] };
     match form.tangent(&mut visitor) {
@@ -66,7 +66,7 @@ fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling
     }
 }
 
-/// What some integrals touch in a matrix.
+/// The entries of a matrix that some integrals touch.
 pub(crate) struct TouchedEntries {
     /// Places among the values, as ascending ranges of whole blocks.
     pub places: Vec<Range<usize>>,
@@ -276,8 +276,8 @@ impl<const D: usize> BlockPattern<D> {
         !couplings(form, parts).is_empty()
     }
 
-    /// What some of a form's integrals touch in a matrix with this pattern: at least all that their tangents change,
-    /// and whole pairs of spaces for integrals over all cells.
+    /// The entries that some of a form's integrals touch in a matrix with this pattern: at least all that their tangents
+    /// change, and whole pairs of spaces for integrals over all cells.
     pub(crate) fn touched<F: Form<D>>(
         &self,
         form: &F,

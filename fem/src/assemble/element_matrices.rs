@@ -18,7 +18,7 @@ use super::sum_factorisation::{Derivatives, MatrixStages, PairSums, ProductTable
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
-/// What the element matrices of a group depend on, besides the kernel.
+/// Inputs of the element matrices of a group, besides the kernel.
 pub(super) struct ElementMatrices<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
@@ -74,7 +74,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
     /// `[test node][trial node][row component][column component]`.
     ///
     /// # Errors
-    /// What the data of the form, or `deliver`, has to say.
+    /// Errors of the form's data, or of `deliver`.
     pub fn compute<K: BilinearKernel<D>>(
         &self,
         kernel: &K,
@@ -228,7 +228,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
     }
 }
 
-/// What an operation along an axis takes, measured in operations on a pair of nodes, whose sums stay in registers: its sums
+/// Cost of an operation along an axis, in operations on a pair of nodes, whose sums stay in registers: its sums
 /// are as short as a row of points, and go through memory from axis to axis (docs/decisions/lanes.md).
 const ALONG_AN_AXIS: usize = 2;
 

@@ -15,7 +15,7 @@ use super::sum_factorisation::{Derivatives, Integration, ProductTables, Stages, 
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
-/// What the element vectors of a group depend on, besides the kernel.
+/// Inputs of the element vectors of a group, besides the kernel.
 pub(super) struct ElementVectors<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
@@ -31,7 +31,7 @@ pub(super) struct ElementVectors<'a, const D: usize> {
 pub(super) struct VectorBuffers<L, const D: usize> {
     batch: BatchBuffers<L, D>,
     sums: Vec<L>,
-    /// What meets the basis functions' values and derivatives at each point, for sum factorisation.
+    /// Factors of the basis functions' values and derivatives at each point, for sum factorisation.
     at_points: Vec<L>,
     stages: Stages<L>,
 }
@@ -58,7 +58,7 @@ impl<const D: usize> ElementVectors<'_, D> {
     /// `[node][component]`.
     ///
     /// # Errors
-    /// What the data of the form, or `deliver`, has to say.
+    /// Errors of the form's data, or of `deliver`.
     pub fn compute<K: LinearKernel<D>>(
         &self,
         kernel: &K,

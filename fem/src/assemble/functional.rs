@@ -1,4 +1,4 @@
-//! Numbers: integrals of densities, and the count of active quadrature points.
+//! Functionals, and the active set of a form.
 
 use std::ops::Range;
 
@@ -133,7 +133,7 @@ impl<const D: usize> ExpressionVisitor<D> for SwitchVisitor<'_, D> {
 /// Entities whose values are put together before those of other chunks, on any number of threads.
 const CHUNK: usize = 1024;
 
-/// What a walk over the quadrature points of an integral's region needs.
+/// Inputs of a walk over the quadrature points of an integral's region.
 struct PointWalk<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,

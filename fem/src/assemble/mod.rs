@@ -101,9 +101,9 @@ pub struct Parts {
 impl Parts {
     /// Every integral.
     pub const ALL: Parts = Parts { constant: true, linear: true, nonlinear: true };
-    /// What an iteration over the unknowns does not change.
+    /// Constant and linear integrals, which an iteration over the unknowns does not change.
     pub const LINEAR_AND_CONSTANT: Parts = Parts { constant: true, linear: true, nonlinear: false };
-    /// What an iteration over the unknowns changes.
+    /// Nonlinear integrals, which an iteration over the unknowns changes.
     pub const NONLINEAR: Parts = Parts { constant: false, linear: false, nonlinear: true };
 
     fn contain(self, dependence: Dependence) -> bool {
@@ -144,7 +144,7 @@ impl<const D: usize> Assembler<D> {
         Assembler { threads, ..self }
     }
 
-    /// How many threads it uses.
+    /// Number of threads that it uses.
     pub fn threads(&self) -> Threads {
         self.threads
     }

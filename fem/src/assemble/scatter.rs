@@ -386,7 +386,7 @@ impl<const D: usize> VectorScatter<'_, D> {
 }
 
 impl OwnRows<'_> {
-    /// What belongs to other threads.
+    /// Contributions to other threads' rows.
     pub fn into_deferred(self) -> Deferred {
         self.deferred
     }

@@ -1,4 +1,4 @@
-//! Where element matrices and vectors are written, batch by batch.
+//! Sinks for element matrices and vectors, batch by batch.
 
 use super::AssemblyError;
 
@@ -10,7 +10,7 @@ pub(super) trait Sink {
     fn filled(&mut self, first: usize, count: usize, size: usize) -> Result<(), AssemblyError>;
 }
 
-/// Who receives element matrices or vectors: the first entity, and those of it and its successors.
+/// Callback for element matrices or vectors: the first entity, and those of it and its successors.
 pub(super) type Deliver<'a> = &'a mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>;
 
 /// Hands over each batch from a buffer.

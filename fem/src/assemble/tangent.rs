@@ -173,7 +173,7 @@ pub struct ElementMatrix {
     pub values: Vec<f64>,
 }
 
-/// Where element matrices go.
+/// Targets of element matrices.
 enum Target<'a, const D: usize> {
     Matrix {
         pattern: &'a BlockPattern<D>,
@@ -218,7 +218,7 @@ impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
     }
 }
 
-/// What is known of a kernel's blocks when the kernel's type is forgotten.
+/// The shape of a kernel's blocks, without the kernel's type.
 struct Block<'a> {
     requirements: &'a Requirements,
     /// Rows and columns.

@@ -31,7 +31,7 @@ pub struct SymmetricFactor {
     seconds: f64,
 }
 
-/// What Bunch–Kaufman pivoting inside supernodes adds to a factor.
+/// The part that Bunch–Kaufman pivoting inside supernodes adds to a factor.
 #[derive(Debug)]
 struct Pivoting {
     below_diagonal: Vec<f64>,

@@ -33,7 +33,7 @@ impl Default for KrylovOptions {
     }
 }
 
-/// What a Krylov method did.
+/// Report of a Krylov method.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KrylovReport {
     /// Applications of the preconditioned operator.
@@ -45,7 +45,7 @@ pub struct KrylovReport {
     pub history: Vec<f64>,
 }
 
-/// Why a Krylov method failed. The last iterate is in `x`.
+/// Failures of a Krylov method. The last iterate is in `x`.
 #[derive(Debug, thiserror::Error)]
 pub enum KrylovError {
     /// The operator or the preconditioner failed.
@@ -70,7 +70,7 @@ pub enum KrylovError {
     NotPositiveDefinite {
         /// pᵀ A p.
         curvature: f64,
-        /// What was done before.
+        /// The iterations before.
         report: KrylovReport,
     },
     /// There is a residual r with rᵀ M⁻¹ r ≤ 0.
@@ -78,7 +78,7 @@ pub enum KrylovError {
     IndefinitePreconditioner {
         /// rᵀ M⁻¹ r.
         product: f64,
-        /// What was done before.
+        /// The iterations before.
         report: KrylovReport,
     },
     /// A vector became NaN or infinite.
@@ -87,7 +87,7 @@ pub enum KrylovError {
 }
 
 impl KrylovError {
-    /// What was done before the failure, where there was an iteration.
+    /// The iterations before the failure, where there were any.
     pub fn report(&self) -> Option<&KrylovReport> {
         match self {
             KrylovError::Operator(_) | KrylovError::BadArguments(_) => None,
@@ -190,7 +190,7 @@ pub(super) fn by_equations<O: LinearOperator>(
     Ok(report)
 }
 
-/// What a residual is measured by.
+/// The measure of a residual.
 pub(super) struct Goal {
     /// ‖b‖₂.
     pub(super) b_norm: f64,

@@ -7,7 +7,7 @@ use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
 use crate::threads::Threads;
 
-/// Why an operator or a preconditioner could not be applied.
+/// Errors of applying an operator or a preconditioner.
 pub type OperatorError = Box<dyn std::error::Error + Send + Sync>;
 
 /// A square linear operator: a matrix, or the action of a form's tangent without one.

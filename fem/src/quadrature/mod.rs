@@ -59,7 +59,7 @@ pub enum Quadrature<const D: usize> {
     },
 }
 
-/// Why a quadrature rule does not exist or is not accepted.
+/// Errors of quadrature rules.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum QuadratureError {
     /// The degree is beyond [`MAXIMUM_DEGREE`].

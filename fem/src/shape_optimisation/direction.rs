@@ -1,4 +1,4 @@
-//! Where to go: down the criterion along the constraint, and back to the constraint.
+//! The descent direction: down the criterion along the constraint, and back to the constraint.
 
 use super::error::ShapeOptimisationError;
 use crate::linear_algebra::vector::{add_scaled, dot};
@@ -30,7 +30,7 @@ pub(super) struct Direction {
     restored: f64,
 }
 
-/// What the constraint gives: its value, its derivative, and the movement that represents it.
+/// The constraint: its value, its derivative, and the movement that represents it.
 pub(super) struct Constrained<'a> {
     pub value: f64,
     pub derivative: &'a [f64],

@@ -1,4 +1,4 @@
-//! What meshes of two shapes know of themselves, and what they refuse.
+//! Queries and errors of meshes of two shapes.
 
 use forms_fem::mesh::{INTERIOR, MeshError, onto_sphere};
 use forms_fem::prelude::*;

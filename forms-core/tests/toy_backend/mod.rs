@@ -40,7 +40,7 @@ impl Nodal {
     }
 }
 
-/// What a walk needs: the mesh, the form's description, the unknowns' values.
+/// Inputs of a walk: the mesh, the form's description, the unknowns' values.
 struct Walk<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     fields: &'static [FieldDescription],

@@ -89,7 +89,7 @@ pub fn start(state: State) -> TokenStream {
     }
 }
 
-/// What emitted modules are free of.
+/// Lints that emitted modules are free of.
 pub fn allow() -> TokenStream {
     quote! {
         #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
@@ -176,11 +176,11 @@ struct Unit<'a> {
     dump: &'a mut Dump,
 }
 
-/// What a module has become.
+/// The output for a module.
 struct Compiled {
     /// Errors, and the module's inside.
     code: TokenStream,
-    /// What makes it importable.
+    /// The tokens that make it importable.
     carrier: TokenStream,
     /// The regions that the constructor of the first function asks for; `None` if it has a mistake.
     used: Option<Vec<Ident>>,

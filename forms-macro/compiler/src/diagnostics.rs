@@ -35,7 +35,7 @@ pub struct Diagnostics {
     found: Vec<Diagnostic>,
     /// So many were found in earlier dimensions.
     settled: usize,
-    /// How often a mistake was reported, the same one again included.
+    /// Number of reports of mistakes, the same one again included.
     reports: usize,
     /// The imported functions that have mistakes inside: each with its file and line.
     origins: Vec<String>,
@@ -48,7 +48,7 @@ pub struct Diagnostics {
 struct Inside {
     /// The call.
     span: SourceSpan,
-    /// What follows from a mistake that has been told is not told.
+    /// Consequences of a reported mistake are not reported.
     silent: bool,
 }
 

@@ -178,7 +178,7 @@ pub enum Variable {
 /// is still a number.
 pub const NEARLY_ZERO: f64 = 1e-100;
 
-/// What [`Operator::Slice`] takes of one axis.
+/// The part of one axis that [`Operator::Slice`] takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Selection {
     /// One entry; the axis vanishes.
@@ -268,7 +268,7 @@ pub enum Operator {
     Named(Named),
 }
 
-/// What a formula shows by its name.
+/// A named part of a formula.
 #[derive(Clone, Debug)]
 pub enum Named {
     /// A call of a function of the module, or its derivative of order `directions.len()`: each direction has
@@ -549,7 +549,7 @@ impl Key {
     }
 }
 
-/// What a field is to a form.
+/// The role of a field in a form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldRole {
     Unknown(usize),

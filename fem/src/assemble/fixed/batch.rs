@@ -20,7 +20,7 @@ pub(super) struct FieldBuffers<L> {
     pub fields: Vec<L>,
 }
 
-/// The cells at hand.
+/// A batch of cells, with loops of fixed lengths.
 pub(super) struct FixedBatch<'a, L: SimdLane, S: Sizes, const D: usize> {
     tables: &'a FixedTables<S, D>,
     nodes: S::GeometryNodes<[L; D]>,
@@ -124,7 +124,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         jacobian
     }
 
-    /// What is constant on the cells.
+    /// The quantities that are constant on the cells.
     #[inline(always)]
     pub fn cell_geometry(&self, requirements: &Requirements) -> CellGeometry<L> {
         let zero = L::splat(0.0);

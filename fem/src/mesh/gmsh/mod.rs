@@ -30,7 +30,7 @@ const WORDS: Words = Words {
 pub struct GmshMesh<const D: usize> {
     /// The mesh. Nodes have the order of the file, and so have the cells of each shape.
     pub mesh: Mesh<D>,
-    /// What the file holds and the mesh does not show.
+    /// Notes on content of the file that the mesh does not show.
     pub notes: Vec<Note>,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct Reader<'a> {
     pub(super) section: Option<String>,
 }
 
-/// What one item of a list consists of at least: bounds the number of items by the bytes left.
+/// The least size of an item of a list: bounds the number of items by the bytes left.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Item {
     pub(super) integers: usize,

@@ -20,7 +20,7 @@ impl<'a> Reader<'a> {
         Reader { bytes, at: 0, binary: false }
     }
 
-    /// What stands at an offset is not what should.
+    /// An unexpected text at an offset.
     pub(super) fn unexpected(&self, at: usize, expected: &str) -> VtkProblem {
         let mut problem = super::markup::unexpected(self.bytes, at, expected);
         if let (VtkProblem::Unexpected { position, .. }, true) = (&mut problem, self.binary) {

@@ -194,7 +194,7 @@ fn plain(text: String) -> String {
     marks.into_iter().fold(text, |text, (mark, character)| text.replace(mark, character))
 }
 
-/// What stands at an offset is not what should.
+/// An unexpected text at an offset.
 pub(super) fn unexpected(bytes: &[u8], at: usize, expected: &str) -> VtkProblem {
     let line = 1 + bytes[..at].iter().filter(|&&byte| byte == b'\n').count();
     let found = match bytes[at..].split(|&byte| byte == b'\n').next() {

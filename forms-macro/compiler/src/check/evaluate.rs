@@ -10,7 +10,7 @@ use crate::parse::declared_type::{LARGEST, report_extent};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
 
-/// What an expression stands for.
+/// The value of an expression.
 #[derive(Clone)]
 pub enum Value {
     Tensor(Tensor),
@@ -51,7 +51,7 @@ pub struct Evaluator<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Functions being inlined, outermost first.
     pub(super) calls: Vec<usize>,
-    /// What a function gave for arguments, so that an equal call is not unfolded again.
+    /// Results of calls by their arguments, so that an equal call is not unfolded again.
     pub(super) given_calls: HashMap<Call, Option<Value>>,
     /// Too large to go on, which has been reported.
     pub(super) exhausted: bool,

@@ -311,7 +311,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// What stands before an integral must not vary in space.
+    /// The factor of an integral must not vary in space.
     pub(super) fn constant_factor(&mut self, factor: Tensor) -> Option<Tensor> {
         let factor = self.expect_scalar(factor, "a factor of an integral")?;
         for node in self.arena.reachable(&[factor]) {

@@ -40,7 +40,7 @@ pub struct CheckedFunction {
     pub content: Content,
 }
 
-/// What a checked function is.
+/// Kinds of checked functions.
 pub enum Content {
     /// Linear in its test functions.
     Form(Vec<Term>),

@@ -1,4 +1,4 @@
-//! What a name stands for: a local, a datum, geometry; and what to say of one that is not known.
+//! Resolution of names: a local, a datum, geometry; and the message for one that is not known.
 
 use proc_macro2::Ident;
 

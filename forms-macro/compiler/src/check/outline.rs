@@ -47,7 +47,7 @@ impl Evaluator<'_> {
         Value::Tensor(self.arena.push(Operator::Named(named), rank.shape(self.dimension), span))
     }
 
-    /// What a `let` gives a name to; what is only another name or a number stays as it is.
+    /// Names the value of a `let`; another name or a number stays as it is.
     pub(super) fn name_value(&mut self, name: &Ident, value: Value) -> Value {
         let Value::Tensor(tensor) = value else { return value };
         let name = name.to_string();

@@ -1,4 +1,4 @@
-//! What exists on a region: the normal on facets only, the two sides of a facet on interior facets only;
+//! Quantities that exist on a region: the normal on facets only, the two sides of a facet on interior facets only;
 //! and there, what needs a side.
 
 use proc_macro2::Ident;

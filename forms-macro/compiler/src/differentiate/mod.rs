@@ -125,7 +125,7 @@ struct Lowering<'a> {
     /// As checked.
     fields: Vec<FieldInfo>,
     known: HashMap<Tensor, Tensor>,
-    /// What `diff(e, w)` differentiates by.
+    /// The variable of `diff(e, w)`.
     names: HashSet<Tensor>,
     /// Too large to go on, which has been reported.
     exhausted: bool,

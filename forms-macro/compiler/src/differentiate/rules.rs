@@ -15,7 +15,7 @@ use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
 use crate::tensor::{Arena, FieldInfo, Geometry, Named, Operator, Tensor, Truth, Variable};
 
-/// What is varied, and how.
+/// The variable and its direction.
 #[derive(Clone, Copy, Debug)]
 pub enum Seed {
     /// A variable moves in a direction; a field's gradient moves with it if `with_gradient`

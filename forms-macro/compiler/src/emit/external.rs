@@ -6,7 +6,7 @@ use quote::{format_ident, quote, quote_spanned};
 
 use crate::parse::syntax::{External, MemberKind, Module};
 
-/// What emitted code calls things outside the module.
+/// Names in emitted code of things outside the module.
 pub struct ExternalNames {
     /// The type of each function in this dimension.
     pub functions: Vec<Ident>,

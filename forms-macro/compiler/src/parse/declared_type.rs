@@ -6,7 +6,7 @@ use syn::{Expr, GenericArgument, Lit, PathArguments, Type};
 use super::syntax::{Extent, Rank};
 use crate::diagnostics::{Diagnostics, SourceSpan};
 
-/// Why there is no [`Rank`].
+/// Reasons why there is no [`Rank`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unread {
     /// The word is none that stands for a shape: the caller says what may stand there.

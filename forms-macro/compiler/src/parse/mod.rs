@@ -167,7 +167,7 @@ fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Memb
     Some(Member { attributes, name, kind, rank })
 }
 
-/// What a member with a mistaken type was most likely meant to be.
+/// The most likely meaning of a member with a mistaken type.
 fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
     let text = quote::ToTokens::to_token_stream(ty).to_string();
     let kind = match &text {
@@ -185,7 +185,7 @@ fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
     Member { attributes: vec![], name: name.clone(), kind, rank }
 }
 
-/// What is known of a function, should its signature have a mistake.
+/// The known part of a function whose signature may have a mistake.
 fn placeholder(item: &ItemFn) -> Mistaken {
     let known = item.sig.inputs.iter().filter(|input| match input {
         FnArg::Typed(input) => {

@@ -15,7 +15,7 @@ pub struct Module {
     pub regions: Vec<Region>,
     pub functions: Vec<Function>,
     pub externals: Vec<External>,
-    /// What has a mistake in its declaration: the names exist, and their uses are no further mistakes.
+    /// Names with a mistake in their declaration: they exist, and their uses are no further mistakes.
     pub mistaken: Vec<Mistaken>,
 }
 
@@ -159,7 +159,7 @@ impl fmt::Display for Rank {
     }
 }
 
-/// What a region consists of.
+/// The entities of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Entity {
     Cells,
@@ -204,7 +204,7 @@ pub struct Function {
     pub foreign: Option<Foreign>,
 }
 
-/// What is known of an imported function.
+/// An imported function.
 pub struct Foreign {
     /// "`stress` in contact/src/operators.rs:12".
     pub origin: String,
@@ -241,7 +241,7 @@ pub enum ArgumentRole {
     State,
 }
 
-/// What a function gives.
+/// The result of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
     Value(Rank),
@@ -262,7 +262,7 @@ pub struct Expression {
 }
 
 pub enum ExpressionKind {
-    /// What could not be read, and has been reported.
+    /// An expression that could not be read, and has been reported.
     Mistake,
     /// `let name: Vector = value`
     Declared(Rank, Box<Expression>),
@@ -317,7 +317,7 @@ impl Condition {
     }
 }
 
-/// What is taken of one axis.
+/// The part of one axis.
 pub struct Index {
     pub span: SourceSpan,
     pub kind: IndexKind,
@@ -341,7 +341,7 @@ pub enum BinaryOperator {
     Divide,
 }
 
-/// What stands between `if` and `{`.
+/// The condition between `if` and `{`.
 pub enum Condition {
     Compare(Comparison, Expression, Expression),
     And(Box<Condition>, Box<Condition>),

@@ -16,7 +16,7 @@ const MAGNITUDE: f64 = 1e6;
 /// Relative to the largest intermediate number: 4e6 units in the last place, for what cancels twice.
 const TOLERANCE: f64 = 1e-9;
 
-/// What the reference may cost for all numbers of a module, in products: two to five seconds.
+/// The budget of the reference for all numbers of a module, in products: two to five seconds.
 const BUDGET: u64 = 2_000_000_000;
 
 /// How many numbers were compared, and how many were left out as badly conditioned or for lack of budget.
@@ -358,7 +358,7 @@ impl Comparison<'_> {
         self.near(&what, dot(&found, &test.coefficients), points, reference, tally)
     }
 
-    /// What is proved of single integrals holds: their sums have been compared already.
+    /// Proved properties of single integrals hold: their sums have been compared already.
     fn claims(&self, tally: &mut Tally) -> Result<(), Difference> {
         let [first, second] = &self.nodes;
         let states = |run: &dyn Fn(&Points) -> Vec<f64>| [run(&self.here), run(&self.elsewhere)];
@@ -408,7 +408,7 @@ impl Comparison<'_> {
         Ok(())
     }
 
-    /// What a kernel says that its functions cost is what stands in them.
+    /// The stated cost of a kernel's functions is the number of operations in them.
     fn counted(&self, integral: &Integral, methods: &[&str]) -> Result<(), Difference> {
         for method in methods {
             let claimed = integral.kernel.constants["OPERATIONS"].member(method).index();

@@ -26,7 +26,7 @@ pub(super) struct Environment {
     pub normal: [Vec<Number>; 2],
     /// Diameter, cell volume and facet area, per side.
     pub sizes: [[Number; 3]; 2],
-    /// What is added to the value of intermediate results.
+    /// Perturbations of intermediate results.
     pub added: Rc<HashMap<Tensor, Vec<Number>>>,
     /// Number of infinitesimals in use.
     pub level: usize,

@@ -14,7 +14,7 @@ use crate::check::{CheckedFunction, Content, Term};
 use crate::parse::syntax::Comparison;
 use crate::tensor::{Function, Geometry, NEARLY_ZERO, Operator, Side, Tensor, Truth, Variable};
 
-/// How well the numbers of a walk are conditioned.
+/// Condition of the numbers of a walk.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
     /// The smallest distance of an argument from a kink, a jump or a singularity.
@@ -26,7 +26,7 @@ pub struct Condition {
 /// A field moves on one side of a facet: its index, the side, where to.
 pub type Move<'a> = (usize, Side, &'a Jet);
 
-/// What is known already, per node and side.
+/// Known results, per node and side.
 type Known = HashMap<(Tensor, Side), Rc<Vec<Number>>>;
 
 /// Evaluates one function at one point.

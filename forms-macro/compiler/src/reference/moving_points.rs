@@ -1,4 +1,4 @@
-//! What a form reads at a point after all points have moved by ε Θ, at fixed reference coordinates. Nothing is
+//! Inputs of a form at a point after all points have moved by ε Θ, at fixed reference coordinates. Nothing is
 //! linearised by hand: the map's gradient F = I + ε ∇Θ is inverted, and normals and measures are pulled through it.
 
 use std::rc::Rc;

@@ -23,19 +23,19 @@ use quote::{quote, quote_spanned};
 use syn::parse::{Parse, ParseStream};
 use uses::Import;
 
-/// What stands between two calls: what is compiled, and the texts that have arrived.
+/// The state between two calls: the item that is compiled, and the texts that have arrived.
 pub struct State {
-    /// What the macro was told, and the word that says which macro it is.
+    /// The macro's arguments, and the word that says which macro it is.
     pub attribute: TokenStream,
     pub subject: Subject,
     pub received: Vec<Literal>,
 }
 
-/// What is being compiled.
+/// The item that is compiled.
 pub enum Subject {
     /// The module of `#[forms]`.
     Module(Box<syn::ItemMod>),
-    /// What stands in `form!`.
+    /// The content of `form!`.
     Form(TokenStream),
 }
 

@@ -1,4 +1,4 @@
-//! What imported functions need of the importing module: members of the data struct and regions, matched by name.
+//! Needs of imported functions: members of the data struct and regions, matched by name.
 //!
 //! An imported function reads the importing module's `lambda`. The member must be there, with the same rank; whether it is
 //! constant (`Param`) or varies (`Given`) is the importing module's choice.
@@ -95,7 +95,7 @@ fn externals(item: &ItemMod) -> impl Iterator<Item = String> {
     })
 }
 
-/// What a module declares beside its functions: names with the texts of their types and markers.
+/// The declarations of a module beside its functions: names with the texts of their types and markers.
 #[derive(Default)]
 struct Declarations {
     data: Option<String>,

@@ -28,7 +28,7 @@ pub struct Shown {
     pub content: Equation,
     /// First variation of an energy, tangents, each with what it is.
     pub derivatives: Vec<(String, Equation)>,
-    /// What the names stand for, in the order of their use.
+    /// Definitions of the names, in the order of their use.
     pub definitions: Vec<Equation>,
     /// Members of the data struct that stand anywhere, by index.
     pub members: Vec<usize>,

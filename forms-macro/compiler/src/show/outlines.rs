@@ -31,7 +31,7 @@ pub struct Definition {
     pub value: Option<Tensor>,
 }
 
-/// What the functions of a module are, in one dimension.
+/// The definitions of a module's functions, in one dimension.
 pub struct Outlines<'a> {
     pub module: &'a Module,
     pub dimension: usize,
@@ -222,7 +222,7 @@ impl<'a> Outlines<'a> {
         Some(inlined)
     }
 
-    /// What a call stands for, with its arguments and directions in place; the inner `None` is zero.
+    /// The value of a call, with its arguments and directions in place; the inner `None` is zero.
     pub fn body(
         &mut self,
         arena: &mut Arena,

@@ -1,4 +1,4 @@
-//! What rustdoc shows of a function: its formulas as MathML, their LaTeX, and what the letters mean.
+//! The rustdoc page of a function: its formulas as MathML, their LaTeX, and what the letters mean.
 
 use syn::{Attribute, Expr, Lit, Meta};
 

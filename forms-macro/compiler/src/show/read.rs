@@ -169,7 +169,7 @@ impl Reader<'_> {
         Formula::call(head, arguments.iter().map(|argument| self.read(*argument)).collect())
     }
 
-    /// What the node is the gradient of, as a formula.
+    /// The operand of a gradient, as a formula.
     fn gradient_of(&self, tensor: Tensor) -> Option<Formula> {
         match self.arena.node(tensor).operator {
             Operator::Field { field, order: 1 } => Some(self.field(field)),

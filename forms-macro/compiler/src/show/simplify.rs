@@ -1,4 +1,4 @@
-//! What a derivative is simplified by before it is shown: zeros and ones vanish, signs and numbers come to
+//! Simplification of derivatives before they are shown: zeros and ones vanish, signs and numbers come to
 //! the front, equal terms join, and the derivative of a linear function is the function itself.
 
 use std::collections::HashMap;
