@@ -63,8 +63,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let space = Space::vector(&mesh, 1)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
     let data = rubber::Data { lambda: LAMBDA, mu: MU };
-    let (omega, end) = (rubber::Omega::on("all"), rubber::End::on("right"));
-    let form = rubber::energy(&data, &omega);
+    let model = rubber::Model { data, regions: rubber::Regions::default().end("right") };
+    let form = model.energy();
 
     let mut u = Field::zero(&space);
     let (mut stretches, mut forces, mut exact_forces) = (vec![1.0], vec![0.0], vec![0.0]);
@@ -79,11 +79,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         }
         constraints.fix_component("right", 0, |x| (stretch - 1.0) * x[0])?;
 
-        let solved = Problem::new(&form, &space).constrained(&constraints).start(&u).solve()?;
+        let problem = Problem::new(&form, &space).assembler(&assembler).constrained(&constraints);
+        let solved = problem.start(&u).solve()?;
         let steps = solved.iterations();
         u = solved.into_field();
 
-        let force = assembler.functional(&rubber::force(&data, &end, &u))?;
+        let force = assembler.functional(&model.force(&u))?;
         let exact = MU * (stretch - 1.0 / stretch) + LAMBDA * (stretch * across * across).ln() / stretch;
         let measured = 1.0 + u.evaluate(&[2.0, 1.0, 1.0])?[1];
         out.line(format!("{stretch:7.4} {measured:7.4} {force:10.6} {exact:12.6} {steps:13}"));

@@ -88,17 +88,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         down: [0.0, -1.0],
         gap: Given::function(|x: &[f64; 2]| x[1] + GAP),
     };
-    let (omega, bottom) = (block::Omega::on("all"), block::Bottom::on("bottom"));
-    let form = block::contact(&data, &omega, &bottom);
-    let assembler = Assembler::new(&mesh);
-    let problem = Problem::new(&form, &space).assembler(&assembler);
-    let (start, options) = (Field::zero(&space), NewtonOptions::default());
-    let mut solver = TangentSolver::default();
-    let solved = problem
-        .start(&start)
+    let model = block::Model::new(data);
+    let form = model.contact();
+    let solved = Problem::new(&form, &space)
         .constrained(&constraints)
-        .solver(&mut solver)
-        .options(options.clone())
         .each_step(|step| {
             let active = step.active_points.unwrap_or(0);
             out.line(format!(
@@ -108,7 +101,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         })
         .solve()?;
 
-    let force = assembler.functional(&block::force(&data, &bottom, solved.field()))?;
+    let force = solved.functional(&model.force(solved.field()))?;
     let exact = YOUNG / (1.0 - POISSON * POISSON) * (PUSH - GAP) / HEIGHT * WIDTH;
     out.line(format!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm"));
 

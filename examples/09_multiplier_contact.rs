@@ -108,22 +108,22 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         up: [0.0, 1.0],
         gap: Given::function(|x: &[f64; 2]| x[0] * x[0] / (2.0 * RADIUS) - DEPTH),
     };
-    let (omega, top) = (pressed::Omega::on("all"), pressed::Top::on("top"));
+    let model = pressed::Model::new(data);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
 
-    let form = pressed::contact(&data, &omega, &top);
+    let form = model.contact();
     let solved = Problem::new(&form, [&displacements, &pressures])
         .constrained(&held)
         .assembler(&assembler)
         .each_step(|step| out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual)))
         .solve()?;
     let [_, p] = &solved.fields;
-    let force = assembler.functional(&pressed::force(&data, &top, p))?;
+    let force = assembler.functional(&model.force(p))?;
 
-    let form = pressed::nitsche(&data, &omega, &top);
+    let form = model.nitsche();
     let without =
         Problem::new(&form, &displacements).constrained(&held).assembler(&assembler).solve()?.into_field();
-    let nitsche_force = assembler.functional(&pressed::nitsche_force(&data, &top, &without))?;
+    let nitsche_force = assembler.functional(&model.nitsche_force(&without))?;
 
     // The pressure along the top, by x.
     let along = |samples: Vec<forms_fem::assemble::FacetSample<2>>| {
@@ -133,8 +133,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let split: (Vec<f64>, Vec<f64>) = pairs.into_iter().map(|[x, value]| (x, value)).unzip();
         split
     };
-    let (x, pressure) = along(assembler.along_facets_uniformly(&pressed::pressure(&data, p), "top", 3)?);
-    let shown = pressed::nitsche_pressure(&data, &without);
+    let (x, pressure) = along(assembler.along_facets_uniformly(&model.pressure(p), "top", 3)?);
+    let shown = model.nitsche_pressure(&without);
     let (nitsche_x, nitsche_pressure) = along(assembler.along_facets_uniformly(&shown, "top", 3)?);
 
     let stiffness = YOUNG / (1.0 - POISSON * POISSON);

@@ -74,7 +74,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         expansion: EXPANSION,
         conductivity: 0.045, // W/(mm K); without sources its size does not matter
     };
-    let form = pipe::balance(&data, &pipe::Omega::on("all"));
+    let model = pipe::Model::new(data);
+    let form = model.balance();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let problem = Problem::new(&form, [&displacements, &temperatures]).assembler(&assembler);
     let [u, temperature] = problem.constrained(&held).constrained(&heated).solve()?.fields;
@@ -87,7 +88,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let mut largest_error = 0.0_f64;
     for (wall, radius) in [("inner", INNER), ("outer", OUTER)] {
-        let stress = pipe::hoop_stress(&data, &u, &temperature);
+        let stress = model.hoop_stress(&u, &temperature);
         let samples = assembler.along_facets_uniformly(&stress, wall, 3)?;
         let mean = samples.iter().map(|sample| sample.value[0]).sum::<f64>() / samples.len() as f64;
         let exact = closed_form(radius);

@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use forms_fem::mesh::Mesh;
 use forms_fem::output::{StandardOutput, program};
+use forms_fem::solve::{CommunicationError, Communicator};
 
 use crate::error::{DistributedError, PetscError};
 use crate::petsc::{self, call};
@@ -110,6 +111,20 @@ impl World {
             Ok(_) if failed > 0.0 => Err(DistributedError::Elsewhere { count: failed as usize }),
             Ok(own) => Ok(own),
         }
+    }
+}
+
+impl Communicator for World {
+    fn rank(&self) -> usize {
+        World::rank(self)
+    }
+
+    fn part(&self, count: usize) -> Range<usize> {
+        World::part(self, count)
+    }
+
+    fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
+        World::sum(self, own).map_err(|error| CommunicationError::Exchange(error.to_string()))
     }
 }
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::process::{Command, Output};
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{Settings, solve};
-use forms_contact::ContactProblem;
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::hanging_block::HangingBlock;
 use forms_distributed::cases::report::read;

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use forms_distributed::cases::hanging_block::HangingBlock;
-use forms_distributed::{DistributedProblem, Method, PetscSolver, World};
+use forms_distributed::{Method, PetscSolver, World};
 use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
@@ -17,11 +17,15 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let fails = which == "assembly";
     let weight = move |x: &[f64; 3]| [0.0, 0.0, if fails && x[0] > last { f64::NAN } else { -1.0 }];
     let HangingBlock { form, space, constraints } = HangingBlock::new(4, Given::function(weight))?;
-    let local = Assembler::new(space.mesh()).with_threads(Threads::new(1));
-    let local = local.on_owned_cells(world.own_cells(space.mesh()))?;
+    let assembler = Assembler::new(space.mesh()).with_threads(Threads::new(1));
     let method = Method::ConjugateGradients { tolerance: 1e-10, max_iterations: 3 };
     let mut solver = PetscSolver::new(world, &constraints, method)?;
-    DistributedProblem::new(world, &form, &local, &space)?.constrained(&constraints).solver(&mut solver).solve()?.into_field();
+    Problem::new(&form, &space)
+        .assembler(&assembler)
+        .on(world)
+        .constrained(&constraints)
+        .solver(&mut solver)
+        .solve()?;
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! Hertz's ball of R = 8 on a rigid flat: a quarter of it, cut at the height of its centre, where it is pressed down.
 
-use forms_contact::forms;
 use forms_contact::ContactProblem;
+use forms_contact::forms;
 use forms_contact::threshold::required_gamma0;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
