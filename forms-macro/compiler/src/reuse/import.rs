@@ -6,9 +6,9 @@ use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident};
 use syn::{Item, ItemFn, ItemMod, Visibility};
 
-use super::needs;
 use super::payload::{Payload, origin_of, rename_calls};
 use super::uses::Import;
+use super::{extension, needs};
 use crate::check::builtins::nearest;
 use crate::diagnostics::{Diagnostics, Place};
 use crate::parse::read_function;
@@ -48,10 +48,15 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
     arrived
 }
 
-/// Puts the data struct and the regions that are imported among the module's own; `#[imported(path)]` tells them apart.
-pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>) {
+/// Puts the data struct and the regions that are imported among the module's own, `#[imported(path)]` tells them apart; and
+/// the members of the base among those of the data struct.
+pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
     arrived.retain(|Arrived { import, payload }| {
+        if import.extends {
+            extension::add(items, import, payload, diagnostics);
+            return false;
+        }
         let found = payload.items().find_map(|item| match item {
             Item::Struct(item) if item.ident == import.name => Some(item),
             _ => None,

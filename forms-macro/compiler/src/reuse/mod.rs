@@ -11,6 +11,7 @@
 //! ```
 
 pub mod carrier;
+pub mod extension;
 #[cfg(test)]
 pub mod flatten;
 pub mod import;
