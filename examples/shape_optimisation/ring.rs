@@ -59,7 +59,5 @@ pub fn shape_problem(
         moving: "holes".into(),
         outline_price: 0.0,
         fixed: vec!["inner".into(), "outer".into()],
-        gamma_n: "outer".into(),
-        gamma_c: CONTACT.into(),
     })
 }

@@ -232,6 +232,15 @@ fn members_of_bases_are_members() {
     check_forms::<3>();
 }
 
+/// A constructor asks for imported regions in the order of their own module, whatever that of the imports.
+#[test]
+fn imported_regions_keep_their_order() {
+    let data = extended::<2>(0.7, Given::constant(GAP));
+    let direct = loaded::direct(&data, &loaded::Omega::on("all"), &loaded::GammaC::on("boundary"));
+    let symbols: Vec<&str> = direct.inputs().regions.iter().map(|region| region.symbol).collect();
+    assert_eq!(symbols, ["Omega", "GammaC"]);
+}
+
 /// Central differences of what `typed_out` gives.
 fn check_derivatives<const D: usize>()
 where

@@ -52,24 +52,34 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
 /// the members of the base among those of the data struct.
 pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
+    // Those of a module stand in the order in which it declares them, whatever that of the imports.
+    let mut modules: Vec<String> = Vec::new();
+    let mut declarations = Vec::new();
     arrived.retain(|Arrived { import, payload }| {
         if import.extends {
             extension::add(items, import, payload, diagnostics);
             return false;
         }
-        let found = payload.items().find_map(|item| match item {
-            Item::Struct(item) if item.ident == import.name => Some(item),
+        let found = payload.items().enumerate().find_map(|(place, item)| match item {
+            Item::Struct(item) if item.ident == import.name => Some((place, item)),
             _ => None,
         });
-        let Some(found) = found else { return true };
+        let Some((place, found)) = found else { return true };
         let mut declaration = found.clone();
         let path = &import.path;
         declaration.ident = import.local.clone();
         declaration.vis = import.visibility.clone();
         declaration.attrs.push(syn::parse_quote! { #[imported(#path)] });
-        items.push(Item::Struct(declaration));
+        let module = modules.iter().position(|identity| *identity == payload.identity);
+        let module = module.unwrap_or_else(|| {
+            modules.push(payload.identity.clone());
+            modules.len() - 1
+        });
+        declarations.push((module, place, Item::Struct(declaration)));
         false
     });
+    declarations.sort_by_key(|(module, place, _)| (*module, *place));
+    items.extend(declarations.into_iter().map(|(_, _, declaration)| declaration));
 }
 
 /// Adds the imported functions to the module that `item` was read to; what is wrong is reported on the import's name.
