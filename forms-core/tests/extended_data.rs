@@ -92,6 +92,29 @@ pub mod elasticity {
     }
 }
 
+/// Data that extend others, imported as the type that they are; and data whose members all have defaults.
+#[forms(crate = forms_core)]
+pub mod imported {
+    pub use super::library::contact::{Data, Omega};
+
+    pub fn mass(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, mu * gamma0 * u * v)
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod all_by_default {
+    pub use super::library::contact::Omega;
+
+    pub struct Data {
+        #[default(2.1)]
+        pub rho: Param,
+    }
+    pub fn mass(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, rho * u * v)
+    }
+}
+
 /// What `loaded` means, with all members in one struct.
 #[forms(crate = forms_core)]
 pub mod typed_out {
@@ -230,6 +253,18 @@ where
 fn members_of_bases_are_members() {
     check_forms::<2>();
     check_forms::<3>();
+}
+
+#[test]
+fn data_that_extend_others_are_imported_as_they_are() {
+    let Body { mesh, change, .. } = Body::<2>::new();
+    let omega = library::contact::Omega::on("all");
+    let mine = imported::mass(&base(0.7, Given::constant(GAP)), &omega);
+    let theirs = all_by_default::mass(&all_by_default::Required::<2> {}.into(), &omega);
+    let unknowns = [change];
+    let [mine, theirs] =
+        [tangent::<f64, _, 2>(&mesh, &mine, &unknowns), tangent::<f64, _, 2>(&mesh, &theirs, &unknowns)];
+    close(&mine.concat(), &theirs.concat(), 1e-14);
 }
 
 /// A constructor asks for imported regions in the order of their own module, whatever that of the imports.
