@@ -177,19 +177,14 @@ where
         constraints.fix_component(plane, component, |_| 0.0)?;
     }
     constraints.fix_component("top", D - 1, |_| -way)?;
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
         mu: YOUNG / (2.0 * (1.0 + POISSON)),
         theta: -1.0,
         gamma0: 10.0 * YOUNG,
-        extension: 0.0,
         obstacle_normal,
         gap,
-        body_force: Given::constant([0.0; D]),
-        traction: Given::constant([0.0; D]),
-        criterion_force: Given::constant([0.0; D]),
-        criterion_weight: Given::constant(0.0),
-    };
+    });
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(degree));
     let regions = forms::Regions::default().gamma_n("right").gamma_c(CONTACT);
     Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)

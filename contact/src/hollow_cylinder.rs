@@ -185,17 +185,17 @@ pub fn hollow_cylinder_on(
     constraints.fix("inner", |_| IMPOSED_DISPLACEMENT)?;
     let (lambda, mu) = settings.lame();
     let data = forms::Data {
-        lambda,
-        mu,
-        theta: settings.theta,
-        gamma0: settings.gamma0_over_young * settings.young,
         extension: settings.extension,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH, |_| [0.0, 1.0]),
-        body_force: Given::constant([0.0, 0.0]),
-        traction: Given::constant([0.0, 0.0]),
         criterion_force: Given::constant(CRITERION_FORCE),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda,
+            mu,
+            theta: settings.theta,
+            gamma0: settings.gamma0_over_young * settings.young,
+            obstacle_normal: Given::constant([0.0, -1.0]),
+            gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH, |_| [0.0, 1.0]),
+        }
+        .into()
     };
     let assembler = Assembler::new(mesh)
         .with_quadrature(Quadrature::Degree(settings.degree))

@@ -13,7 +13,7 @@ pub mod nitsche {
     pub use crate::operators::obstacle::{current_gap, normal_displacement, penetration};
     use crate::operators::obstacle::{gamma, nitsche_test};
 
-    /// Data of all forms.
+    /// Data of all forms. No load acts and no criterion weighs unless they are given.
     pub struct Data {
         /// λ, first Lamé parameter \[stress\].
         pub lambda: Param,
@@ -25,6 +25,7 @@ pub mod nitsche {
         pub gamma0: Param,
         /// C in ξ = C √h_T of the extended-Neumann adjoint (41); only `extended_adjoint` reads it.
         #[doc(alias = "C")]
+        #[default(0)]
         pub extension: Param,
         /// n_y, unit normal pointing into the obstacle.
         #[doc(alias = "n_y")]
@@ -34,15 +35,19 @@ pub mod nitsche {
         pub gap: Given<Scalar>,
         /// f, force per volume.
         #[doc(alias = "f")]
+        #[default(0)]
         pub body_force: Given<Vector>,
         /// g_N, force per area on Γ_N.
         #[doc(alias = "g_N")]
+        #[default(0)]
         pub traction: Given<Vector>,
         /// F in the criterion's M(u) = F·u.
         #[doc(alias = "F")]
+        #[default(0)]
         pub criterion_force: Given<Vector>,
         /// c in the criterion's N(u) = ½ c |u|²; zero where N does not act.
         #[doc(alias = "c")]
+        #[default(0)]
         pub criterion_weight: Given<Scalar>,
     }
 

@@ -8,6 +8,7 @@ use forms_fem::shape_optimisation::{
 
 use crate::boundary_form::boundary_form;
 use crate::contact_problem::ContactProblem;
+use crate::forms::Regions;
 use crate::load_and_pressure::load_and_pressure;
 use crate::paper_law::{Adjoint, ThetaPath};
 use crate::shape_gradient::Diameters;
@@ -63,10 +64,6 @@ pub struct ContactShape<F> {
     pub perimeter_penalty: f64,
     /// Boundaries that stay.
     pub fixed: Vec<String>,
-    /// Γ_N.
-    pub gamma_n: String,
-    /// Γ_C.
-    pub gamma_c: String,
 }
 
 /// A contact problem that was solved on a shape.
@@ -103,50 +100,19 @@ impl<F> ContactShape<F> {
         }
     }
 
-    /// The form's data with the weights of the load, of p² and of p.
-    fn weighted<const D: usize>(
-        problem: &ContactProblem<D>,
-        weights: [f64; 3],
-    ) -> load_and_pressure::Data<D> {
-        let (data, [load, square, linear]) = (&problem.law.data, weights);
-        load_and_pressure::Data {
-            lambda: data.lambda,
-            mu: data.mu,
-            theta: data.theta,
-            gamma0: data.gamma0,
-            obstacle_normal: data.obstacle_normal.clone(),
-            gap: data.gap.clone(),
-            body_force: data.body_force.clone(),
-            traction: data.traction.clone(),
-            load,
-            square,
-            linear,
-        }
-    }
-
-    fn regions(&self) -> (load_and_pressure::Omega, load_and_pressure::GammaN, load_and_pressure::GammaC) {
-        (
-            load_and_pressure::Omega::on(forms_fem::mesh::EVERYWHERE),
-            load_and_pressure::GammaN::on(self.gamma_n.clone()),
-            load_and_pressure::GammaC::on(self.gamma_c.clone()),
-        )
-    }
-
     /// load ℓ(u) + ∫ (square p² + linear p).
     fn functional<const D: usize>(
         &self,
         problem: &ContactProblem<D>,
         u: &Field<D>,
-        weights: [f64; 3],
+        [load, square, linear]: [f64; 3],
     ) -> Result<f64, AssemblyError>
     where
         Dim: Dimension<D>,
     {
-        let (omega, gamma_n, gamma_c) = self.regions();
-        let data = Self::weighted(problem, weights);
-        problem
-            .assembler_at(u)?
-            .functional(&load_and_pressure::criterion(&data, &omega, &gamma_n, &gamma_c, u))
+        let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
+        let data = load_and_pressure::Data { base: problem.law.data.clone(), load, square, linear };
+        problem.assembler_at(u)?.functional(&load_and_pressure::criterion(&data, omega, gamma_n, gamma_c, u))
     }
 
     /// The derivative of load ℓ(u) + ∫ (square p² + linear p), with its adjoint state solved for.
@@ -154,21 +120,21 @@ impl<F> ContactShape<F> {
         &self,
         movements: &Arc<Space<D>>,
         state: &mut ContactState<D>,
-        weights: [f64; 3],
+        [load, square, linear]: [f64; 3],
     ) -> Result<Vec<f64>, Failure>
     where
         Dim: Dimension<D>,
     {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
-        let (omega, gamma_n, gamma_c) = self.regions();
-        let data = Self::weighted(problem, weights);
+        let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
+        let data = load_and_pressure::Data { base: problem.law.data.clone(), load, square, linear };
         let assembler = problem.assembler_at(u)?;
-        let form = load_and_pressure::adjoint(&data, &omega, &gamma_n, &gamma_c, u);
+        let form = load_and_pressure::adjoint(&data, omega, gamma_n, gamma_c, u);
         let p = problem.state(form, u)?.solver(solver).solve()?.into_field();
-        let form = load_and_pressure::shape_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
+        let form = load_and_pressure::shape_gradient(&data, omega, gamma_n, gamma_c, u, &p);
         let mut gradient = assembler.linear_form(&form, movements)?;
-        let form = load_and_pressure::diameter_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
+        let form = load_and_pressure::diameter_gradient(&data, omega, gamma_n, gamma_c, u, &p);
         let cells = Space::discontinuous_scalar(movements.mesh(), 0)?;
         let per_cell = assembler.linear_form(&form, &cells)?;
         add(&mut gradient, 1.0, &diameters_to_movements(movements, &per_cell)?);
@@ -191,7 +157,7 @@ impl<F> ContactShape<F> {
             return Ok(problem.shape_gradient(u, &p, Diameters::Moving, None)?.values);
         }
         // A free boundary asks for no imposed displacement.
-        let data = boundary_form::Data::of(&problem.law.data, Given::constant([0.0; D]));
+        let data = boundary_form::Data { base: problem.law.data.clone(), imposed: Given::constant([0.0; D]) };
         let free = boundary_form::Free::on(self.moving.clone());
         let form = boundary_form::gradient_on_free(&data, &free, u, &p);
         Ok(problem.assembler.linear_form(&form, movements)?)

@@ -58,8 +58,6 @@ fn shape(
         moving: "holes".into(),
         perimeter_penalty: 0.2,
         fixed: vec!["inner".into(), "outer".into()],
-        gamma_n: "above".into(),
-        gamma_c: CONTACT.into(),
     }
 }
 

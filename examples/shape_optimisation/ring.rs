@@ -59,7 +59,5 @@ pub fn shape_problem(
         moving: "holes".into(),
         perimeter_penalty: 0.0,
         fixed: vec!["inner".into(), "outer".into()],
-        gamma_n: "outer".into(),
-        gamma_c: CONTACT.into(),
     })
 }

@@ -16,12 +16,7 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) ->
     for &divisions in divisions {
         let (problem, u) = solved_direct(shape, divisions, degree, theta);
         let data = adjoint::Data {
-            lambda: problem.law.data.lambda,
-            mu: problem.law.data.mu,
-            theta,
-            gamma0: problem.law.data.gamma0,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::constant(0.0),
+            base: problem.data.clone(),
             // N′ = −σ(p) n on the sides, and only there.
             slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
         };

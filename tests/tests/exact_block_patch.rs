@@ -45,19 +45,14 @@ where
     }
     let mut normal = [0.0; D];
     normal[axis] = -1.0;
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
         mu: YOUNG / (2.0 * (1.0 + POISSON)),
         theta,
         gamma0: 1.0,
-        extension: 0.0,
         obstacle_normal: Given::constant(normal),
         gap: Given::function(move |x: &[f64; D]| x[D - 1]),
-        body_force: Given::constant([0.0; D]),
-        traction: Given::constant([0.0; D]),
-        criterion_force: Given::constant([0.0; D]),
-        criterion_weight: Given::constant(0.0),
-    };
+    });
     let (assembler, regions) =
         (Assembler::new(&mesh), forms::Regions::default().gamma_n("right").gamma_c("bottom"));
     let mut problem =
@@ -65,7 +60,7 @@ where
     problem.law.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
     let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve();
     let solved = solved.unwrap();
-    let (u, assembler) = (solved.field(), &problem.assembler);
+    let (u, assembler) = (&solved.field, &problem.assembler);
     println!("{:?} k={degree} θ={theta}: {} steps", mesh.shapes(), solved.history.len() - 1);
 
     let transverse = POISSON / (1.0 - POISSON) * PRESSED / HEIGHT;
@@ -189,24 +184,7 @@ fn plane_strain_in_three_dimensions() {
 /// Half the energy a(u, u) as a criterion. Its derivative by u is a(u, ·): the adjoint state needs no other form.
 #[forms(dimension = 2)]
 mod stored {
-    pub use forms_contact::forms::{direct, elasticity};
-
-    pub struct Data {
-        pub lambda: Param,
-        pub mu: Param,
-        pub theta: Param,
-        pub gamma0: Param,
-        pub obstacle_normal: Given<Vector>,
-        pub gap: Given<Scalar>,
-        pub body_force: Given<Vector>,
-        pub traction: Given<Vector>,
-    }
-    #[cells]
-    pub struct Omega;
-    #[facets]
-    pub struct GammaN;
-    #[facets]
-    pub struct GammaC;
+    pub use forms_contact::forms::{Data, GammaC, GammaN, Omega, direct, elasticity};
 
     pub fn energy(u: State<Vector>) -> Functional {
         elasticity(u, u) / 2
@@ -231,16 +209,14 @@ fn the_shape_gradient_of_the_block_is_exact() {
             let mut constraints = Constraints::new(&space);
             constraints.fix_component("top", 1, |_| -PRESSED).unwrap();
             constraints.fix_component("left", 0, |_| 0.0).unwrap();
-            let data = stored::Data {
+            let data = stored::Data::from(forms::Required {
                 lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
                 mu: YOUNG / (2.0 * (1.0 + POISSON)),
                 theta,
                 gamma0: 20.0 * YOUNG,
                 obstacle_normal: Given::constant([0.0, -1.0]),
                 gap: Given::function_with_gradient(|x: &[f64; 2]| x[1], |_| [0.0, 1.0]),
-                body_force: Given::constant([0.0; 2]),
-                traction: Given::constant([0.0; 2]),
-            };
+            });
             let (omega, gamma_n) = (stored::Omega::on("all"), stored::GammaN::on("right"));
             let gamma_c = stored::GammaC::on("bottom");
             let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));

@@ -61,15 +61,6 @@ impl Ring {
         let mut constraints = Constraints::new(&space);
         constraints.fix("inner", move |x| radially(imposed, x)).unwrap();
         let data = forms::Data {
-            lambda: LAMBDA,
-            mu: MU,
-            // Without contact θ = 0 leaves nothing on Γ_C; the obstacle is far away.
-            theta: 0.0,
-            gamma0: 10.0,
-            extension: 0.0,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::constant(1e6),
-            body_force: Given::constant([0.0; 2]),
             traction: given(self.load),
             criterion_force: given([1.0, 0.0]),
             criterion_weight: {
@@ -79,6 +70,16 @@ impl Ring {
                     move |x| x.map(|v| slope * v / x[0].hypot(x[1])),
                 )
             },
+            ..forms::Required {
+                lambda: LAMBDA,
+                mu: MU,
+                // Without contact θ = 0 leaves nothing on Γ_C; the obstacle is far away.
+                theta: 0.0,
+                gamma0: 10.0,
+                obstacle_normal: Given::constant([0.0, -1.0]),
+                gap: Given::constant(1e6),
+            }
+            .into()
         };
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         let regions = forms::Regions::default().gamma_n("outer").gamma_c("outer");
@@ -89,7 +90,7 @@ impl Ring {
         let u = u.into_field();
         let p = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver).unwrap().into_field();
         let outwards = Field::interpolate(&space, |x| radially([1.0, 0.0], x)).unwrap();
-        let data = boundary_form::Data::of(&problem.law.data, given(self.imposed));
+        let data = boundary_form::Data { base: problem.law.data.clone(), imposed: given(self.imposed) };
         let clamped = boundary_form::Clamped::on("inner");
         let inner = boundary_form::on_clamped(&data, &clamped, &u, &p, &outwards);
         let loaded = boundary_form::Loaded::on("outer");

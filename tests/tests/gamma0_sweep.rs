@@ -26,19 +26,14 @@ fn problem(shape: CellShape, degree: usize) -> ContactProblem<2> {
     let mut constraints = Constraints::new(&space);
     constraints.fix("inner", |_| IMPOSED_DISPLACEMENT).unwrap();
     let (lambda, mu) = settings.lame();
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda,
         mu,
         theta: -1.0,
         gamma0: 0.0,
-        extension: 0.0,
         obstacle_normal: Given::constant([0.0, -1.0]),
         gap: Given::function(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH),
-        body_force: Given::constant([0.0; 2]),
-        traction: Given::constant([0.0; 2]),
-        criterion_force: Given::constant([0.0; 2]),
-        criterion_weight: Given::constant(0.0),
-    };
+    });
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let regions = forms::Regions::default().gamma_n("outer").gamma_c(CONTACT);
     ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap()

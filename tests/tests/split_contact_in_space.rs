@@ -19,17 +19,17 @@ fn block(theta: f64) -> ContactProblem<3> {
     constraints.fix_component("left", 0, |_| 0.0).unwrap();
     constraints.fix_component("front", 1, |_| 0.0).unwrap();
     let data = forms::Data {
-        lambda: 57.0,
-        mu: 38.0,
-        theta,
-        gamma0: 4000.0,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 3]| x[2] + 0.031 * x[0] + 0.047 * x[1] - 0.02),
-        body_force: Given::constant([0.0; 3]),
         traction: Given::constant([0.0, 0.0, TOTAL]),
         criterion_force: Given::constant([0.0, 0.0, -1.0]),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda: 57.0,
+            mu: 38.0,
+            theta,
+            gamma0: 4000.0,
+            obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
+            gap: Given::function(|x: &[f64; 3]| x[2] + 0.031 * x[0] + 0.047 * x[1] - 0.02),
+        }
+        .into()
     };
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     ContactProblem::new(

@@ -27,19 +27,14 @@ where
     let space = Space::vector(mesh, degree).unwrap();
     let mut normal = [0.0; D];
     normal[D - 1] = -1.0;
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda: LAMBDA,
         mu: MU,
         theta,
         gamma0: 1.0,
-        extension: 0.0,
         obstacle_normal: Given::constant(normal),
         gap: Given::constant(0.0),
-        body_force: Given::constant([0.0; D]),
-        traction: Given::constant([0.0; D]),
-        criterion_force: Given::constant([0.0; D]),
-        criterion_weight: Given::constant(0.0),
-    };
+    });
     let constraints = Constraints::new(&space);
     let regions = forms::Regions::default().gamma_n("contact").gamma_c("contact");
     ContactProblem::new(Assembler::new(mesh), &space, forms::Model { data, regions }, constraints).unwrap()

@@ -125,7 +125,7 @@ fn proceed(options: &Options, item: &ItemMod, state: &State) -> TokenStream {
     let mut dump = Dump::from_environment();
     let mut unit = Unit { options, item: item.clone(), diagnostics, dump: &mut dump };
     let mut arrived = unit.arrived(imports, &state.received);
-    import::add_declarations(&mut unit.item, &mut arrived);
+    import::add_declarations(&mut unit.item, &mut arrived, &mut unit.diagnostics);
     let compiled = unit.compile(arrived);
     eprint!("{}", dump.text);
     let Compiled { code, carrier, .. } = compiled;

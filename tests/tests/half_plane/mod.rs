@@ -49,17 +49,16 @@ pub fn direct_problem(mesh: &Arc<Mesh<2>>, degree: usize, theta: f64) -> Contact
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |x| exact.displacement(x)).unwrap();
     let data = forms::Data {
-        lambda: exact.material.lambda,
-        mu: exact.material.mu,
-        theta: 1.0,
-        gamma0: 1.0,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::constant(0.0),
-        body_force: Given::constant([0.0, 0.0]),
         traction: Given::function(move |x| exact.side_traction(x)),
-        criterion_force: Given::constant([0.0, 0.0]),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda: exact.material.lambda,
+            mu: exact.material.mu,
+            theta: 1.0,
+            gamma0: 1.0,
+            obstacle_normal: Given::constant([0.0, -1.0]),
+            gap: Given::constant(0.0),
+        }
+        .into()
     };
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(DEGREE));
     let regions = forms::Regions::default().gamma_n(SIDES).gamma_c("bottom");

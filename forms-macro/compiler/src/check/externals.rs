@@ -28,7 +28,7 @@ impl Evaluator<'_> {
 
     /// The data member of this name that is a table.
     pub(super) fn table(&self, name: &Ident) -> Option<usize> {
-        let mut members = self.module.data.iter().flat_map(|data| &data.members);
+        let mut members = self.module.members();
         members.position(|member| member.name == *name && member.kind == MemberKind::Table)
     }
 
@@ -40,7 +40,7 @@ impl Evaluator<'_> {
         span: SourceSpan,
         scope: &Scope,
     ) -> Option<Tensor> {
-        let name = self.module.data.iter().flat_map(|data| &data.members).nth(member)?.name.to_string();
+        let name = self.module.members().nth(member)?.name.to_string();
         let [argument] = arguments else {
             let message = format!("the table `{name}` takes 1 argument, not {}", arguments.len());
             self.diagnostics.error_with_help(span, message, format!("write `{name}(s)`, with a scalar s"));

@@ -120,7 +120,7 @@ pub fn fields_of(module: &Module, function: &Function, dimension: usize) -> Vec<
 
 /// The members of the data struct that are fields.
 pub fn field_members(module: &Module) -> impl Iterator<Item = &Member> {
-    let members = module.data.iter().flat_map(|data| &data.members);
+    let members = module.members();
     members
         .filter(|member| matches!(member.kind, MemberKind::Given | MemberKind::Carried | MemberKind::History))
 }
@@ -177,17 +177,19 @@ fn check_value(function: &Function, diagnostics: &mut Diagnostics) -> bool {
 
 /// Names declared twice, or declared though they are built in.
 fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
-    let members = module.data.iter().flat_map(|data| &data.members).map(|member| &member.name);
+    let members = module.data.iter().flat_map(Data::own).map(|member| &member.name);
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
     let data = module.data.iter().map(|data| &data.name);
     let externals = module.externals.iter().map(|external| &external.name);
     for name in data.clone().chain(regions.clone()).chain(functions.clone()) {
-        if is_reserved(&name.to_string()) {
+        let required = *name == Data::REQUIRED && module.data.iter().any(Data::has_defaults);
+        if required || is_reserved(&name.to_string()) {
             let message = format!("the name `{name}` is used by the compiled module itself");
             diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
         }
     }
+    check_extension(module, diagnostics);
     check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
@@ -198,6 +200,26 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
                 diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
             }
         }
+    }
+}
+
+/// Names of the base's members, declared again.
+fn check_extension(module: &Module, diagnostics: &mut Diagnostics) {
+    let Some(data) = module.data.as_ref() else { return };
+    let path = data.base.as_ref().map_or(data.name.to_string(), |path| path.to_string().replace(' ', ""));
+    let inherited = |name: &Ident| data.members.iter().any(|member| member.depth > 0 && member.name == *name);
+    for Member { name, .. } in data.own() {
+        if inherited(name) {
+            let message = format!("`{name}` is a member of `{path}`, which these data extend");
+            diagnostics.error_with_help(SourceSpan::of(name), message, "leave it out: forms read the base's");
+        }
+    }
+    let regions = module.regions.iter().map(|region| &region.name);
+    let functions = module.functions.iter().map(|function| &function.name);
+    let externals = module.externals.iter().map(|external| &external.name);
+    for name in regions.chain(functions).chain(externals).filter(|name| inherited(name)) {
+        let message = format!("`{name}` is a member of `{path}`, which the data of this module extend");
+        diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
     }
 }
 

@@ -26,7 +26,7 @@ impl Evaluator<'_> {
             let operator = Operator::Field { field, order: 0 };
             return Some(Value::Tensor(self.arena.push(operator, shape, span)));
         }
-        let members = self.module.data.iter().flat_map(|data| &data.members);
+        let members = self.module.members();
         if let Some((index, member)) = members.enumerate().find(|(_, member)| member.name == *name) {
             if member.kind == MemberKind::Table {
                 let help = format!("write `{text}(s)`, with a scalar s");
@@ -88,8 +88,7 @@ impl Evaluator<'_> {
                 format!("write `{text}(..)`"),
             );
         } else {
-            let members =
-                self.module.data.iter().flat_map(|data| &data.members).map(|member| member.name.to_string());
+            let members = self.module.members().map(|member| member.name.to_string());
             let own: Vec<String> = scope.keys().cloned().chain(members).collect();
             let built_in = builtins::CONSTANTS.iter().map(|entry| entry.0);
             let message = format!("the name `{text}` is not known here");
@@ -112,7 +111,7 @@ impl Evaluator<'_> {
         scope: &Scope,
     ) {
         let text = name.to_string();
-        let member = self.module.data.iter().flat_map(|data| &data.members).find(|one| one.name == *name);
+        let member = self.module.members().find(|one| one.name == *name);
         if scope.contains_key(&text) || member.is_some() || builtins::constant(&text).is_some() {
             // What stands between the parentheses may be the mistake, which has been told.
             if !arguments.iter().any(|argument| matches!(argument.kind, ExpressionKind::Mistake)) {
@@ -126,7 +125,7 @@ impl Evaluator<'_> {
             self.diagnostics.error_with_help(span, format!("`{text}` is a region, not a function"), help);
             return;
         }
-        let tables = self.module.data.iter().flat_map(|data| &data.members);
+        let tables = self.module.members();
         let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
         let externals = self.module.externals.iter().map(|external| &external.name);
         let functions = self.module.functions.iter().map(|function| &function.name);

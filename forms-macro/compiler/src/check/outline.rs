@@ -79,7 +79,7 @@ impl Evaluator<'_> {
 
     fn is_taken(&self, name: &str) -> bool {
         let arguments = self.calls.iter().flat_map(|call| &self.module.functions[*call].arguments);
-        let members = self.module.data.iter().flat_map(|data| &data.members);
+        let members = self.module.members();
         arguments
             .map(|argument| &argument.name)
             .chain(members.map(|member| &member.name))

@@ -17,7 +17,7 @@ pub struct ExternalNames {
 impl ExternalNames {
     pub fn new(module: &Module, dimension: usize) -> Self {
         let mut next = 0;
-        let tables = module.data.iter().flat_map(|data| &data.members).map(|member| {
+        let tables = module.members().map(|member| {
             let index = next;
             next += usize::from(member.kind == MemberKind::Table);
             index

@@ -172,7 +172,7 @@ fn checked<T>(result: Result<T, String>, graph: &Graph) -> Result<T, Failure> {
 pub fn parameter_offsets(module: &Module, dimension: usize) -> Vec<usize> {
     let mut next = 0;
     let mut offsets = Vec::new();
-    for member in module.data.iter().flat_map(|data| &data.members) {
+    for member in module.members() {
         offsets.push(next);
         if member.kind == MemberKind::Param {
             next += member.rank.shape(dimension).iter().product::<usize>();

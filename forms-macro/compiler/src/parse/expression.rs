@@ -302,7 +302,8 @@ fn read_index(index: &Expr) -> Option<Index> {
     Some(Index { span: SourceSpan::of(index), kind })
 }
 
-fn read_number(literal: &Lit, span: SourceSpan, diagnostics: &mut Diagnostics) -> Option<f64> {
+/// The number that a literal stands for. `None` after a report.
+pub(super) fn read_number(literal: &Lit, span: SourceSpan, diagnostics: &mut Diagnostics) -> Option<f64> {
     let (digits, suffix) = match literal {
         Lit::Int(integer) => (integer.base10_digits().to_string(), integer.suffix().to_string()),
         Lit::Float(float) => (float.base10_digits().to_string(), float.suffix().to_string()),

@@ -4,6 +4,7 @@ pub mod attributes;
 pub mod declared_type;
 mod expression;
 mod external;
+mod member;
 pub mod nesting;
 pub mod raw;
 pub mod syntax;
@@ -12,6 +13,7 @@ pub mod whole_number;
 use syn::{Fields, FnArg, Generics, Item, ItemFn, ItemMod, ItemStruct, Pat, PatIdent, ReturnType, Type};
 
 use crate::diagnostics::{Diagnostics, SourceSpan};
+use crate::reuse::extension::{self, Base};
 use declared_type::Unread;
 use syntax::*;
 
@@ -75,6 +77,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
     }
     match item.fields {
         Fields::Unit => {
+            let attributes = extension::of_region(&item.ident, attributes, diagnostics);
             if markers.len() != 1 {
                 let (message, help) = match markers.is_empty() {
                     true => (
@@ -99,17 +102,30 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
                     "leave the marker out, or write a region as `pub struct Omega;`",
                 );
             }
+            let (attributes, base) = extension::base(attributes);
             let mut members = Vec::new();
             for field in &fields.named {
-                match (read_member(field, diagnostics), &field.ident) {
+                match (member::read(field, diagnostics), &field.ident) {
+                    (Some(member), _) if base.hides(&member) => {
+                        let message =
+                            format!("`{}` is the member that holds the data that these extend", member.name);
+                        diagnostics.error_with_help(
+                            SourceSpan::of(&member.name),
+                            message,
+                            "choose another name",
+                        );
+                        module.mistaken.push(Mistaken::Member(member));
+                    }
                     (Some(member), _) => members.push(member),
                     (None, Some(name)) => {
-                        module.mistaken.push(Mistaken::Member(likely_member(name, &field.ty)));
+                        module.mistaken.push(Mistaken::Member(member::likely(name, field)));
                     }
                     (None, None) => {}
                 }
             }
-            module.data = Some(Data { attributes, visibility: item.vis, name: item.ident, members });
+            let Base { path, incomplete } = base;
+            let (visibility, name) = (item.vis, item.ident);
+            module.data = Some(Data { attributes, visibility, name, base: path, incomplete, members });
         }
         Fields::Named(_) => diagnostics.error_with_help(
             SourceSpan::of(&item.ident),
@@ -124,68 +140,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
     }
 }
 
-fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Member> {
-    let name = field.ident.clone()?;
-    let found = match declared_type::word(&field.ty) {
-        Some((outer, inner)) => {
-            let kind = match outer.to_string().as_str() {
-                "Param" => Some(MemberKind::Param),
-                "Given" => Some(MemberKind::Given),
-                "Carried" => Some(MemberKind::Carried),
-                "Table" => Some(MemberKind::Table),
-                "History" => Some(MemberKind::History),
-                _ => None,
-            };
-            match (kind, inner) {
-                (Some(MemberKind::Table), None) => Ok((MemberKind::Table, Rank::SCALAR)),
-                (Some(MemberKind::Table), Some(_)) => Err(Unread::Unknown),
-                (Some(MemberKind::Param), None) => Ok((MemberKind::Param, Rank::SCALAR)),
-                (Some(kind), Some(inner)) => declared_type::rank(inner, diagnostics).map(|rank| (kind, rank)),
-                _ => Err(Unread::Unknown),
-            }
-        }
-        None => Err(Unread::Unknown),
-    };
-    let (kind, rank) = match found {
-        Ok(found) => found,
-        Err(Unread::Reported) => return None,
-        Err(Unread::Unknown) => {
-            diagnostics.error_with_help(
-                SourceSpan::of(&field.ty),
-                format!("`{name}` has a type that is not known here"),
-                "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>`, `Given<Tensor>`, `Table`, or `Carried<..>`, `History<..>` as `Given<..>`",
-            );
-            return None;
-        }
-    };
-    if let Some((equals, value)) = &field.default {
-        let span = SourceSpan::of(&quote::quote! { #equals #value });
-        let help = "give the value where the struct is made";
-        diagnostics.error_with_help(span, format!("the member `{name}` has no value of its own"), help);
-    }
-    let attributes = attributes::of_declaration(field.attrs.clone(), diagnostics);
-    Some(Member { attributes, name, kind, rank })
-}
-
-/// The most likely meaning of a member with a mistaken type.
-fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
-    let text = quote::ToTokens::to_token_stream(ty).to_string();
-    let kind = match &text {
-        text if text.contains("Table") => MemberKind::Table,
-        text if text.contains("Hist") => MemberKind::History,
-        text if text.contains("Carr") => MemberKind::Carried,
-        text if text.contains("Given") => MemberKind::Given,
-        _ => MemberKind::Param,
-    };
-    let rank = match text {
-        text if text.contains('V') => Rank::VECTOR,
-        text if text.contains(['T', 'M']) => Rank::TENSOR,
-        _ => Rank::SCALAR,
-    };
-    Member { attributes: vec![], name: name.clone(), kind, rank }
-}
-
-/// The known part of a function whose signature may have a mistake.
+/// What is known of a function, should its signature have a mistake.
 fn placeholder(item: &ItemFn) -> Mistaken {
     let known = item.sig.inputs.iter().filter(|input| match input {
         FnArg::Typed(input) => {

@@ -29,7 +29,15 @@ impl Module {
             | Mistaken::Import(name)
             | Mistaken::Function { name, .. } => name,
         });
-        names.any(|other| other == name)
+        // What the base did not bring may be any name.
+        let incomplete = self.data.as_ref().is_some_and(|data| data.incomplete);
+        let region = || self.regions.iter().any(|region| region.name == *name);
+        names.any(|other| other == name) || (incomplete && !region())
+    }
+
+    /// The members of the data struct: those of its base first.
+    pub fn members(&self) -> impl Iterator<Item = &Member> + Clone {
+        self.data.iter().flat_map(|data| &data.members)
     }
 }
 
@@ -58,7 +66,28 @@ pub struct Data {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
+    /// The path of the data struct that this one extends.
+    pub base: Option<TokenStream>,
+    /// A base's members are not known, which has been reported.
+    pub incomplete: bool,
     pub members: Vec<Member>,
+}
+
+impl Data {
+    /// The member of the emitted struct that holds the base's data.
+    pub const BASE: &'static str = "base";
+    /// The emitted struct of what has no default.
+    pub const REQUIRED: &'static str = "Required";
+
+    /// The members that are declared here.
+    pub fn own(&self) -> impl Iterator<Item = &Member> {
+        self.members.iter().filter(|member| member.depth == 0)
+    }
+
+    /// Has one of them a default? Then a struct of the others is emitted, too.
+    pub fn has_defaults(&self) -> bool {
+        self.own().any(|member| member.default.is_some())
+    }
 }
 
 /// `lambda: Param` or `gap: Given<Scalar>`.
@@ -67,6 +96,10 @@ pub struct Member {
     pub name: Ident,
     pub kind: MemberKind,
     pub rank: Rank,
+    /// How many bases away it is declared.
+    pub depth: usize,
+    /// Each component, unless another value is given.
+    pub default: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -84,7 +84,7 @@ pub fn points(
     random: &mut Random,
 ) -> Vec<(f64, Point)> {
     let dimension = checked.dimension;
-    let members = module.data.iter().flat_map(|data| &data.members);
+    let members = module.members();
     let parameters: Vec<Vec<f64>> = members
         .map(|member| match member.kind {
             MemberKind::Param => random.numbers(member.rank.shape(dimension).iter().product()),

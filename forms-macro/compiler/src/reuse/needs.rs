@@ -9,6 +9,7 @@ use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
+use super::extension::is_extends;
 use super::payload::Payload;
 use super::uses::Import;
 use crate::diagnostics::{Diagnostics, SourceSpan};
@@ -46,6 +47,7 @@ pub fn check(
                 diagnostics.error_with_help(span, message, help);
                 complete = false;
             }
+            None if ours.incomplete => complete = false,
             None => missing.push((name, ty)),
         }
     }
@@ -99,6 +101,8 @@ fn externals(item: &ItemMod) -> impl Iterator<Item = String> {
 #[derive(Default)]
 struct Declarations {
     data: Option<String>,
+    /// A base's members are not known, which has been reported.
+    incomplete: bool,
     members: Vec<(String, String)>,
     regions: Vec<(String, String)>,
 }
@@ -111,6 +115,7 @@ impl Declarations {
             match &item.fields {
                 Fields::Named(fields) => {
                     found.data = Some(item.ident.to_string());
+                    found.incomplete = item.attrs.iter().any(is_extends);
                     found.members.extend(fields.named.iter().filter_map(|field| {
                         let ty = field.ty.to_token_stream().to_string().replace(' ', "");
                         Some((field.ident.as_ref()?.to_string(), ty.replace(',', ", ")))

@@ -273,7 +273,7 @@ fn list(
     let module: &Module = outlines.module;
     let reader = outlines.reader(arena, fields, names);
     let given = |name: &str| {
-        let mut members = module.data.iter().flat_map(|data| &data.members);
+        let mut members = module.members();
         members.position(|member| member.name == name)
     };
     for node in arena.reachable(roots) {

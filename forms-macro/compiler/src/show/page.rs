@@ -149,7 +149,7 @@ fn meanings(shown: &Shown, module: &Module, function: &Function) -> Vec<String> 
         let region = &module.regions[*region];
         lines.push(named(&region.name, &region.attributes));
     }
-    let members: Vec<_> = module.data.iter().flat_map(|data| &data.members).collect();
+    let members: Vec<_> = module.members().collect();
     lines.extend(
         shown.members.iter().map(|member| named(&members[*member].name, &members[*member].attributes)),
     );
