@@ -107,8 +107,8 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// ```
 ///
 /// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
-/// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `positive: parameter`, a member of the data that has to be
-/// positive. A function that the module does not have is an error at its name here.
+/// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `positive: parameter`, a member of the data (`base.parameter`
+/// of extended data) that has to be positive. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
     ($module:ident {
@@ -117,7 +117,7 @@ macro_rules! contact_law {
         $(, indicator: $indicator:ident)?
         $(, criterion: $criterion:ident, adjoint: $adjoint:ident
             $(, shape_gradient: $shape_gradient:ident, diameter_gradient: $diameter_gradient:ident)?)?
-        $(, positive: $positive:ident)*
+        $(, positive: $($positive:ident).+)*
         $(,)?
     }) => {
         impl<const D: usize> $crate::law::ContactLaw<D> for $module::Model<D>
@@ -137,10 +137,10 @@ macro_rules! contact_law {
             fn check(&self, form: &'static str) -> Result<(), $crate::fem::AssemblyError> {
                 let _ = form;
                 $(
-                    let (parameter, value) = (stringify!($positive), self.data.$positive);
+                    let value = self.data.$($positive).+;
                     // A value that is not finite is named when the form is bound to its data.
                     if value <= 0.0 {
-                        let range = "positive";
+                        let (range, parameter) = ("positive", stringify!($($positive).+));
                         return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
                     }
                 )*

@@ -16,7 +16,7 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) ->
     for &divisions in divisions {
         let (problem, u) = solved_direct(shape, divisions, degree, theta);
         let data = adjoint::Data {
-            base: problem.data.clone(),
+            base: problem.law.data.clone(),
             // N′ = −σ(p) n on the sides, and only there.
             slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
         };

@@ -60,7 +60,7 @@ where
     problem.law.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
     let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve();
     let solved = solved.unwrap();
-    let (u, assembler) = (&solved.field, &problem.assembler);
+    let (u, assembler) = (solved.field(), &problem.assembler);
     println!("{:?} k={degree} θ={theta}: {} steps", mesh.shapes(), solved.history.len() - 1);
 
     let transverse = POISSON / (1.0 - POISSON) * PRESSED / HEIGHT;

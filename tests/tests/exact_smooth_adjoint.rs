@@ -32,7 +32,7 @@ fn h1_errors(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) -
         let mesh = mesh(shape, divisions);
         let problem = direct_problem(&mesh, degree, theta);
         let data = adjoint::Data {
-            base: problem.data.clone(),
+            base: problem.law.data.clone(),
             // N′ = −σ(p) n on the sides, and only there.
             slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
         };
