@@ -1,4 +1,4 @@
-//! Contact problems whose shape is to be improved: what a descent of `forms_fem::shape_optimisation` asks of them.
+//! Contact problems as shape optimisation problems, for `forms_fem::shape_optimisation`.
 
 use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;

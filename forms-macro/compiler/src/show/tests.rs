@@ -1,4 +1,4 @@
-//! Formulas of forms that matter, and proofs that what is shown is what is computed.
+//! Formulas of forms that matter, line by line.
 
 mod computed;
 
