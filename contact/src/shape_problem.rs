@@ -12,7 +12,7 @@ use crate::load_and_pressure::load_and_pressure;
 use crate::shape_gradient::Diameters;
 use crate::states::{Adjoint, ContactProblem, ThetaPath};
 
-/// The objective.
+/// Objective functionals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// (3), with the data's M and N.
