@@ -1,4 +1,4 @@
-//! Contact problems whose shape is to be improved: what a descent of `forms_fem::shape_optimisation` asks of them.
+//! Contact problems as shape optimisation problems, for `forms_fem::shape_optimisation`.
 
 use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;
@@ -13,7 +13,7 @@ use crate::load_and_pressure::load_and_pressure;
 use crate::paper_law::{Adjoint, ThetaPath};
 use crate::shape_gradient::Diameters;
 
-/// The objective.
+/// Objective functionals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// (3), with the data's M and N.

@@ -1,4 +1,4 @@
-//! The ring: the paper's cylinder, a mesh with holes in it, and which criterion its holes make small.
+//! The ring: the paper's cylinder, a mesh with holes in it, and the criteria that its holes minimise.
 
 use std::sync::Arc;
 

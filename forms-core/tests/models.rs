@@ -29,7 +29,7 @@ pub mod contact {
     pub fn force(u: State<Scalar>) -> Functional {
         integral(GammaC, pressure(u))
     }
-    /// The integral over Γ_N is nothing, and its region is asked for all the same: the text names it.
+    /// The integral over Γ_N is nothing; its region is asked for all the same.
     pub fn work(u: State<Scalar>) -> Functional {
         integral(GammaC, u) + 0 * integral(GammaN, u)
     }

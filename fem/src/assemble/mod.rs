@@ -7,11 +7,15 @@
 //! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
-//! block_pattern, sparsity, block_index the positions of a matrix, and where element matrices go
+//! block_pattern, sparsity, block_index   the positions of a matrix, and where element matrices go
 //! owned_cells   the partial sums of an assembler of some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
+//!
+//! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
+//! two sides. The kernels are called by `factors` in `element_matrices.rs` and by `compute_in_lanes` in `element_vectors.rs`;
+//! `fixed` and `reference_tensor` call them in the same order.
 
 mod action;
 mod batch;

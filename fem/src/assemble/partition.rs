@@ -1,4 +1,4 @@
-//! How the entities of a group and the rows that they touch are divided among threads.
+//! Partition of the entities of a group, and of the rows that they touch, among threads.
 //!
 //! Each thread takes a run of entities. A row belongs to the first thread that touches it, which adds to it at once;
 //! the others keep their contributions, and these are added afterwards, thread by thread. So each entry receives its

@@ -1,4 +1,4 @@
-//! The blocks that sets of nodes coupled with each other make, and their places in the rows.
+//! Sparsity from cliques: the blocks of sets of coupled nodes, and their slots in the rows.
 //!
 //! Row by row: the columns of all cliques around a node, each once, in ascending order; and, while they are at hand, the
 //! places of these columns for the cells whose places are kept.

@@ -1,4 +1,4 @@
-//! Why a condition is refused.
+//! Errors of conditions.
 
 use thiserror::Error;
 

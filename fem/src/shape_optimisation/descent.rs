@@ -48,7 +48,7 @@ pub struct DescentOptions {
     pub gradient_tolerance: f64,
     /// The decrease of the criterion over five steps, relative to its value at the start, below which it has stalled.
     pub decrease_tolerance: f64,
-    /// Cells are laid out anew when the least scaled Jacobian falls below this.
+    /// The mesh is smoothed when the least scaled Jacobian falls below this.
     pub smooth_below: f64,
     /// No step may let the least scaled Jacobian fall below this.
     pub least_quality: f64,
@@ -144,7 +144,7 @@ where
 {
     /// Descends from the initial mesh, or goes on from a state of an earlier run with the same problem and options; then
     /// the result is that of a run without interruption, to the last bit. One that stopped for its number of iterations
-    /// goes on if there are more now. `hear` is told of the start and each step; an error of its ends the run.
+    /// goes on if there are more now. `hear` is called at the start and after each step; its error ends the run.
     ///
     /// # Errors
     /// [`ShapeOptimisationError`]: options without meaning, a state of another mesh, a problem without solution at the
@@ -333,7 +333,7 @@ where
         Ok(Shape { mesh, values, quality })
     }
 
-    /// Takes a step, with cells laid out anew where they have suffered.
+    /// Takes a step, and smooths the mesh where its quality asks for it.
     fn accept(
         &self,
         state: &mut DescentState,

@@ -27,7 +27,7 @@ pub struct Row {
     pub constraint: Option<f64>,
     /// The least scaled Jacobian of all cells.
     pub quality: f64,
-    /// Whether the cells were laid out anew.
+    /// Whether the mesh was smoothed.
     pub smoothed: bool,
     /// The step that led here; none at the start.
     pub step: Option<Step>,

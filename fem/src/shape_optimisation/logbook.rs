@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::output::{VtuFile, write_whole};
 
 /// A directory with `checkpoint.json`, `history.csv`, and `shape_0000.vtu` and so on with the coordinates of the nodes
-/// beside each, `shape_0000.json`. The checkpoint is written last: what it tells of is there.
+/// beside each, `shape_0000.json`. The checkpoint is written last, after the files that it refers to.
 #[derive(Clone, Debug)]
 pub struct Logbook {
     directory: PathBuf,

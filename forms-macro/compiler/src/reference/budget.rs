@@ -1,4 +1,4 @@
-//! How much the walks over one form may cost together. Derivatives inside derivatives multiply: a random form of
+//! The budget of the walks over one form. Derivatives inside derivatives multiply: a random form of
 //! twenty operators can ask for hours.
 
 use std::cell::Cell;
