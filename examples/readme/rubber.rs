@@ -1,3 +1,4 @@
+//! A bar of rubber, stretched.
 use forms_fem::prelude::*;
 
 #[forms]
@@ -8,7 +9,6 @@ mod rubber {
     }
     #[cells]
     pub struct Omega;
-
     fn density(F: Tensor) -> Scalar {
         let J = det(F);
         mu / 2 * (inner(F, F) - D) - mu * ln(J) + lambda / 2 * pow(ln(J), 2)

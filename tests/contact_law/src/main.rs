@@ -20,10 +20,12 @@ where
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| along::<D>(0.4, -0.05))?;
     let normal = Given::constant(along::<D>(0.0, -1.0));
-    let base = obstacle::Data { obstacle_normal: normal, gap: Given::constant(0.0), gamma0: 20.0, theta: 0.0 };
+    let base =
+        obstacle::Data { obstacle_normal: normal, gap: Given::constant(0.0), gamma0: 20.0, theta: 0.0 };
     let data = law::Data { base, lambda: 1.0, mu: 1.0, slip_stress };
     let model = law::Model { data, regions: law::Regions::default().gamma_c("bottom") };
-    let problem = ContactProblem::new(Assembler::new(mesh), &space, model, constraints)?;
+    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(4));
+    let problem = ContactProblem::new(assembler, &space, model, constraints)?;
     let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
     let solved = problem.direct()?.options(options).solve()?;
     Ok((problem, solved))
@@ -33,7 +35,15 @@ type Dragged<const D: usize> = (ContactProblem<D, law::Model<D>>, Solved<D>);
 
 /// A vector along the flat and up from it.
 fn along<const D: usize>(drag: f64, up: f64) -> [f64; D] {
-    std::array::from_fn(|axis| if axis == 0 { drag } else if axis == D - 1 { up } else { 0.0 })
+    std::array::from_fn(|axis| {
+        if axis == 0 {
+            drag
+        } else if axis == D - 1 {
+            up
+        } else {
+            0.0
+        }
+    })
 }
 
 fn check<const D: usize>(mesh: Mesh<D>) -> Result<(), Box<dyn Error>>
@@ -42,9 +52,11 @@ where
 {
     let (mesh, slip_stress) = (Arc::new(mesh), 0.05);
     let (problem, solved) = drag(&mesh, slip_stress)?;
-    // All of the unit face slides: the support at the top holds against the slip stress.
+    // All of the unit face slides: the support at the top holds against the slip stress. In space the direction of slip
+    // varies a little along the sides.
     let held = solved.reaction("top")?;
-    assert!((held[0] - slip_stress).abs() < 1e-10, "{held:?}");
+    let largest = if D == 2 { 1e-10 } else { 1e-3 * slip_stress };
+    assert!(held[0] < slip_stress + 1e-10 && held[0] > slip_stress - largest, "{held:?}");
     assert!(held[D - 1] < -0.05, "it is pressed down: {held:?}");
     println!("{D}D: {} Newton steps, held by {held:?}", solved.iterations());
 

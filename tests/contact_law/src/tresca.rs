@@ -10,7 +10,11 @@ pub mod tresca {
     use forms_contact::operators::obstacle::{augmented_stress, gamma};
 
     #[extends(forms_contact::operators::obstacle::Data)]
-    pub struct Data { pub lambda: Param, pub mu: Param, pub slip_stress: Param }
+    pub struct Data {
+        pub lambda: Param,
+        pub mu: Param,
+        pub slip_stress: Param,
+    }
     #[cells]
     pub struct Omega;
     #[facets]
@@ -26,7 +30,10 @@ pub mod tresca {
     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let tested = theta * (stress(v) * n) - gamma() * v;
         integral(Omega, inner(stress(u), eps(v)))
-            - integral(GammaC, theta / gamma() * dot(stress(u) * n, stress(v) * n) - dot(traction(u), tested) / gamma())
+            - integral(
+                GammaC,
+                theta / gamma() * dot(stress(u) * n, stress(v) * n) - dot(traction(u), tested) / gamma(),
+            )
     }
     pub fn slip(u: State<Vector>) -> Functional {
         integral(GammaC, dot(u, u) / 2)
@@ -39,4 +46,10 @@ pub mod tresca {
     }
 }
 
-contact_law!(tresca { direct: direct, region: gamma_c, criterion: slip, adjoint: adjoint, positive: base.gamma0 });
+contact_law!(tresca {
+    direct: direct,
+    region: gamma_c,
+    criterion: slip,
+    adjoint: adjoint,
+    positive: base.gamma0
+});
