@@ -19,6 +19,7 @@ pub mod cg;
 pub mod cholesky;
 pub mod condition;
 pub mod csr;
+pub(crate) mod equations;
 pub(crate) mod equilibration;
 pub mod error;
 pub mod gmres;
