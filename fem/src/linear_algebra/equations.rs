@@ -227,7 +227,8 @@ impl Equations for Side<'_> {
         }
         self.columns(x, room);
         let mut worst = WorstRow::default();
-        for (row, ((rest, b), [sum, size])) in rest.iter_mut().zip(b).zip(room.as_chunks::<2>().0).enumerate() {
+        for (row, ((rest, b), [sum, size])) in rest.iter_mut().zip(b).zip(room.as_chunks::<2>().0).enumerate()
+        {
             *rest = worst.visit(row, *b, *sum, *size);
         }
         Ok(worst)
@@ -313,5 +314,53 @@ impl Equations for BlockMatrix {
 
     fn diagonal(&self) -> Vec<f64> {
         BlockMatrix::diagonal(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of three entries with irregular values, more of them than a piece.
+    fn matrix() -> CsrMatrix {
+        let size = 2 * PIECE + 700;
+        let value = |k: usize| ((k * 7919 % 1013) as f64 - 500.0) / 37.0;
+        let triplets: Vec<_> = (0..size)
+            .flat_map(|row| [1, 17, 900].map(|step| (row, (row * step + 3) % size, value(row + 5 * step))))
+            .collect();
+        CsrMatrix::from_triplets(size, size, &triplets).unwrap()
+    }
+
+    fn check(equations: &impl Equations, x: &[f64], b: &[f64]) {
+        let (sums, mut sizes) = equations.products(x).unwrap();
+        let expected: Vec<f64> = sums.iter().zip(b).map(|(sum, b)| b - sum).collect();
+        sizes.iter_mut().zip(b).for_each(|(size, b)| *size += b.abs());
+        let worst = WorstRow::of(&expected, &sizes);
+        let (mut rest, mut room) = (vec![], vec![]);
+        for threads in [1, 2, 3] {
+            let found = equations.residual(Threads::new(threads), x, b, &mut rest, &mut room).unwrap();
+            assert_eq!((&rest, found), (&expected, worst));
+        }
+    }
+
+    #[test]
+    fn one_pass_finds_what_several_find_on_any_number_of_threads() {
+        let matrix = matrix();
+        let size = matrix.rows();
+        let x: Vec<f64> = (0..size).map(|k| (k as f64 * 0.7).sin()).collect();
+        let b: Vec<f64> = (0..size).map(|k| (k as f64 * 0.3).cos()).collect();
+        let of = |(row, column): (usize, usize)| Entry { row: row as u32, column: column as u32, value: 3.0 };
+        let additions = [(PIECE, 5), (0, 1), (PIECE - 1, 3), (size - 1, 0), (7, PIECE), (PIECE, 2)].map(of);
+        for transpose in [Transpose::No, Transpose::Yes] {
+            check(&Side::of(&matrix, transpose), &x, &b);
+            check(&Side::of(&matrix, transpose).with_additions(&additions, transpose), &x, &b);
+        }
+        assert_eq!(Side::plain(&matrix).products(&x).unwrap().0, matrix.multiply(&x).unwrap());
+        check(&BlockMatrix::from(matrix), &x, &b);
+        let mut bad = x.clone();
+        bad[11] = f64::NAN;
+        let blocks = BlockMatrix::from(self::matrix());
+        let found = blocks.residual(Threads::ONE, &bad, &b, &mut vec![], &mut vec![]).unwrap();
+        assert_eq!(found.error, f64::INFINITY);
     }
 }

@@ -35,7 +35,7 @@ impl Default for KrylovOptions {
 }
 
 /// Report of a Krylov method.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 pub struct KrylovReport {
     /// Applications of the preconditioned operator.
     pub iterations: usize,

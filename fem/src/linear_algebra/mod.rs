@@ -32,6 +32,7 @@ pub mod operator;
 pub mod ordering;
 pub mod partial_solves;
 pub mod pattern;
+mod residual_history;
 pub mod restriction;
 pub mod rigid_motions;
 pub(crate) mod singularity;

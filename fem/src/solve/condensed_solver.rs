@@ -389,11 +389,8 @@ impl CondensingSolver for CondensedSolver {
         let asymmetry = linear_part.asymmetry()?;
         self.refused = asymmetry > SYMMETRIC || asymmetry.is_nan();
         let sizes = linear_part.sizes_of_unknowns();
-        self.linear_part = Some(LinearPart {
-            matrix: linear_part.clone(),
-            sizes,
-            equals_transposed: asymmetry == 0.0,
-        });
+        self.linear_part =
+            Some(LinearPart { matrix: linear_part.clone(), sizes, equals_transposed: asymmetry == 0.0 });
         Ok(())
     }
 

@@ -10,6 +10,8 @@ use crate::threads::Threads;
 
 /// Backward error at which refinement has nothing left to gain.
 const ROUNDING: f64 = 2e-16;
+/// Part of its terms by which an equation is off after rounding alone.
+const ROUNDING_OF_ROWS: f64 = 1e-15;
 /// A scaled matrix whose smallest singular value is below this part of its norm leaves a solution three digits or fewer.
 const ILL_CONDITIONED: f64 = 1e-13;
 /// Most steps of iterative refinement of the whole solution; with partial pivoting one nearly always suffices.
@@ -79,8 +81,8 @@ impl LinearSolver for LuSolver {
         // The first step also helps where the backward error is at rounding: rows of small entries, as those
         // of a constraint beside a stiffness, profit from it, unless they are at rounding themselves.
         for step in 0..REFINEMENTS {
-            let at_rounding = if step == 0 { found.residual.worst().error } else { backward_error };
-            if at_rounding <= ROUNDING {
+            let rows_are_at_rounding = found.residual.worst().error <= ROUNDING_OF_ROWS;
+            if rows_are_at_rounding || step > 0 && backward_error <= ROUNDING {
                 break;
             }
             found.step(solve)?;
