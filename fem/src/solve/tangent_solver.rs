@@ -286,14 +286,15 @@ impl LinearSolver for TangentSolver {
         let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
         let saddle = (0..matrix.rows()).any(|row| matrix.get(row, row) == 0.0);
-        let scaling = Equilibration::of(&matrix);
+        // LU scales by itself.
+        let scales = !known && !saddle;
+        let scaling = if scales { Equilibration::of(&matrix) } else { None };
         // A factor that is kept asks for the scaling that it was made with.
         let keeps = fits && !self.symmetric && !self.refresh_wanted;
         let refactors = !keeps || scaling.is_some() != self.scaling.is_some();
-        if refactors {
+        if refactors && scales {
             self.scaling = scaling;
         }
-        let scales = !known && !saddle;
         self.scaled = self.scaling.as_ref().filter(|_| scales).map(|scaling| scaling.of_matrix(&matrix));
         self.matrix = Some(matrix);
         let mut result = Ok(());
