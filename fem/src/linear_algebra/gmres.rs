@@ -43,7 +43,7 @@ impl Default for GmresOptions {
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Report of GMRES.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 pub struct GmresReport {
     /// Applications of the operator inside Krylov cycles.
     pub iterations: usize,

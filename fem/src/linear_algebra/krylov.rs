@@ -1,6 +1,7 @@
 //! Stopping of the Krylov methods for symmetric operators, and their reports.
 
-use super::backward_error::{ACCEPTED, Equations, Residual};
+use super::backward_error::{ACCEPTED, Refinement};
+use super::equations::Equations;
 use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::operator::{LinearOperator, OperatorError};
 use super::vector::norm_on;
@@ -34,7 +35,7 @@ impl Default for KrylovOptions {
 }
 
 /// Report of a Krylov method.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 pub struct KrylovReport {
     /// Applications of the preconditioned operator.
     pub iterations: usize,
@@ -126,32 +127,32 @@ pub(crate) fn until_each_equation_holds<E: From<LinearAlgebraError>>(
     let target = options.tolerance.max(options.absolute_tolerance / b_norm);
     let is_exact = options.tolerance == target || report.relative_residual <= options.tolerance;
     let level = if is_exact { exact } else { exact.max(ROUGH) };
-    let mut residual = Residual::of(equations, x, b)?;
-    let mut error = residual.worst().error;
+    let mut found = Refinement::new(equations, options.threads, b, x.to_vec())?;
+    let relative = |rest: &[f64]| norm_on(options.threads, rest) / b_norm;
+    let mut helped = true;
     for _ in 0..ROUNDS {
-        if error <= level && report.relative_residual <= target || b_norm == 0.0 {
+        let error = found.residual.worst().error;
+        let holds = error <= level;
+        if holds && report.relative_residual <= target || b_norm == 0.0 {
             return Ok(report);
         }
-        let mut candidate = vec![0.0; b.len()];
-        let run = further(&residual.rest, &mut candidate)?;
+        if !helped {
+            break;
+        }
         let before = report.relative_residual;
+        let run = found.go_on(&mut further)?;
         report.iterations += run.iterations;
         report.history.extend(run.history.iter().skip(1).map(|part| part * before));
-        candidate.iter_mut().zip(&*x).for_each(|(change, x)| *change += x);
-        let next = Residual::of(equations, &candidate, b)?;
-        let next_error = next.worst().error;
-        let next_relative = norm_on(options.threads, &next.rest) / b_norm;
-        if !(next_error < error || error <= level && next_relative < report.relative_residual) {
+        let (next_error, next_relative) = (found.next.worst().error, relative(&found.next.rest));
+        if !(next_error < error || holds && next_relative < before) {
             break;
         }
-        let stalled = next_error > 0.5 * error && next_relative > target;
-        x.copy_from_slice(&candidate);
-        (residual, error, report.relative_residual) = (next, next_error, next_relative);
-        if stalled {
-            break;
-        }
+        helped = next_error <= 0.5 * error || next_relative <= target;
+        found.accept();
+        x.copy_from_slice(&found.x);
+        report.relative_residual = next_relative;
     }
-    residual.check(equations, x, level.max(ACCEPTED))?;
+    found.check(level.max(ACCEPTED))?;
     Ok(report)
 }
 

@@ -23,7 +23,8 @@ use super::linear_solver::{CondensingSolver, LinearSolution, LinearSolver, Solve
 use super::solver_report::{SolverPath, SolverReport};
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::Transpose;
-use crate::linear_algebra::backward_error::{Equations, Residual, Side, refined};
+use crate::linear_algebra::backward_error::Refinement;
+use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
@@ -31,6 +32,9 @@ use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Orde
 /// Entries (i, j) of T − K below this part of √(K_ii K_jj) are rounding: coordinates of about 1000 cell diameters
 /// lose three digits in a cell's Jacobian. If they are not, refinement makes up for it.
 const ROUNDING: f64 = 1e-12;
+
+/// Most asymmetry of a linear part that is factored as a symmetric one.
+const SYMMETRIC: f64 = 1e-12;
 
 /// A dense LU may cost as many multiplications as this many per stored number of the sparse factor:
 /// about what the Krylov iterations it replaces would cost.
@@ -67,6 +71,8 @@ pub struct CondensedSolver {
 struct LinearPart {
     matrix: Arc<CsrMatrix>,
     sizes: Vec<f64>,
+    /// Whether it is symmetric to the last bit.
+    equals_transposed: bool,
 }
 
 impl LinearPart {
@@ -87,40 +93,26 @@ enum Current {
 #[derive(Debug)]
 struct Sum {
     base: Arc<CsrMatrix>,
+    /// Whether the stored one is symmetric to the last bit.
+    equals_transposed: bool,
     additions: Vec<Entry>,
 }
 
-/// A sum, or its transposed.
-struct SumSide<'a> {
-    sum: &'a Sum,
-    transpose: Transpose,
-}
-
-impl Equations for SumSide<'_> {
-    fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
-        let (mut sums, mut sizes) = Side::of(&self.sum.base, self.transpose).products(x)?;
-        for Entry { row, column, value } in &self.sum.additions {
-            let (to, from) = match self.transpose {
-                Transpose::No => (row, column),
-                Transpose::Yes => (column, row),
-            };
-            let term = value * x[*from as usize];
-            sums[*to as usize] += term;
-            sizes[*to as usize] += term.abs();
-        }
-        Ok((sums, sizes))
-    }
-
-    fn diagonal(&self) -> Vec<f64> {
-        let mut diagonal = self.sum.base.diagonal();
-        for entry in self.sum.additions.iter().filter(|entry| entry.row == entry.column) {
-            diagonal[entry.row as usize] += entry.value;
-        }
-        diagonal
-    }
-}
-
 impl Sum {
+    /// A matrix without additions.
+    fn of(matrix: CsrMatrix) -> Self {
+        Sum { base: Arc::new(matrix), equals_transposed: false, additions: vec![] }
+    }
+
+    /// The equations of a solve.
+    fn side(&self, transpose: Transpose) -> Side<'_> {
+        let side = match self.equals_transposed {
+            true => Side::of_symmetric(&self.base),
+            false => Side::of(&self.base, transpose),
+        };
+        side.with_additions(&self.additions, transpose)
+    }
+
     fn to_matrix(&self) -> Result<CsrMatrix, LinearAlgebraError> {
         let replaced = |entry: &Entry| {
             let value = self.base.get(entry.row as usize, entry.column as usize) + entry.value;
@@ -174,6 +166,14 @@ impl CondensedSolver {
             }
         }
         Some(entries)
+    }
+
+    /// The linear part with additions.
+    fn sum(&self, linear_part: &Arc<CsrMatrix>, additions: Vec<Entry>) -> Sum {
+        let is_symmetric =
+            |known: &LinearPart| known.equals_transposed && Arc::ptr_eq(&known.matrix, linear_part);
+        let equals_transposed = self.linear_part.as_ref().is_some_and(is_symmetric);
+        Sum { base: linear_part.clone(), equals_transposed, additions }
     }
 
     /// Additions that are more than rounding.
@@ -297,7 +297,7 @@ impl LinearSolver for CondensedSolver {
             (Some(additions), Some(known)) => {
                 // One copy of the pattern is enough.
                 let matrix = CsrMatrix::from_pattern(known.matrix.pattern(), matrix.into_values())?;
-                self.condense(&additions, Sum { base: Arc::new(matrix), additions: vec![] })
+                self.condense(&additions, Sum::of(matrix))
             }
             _ => self.fall_back(matrix),
         }
@@ -331,46 +331,42 @@ impl LinearSolver for CondensedSolver {
         crate::linear_algebra::error::check_finite("the right-hand side", b)?;
         let start = Instant::now();
         let scale = norm(b);
-        let side = SumSide { sum: matrix, transpose };
-        let mut x = condensation.solve(b, dense.as_ref(), transpose)?;
-        let mut residual = Residual::of(&side, &x, b)?;
-        let mut relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };
+        let relative = |rest: &[f64]| if scale == 0.0 { 0.0 } else { norm(rest) / scale };
+        let solve = |change: &mut Vec<f64>| -> Result<(), LinearAlgebraError> {
+            *change = condensation.solve(change, dense.as_ref(), transpose)?;
+            Ok(())
+        };
+        let (side, threads) = (matrix.side(transpose), self.fallback.threads());
+        let x = condensation.solve(b, dense.as_ref(), transpose)?;
+        let mut found = Refinement::new(&side, threads, b, x)?;
+        let mut relative_residual = relative(&found.residual.rest);
         for _ in 0..REFINEMENTS {
             if relative_residual <= ACCURATE || relative_residual * scale <= tolerance {
                 break;
             }
-            let change = condensation.solve(&residual.rest, dense.as_ref(), transpose)?;
-            let candidate: Vec<f64> = x.iter().zip(&change).map(|(x, change)| x + change).collect();
-            let next = Residual::of(&side, &candidate, b)?;
-            let next_relative = norm(&next.rest) / scale;
+            found.step(solve)?;
+            let next_relative = relative(&found.next.rest);
             if next_relative >= relative_residual {
                 break;
             }
             let stalled = next_relative > 0.5 * relative_residual;
-            (x, residual, relative_residual) = (candidate, next, next_relative);
+            found.accept();
+            relative_residual = next_relative;
             if stalled {
                 break;
             }
         }
         // Each equation has to hold in its own scale, exactly or as far as the caller asks.
-        let is_enough = relative_residual * scale <= tolerance && residual.worst().error <= ROUGH;
-        let found = if is_enough {
-            Ok((x, residual))
-        } else {
-            let solve = |change: &mut Vec<f64>| -> Result<(), LinearAlgebraError> {
-                *change = condensation.solve(change, dense.as_ref(), transpose)?;
-                Ok(())
-            };
-            refined(&side, b, x, residual, solve)
-        };
+        let is_enough = relative_residual * scale <= tolerance && found.residual.worst().error <= ROUGH;
+        let finished = if is_enough { Ok(()) } else { found.finish(solve) };
         self.report.solve_seconds += start.elapsed().as_secs_f64();
-        if let Ok((x, residual)) = found {
-            let relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };
+        if finished.is_ok() {
+            let relative_residual = relative(&found.residual.rest);
             self.report.solves += 1;
             self.report.path = Some(SolverPath::Condensed);
             self.report.iterations.push(0);
             self.report.largest_residual = self.report.largest_residual.max(relative_residual);
-            return Ok(LinearSolution { solution: x, relative_residual, iterations: 0 });
+            return Ok(LinearSolution { solution: found.x, relative_residual, iterations: 0 });
         }
         let matrix = matrix.to_matrix()?;
         self.fall_back(matrix)?;
@@ -390,9 +386,11 @@ impl CondensingSolver for CondensedSolver {
         (self.condensation, self.current, self.refused) = (None, None, false);
         self.expected.clear();
         // An unsymmetric linear part has no Cholesky factor.
-        self.refused = !linear_part.is_symmetric(1e-12)?;
+        let asymmetry = linear_part.asymmetry()?;
+        self.refused = asymmetry > SYMMETRIC || asymmetry.is_nan();
         let sizes = linear_part.sizes_of_unknowns();
-        self.linear_part = Some(LinearPart { matrix: linear_part.clone(), sizes });
+        self.linear_part =
+            Some(LinearPart { matrix: linear_part.clone(), sizes, equals_transposed: asymmetry == 0.0 });
         Ok(())
     }
 
@@ -403,7 +401,7 @@ impl CondensingSolver for CondensedSolver {
         }
         self.current = None;
         let additions = additions(linear_part, entries)?;
-        self.condense(&additions.clone(), Sum { base: linear_part.clone(), additions })
+        self.condense(&additions.clone(), self.sum(linear_part, additions))
     }
 
     fn expect_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
@@ -468,7 +466,7 @@ impl CondensingSolver for CondensedSolver {
         self.report.solves += 1;
         self.report.iterations.push(0);
         self.report.path = Some(SolverPath::Condensed);
-        let matrix = Sum { base: linear_part.clone(), additions };
+        let matrix = self.sum(linear_part, additions);
         self.current = Some(Current::Condensed { matrix, dense });
         Ok(step)
     }

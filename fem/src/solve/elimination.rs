@@ -6,9 +6,11 @@ use std::ops::Range;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use crate::constraints::{Constraints, Relation};
 use crate::linear_algebra::Transpose;
-use crate::linear_algebra::backward_error::{Equations, Residual};
+use crate::linear_algebra::backward_error::Residual;
+use crate::linear_algebra::equations::{Equations, WorstRow, judged};
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
+use crate::threads::Threads;
 
 /// The free unknowns y of a problem whose other unknowns are prescribed or given by free ones, u = C y + d, and the
 /// passage between full and reduced vectors and matrices: Cᵀ r and Cᵀ K C. The map between matrices is computed at the first one.
@@ -295,6 +297,18 @@ struct ReducedEquations<'a> {
 }
 
 impl Equations for ReducedEquations<'_> {
+    fn residual(
+        &self,
+        _: Threads,
+        x: &[f64],
+        b: &[f64],
+        rest: &mut Vec<f64>,
+        _: &mut Vec<f64>,
+    ) -> Result<WorstRow, LinearAlgebraError> {
+        let (sums, sizes) = self.products(x)?;
+        judged((&sums, &sizes), b, rest)
+    }
+
     fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
         let full = self.elimination.extend_by_zero(x)?;
         let (sums, sizes) = match self.transpose {
@@ -347,8 +361,8 @@ pub(super) fn check_equations(
 ) -> Result<(), SolverError> {
     if !solver.judges_equations() {
         let equations = ReducedEquations { matrix, elimination, transpose };
-        let residual = Residual::of(&equations, &found.solution, load)?;
-        residual.check(&equations, &found.solution, HOLDS)?;
+        let residual = Residual::of(&equations, Threads::ONE, &found.solution, load)?;
+        residual.check(&equations, (&found.solution, load), HOLDS)?;
     }
     Ok(())
 }

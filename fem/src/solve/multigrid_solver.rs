@@ -7,7 +7,7 @@ use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::node_blocks::NodeBlocks;
 use crate::constraints::Constraints;
 use crate::linear_algebra::Transpose;
-use crate::linear_algebra::backward_error::Equations;
+use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::krylov::until_each_equation_holds;
 use crate::linear_algebra::multigrid::LevelReport;

@@ -9,7 +9,8 @@ use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::lu_solver::LuSolver;
 use super::solver_report::{SolverPath, SolverReport};
 use crate::linear_algebra::Transpose;
-use crate::linear_algebra::backward_error::{Residual, Side};
+use crate::linear_algebra::backward_error::Residual;
+use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::equilibration::Equilibration;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::singularity::check_regular;
@@ -110,6 +111,11 @@ impl TangentSolver {
     /// What was done so far.
     pub fn report(&self) -> &SolverReport {
         &self.report
+    }
+
+    /// Threads for products.
+    pub(super) fn threads(&self) -> Threads {
+        self.options.threads
     }
 
     /// The current matrix.
@@ -214,11 +220,11 @@ impl TangentSolver {
         let start = Instant::now();
         // The products of a symmetric matrix are faster than those of its transposed.
         let side = match self.equals_transposed {
-            true => Side::Plain(matrix),
+            true => Side::of_symmetric(matrix),
             false => Side::of(matrix, transpose),
         };
-        let refined =
-            factor.solve_side_refined(side, matrix.row_sum_norm(), b, self.options.refinement_steps);
+        let TangentSolverOptions { threads, refinement_steps, .. } = self.options;
+        let refined = factor.solve_side_refined(&side, threads, matrix.row_sum_norm(), b, refinement_steps);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         let refined = refined?;
         Ok(LinearSolution {
@@ -250,7 +256,8 @@ impl TangentSolver {
         } else {
             self.solve_iteratively(&scaled, 0.0, transpose)
         }?;
-        let residual = Residual::of(&Side::of(self.system()?, transpose), &found.solution, &scaled)?;
+        let side = Side::of(self.system()?, transpose);
+        let residual = Residual::of(&side, self.options.threads, &found.solution, &scaled)?;
         let scale = norm(b);
         Ok(LinearSolution {
             solution: scaling.times(&found.solution),
@@ -279,14 +286,15 @@ impl LinearSolver for TangentSolver {
         let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
         let saddle = (0..matrix.rows()).any(|row| matrix.get(row, row) == 0.0);
-        let scaling = Equilibration::of(&matrix);
+        // LU scales by itself.
+        let scales = !known && !saddle;
+        let scaling = if scales { Equilibration::of(&matrix) } else { None };
         // A factor that is kept asks for the scaling that it was made with.
         let keeps = fits && !self.symmetric && !self.refresh_wanted;
         let refactors = !keeps || scaling.is_some() != self.scaling.is_some();
-        if refactors {
+        if refactors && scales {
             self.scaling = scaling;
         }
-        let scales = !known && !saddle;
         self.scaled = self.scaling.as_ref().filter(|_| scales).map(|scaling| scaling.of_matrix(&matrix));
         self.matrix = Some(matrix);
         let mut result = Ok(());

@@ -10,15 +10,9 @@ pub mod tresca {
     use forms_contact::operators::obstacle::{augmented_stress, gamma};
 
     #[extends(forms_contact::operators::obstacle::Data)]
-    pub struct Data {
-        pub lambda: Param,
-        pub mu: Param,
-        pub slip_stress: Param,
-    }
-    #[cells]
-    pub struct Omega;
-    #[facets]
-    pub struct GammaC;
+    pub struct Data { pub lambda: Param, pub mu: Param, pub slip_stress: Param }
+    #[cells] pub struct Omega;
+    #[facets] pub struct GammaC;
 
     fn traction(w: Vector) -> Vector {
         let sigma_n = dot(stress(w) * n, obstacle_normal);

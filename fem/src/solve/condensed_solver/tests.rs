@@ -1,6 +1,8 @@
 //! Condensed solutions by their residuals.
 
 use super::*;
+use crate::linear_algebra::backward_error::Residual;
+use crate::threads::Threads;
 
 const SIDE: usize = 12;
 
@@ -29,7 +31,7 @@ fn load() -> Vec<f64> {
 }
 
 fn rest(sum: &Sum, x: &[f64], b: &[f64], transpose: Transpose) -> Vec<f64> {
-    Residual::of(&SumSide { sum, transpose }, x, b).unwrap().rest
+    Residual::of(&sum.side(transpose), Threads::new(3), x, b).unwrap().rest
 }
 
 fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
@@ -37,7 +39,7 @@ fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
     solver.set_matrix(matrix.clone()).unwrap();
     for transpose in [Transpose::No, Transpose::Yes] {
         let found = solver.solve_with(&b, 0.0, transpose).unwrap();
-        let matrix = Sum { base: Arc::new(matrix.clone()), additions: vec![] };
+        let matrix = Sum::of(matrix.clone());
         let rest = rest(&matrix, &found.solution, &b, transpose);
         assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
     }
@@ -112,7 +114,7 @@ fn changed_entries_make_the_same_matrix() {
         solver.set_changed(linear_part, entries).unwrap();
         for transpose in [Transpose::No, Transpose::Yes] {
             let found = solver.solve_with(&b, 0.0, transpose).unwrap();
-            let whole = Sum { base: Arc::new(whole.clone()), additions: vec![] };
+            let whole = Sum::of(whole.clone());
             let rest = rest(&whole, &found.solution, &b, transpose);
             assert!(norm(&rest) <= 1e-12 * norm(&b), "residual {:e}", norm(&rest));
         }
