@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError};
 use forms_fem::prelude::*;
-use forms_fem::solve::{LinearSolution, SolverError};
+use forms_fem::solve::{LinearSolution, SolverError, Transpose};
 
 use crate::error::PetscError;
 use crate::matrix::DistributedMatrix;

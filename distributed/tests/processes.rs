@@ -108,7 +108,7 @@ fn a_hanging_block_is_the_same_by_both_solvers() {
     let HangingBlock { form, space, constraints } =
         HangingBlock::new(4, Given::constant([0.0, 0.0, -1.0])).unwrap();
     let assembler = Assembler::new(space.mesh());
-    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let u = problem.constrained(&constraints).solve().unwrap().into_field();
     let expected = BTreeMap::from([("u", u.values().to_vec())]);
     check(env!("CARGO_BIN_EXE_hanging_block"), &["4", "direct", "u"], &expected);
@@ -121,7 +121,7 @@ fn processes_without_cells_take_part() {
     let HangingBlock { form, space, constraints } =
         HangingBlock::new(1, Given::constant([0.0, 0.0, -1.0])).unwrap();
     let assembler = Assembler::new(space.mesh());
-    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let u = problem.constrained(&constraints).solve().unwrap().into_field();
     assert!(difference(&read(&told)["u"], u.values()) < SAME);
 }

@@ -119,8 +119,8 @@ fn newtons_method_follows_the_split_of_each_iterate() {
         let second = 2.0 / 3.0 * (b - 1.0) + b * ((1.0 - z.powi(3)) / 3.0 - z * (1.0 - z * z) / 2.0);
         first.abs() + second.abs()
     };
-    assert!(moments(&split.field()) < 1e-12, "{}", moments(&split.field()));
-    assert!(moments(&whole.field()) > 1e-4, "{}", moments(&whole.field()));
+    assert!(moments(split.field()) < 1e-12, "{}", moments(split.field()));
+    assert!(moments(whole.field()) > 1e-4, "{}", moments(whole.field()));
 }
 
 #[test]

@@ -44,8 +44,9 @@ impl WorstRow {
     #[inline(always)]
     pub(crate) fn visit(&mut self, row: usize, b: f64, sum: f64, size: f64) -> f64 {
         let (rest, size) = (b - sum, size + b.abs());
-        // A product comes first: divisions are slow, and hardly a row is worse than those before it.
-        if !(rest.abs() < self.error * size) {
+        // A product comes first: divisions are slow, and hardly a row is worse than those before it. A NaN holds nothing.
+        let holds_better = rest.abs() < self.error * size;
+        if !holds_better {
             self.compare(row, rest.abs(), size);
         }
         rest

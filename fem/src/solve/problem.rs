@@ -62,7 +62,7 @@ pub struct Problem<'a, F, const D: usize, const N: usize = 1> {
     start: Option<[&'a Field<D>; N]>,
     solver: Solver<'a>,
     options: NewtonOptions,
-    progress: Option<Box<dyn FnMut(&NewtonStep) + 'a>>,
+    progress: Option<EachStep<'a>>,
     communicator: Option<&'a dyn Communicator>,
     assembled: Option<Assembled>,
     seconds: f64,
@@ -82,6 +82,9 @@ impl Solver<'_> {
         }
     }
 }
+
+/// Is called with the start and each iterate.
+type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
 
 /// Why a problem was not solved, with the iterates up to it.
 pub type SolveError = NewtonError<AssemblyError>;
