@@ -9,7 +9,7 @@ const HOW: &str = "PETSc was not found. On Debian or Ubuntu install libpetsc-rea
                    `pkg-config --exists PETSc` succeeds (PKG_CONFIG_PATH may say where); or set PETSC_DIR, and PETSC_ARCH if \
                    it has one, to a PETSc that was built with shared libraries, Open MPI and MUMPS";
 
-/// What the bindings rely on: a definition of petscconf.h, whether it must be there, and what it is.
+/// Assumptions of the bindings: a definition of petscconf.h, whether it must be there, and its value.
 const RELIED_ON: [(&str, bool, &str); 5] = [
     ("PETSC_USE_REAL_DOUBLE", true, "numbers are doubles"),
     ("PETSC_USE_COMPLEX", false, "numbers are real"),

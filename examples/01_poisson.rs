@@ -47,16 +47,13 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mut constraints = Constraints::new(&space);
     constraints.fix("boundary", |_| 0.0)?;
 
-    // The form with its data and regions. `Omega::on("all")` binds the region to a name of the mesh; a
-    // forgotten region is an error of the compiler.
-    let data = poisson::Data { load: Given::constant(1.0) };
-    let form = poisson::residual(&data, &poisson::Omega::on("all"));
+    // The module with its data. Its regions go by their own names in the mesh, a single one of cells is all of it.
+    let model = poisson::Model::new(poisson::Data { load: Given::constant(1.0) });
+    let form = model.residual();
 
     // The compiler has proved that the form is linear in u and symmetric: one assembly, one Cholesky
-    // factor. The quadrature degree is its estimate unless `with_quadrature` says otherwise.
-    let assembler = Assembler::new(&mesh);
-    let mut solver = TangentSolver::default();
-    let u = FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+    // factor. The quadrature degree is its estimate.
+    let u = Problem::new(&form, &space).constrained(&constraints).solve()?.into_field();
 
     let (centre, exact) = (u.evaluate(&[0.5, 0.5])?[0], exact_centre());
     out.line(format!("unknowns          {}", space.unknowns()));

@@ -70,13 +70,13 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         mu: YOUNG / (2.0 * (1.0 + POISSON)),
         pressure: PRESSURE,
     };
-    let form = pipe::equilibrium(&data, &pipe::Omega::on("all"), &pipe::Inside::on("inner"));
+    let model = pipe::Model { data, regions: pipe::Regions::default().inside("inner") };
+    let form = model.equilibrium();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    let mut solver = TangentSolver::default();
-    let u = FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+    let u = Problem::new(&form, &space).assembler(&assembler).constrained(&constraints).solve()?.into_field();
 
     // A function of the module, evaluated along a facet region: three points on each facet.
-    let hoop = assembler.along_facets_uniformly(&pipe::hoop_stress(&data, &u), "inner", 3)?;
+    let hoop = assembler.along_facets_uniformly(&model.hoop_stress(&u), "inner", 3)?;
     let hoop = hoop.iter().map(|sample| sample.value[0]).fold(f64::NEG_INFINITY, f64::max);
     let (a2, b2) = (INNER * INNER, OUTER * OUTER);
     let exact_hoop = PRESSURE * (a2 + b2) / (b2 - a2);

@@ -1,7 +1,14 @@
 //! Tutorial 4: contact. A block hangs above a rigid table and is pressed down by more than the gap.
 //!
-//! The contact conditions (no penetration, no tension, one of the two active) are put into the form by
-//! Nitsche's method, in its skew-symmetric variant. The block slides freely, so its stress is uniform and the
+//! From the strong to the weak form, by Nitsche's method, with w_n = w·n_y along the normal n_y into the table:
+//! 1. −div σ(u) = 0 in Ω, and without friction σ(u) n = σ_n n_y on Γ_C. Times v, integrated by parts:
+//!    ∫_Ω σ(u):ε(v) − ∫_ΓC σ_n(u) v_n = 0.
+//! 2. Contact: u_n ≤ g, σ_n ≤ 0, one of the two an equation. For any γ > 0 this is one equation with a kink:
+//!    σ_n(u) = −P(u), with the pressure P(u) = [σ_n(u) − γ(u_n − g)]₋.
+//! 3. With −P for σ_n, and (θ/γ)(σ_n + P) σ_n(v), which is zero, subtracted under the integral:
+//!    ∫_Ω σ(u):ε(v) − ∫_ΓC (θ/γ) σ_n(u) σ_n(v) + ∫_ΓC P(u) (v_n − (θ/γ) σ_n(v)) = 0. Here θ = −1.
+//!
+//! The block slides freely, so its stress is uniform and the
 //! contact force has a closed form: E/(1−ν²) · (δ − g)/H · w, with the height H, the width w, the initial gap
 //! g and the imposed displacement δ.
 //!
@@ -81,28 +88,27 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         down: [0.0, -1.0],
         gap: Given::function(|x: &[f64; 2]| x[1] + GAP),
     };
-    let (omega, bottom) = (block::Omega::on("all"), block::Bottom::on("bottom"));
-    let form = block::contact(&data, &omega, &bottom);
-    let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    let (start, options) = (Field::zero(&space), NewtonOptions::default());
-    let mut solver = TangentSolver::default();
-    let solved = problem.solve(&start, &constraints, &mut solver, &options, &mut |step| {
-        let active = step.active_points.unwrap_or(0);
-        out.line(format!(
-            "Newton {}: residual {:.2e}, {active} active points",
-            step.iteration, step.residual
-        ));
-    })?;
+    let model = block::Model::new(data);
+    let form = model.contact();
+    let solved = Problem::new(&form, &space)
+        .constrained(&constraints)
+        .each_step(|step| {
+            let active = step.active_points.unwrap_or(0);
+            out.line(format!(
+                "Newton {}: residual {:.2e}, {active} active points",
+                step.iteration, step.residual
+            ));
+        })
+        .solve()?;
 
-    let force = assembler.functional(&block::force(&data, &bottom, &solved.field), &[])?;
+    let force = solved.functional(&model.force(solved.field()))?;
     let exact = YOUNG / (1.0 - POISSON * POISSON) * (PUSH - GAP) / HEIGHT * WIDTH;
     out.line(format!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm"));
 
     std::fs::create_dir_all("out")?;
-    FieldMap::of(&solved.field, Shown::Magnitude, "|u| [mm]")
+    FieldMap::of(solved.field(), Shown::Magnitude, "|u| [mm]")
         .length_unit("mm")
-        .deformed(&solved.field, 1.0)
+        .deformed(solved.field(), 1.0)
         .undeformed_outline("before")
         .line(&[[-0.2, -GAP], [WIDTH + 0.2, -GAP]], "table", Colour::BLACK)
         .write_png("out/04_signorini.png")?;

@@ -43,7 +43,7 @@ mod metal {
     fn magnitude(s: Tensor) -> Scalar {
         sqrt(inner(s, s) + tr(s) * tr(s))
     }
-    /// How far the trial stress is outside the yield surface.
+    /// Distance of the trial stress from the yield surface, positive outside.
     fn excess(w: Vector) -> Scalar {
         magnitude(trial(w)) - sqrt(2 / 3) * (yield_stress + hardening * amount)
     }
@@ -67,7 +67,7 @@ mod metal {
         integral(Omega, inner(stress(u), eps(v)))
     }
 
-    /// What is remembered after a step.
+    /// The plastic strain after a step.
     pub fn new_plastic(w: Vector) -> Tensor {
         plastic + flow(w)
     }
@@ -107,17 +107,17 @@ fn step(
 ) -> Result<(Field<2>, Vec<NewtonStep>), Box<dyn Error>> {
     let omega = metal::Omega::on("all");
     let predictor = metal::predictor(data, &omega, start);
-    let mut problem = FormProblem::new(&predictor, assembler, start.space())?;
-    let start = problem.solve_affine(constraints, &mut TangentSolver::default())?;
+    let mut problem = Problem::new(&predictor, start.space()).constrained(constraints).assembler(assembler);
+    let start = problem.solve()?.into_field();
     let form = metal::equilibrium(data, &omega);
-    let mut problem = FormProblem::new(&form, assembler, start.space())?;
     // An elastic step is solved by its predictor: what is left is rounding.
     let absolute_tolerance = 1e-11 * YIELD_STRESS;
     let options = NewtonOptions { max_iterations: 15, absolute_tolerance, ..NewtonOptions::default() };
-    let solved = problem.solve(&start, constraints, &mut TangentSolver::default(), &options, &mut |_| ())?;
-    assembler.update_history(&metal::new_plastic(data, &solved.field), &data.plastic)?;
-    assembler.update_history(&metal::new_amount(data, &solved.field), &data.amount)?;
-    Ok((solved.field, solved.history))
+    let problem = Problem::new(&form, start.space()).constrained(constraints).assembler(assembler);
+    let solved = problem.start(&start).options(options).solve()?;
+    assembler.update_history(&metal::new_plastic(data, solved.field()), &data.plastic)?;
+    assembler.update_history(&metal::new_amount(data, solved.field()), &data.amount)?;
+    Ok((solved.field().clone(), solved.history))
 }
 
 fn commit(data: &metal::Data<2>) {
@@ -156,7 +156,7 @@ fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         (u, _) = step(&assembler, &data, &constraints, &u)?;
 
         let form = metal::stress_along_x(&data, &metal::Omega::on("all"), &u);
-        let stress = assembler.functional(&form, &[])?;
+        let stress = assembler.functional(&form)?;
         commit(&data);
         let exact = match loading {
             true => curve(strain, first_yield),

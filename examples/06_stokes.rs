@@ -81,16 +81,15 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // At both ends the fluid passes straight through: no velocity along the line y = 0.
     walls.fix_component("left", 0, |_| 0.0)?;
     walls.fix_component("right", 0, |_| 0.0)?;
-    // The outlet fixes the level of the pressure. Without it one value would be prescribed here.
-    let level = Constraints::new(&pressures);
+    // The outlet fixes the level of the pressure. Without it one value would be prescribed, by constraints of its own.
 
     let data = fluid::Data { viscosity: VISCOSITY, pressure: PRESSURE };
-    let form = fluid::equilibrium(&data, &fluid::Omega::on("all"), &fluid::Inlet::on("left"));
-    let assembler = Assembler::new(&mesh);
-    let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures])?;
-    let [u, p] = problem.solve_affine([&walls, &level], &mut TangentSolver::default())?;
+    let model = fluid::Model { data, regions: fluid::Regions::default().inlet("left").outlet("right") };
+    let form = model.equilibrium();
+    let solved = Problem::new(&form, [&velocities, &pressures]).constrained(&walls).solve()?;
+    let [u, p] = &solved.fields;
 
-    let flux = assembler.functional(&fluid::flux(&data, &fluid::Outlet::on("right"), &u), &[])?;
+    let flux = solved.functional(&model.flux(u))?;
     let exact_flux = exact(OUTER)[1] - exact(INNER)[1];
     let middle = p.evaluate(&[0.0, 15.0])?[0];
     out.line(format!("unknowns               {} + {}", velocities.unknowns(), pressures.unknowns()));
@@ -98,9 +97,9 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     out.line(format!("pressure at the top    {middle:.5} Pa, closed form {:.5}", PRESSURE / 2.0));
 
     std::fs::create_dir_all("out")?;
-    FieldMap::of(&u, Shown::Magnitude, "speed [mm/s]")
+    FieldMap::of(u, Shown::Magnitude, "speed [mm/s]")
         .length_unit("mm")
-        .arrows(&u, "velocity", "mm/s")
+        .arrows(u, "velocity", "mm/s")
         .write_png("out/06_stokes.png")?;
 
     assert!((flux - exact_flux).abs() < 1e-3 * exact_flux, "flux {flux}, closed form {exact_flux}");

@@ -61,14 +61,10 @@ fn error(n: usize, degree: usize) -> Result<f64, Box<dyn Error>> {
         source: Given::function(|x: &[f64; 2]| (PI * PI - 1.0) * solution(x)),
         exact: Given::function(solution),
     };
-    // Every mesh knows "interior", the facets between cells, and "boundary".
-    let regions =
-        (diffusion::Omega::on("all"), diffusion::Inner::on("interior"), diffusion::Boundary::on("boundary"));
-    let form = diffusion::balance(&data, &regions.0, &regions.1, &regions.2);
+    // Every mesh knows "interior", the facets between cells, and "boundary": what the regions are called by default.
+    let form = diffusion::Model::new(data).balance();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    let nothing = Constraints::new(&space);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    let u = problem.solve_affine(&nothing, &mut TangentSolver::default())?;
+    let u = Problem::new(&form, &space).assembler(&assembler).solve()?.into_field();
 
     let slope = |x: &[f64; 2], out: &mut [f64]| {
         out[0] = -PI * (PI * x[0]).sin() * x[1].exp();

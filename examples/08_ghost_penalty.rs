@@ -53,10 +53,8 @@ fn solve(weight: f64) -> Result<Field<2>, Box<dyn Error>> {
     constraints.fix("left", |_| 0.0)?;
     constraints.fix("right", |_| 0.0)?;
     let data = transport::Data { diffusivity: DIFFUSIVITY, wind: [1.0, 0.0], weight };
-    let form = transport::balance(&data, &transport::Omega::on("all"), &transport::Inner::on("interior"));
-    let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    Ok(problem.solve_affine(&constraints, &mut TangentSolver::default())?)
+    let form = transport::Model::new(data).balance();
+    Ok(Problem::new(&form, &space).constrained(&constraints).solve()?.into_field())
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {

@@ -1,9 +1,13 @@
 //! Tutorial 9: contact with a Lagrange multiplier. A rigid cylinder is pressed into a block.
 //!
-//! The pressure p is an unknown of its own and lives on the facets of the contact boundary alone. That there is
-//! no penetration, no tension, and one of the two active, is a single equation with a kink,
-//!   p − max(0, p + c (u_n − g)) = 0   for any c > 0,
-//! and it stands in the form as it stands here. Newton's method differentiates through the kink.
+//! From the strong to the weak form, with w_n = w·n_y along the normal n_y into the cylinder. The pressure p is an
+//! unknown of its own and lives on the facets of the contact boundary Γ_C alone.
+//! 1. −div σ(u) = 0 in Ω, and without friction σ(u) n = −p n_y on Γ_C. Times v, integrated by parts:
+//!    ∫_Ω σ(u):ε(v) + ∫_ΓC p v_n = 0.
+//! 2. Contact: u_n ≤ g, p ≥ 0, one of the two an equation. For any c > 0 this is one equation with a kink,
+//!    p − max(0, p + c (u_n − g)) = 0. Times q/c: ∫_ΓC (p − max(0, p + c (u_n − g))) q/c = 0.
+//!
+//! The sum of both stands in the form below. Newton's method differentiates through the kink.
 //!
 //! Two things are known. Nitsche's method (tutorial 4) solves the same problem on the same mesh without a
 //! multiplier. And for a contact that is small against the block Hertz gives the largest pressure from the
@@ -95,7 +99,6 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let pressures = Space::on_facets(&mesh, "top", 1)?;
     let mut held = Constraints::new(&displacements);
     held.fix("bottom", |_| [0.0, 0.0])?;
-    let free = Constraints::new(&pressures);
 
     let data = pressed::Data {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
@@ -105,24 +108,22 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         up: [0.0, 1.0],
         gap: Given::function(|x: &[f64; 2]| x[0] * x[0] / (2.0 * RADIUS) - DEPTH),
     };
-    let (omega, top) = (pressed::Omega::on("all"), pressed::Top::on("top"));
+    let model = pressed::Model::new(data);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    let (options, mut solver) = (NewtonOptions::default(), TangentSolver::default());
 
-    let form = pressed::contact(&data, &omega, &top);
-    let mut problem = MixedProblem::new(&form, &assembler, [&displacements, &pressures])?;
-    let start = [&Field::zero(&displacements), &Field::zero(&pressures)];
-    let solved = problem.solve(start, [&held, &free], &mut solver, &options, &mut |step| {
-        out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual));
-    })?;
+    let form = model.contact();
+    let solved = Problem::new(&form, [&displacements, &pressures])
+        .constrained(&held)
+        .assembler(&assembler)
+        .each_step(|step| out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual)))
+        .solve()?;
     let [_, p] = &solved.fields;
-    let force = assembler.functional(&pressed::force(&data, &top, p), &[])?;
+    let force = assembler.functional(&model.force(p))?;
 
-    let form = pressed::nitsche(&data, &omega, &top);
-    let mut problem = FormProblem::new(&form, &assembler, &displacements)?;
-    let start = Field::zero(&displacements);
-    let without = problem.solve(&start, &held, &mut solver, &options, &mut |_| ())?.field;
-    let nitsche_force = assembler.functional(&pressed::nitsche_force(&data, &top, &without), &[])?;
+    let form = model.nitsche();
+    let without =
+        Problem::new(&form, &displacements).constrained(&held).assembler(&assembler).solve()?.into_field();
+    let nitsche_force = assembler.functional(&model.nitsche_force(&without))?;
 
     // The pressure along the top, by x.
     let along = |samples: Vec<forms_fem::assemble::FacetSample<2>>| {
@@ -132,8 +133,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let split: (Vec<f64>, Vec<f64>) = pairs.into_iter().map(|[x, value]| (x, value)).unzip();
         split
     };
-    let (x, pressure) = along(assembler.along_facets_uniformly(&pressed::pressure(&data, p), "top", 3)?);
-    let shown = pressed::nitsche_pressure(&data, &without);
+    let (x, pressure) = along(assembler.along_facets_uniformly(&model.pressure(p), "top", 3)?);
+    let shown = model.nitsche_pressure(&without);
     let (nitsche_x, nitsche_pressure) = along(assembler.along_facets_uniformly(&shown, "top", 3)?);
 
     let stiffness = YOUNG / (1.0 - POISSON * POISSON);

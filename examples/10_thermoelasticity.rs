@@ -26,7 +26,7 @@ mod pipe {
     #[cells]
     pub struct Omega;
 
-    /// What is strained beyond the free thermal expansion α T I makes stress.
+    /// The stress of the strain beyond the free thermal expansion α T I.
     fn stress(w: Vector, T: Scalar) -> Tensor {
         2 * mu * eps(w) + (lambda * tr(eps(w)) - (3 * lambda + 2 * mu) * expansion * T) * I
     }
@@ -74,10 +74,11 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         expansion: EXPANSION,
         conductivity: 0.045, // W/(mm K); without sources its size does not matter
     };
-    let form = pipe::balance(&data, &pipe::Omega::on("all"));
+    let model = pipe::Model::new(data);
+    let form = model.balance();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    let mut problem = MixedProblem::new(&form, &assembler, [&displacements, &temperatures])?;
-    let [u, temperature] = problem.solve_affine([&held, &heated], &mut TangentSolver::default())?;
+    let problem = Problem::new(&form, [&displacements, &temperatures]).assembler(&assembler);
+    let [u, temperature] = problem.constrained(&held).constrained(&heated).solve()?.fields;
 
     let ratio = (OUTER / INNER).ln();
     let factor = YOUNG * EXPANSION * HOTTER / (2.0 * (1.0 - POISSON) * ratio);
@@ -87,7 +88,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let mut largest_error = 0.0_f64;
     for (wall, radius) in [("inner", INNER), ("outer", OUTER)] {
-        let stress = pipe::hoop_stress(&data, &u, &temperature);
+        let stress = model.hoop_stress(&u, &temperature);
         let samples = assembler.along_facets_uniformly(&stress, wall, 3)?;
         let mean = samples.iter().map(|sample| sample.value[0]).sum::<f64>() / samples.len() as f64;
         let exact = closed_form(radius);

@@ -28,7 +28,7 @@ mod bar {
         integral(Section, u)
     }
 
-    /// What the constraint costs: the adjoint state p, whose form is a derivative.
+    /// The adjoint state p, whose form is a derivative.
     pub fn adjoint(u: State<Scalar>, p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
         derivative(rigidity(u) + twist(u, p), u, q)
     }
@@ -51,32 +51,32 @@ fn rigidity(mesh: &Arc<Mesh<2>>) -> Result<(f64, Field<2>), Box<dyn Error>> {
     let space = Space::scalar(mesh, 2)?;
     let mut held = Constraints::new(&space);
     held.fix("boundary", |_| 0.0)?;
-    let (assembler, section) = (Assembler::new(mesh), bar::Section::on("all"));
-    let form = bar::twist(&section);
-    let u =
-        FormProblem::new(&form, &assembler, &space)?.solve_affine(&held, &mut TangentSolver::default())?;
-    Ok((assembler.functional(&bar::rigidity(&section, &u), &[])?, u))
+    let model = bar::Model::default();
+    let form = model.twist::<2>();
+    let solved = Problem::new(&form, &space).constrained(&held).solve()?;
+    let value = solved.functional(&model.rigidity(solved.field()))?;
+    Ok((value, solved.into_field()))
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mesh = Arc::new(rectangle([-1.0, -0.5], [1.0, 0.5], [24, 12], CellShape::Triangle, 1)?);
     let (value, u) = rigidity(&mesh)?;
-    let (assembler, section) = (Assembler::new(&mesh), bar::Section::on("all"));
+    let model = bar::Model { regions: bar::Regions::default().outline("boundary") };
+    let assembler = Assembler::new(&mesh);
     let mut held = Constraints::new(u.space());
     held.fix("boundary", |_| 0.0)?;
-    let adjoint = bar::adjoint(&section, &u);
-    let p = FormProblem::new(&adjoint, &assembler, u.space())?
-        .solve_affine(&held, &mut TangentSolver::default())?;
+    let adjoint = model.adjoint(&u);
+    let p = Problem::new(&adjoint, u.space()).constrained(&held).solve()?.into_field();
 
     // Points move in the space of the mesh's geometry.
     let movements = Space::of_geometry(&mesh)?;
     let growth = Field::interpolate(&movements, |x| *x)?;
-    let derivative = assembler.functional(&bar::along(&section, &u, &p, &growth), &[])?;
+    let derivative = assembler.functional(&model.along(&u, &p, &growth))?;
     out.line(format!("J = {value:.9}, derivative along x = {derivative:.9}, 4 J = {:.9}", 4.0 * value));
 
     // Is it the derivative of what the program computes? A Taylor test along some other movement says so.
     let wave = Field::interpolate(&movements, |x| [(2.0 * x[1]).sin(), x[0] * x[1] + 0.3 * x[0]])?;
-    let slope = assembler.functional(&bar::along(&section, &u, &p, &wave), &[])?;
+    let slope = assembler.functional(&model.along(&u, &p, &wave))?;
     let report = verification::shape(&wave, 0.1, slope, |moved| {
         let (value, _) = rigidity(moved)?;
         Ok::<_, Box<dyn Error>>(value.into())
@@ -84,17 +84,15 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     out.line(&report);
     report.second_order()?;
 
-    let outline = bar::Outline::on("boundary");
-    let steepest = bar::steepest(&section, &outline, &u, &p);
-    let steepest = FormProblem::new(&steepest, &assembler, &movements)?
-        .solve_affine(&Constraints::new(&movements), &mut TangentSolver::default())?;
+    let steepest = model.steepest(&u, &p);
+    let steepest = Problem::new(&steepest, &movements).solve()?.into_field();
     std::fs::create_dir_all("out")?;
     FieldMap::of(&u, Shown::Component(0), "u")
         .arrows(&steepest, "where the section must grow", "")
         .write_png("out/11_shape_derivative.png")?;
 
     assert!((derivative - 4.0 * value).abs() < 1e-11 * value, "{derivative} is not four times {value}");
-    let along_steepest = assembler.functional(&bar::along(&section, &u, &p, &steepest), &[])?;
+    let along_steepest = assembler.functional(&model.along(&u, &p, &steepest))?;
     assert!(along_steepest > 0.0, "the rigidity falls along the steepest movement");
     Ok(())
 }

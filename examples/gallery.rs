@@ -26,9 +26,9 @@ struct Options {
 
 /// A program and the pictures that it makes.
 struct Maker {
-    /// What cargo is told.
+    /// Arguments of cargo.
     arguments: &'static [&'static str],
-    /// What it writes, beside what this is called in `docs/pictures`.
+    /// The files that it writes, with their names in `docs/pictures`.
     pictures: &'static [(&'static str, &'static str)],
 }
 
@@ -105,7 +105,7 @@ const MAKERS: [Maker; 8] = [
     },
     // Its finest mesh needs 10 GiB and minutes: last, so that all others are there.
     Maker {
-        arguments: &["-p", "forms-contact", "--example", "scaling"],
+        arguments: &["-p", "forms-bench", "--example", "scaling"],
         pictures: &[("out/scaling.png", "scaling.png")],
     },
 ];

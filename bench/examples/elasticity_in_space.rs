@@ -61,7 +61,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_: &[f64; 3]| [0.0; 3])?;
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
     let mut elimination = Elimination::new(space.unknowns(), constraints.prescribed())?;
     let zero = vec![0.0; space.unknowns()];
     let load: Vec<f64> = elimination.reduce(&problem.residual(&zero)?)?.iter().map(|value| -value).collect();

@@ -11,7 +11,7 @@ use forms_fem::field::Field;
 use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::mesh::{Mesh, annulus, cuboid, rectangle};
 use forms_fem::quadrature::Quadrature;
-use forms_fem::solve::{FormProblem, NonlinearProblem};
+use forms_fem::solve::{NonlinearProblem, Problem};
 use forms_fem::space::Space;
 use forms_fem::threads::Threads;
 use serde::{Deserialize, Serialize};
@@ -79,7 +79,7 @@ impl Case {
     }
 }
 
-/// What is measured; times in seconds, one entry per sample.
+/// Measurements; times in seconds, one entry per sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Measured {
     /// The program.
@@ -138,7 +138,7 @@ fn timed<T>(work: impl FnOnce() -> Result<T, Box<dyn Error>>) -> Result<(f64, T)
 /// Measures a case.
 ///
 /// # Errors
-/// What mesh, space or assembler say.
+/// Errors of mesh, space or assembler.
 pub fn measure(
     case: Case,
     divisions: usize,
@@ -237,9 +237,9 @@ pub fn measure_contact(across: usize, samples: usize) -> Result<ContactUpdate, B
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
     // The gap is negative: every facet is in contact.
     let form = body_in_contact::<2>(&CONSTANTS, "outer", -0.001);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
     let (u, spaces) = (Field::zero(&space), [&space]);
-    let pattern = problem.pattern().clone();
+    let pattern = problem.pattern()?.clone();
     let mut matrix = BlockMatrix::zero(pattern.sparsity());
     let mut found =
         ContactUpdate { across, facets, unknowns: space.unknowns(), update: vec![], reassembly: vec![] };

@@ -169,7 +169,7 @@ pub const fn our_facets(shape: CellShape) -> [usize; 6] {
     }
 }
 
-/// Why there is no such rule.
+/// Errors of rules.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RuleError {
     /// The list of basix's rules does not read.

@@ -18,7 +18,7 @@ pub enum Output {
     Tangent,
 }
 
-/// What a kernel integrates over.
+/// The entities that a kernel integrates over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entities {
     /// Cells.
@@ -48,13 +48,13 @@ pub struct Setting {
     pub order: NodeOrder,
 }
 
-/// Why a kernel cannot run.
+/// Errors of running a kernel.
 #[derive(Debug, Error)]
 pub enum BatchError {
     /// No such rule.
     #[error(transparent)]
     Rule(#[from] RuleError),
-    /// What the form or its data have to say.
+    /// Errors of the form or its data.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
 }
@@ -117,7 +117,7 @@ pub trait Batch {
     /// Computes element matrices or vectors, one after the other; `cells.facet` is our number.
     ///
     /// # Errors
-    /// What the form or its data have to say.
+    /// Errors of the form or its data.
     fn run(&mut self, cells: &ElementCells, results: &mut [f64]) -> Result<(), AssemblyError>;
 }
 
@@ -126,7 +126,7 @@ pub trait Computed: 'static {
     /// Runs them.
     ///
     /// # Errors
-    /// What the form or its data have to say.
+    /// Errors of the form or its data.
     fn run<F: Form<D>, S: Sizes, const D: usize>(
         kernel: &mut ElementKernel<F, S, D>,
         cells: &ElementCells,

@@ -29,10 +29,10 @@ pub struct Ready {
     batch: Box<dyn Batch>,
 }
 
-/// What a thread keeps between the calls of one symbol.
+/// State of a thread between the calls of one symbol.
 pub type Kept = RefCell<Option<Ready>>;
 
-/// What prepares a kernel for constants.
+/// Prepares a kernel for constants.
 pub type Prepare = fn(&[f64; CONSTANTS]) -> Result<(Lengths, Box<dyn Batch>), BatchError>;
 
 /// Runs the kernel of a symbol; says on standard error what failed, and fills A with NaN.

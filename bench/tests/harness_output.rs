@@ -1,4 +1,4 @@
-//! What the harness prints is read as it is meant.
+//! Parsing of the harness's output.
 
 use forms_bench::comparison::{ComparisonError, read_timings};
 

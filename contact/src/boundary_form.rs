@@ -3,7 +3,6 @@
 //! they approach the derivative of J_h ([`crate::shape_gradient`]) as the mesh is refined.
 
 use forms_fem::forms;
-use forms_fem::prelude::Given;
 
 /// Θ moves the boundary; only Θ·n counts. κ is div n. u and p are the displacement and an adjoint state.
 #[forms]
@@ -15,32 +14,9 @@ pub mod boundary_form {
     use crate::operators::linear_elastic::stress;
     use crate::operators::obstacle::{gamma, normal_displacement, penetration};
 
-    /// The data of [`crate::forms`], and u_D.
+    /// u_D, beside the data of [`crate::forms`].
+    #[extends(crate::nitsche::nitsche::Data)]
     pub struct Data {
-        /// λ, first Lamé parameter \[stress\].
-        pub lambda: Param,
-        /// μ, shear modulus \[stress\].
-        pub mu: Param,
-        /// γ₀ \[stress\]; γ = γ₀ / h_T.
-        pub gamma0: Param,
-        /// n_y, unit normal pointing into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, the initial gap \[length\].
-        #[doc(alias = "g")]
-        pub gap: Given<Scalar>,
-        /// f, force per volume.
-        #[doc(alias = "f")]
-        pub body_force: Given<Vector>,
-        /// g_N, force per area on the loaded boundary.
-        #[doc(alias = "g_N")]
-        pub traction: Given<Vector>,
-        /// F in the criterion's M(u) = F·u.
-        #[doc(alias = "F")]
-        pub criterion_force: Given<Vector>,
-        /// c in the criterion's N(u) = ½ c |u|².
-        #[doc(alias = "c")]
-        pub criterion_weight: Given<Scalar>,
         /// u_D, as a function of position near the clamped boundary.
         #[doc(alias = "u_D")]
         pub imposed: Given<Vector>,
@@ -115,23 +91,5 @@ pub mod boundary_form {
     /// ∫(Θ·n)(M + κ N + ∂_n N) on a free boundary: the part of its derivative without the adjoint state.
     pub fn explicit_on_free(u: State<Vector>, Theta: State<Vector>) -> Functional {
         integral(Free, dot(Theta, n) * explicit(u))
-    }
-}
-
-impl<const D: usize> boundary_form::Data<D> {
-    /// The data of a contact problem, and u_D (imposed) as a function of position near the clamped boundary.
-    pub fn of(data: &crate::forms::Data<D>, imposed: Given<[f64; D], D>) -> Self {
-        Self {
-            lambda: data.lambda,
-            mu: data.mu,
-            gamma0: data.gamma0,
-            obstacle_normal: data.obstacle_normal.clone(),
-            gap: data.gap.clone(),
-            body_force: data.body_force.clone(),
-            traction: data.traction.clone(),
-            criterion_force: data.criterion_force.clone(),
-            criterion_weight: data.criterion_weight.clone(),
-            imposed,
-        }
     }
 }

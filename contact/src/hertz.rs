@@ -15,8 +15,8 @@ use forms_fem::prelude::*;
 use forms_fem::space::SpaceError;
 use thiserror::Error;
 
+use crate::contact_problem::ContactProblem;
 use crate::forms;
-use crate::states::{ContactProblem, Regions};
 
 /// R, radius of cylinder and ball \[mm\].
 pub const RADIUS: f64 = 8.0;
@@ -41,7 +41,7 @@ pub const CONTACT_CELLS: &str = "contact cells";
 const CYLINDER_REACH: f64 = 1.2;
 const QUARTER_REACH: f64 = 0.75;
 
-/// Why a contact could not be set up.
+/// Errors of a contact's set-up.
 #[derive(Debug, Error)]
 pub enum HertzError {
     /// The mesh could not be made.
@@ -87,7 +87,7 @@ pub fn quarter_place(t: f64) -> f64 {
     QUARTER_WIDTH * OF_QUARTER.place(t)
 }
 
-/// What is pressed onto what in space.
+/// The pairs of bodies in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
     /// A ball with its centre at the origin, on the plane z = −R.
@@ -177,21 +177,17 @@ where
         constraints.fix_component(plane, component, |_| 0.0)?;
     }
     constraints.fix_component("top", D - 1, |_| -way)?;
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
         mu: YOUNG / (2.0 * (1.0 + POISSON)),
         theta: -1.0,
         gamma0: 10.0 * YOUNG,
-        extension: 0.0,
         obstacle_normal,
         gap,
-        body_force: Given::constant([0.0; D]),
-        traction: Given::constant([0.0; D]),
-        criterion_force: Given::constant([0.0; D]),
-        criterion_weight: Given::constant(0.0),
-    };
+    });
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(degree));
-    Ok(ContactProblem::new(assembler, &space, data, Regions::new("right", CONTACT), constraints)?)
+    let regions = forms::Regions::default().gamma_n("right").gamma_c(CONTACT);
+    Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)
 }
 
 /// Hertz's answer: the pressure p0 √(1 − r²/a²).
@@ -233,7 +229,7 @@ impl Hertz {
     where
         Dim: Dimension<D>,
     {
-        let pressure = forms::contact_pressure(&problem.data, u);
+        let pressure = problem.law.contact_pressure(u);
         let points = problem.assembler.at_quadrature_points(&pressure, Entity::Facets, CONTACT, 8)?;
         let (mut difference, mut whole) = (0.0, 0.0);
         for ((x, weight), value) in points.positions.iter().zip(&points.weights).zip(&points.values) {

@@ -8,11 +8,12 @@ use std::time::Instant;
 
 use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
-use forms_fem::solve::{LinearProblemError, SolverReport};
+use forms_fem::solve::SolverReport;
 use thiserror::Error;
 
+use crate::contact_problem::ContactProblem;
 use crate::forms;
-use crate::states::{Adjoint, ContactProblem, Regions};
+use crate::paper_law::Adjoint;
 use crate::threshold::required_gamma0;
 
 /// Inner radius \[cm\].
@@ -34,7 +35,7 @@ pub const CONTACT_CELLS: &str = "contact cells";
 /// Samples per facet at which the penetration is measured.
 pub const PENETRATION_SAMPLES: usize = 21;
 
-/// What may be varied.
+/// Parameters of the experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// n_r, cells across the thickness; 16 n_r around.
@@ -51,7 +52,7 @@ pub struct Settings {
     pub degree: usize,
     /// C in ξ = C √h_T of (41) \[MPa/√cm\].
     pub extension: f64,
-    /// How many threads assemble; results do not depend on it.
+    /// Number of threads that assemble; results do not depend on it.
     pub threads: Threads,
 }
 
@@ -70,7 +71,7 @@ impl Default for Settings {
     }
 }
 
-/// Why the cylinder could not be computed.
+/// Errors of the cylinder's computation.
 #[derive(Debug, Error)]
 pub enum CylinderError {
     /// A setting without meaning.
@@ -80,7 +81,7 @@ pub enum CylinderError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is asked of it.
+        /// The requirement.
         why: &'static str,
     },
     /// The mesh could not be made.
@@ -98,12 +99,15 @@ pub enum CylinderError {
     /// A form and its data do not fit.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
-    /// Newton's method stopped.
+    /// Newton's method stopped, or an adjoint problem was not solved.
     #[error(transparent)]
-    Newton(#[from] Box<NewtonError<AssemblyError>>),
-    /// An adjoint problem was not solved.
-    #[error("adjoint state: {0}")]
-    Adjoint(#[from] LinearProblemError),
+    Solve(Box<SolveError>),
+}
+
+impl From<SolveError> for CylinderError {
+    fn from(error: SolveError) -> Self {
+        CylinderError::Solve(Box::new(error))
+    }
 }
 
 impl Settings {
@@ -181,22 +185,23 @@ pub fn hollow_cylinder_on(
     constraints.fix("inner", |_| IMPOSED_DISPLACEMENT)?;
     let (lambda, mu) = settings.lame();
     let data = forms::Data {
-        lambda,
-        mu,
-        theta: settings.theta,
-        gamma0: settings.gamma0_over_young * settings.young,
         extension: settings.extension,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH, |_| [0.0, 1.0]),
-        body_force: Given::constant([0.0, 0.0]),
-        traction: Given::constant([0.0, 0.0]),
         criterion_force: Given::constant(CRITERION_FORCE),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda,
+            mu,
+            theta: settings.theta,
+            gamma0: settings.gamma0_over_young * settings.young,
+            obstacle_normal: Given::constant([0.0, -1.0]),
+            gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH, |_| [0.0, 1.0]),
+        }
+        .into()
     };
     let assembler = Assembler::new(mesh)
         .with_quadrature(Quadrature::Degree(settings.degree))
         .with_threads(settings.threads);
-    Ok(ContactProblem::new(assembler, &space, data, Regions::new("outer", CONTACT), constraints)?)
+    let regions = forms::Regions::default().gamma_n("outer").gamma_c(CONTACT);
+    Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)
 }
 
 /// The solution with everything the paper measures. Stresses in MPa, forces in MPa·cm, lengths in cm.
@@ -226,7 +231,7 @@ pub struct CylinderSolution {
     pub required_gamma0: f64,
     /// Seconds per stage.
     pub seconds: Seconds,
-    /// What the linear solver did.
+    /// Report of the linear solver.
     pub solver: SolverReport,
 }
 
@@ -245,14 +250,21 @@ pub struct Seconds {
     pub adjoint: f64,
 }
 
-/// Solves the direct problem and the three adjoint problems. `progress` hears of every Newton iterate and
-/// of each further stage.
+/// Solves the direct problem and the three adjoint problems.
 ///
 /// # Errors
 /// [`CylinderError`], with Newton's history where Newton failed.
-pub fn solve(
+pub fn solve(settings: &Settings) -> Result<CylinderSolution, CylinderError> {
+    solve_with_progress(settings, |_| ())
+}
+
+/// [`solve`] with a function that is called with every Newton iterate and at each further stage.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_with_progress(
     settings: &Settings,
-    progress: &mut dyn FnMut(Progress),
+    mut progress: impl FnMut(Progress),
 ) -> Result<CylinderSolution, CylinderError> {
     let start = Instant::now();
     let problem = hollow_cylinder(settings)?;
@@ -260,32 +272,29 @@ pub fn solve(
     let mut seconds = Seconds { setup: start.elapsed().as_secs_f64(), ..Seconds::default() };
     let options = TangentSolverOptions { threads: settings.threads, ..TangentSolverOptions::default() };
     let mut solver = CondensedSolver::new(options);
-    let direct = problem
-        .solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| progress(Progress::Newton(step)))
-        .map_err(Box::new)?;
+    let told = |step: &NewtonStep| progress(Progress::Newton(step));
+    let direct = problem.direct()?.solver(&mut solver).each_step(told).solve()?;
     seconds.assembly = direct.assembly_seconds;
     seconds.newton_total = direct.seconds;
     seconds.factorisation = solver.report().analysis_seconds + solver.report().factorisation_seconds;
-    let u = direct.result.field;
+    let (u, history) = (direct.field().clone(), direct.history);
     let mut adjoint = |which: Adjoint, name: &'static str| -> Result<Field<2>, CylinderError> {
         progress(Progress::Stage(name));
         let state = problem.solve_adjoint(which, &u, &mut solver)?;
         seconds.adjoint += state.seconds;
-        Ok(state.result)
+        Ok(state.into_field())
     };
     let p_consistent = adjoint(Adjoint::Consistent, "consistent adjoint (22)")?;
     let p_extended = adjoint(Adjoint::Extended, "extended adjoint (41)")?;
     let p_discrete = adjoint(Adjoint::Discrete, "discrete adjoint (21)")?;
-    let Regions { omega, gamma_c, boundary, .. } = &problem.regions;
-    let (assembler, data) = (&problem.assembler, &problem.data);
-    let criterion = assembler.functional(&forms::criterion(data, omega, boundary, &u), &[])?;
-    let contact_force = assembler.functional(&forms::contact_force(data, gamma_c, &u), &[])?;
-    let contact_length = assembler.functional(&forms::contact_length(data, gamma_c, &u), &[])?;
-    let samples =
-        assembler.along_facets_uniformly(&forms::penetration(data, &u), CONTACT, PENETRATION_SAMPLES)?;
+    let (assembler, law) = (&problem.assembler, &problem.law);
+    let criterion = assembler.functional(&law.criterion(&u))?;
+    let contact_force = assembler.functional(&law.contact_force(&u))?;
+    let contact_length = assembler.functional(&law.contact_length(&u))?;
+    let samples = assembler.along_facets_uniformly(&law.penetration(&u), CONTACT, PENETRATION_SAMPLES)?;
     let max_penetration = samples.iter().map(|sample| sample.value[0]).fold(f64::NEG_INFINITY, f64::max);
     Ok(CylinderSolution {
-        history: direct.result.history,
+        history,
         criterion,
         contact_force,
         contact_length,
@@ -301,7 +310,7 @@ pub fn solve(
     })
 }
 
-/// What [`solve`] tells while it works.
+/// Progress of [`solve`].
 #[derive(Clone, Copy, Debug)]
 pub enum Progress<'a> {
     /// A Newton iterate.

@@ -6,30 +6,12 @@ use forms_fem::forms;
 /// J(u) = load ℓ(u) + ∫_ΓC (square \[·\]₋² + linear \[·\]₋), with the contact pressure \[σ_n − γ(u_n − g)\]₋.
 #[forms]
 pub mod load_and_pressure {
+    pub use crate::nitsche::nitsche::{GammaC, GammaN, Omega};
     use crate::nitsche::nitsche::{contact_pressure, direct};
 
-    /// The data of the direct problem of [`crate::forms`], and the weights of J.
+    /// The weights of J, beside the data of the direct problem of [`crate::forms`].
+    #[extends(crate::nitsche::nitsche::Data)]
     pub struct Data {
-        /// λ, first Lamé parameter \[stress\].
-        pub lambda: Param,
-        /// μ, shear modulus \[stress\].
-        pub mu: Param,
-        /// θ of Nitsche's method.
-        pub theta: Param,
-        /// γ₀ \[stress\]; γ = γ₀ / h_T.
-        pub gamma0: Param,
-        /// n_y, unit normal pointing into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, the initial gap \[length\].
-        #[doc(alias = "g")]
-        pub gap: Given<Scalar>,
-        /// f, force per volume.
-        #[doc(alias = "f")]
-        pub body_force: Given<Vector>,
-        /// g_N, force per area on Γ_N.
-        #[doc(alias = "g_N")]
-        pub traction: Given<Vector>,
         /// Weight of ℓ(u).
         pub load: Param,
         /// Weight of ∫ \[·\]₋².
@@ -37,16 +19,6 @@ pub mod load_and_pressure {
         /// Weight of ∫ \[·\]₋.
         pub linear: Param,
     }
-
-    /// Ω.
-    #[cells]
-    pub struct Omega;
-    /// Γ_N.
-    #[facets]
-    pub struct GammaN;
-    /// Γ_C.
-    #[facets]
-    pub struct GammaC;
 
     /// J.
     #[doc(alias = "J")]
@@ -66,7 +38,7 @@ pub mod load_and_pressure {
         derivative(criterion(u) + direct(u, p), shape, Theta)
     }
 
-    /// What the diameters h_T in γ = γ₀ / h_T contribute, per cell and unit of growth.
+    /// The contribution of the diameters h_T in γ = γ₀ / h_T, per cell and unit of growth.
     pub fn diameter_gradient(u: State<Vector>, p: State<Vector>, growth: Test<Scalar>) -> Form {
         derivative(criterion(u) + direct(u, p), h, growth)
     }

@@ -10,10 +10,10 @@ use forms_fem::forms;
 #[forms]
 pub mod nitsche {
     pub use crate::operators::linear_elastic::{stress, von_mises};
-    use crate::operators::obstacle::gamma;
     pub use crate::operators::obstacle::{current_gap, normal_displacement, penetration};
+    use crate::operators::obstacle::{gamma, nitsche_test};
 
-    /// Data of all forms.
+    /// Data of all forms. No load acts and no criterion weighs unless they are given.
     pub struct Data {
         /// λ, first Lamé parameter \[stress\].
         pub lambda: Param,
@@ -25,6 +25,7 @@ pub mod nitsche {
         pub gamma0: Param,
         /// C in ξ = C √h_T of the extended-Neumann adjoint (41); only `extended_adjoint` reads it.
         #[doc(alias = "C")]
+        #[default(0)]
         pub extension: Param,
         /// n_y, unit normal pointing into the obstacle.
         #[doc(alias = "n_y")]
@@ -34,15 +35,19 @@ pub mod nitsche {
         pub gap: Given<Scalar>,
         /// f, force per volume.
         #[doc(alias = "f")]
+        #[default(0)]
         pub body_force: Given<Vector>,
         /// g_N, force per area on Γ_N.
         #[doc(alias = "g_N")]
+        #[default(0)]
         pub traction: Given<Vector>,
         /// F in the criterion's M(u) = F·u.
         #[doc(alias = "F")]
+        #[default(0)]
         pub criterion_force: Given<Vector>,
         /// c in the criterion's N(u) = ½ c |u|²; zero where N does not act.
         #[doc(alias = "c")]
+        #[default(0)]
         pub criterion_weight: Given<Scalar>,
     }
 
@@ -68,14 +73,14 @@ pub mod nitsche {
 
     /// σ_n(w) − γ (w_n − g); −β_h of the paper.
     #[doc(alias = "P")]
-    fn nitsche_pressure(w: Vector) -> Scalar {
+    fn augmented_stress(w: Vector) -> Scalar {
         normal_stress(w) - gamma() * penetration(w)
     }
 
     /// β_h = −σ_n(w) + γ (w_n − g): contact where positive.
     #[doc(alias = "β_h")]
     pub fn contact_indicator(w: Vector) -> Scalar {
-        -nitsche_pressure(w)
+        -augmented_stress(w)
     }
 
     /// β_h − ξ, ξ = C √h_T: positive in the contact zone of (41).
@@ -85,13 +90,7 @@ pub mod nitsche {
 
     /// \[σ_n(w) − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
     pub fn contact_pressure(w: Vector) -> Scalar {
-        neg_part(nitsche_pressure(w))
-    }
-
-    /// θ σ_n(w) − γ w_n.
-    #[doc(alias = "P_θ")]
-    fn tested(w: Vector) -> Scalar {
-        theta * normal_stress(w) - gamma() * normal_displacement(w)
+        neg_part(augmented_stress(w))
     }
 
     /// a(u, v) = ∫ σ(u):ε(v).
@@ -106,7 +105,7 @@ pub mod nitsche {
             - integral(Omega, dot(body_force, v))
             - integral(GammaN, dot(traction, v))
             - integral(GammaC, theta / gamma() * normal_stress(u) * normal_stress(v))
-            - integral(GammaC, neg_part(nitsche_pressure(u)) / gamma() * tested(v))
+            - integral(GammaC, neg_part(augmented_stress(u)) / gamma() * nitsche_test(normal_stress(v), v))
     }
 
     /// M(u) = F·u.
@@ -150,7 +149,7 @@ pub mod nitsche {
         derivative(criterion(u) + direct(u, p), shape, Theta)
     }
 
-    /// What the diameters h_T in γ = γ₀ / h_T contribute, per cell and unit of growth.
+    /// The contribution of the diameters h_T in γ = γ₀ / h_T, per cell and unit of growth.
     pub fn diameter_gradient(u: State<Vector>, p: State<Vector>, growth: Test<Scalar>) -> Form {
         derivative(direct(u, p), h, growth)
     }
@@ -162,7 +161,9 @@ pub mod nitsche {
         elasticity(p, q) - integral(GammaC, theta / gamma() * (normal_stress(p) + slope) * normal_stress(q))
             + integral(
                 GammaC,
-                contact / gamma() * (normal_stress(p) + slope - gamma() * normal_displacement(p)) * tested(q),
+                contact / gamma()
+                    * (normal_stress(p) + slope - gamma() * normal_displacement(p))
+                    * nitsche_test(normal_stress(q), q),
             )
             + derivative(criterion(u), u, q)
     }

@@ -97,15 +97,8 @@ pub mod linear_elastic {
 /// rotations and small strains; it softens without bound in compression.
 #[forms]
 pub mod st_venant_kirchhoff {
+    pub use super::linear_elastic::Data;
     use super::strains::{deformation_gradient, green_lagrange};
-
-    /// Lamé's parameters.
-    pub struct Data {
-        /// λ \[stress\].
-        pub lambda: Param,
-        /// μ, shear modulus \[stress\].
-        pub mu: Param,
-    }
 
     /// W = μ E:E + λ/2 (tr E)², per reference volume.
     pub fn energy_density(u: Vector) -> Scalar {
@@ -130,15 +123,8 @@ pub mod st_venant_kirchhoff {
 /// The compressible neo-Hookean material with W = μ/2 (tr C − D − 2 ln J) + λ/2 (ln J)²; in two dimensions plane strain.
 #[forms]
 pub mod neo_hookean {
+    pub use super::linear_elastic::Data;
     use super::strains::deformation_gradient;
-
-    /// Lamé's parameters at small strains.
-    pub struct Data {
-        /// λ \[stress\].
-        pub lambda: Param,
-        /// μ, shear modulus \[stress\].
-        pub mu: Param,
-    }
 
     #[doc(alias = "W")]
     fn density(F: Tensor) -> Scalar {

@@ -8,13 +8,13 @@ use forms_fem::prelude::*;
 use forms_fem::space::SpaceError;
 use thiserror::Error;
 
-use crate::forms;
-use crate::states::ContactProblem;
+use crate::contact_problem::ContactProblem;
+use crate::law::WithShapeGradient;
 
-/// What h_T in γ = γ₀ / h_T is while the shape moves.
+/// The convention for h_T in γ = γ₀ / h_T while the shape moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Diameters {
-    /// What it was before: γ is a number per cell.
+    /// h_T stays as it was: γ is a number per cell.
     Frozen,
     /// The diameter of the moved cell.
     Moving,
@@ -32,7 +32,7 @@ pub struct ShapeGradient<const D: usize> {
     pub values: Vec<f64>,
 }
 
-/// Why there is no shape gradient.
+/// Errors of shape gradients.
 #[derive(Debug, Error)]
 pub enum ShapeError {
     /// Data that do not fit; a function of position without its gradient, by name.
@@ -74,7 +74,7 @@ impl<const D: usize> ShapeGradient<D> {
     }
 }
 
-impl<const D: usize> ContactProblem<D> {
+impl<const D: usize, L: WithShapeGradient<D>> ContactProblem<D, L> {
     /// The volume form of the shape derivative at a displacement u and an adjoint state p that vanishes on Γ_D. Data are
     /// fixed in space: functions of position need their gradients (`Given::function_with_gradient`). If u_D depends on
     /// x, its nodal values change by ∇u_D Θ where Γ_D moves, and `imposed` says how; without it they are kept.
@@ -87,33 +87,13 @@ impl<const D: usize> ContactProblem<D> {
         p: &Field<D>,
         diameters: Diameters,
         imposed: Option<ImposedSlope<D>>,
-    ) -> Result<ShapeGradient<D>, ShapeError>
-    where
-        Dim: Dimension<D>,
-    {
-        let (assembler, regions) = (&self.assembler_at(u)?, &self.regions);
+    ) -> Result<ShapeGradient<D>, ShapeError> {
+        let assembler = &self.assembler_at(u)?;
         let movements = Space::of_geometry(assembler.mesh())?;
-        let form = forms::shape_gradient(
-            &self.data,
-            &regions.omega,
-            &regions.gamma_n,
-            &regions.gamma_c,
-            &regions.boundary,
-            u,
-            p,
-        );
-        let mut values = assembler.residual(&form, &[], &[&movements])?;
+        let mut values = assembler.linear_form(&self.law.shape_gradient(u, p), &movements)?;
         if diameters == Diameters::Moving {
             let cells = Space::discontinuous_scalar(assembler.mesh(), 0)?;
-            let form = forms::diameter_gradient(
-                &self.data,
-                &regions.omega,
-                &regions.gamma_n,
-                &regions.gamma_c,
-                u,
-                p,
-            );
-            let per_cell = assembler.residual(&form, &[], &[&cells])?;
+            let per_cell = assembler.linear_form(&self.law.diameter_gradient(u, p), &cells)?;
             add(&mut values, &diameters_to_movements(&movements, &per_cell)?);
         }
         if let Some(slope) = imposed {
@@ -129,20 +109,8 @@ impl<const D: usize> ContactProblem<D> {
         p: &Field<D>,
         slope: ImposedSlope<D>,
         movements: &Arc<Space<D>>,
-    ) -> Result<Vec<f64>, ShapeError>
-    where
-        Dim: Dimension<D>,
-    {
-        let regions = &self.regions;
-        let form = forms::discrete_adjoint(
-            &self.data,
-            &regions.omega,
-            &regions.gamma_n,
-            &regions.gamma_c,
-            &regions.boundary,
-            u,
-        );
-        let reaction = self.assembler_at(u)?.residual(&form, &[p], &[&self.space])?;
+    ) -> Result<Vec<f64>, ShapeError> {
+        let reaction = self.assembler_at(u)?.residual(&self.law.adjoint(u), &[p], &[&self.space])?;
         let mut by_axis = vec![vec![0.0; self.space.node_count()]; D];
         for &unknown in self.constraints.prescribed().keys() {
             let (node, component) = (unknown / D, unknown % D);
@@ -163,7 +131,7 @@ impl<const D: usize> ContactProblem<D> {
         for (axis, sums) in by_axis.iter().enumerate() {
             let shares = embedding
                 .multiply_transposed(sums)
-                .map_err(|source| AssemblyError::LinearAlgebra { form: "discrete_adjoint", source })?;
+                .map_err(|source| AssemblyError::LinearAlgebra { form: "adjoint", source })?;
             for (node, share) in shares.into_iter().enumerate() {
                 values[node * D + axis] += share;
             }

@@ -1,18 +1,19 @@
-//! Contact problems whose shape is to be improved: what a descent of `forms_fem::shape_optimisation` asks of them.
+//! Contact problems as shape optimisation problems, for `forms_fem::shape_optimisation`.
 
 use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
-    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, outline, outline_derivative,
+    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, perimeter, perimeter_derivative,
 };
 
 use crate::boundary_form::boundary_form;
-use crate::forms;
+use crate::contact_problem::ContactProblem;
+use crate::forms::Regions;
 use crate::load_and_pressure::load_and_pressure;
+use crate::paper_law::{Adjoint, ThetaPath};
 use crate::shape_gradient::Diameters;
-use crate::states::{Adjoint, ContactProblem, ThetaPath};
 
-/// What is to become small.
+/// Objective functionals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// (3), with the data's M and N.
@@ -21,7 +22,7 @@ pub enum Criterion {
     Compliance,
     /// L ∫p²/(∫p)² of the contact pressure p: 1 where it is constant over a length (or area) L, less where it is spread
     /// over more. It does not depend on the force.
-    Unevenness {
+    PressureVariation {
         /// L.
         over: f64,
     },
@@ -36,20 +37,20 @@ pub enum GradientForm {
     Boundary,
 }
 
-/// What holds the volume.
+/// Control of the volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum VolumeRule {
     /// V = V₀.
     Constraint(Volume),
     /// λ V is added to the criterion \[criterion/volume\].
-    Price(f64),
+    Penalty(f64),
 }
 
 /// A contact problem on a shape that may change.
 pub struct ContactShape<F> {
     /// The problem on a mesh: the same for all shapes.
     pub problem: F,
-    /// What is to become small.
+    /// The objective.
     pub criterion: Criterion,
     /// The adjoint state: (21) for all criteria; (22) or (41) for the paper's.
     pub adjoint: Adjoint,
@@ -59,14 +60,10 @@ pub struct ContactShape<F> {
     pub volume: VolumeRule,
     /// Γ_m, without load and contact.
     pub moving: String,
-    /// What a unit of Γ_m's length (area) adds to the criterion: it keeps boundaries from becoming rough.
-    pub outline_price: f64,
+    /// Penalty per length (area) of Γ_m, added to the criterion: it regularises the boundary.
+    pub perimeter_penalty: f64,
     /// Boundaries that stay.
     pub fixed: Vec<String>,
-    /// Γ_N.
-    pub gamma_n: String,
-    /// Γ_C.
-    pub gamma_c: String,
 }
 
 /// A contact problem that was solved on a shape.
@@ -75,7 +72,7 @@ pub struct ContactState<const D: usize> {
     pub problem: ContactProblem<D>,
     /// u_h of (14).
     pub u: Field<D>,
-    /// The criterion alone, without what volume and outline cost.
+    /// The criterion alone, without the penalties of volume and perimeter.
     pub criterion: f64,
     /// ∫p, the resultant of the contact pressure, and ∫p²; none for criteria that do not ask for them.
     pub pressure: Option<[f64; 2]>,
@@ -86,7 +83,7 @@ impl<F> ContactShape<F> {
     /// Whether criterion, adjoint state and formula go together.
     ///
     /// # Errors
-    /// What does not, and why.
+    /// The pair that does not, and why.
     pub fn check(&self) -> Result<(), Failure> {
         if self.criterion == Criterion::Paper {
             return match (self.adjoint, self.gradient) {
@@ -103,50 +100,19 @@ impl<F> ContactShape<F> {
         }
     }
 
-    /// The form's data with the weights of the load, of p² and of p.
-    fn weighted<const D: usize>(
-        problem: &ContactProblem<D>,
-        weights: [f64; 3],
-    ) -> load_and_pressure::Data<D> {
-        let (data, [load, square, linear]) = (&problem.data, weights);
-        load_and_pressure::Data {
-            lambda: data.lambda,
-            mu: data.mu,
-            theta: data.theta,
-            gamma0: data.gamma0,
-            obstacle_normal: data.obstacle_normal.clone(),
-            gap: data.gap.clone(),
-            body_force: data.body_force.clone(),
-            traction: data.traction.clone(),
-            load,
-            square,
-            linear,
-        }
-    }
-
-    fn regions(&self) -> (load_and_pressure::Omega, load_and_pressure::GammaN, load_and_pressure::GammaC) {
-        (
-            load_and_pressure::Omega::on(forms_fem::mesh::EVERYWHERE),
-            load_and_pressure::GammaN::on(self.gamma_n.clone()),
-            load_and_pressure::GammaC::on(self.gamma_c.clone()),
-        )
-    }
-
     /// load ℓ(u) + ∫ (square p² + linear p).
     fn functional<const D: usize>(
         &self,
         problem: &ContactProblem<D>,
         u: &Field<D>,
-        weights: [f64; 3],
+        [load, square, linear]: [f64; 3],
     ) -> Result<f64, AssemblyError>
     where
         Dim: Dimension<D>,
     {
-        let (omega, gamma_n, gamma_c) = self.regions();
-        let data = Self::weighted(problem, weights);
-        problem
-            .assembler_at(u)?
-            .functional(&load_and_pressure::criterion(&data, &omega, &gamma_n, &gamma_c, u), &[])
+        let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
+        let data = load_and_pressure::Data { base: problem.law.data.clone(), load, square, linear };
+        problem.assembler_at(u)?.functional(&load_and_pressure::criterion(&data, omega, gamma_n, gamma_c, u))
     }
 
     /// The derivative of load ℓ(u) + ∫ (square p² + linear p), with its adjoint state solved for.
@@ -154,24 +120,23 @@ impl<F> ContactShape<F> {
         &self,
         movements: &Arc<Space<D>>,
         state: &mut ContactState<D>,
-        weights: [f64; 3],
+        [load, square, linear]: [f64; 3],
     ) -> Result<Vec<f64>, Failure>
     where
         Dim: Dimension<D>,
     {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
-        let (omega, gamma_n, gamma_c) = self.regions();
-        let data = Self::weighted(problem, weights);
+        let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
+        let data = load_and_pressure::Data { base: problem.law.data.clone(), load, square, linear };
         let assembler = problem.assembler_at(u)?;
-        let form = load_and_pressure::adjoint(&data, &omega, &gamma_n, &gamma_c, u);
-        let p = FormProblem::new(&form, &assembler, &problem.space)?
-            .solve_affine(&problem.constraints.homogeneous(), solver)?;
-        let form = load_and_pressure::shape_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
-        let mut gradient = assembler.residual(&form, &[], &[movements])?;
-        let form = load_and_pressure::diameter_gradient(&data, &omega, &gamma_n, &gamma_c, u, &p);
+        let form = load_and_pressure::adjoint(&data, omega, gamma_n, gamma_c, u);
+        let p = problem.state(form, u)?.solver(solver).solve()?.into_field();
+        let form = load_and_pressure::shape_gradient(&data, omega, gamma_n, gamma_c, u, &p);
+        let mut gradient = assembler.linear_form(&form, movements)?;
+        let form = load_and_pressure::diameter_gradient(&data, omega, gamma_n, gamma_c, u, &p);
         let cells = Space::discontinuous_scalar(movements.mesh(), 0)?;
-        let per_cell = assembler.residual(&form, &[], &[&cells])?;
+        let per_cell = assembler.linear_form(&form, &cells)?;
         add(&mut gradient, 1.0, &diameters_to_movements(movements, &per_cell)?);
         Ok(gradient)
     }
@@ -187,15 +152,15 @@ impl<F> ContactShape<F> {
     {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
-        let p = problem.solve_adjoint(self.adjoint, u, solver)?.result;
+        let p = problem.solve_adjoint(self.adjoint, u, solver)?.into_field();
         if self.gradient == GradientForm::Volume {
             return Ok(problem.shape_gradient(u, &p, Diameters::Moving, None)?.values);
         }
         // A free boundary asks for no imposed displacement.
-        let data = boundary_form::Data::of(&problem.data, Given::constant([0.0; D]));
+        let data = boundary_form::Data { base: problem.law.data.clone(), imposed: Given::constant([0.0; D]) };
         let free = boundary_form::Free::on(self.moving.clone());
         let form = boundary_form::gradient_on_free(&data, &free, u, &p);
-        Ok(problem.assembler.residual(&form, &[], &[movements])?)
+        Ok(problem.assembler.linear_form(&form, movements)?)
     }
 }
 
@@ -210,24 +175,23 @@ where
         self.check()?;
         let problem = (self.problem)(mesh)?;
         let mut solver = CondensedSolver::default();
-        let options = NewtonOptions::default();
-        let u = match problem.solve_direct(&mut solver, &options, &mut |_| ()) {
-            Ok(solved) => solved.result.field,
+        let solved = problem.direct()?.solver(&mut solver).solve();
+        let u = match solved {
+            Ok(solved) => solved.into_field(),
             // A hard start: by way of the variant that has a potential.
             Err(_) => {
                 let path = ThetaPath::default();
-                problem.solve_direct_through(path, &mut solver, &options, &mut |_, _| ())?.state
+                let options = NewtonOptions::default();
+                problem.solve_through(path, &mut solver, &options, |_, _| ())?.state
             }
         };
         let (mut criterion, mut pressure) = (0.0, None);
         match self.criterion {
             Criterion::Paper => {
-                let regions = &problem.regions;
-                let form = forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
-                criterion += problem.assembler.functional(&form, &[])?;
+                criterion += problem.assembler.functional(&problem.law.criterion(&u))?;
             }
             Criterion::Compliance => criterion += self.functional(&problem, &u, [1.0, 0.0, 0.0])?,
-            Criterion::Unevenness { over } => {
+            Criterion::PressureVariation { over } => {
                 let force = self.functional(&problem, &u, [0.0, 0.0, 1.0])?;
                 let square = self.functional(&problem, &u, [0.0, 1.0, 0.0])?;
                 if force <= 0.0 {
@@ -240,11 +204,11 @@ where
             }
         }
         let alone = criterion;
-        criterion += self.outline_price * outline(mesh, &self.moving)?;
+        criterion += self.perimeter_penalty * perimeter(mesh, &self.moving)?;
         let constraint = match self.volume {
             VolumeRule::Constraint(volume) => Some(volume.value(mesh)?),
-            VolumeRule::Price(price) => {
-                criterion += price * measured_volume(mesh)?;
+            VolumeRule::Penalty(weight) => {
+                criterion += weight * measured_volume(mesh)?;
                 None
             }
         };
@@ -259,7 +223,7 @@ where
     ) -> Result<Derivatives, Failure> {
         let mut criterion = match (self.criterion, state.pressure) {
             (Criterion::Paper, _) => self.gradient_of_papers(movements, state)?,
-            (Criterion::Unevenness { over }, Some([force, square])) => {
+            (Criterion::PressureVariation { over }, Some([force, square])) => {
                 // The chain rule: L ∫p²/(∫p)² by ∫p² and by ∫p.
                 let by_square = over / (force * force);
                 let by_force = -2.0 * over * square / (force * force * force);
@@ -267,19 +231,19 @@ where
             }
             _ => self.gradient_of(movements, state, [1.0, 0.0, 0.0])?,
         };
-        add(&mut criterion, self.outline_price, &outline_derivative(movements, &self.moving)?);
+        add(&mut criterion, self.perimeter_penalty, &perimeter_derivative(movements, &self.moving)?);
         let constraint = match self.volume {
             VolumeRule::Constraint(volume) => Some(volume.derivative(movements)?),
-            VolumeRule::Price(price) => {
+            VolumeRule::Penalty(weight) => {
                 let by_volume = Volume { target: 1.0 }.derivative(movements)?;
-                add(&mut criterion, price, &by_volume);
+                add(&mut criterion, weight, &by_volume);
                 None
             }
         };
         Ok(Derivatives { criterion, constraint })
     }
 
-    fn hold(&self, movements: &mut Constraints<D>) -> Result<(), Failure> {
+    fn fix(&self, movements: &mut Constraints<D>) -> Result<(), Failure> {
         for region in &self.fixed {
             movements.fix(region, |_| [0.0; D])?;
         }

@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 use forms_fem::prelude::*;
 use nalgebra::{DMatrix, SymmetricEigen};
 
+use crate::contact_problem::ContactProblem;
 use crate::forms;
-use crate::states::ContactProblem;
 
 /// Eigenvalues of ∫_T σ:ε below this part of the largest belong to rigid motions.
 const RIGID: f64 = 1e-10;
 
-/// What Nitsche's method asks of γ₀ on a mesh.
+/// The threshold of γ₀ for Nitsche's method on a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
     /// The γ₀ \[stress\] at which s = 1 on the worst contact cell; zero for θ = −1, which has no threshold.
@@ -66,15 +66,15 @@ pub fn threshold<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    let (gamma0, theta) = (problem.data.gamma0, problem.data.theta);
+    let (gamma0, theta) = (problem.law.data.gamma0, problem.law.data.theta);
     let factor = (1.0 + theta).powi(2) / 4.0;
     if factor == 0.0 {
         return Ok(Threshold { required: 0.0, gamma0, theta, worst: None });
     }
     let zero = Field::zero(&problem.space);
     let (unknowns, tests) = ([&zero], [&problem.space]);
-    let product = forms::normal_stress_product(&problem.data, &problem.regions.gamma_c);
-    let energy = forms::elasticity(&problem.data, &forms::Omega::on(contact_cells));
+    let product = problem.law.normal_stress_product();
+    let energy = forms::elasticity(&problem.law.data, &forms::Omega::on(contact_cells));
     let energies: BTreeMap<u32, DMatrix<f64>> = problem
         .assembler
         .element_matrices(&energy, &unknowns, &tests)?
@@ -101,7 +101,7 @@ where
             return Err(AssemblyError::CellOfFacet {
                 form: "normal_stress_product",
                 cells: contact_cells.to_owned(),
-                facets: problem.regions.gamma_c.0.name.clone(),
+                facets: problem.law.regions.gamma_c.0.name.clone(),
                 position: centre,
             });
         };

@@ -3,7 +3,7 @@
 
 use forms_contact::hollow_cylinder::{CONTACT, Settings, hollow_cylinder_on};
 use forms_contact::shape_problem::{ContactShape, ContactState, Criterion, GradientForm, VolumeRule};
-use forms_contact::states::{Adjoint, ContactProblem};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::mesh::PerforatedAnnulus;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, ShapeProblem, Values, Volume, measured_volume};
@@ -13,10 +13,10 @@ type ProblemOn = fn(&Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure>;
 /// The paper's cylinder with holes, whose upper outside is loaded, too.
 fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
     let mut problem = hollow_cylinder_on(mesh, &Settings::default())?;
-    problem.data.traction =
+    problem.law.data.traction =
         Given::function_with_gradient(|x| [0.01 * x[0], -0.2], |_| [[0.01, 0.0], [0.0; 2]]);
-    problem.data.body_force = Given::constant([0.02, -0.01]);
-    problem.regions.gamma_n = forms_contact::forms::GammaN::on("above");
+    problem.law.data.body_force = Given::constant([0.02, -0.01]);
+    problem.law.regions.gamma_n = forms_contact::forms::GammaN::on("above");
     Ok(problem)
 }
 
@@ -56,16 +56,14 @@ fn shape(
         gradient,
         volume,
         moving: "holes".into(),
-        outline_price: 0.2,
+        perimeter_penalty: 0.2,
         fixed: vec!["inner".into(), "outer".into()],
-        gamma_n: "above".into(),
-        gamma_c: CONTACT.into(),
     }
 }
 
 fn active(state: &ContactState<2>) -> Option<Vec<u32>> {
     let problem = &state.problem;
-    problem.assembler.active_set(&problem.direct_form(), &[&state.u]).unwrap()
+    problem.assembler.active_set(&problem.law.direct(), &[&state.u]).unwrap()
 }
 
 #[test]
@@ -83,8 +81,8 @@ fn derivatives_are_those_of_what_is_computed() {
     for (criterion, volume) in [
         (Criterion::Paper, constraint),
         (Criterion::Compliance, constraint),
-        (Criterion::Unevenness { over: 10.0 }, constraint),
-        (Criterion::Compliance, VolumeRule::Price(-0.3)),
+        (Criterion::PressureVariation { over: 10.0 }, constraint),
+        (Criterion::Compliance, VolumeRule::Penalty(-0.3)),
     ] {
         let problem = shape(criterion, Adjoint::Discrete, GradientForm::Volume, volume);
         let mut values = problem.solve(&mesh).unwrap();
@@ -122,7 +120,7 @@ fn derivatives_are_those_of_what_is_computed() {
                     derivative.iter().zip(along.values()).map(|(by, along)| (by * along).abs()).sum();
                 assert!((exact - differences).abs() < 1e-10 * scale, "{exact} and {differences}, {scale}");
             }
-            (VolumeRule::Price(_), None) => assert!(values.constraint.is_none()),
+            (VolumeRule::Penalty(_), None) => assert!(values.constraint.is_none()),
             _ => panic!("a constraint where there is none, or none where there is one"),
         }
     }
@@ -132,7 +130,7 @@ fn derivatives_are_those_of_what_is_computed() {
 /// criterion as cells become smaller.
 #[test]
 fn the_boundary_form_is_near_the_volume_form_on_holes() {
-    let volume = VolumeRule::Price(0.0);
+    let volume = VolumeRule::Penalty(0.0);
     let exact = shape(Criterion::Paper, Adjoint::Discrete, GradientForm::Volume, volume);
     let papers = shape(Criterion::Paper, Adjoint::Consistent, GradientForm::Boundary, volume);
     // A smooth movement of what is near the holes alone.
@@ -162,20 +160,20 @@ fn the_boundary_form_is_near_the_volume_form_on_holes() {
 
 #[test]
 fn criteria_without_their_adjoint_are_refused() {
-    let volume = VolumeRule::Price(0.0);
+    let volume = VolumeRule::Penalty(0.0);
     let refused = |criterion, adjoint, gradient| {
         shape(criterion, adjoint, gradient, volume).check().err().map(|error| error.to_string())
     };
-    let uneven = Criterion::Unevenness { over: 10.0 };
+    let variation = Criterion::PressureVariation { over: 10.0 };
     assert_eq!(refused(Criterion::Paper, Adjoint::Discrete, GradientForm::Boundary), None);
     assert_eq!(refused(Criterion::Paper, Adjoint::Extended, GradientForm::Boundary), None);
-    assert_eq!(refused(uneven, Adjoint::Discrete, GradientForm::Volume), None);
+    assert_eq!(refused(variation, Adjoint::Discrete, GradientForm::Volume), None);
     let message = refused(Criterion::Paper, Adjoint::Consistent, GradientForm::Volume).unwrap();
     assert!(message.contains("needs the adjoint (21)"), "{message}");
     for (adjoint, gradient) in
         [(Adjoint::Consistent, GradientForm::Volume), (Adjoint::Discrete, GradientForm::Boundary)]
     {
-        let message = refused(uneven, adjoint, gradient).unwrap();
+        let message = refused(variation, adjoint, gradient).unwrap();
         assert!(message.contains("cover the paper's criterion (3) alone"), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! What can go wrong in PETSc, and on other processes.
+//! Errors in PETSc, and on other processes.
 
 use forms_fem::linear_algebra::LinearAlgebraError;
 use forms_fem::solve::SolverError;
@@ -13,7 +13,7 @@ pub enum PetscError {
         function: &'static str,
         /// Its `PetscErrorCode`.
         code: i32,
-        /// What PETSc says of it.
+        /// PETSc's message.
         message: String,
     },
     /// [`crate::World`] was made twice.
@@ -32,7 +32,7 @@ pub enum PetscError {
     TooMany {
         /// Of what.
         what: &'static str,
-        /// How many.
+        /// Their number.
         count: usize,
     },
 }
@@ -45,14 +45,14 @@ impl From<PetscError> for SolverError {
 
 /// Why something that all processes do together was not done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SharedError<E: std::error::Error> {
+pub enum DistributedError<E: std::error::Error> {
     /// This process failed.
     #[error(transparent)]
     Here(E),
     /// Others failed, and say why themselves.
     #[error("{count} of the other processes failed")]
     Elsewhere {
-        /// How many.
+        /// Their number.
         count: usize,
     },
     /// The exchange between the processes failed.
@@ -60,12 +60,12 @@ pub enum SharedError<E: std::error::Error> {
     Petsc(#[from] PetscError),
 }
 
-impl From<SharedError<LinearAlgebraError>> for SolverError {
-    fn from(error: SharedError<LinearAlgebraError>) -> Self {
+impl From<DistributedError<LinearAlgebraError>> for SolverError {
+    fn from(error: DistributedError<LinearAlgebraError>) -> Self {
         match error {
-            SharedError::Here(error) => error.into(),
-            SharedError::Petsc(error) => error.into(),
-            SharedError::Elsewhere { .. } => {
+            DistributedError::Here(error) => error.into(),
+            DistributedError::Petsc(error) => error.into(),
+            DistributedError::Elsewhere { .. } => {
                 SolverError::Other { solver: "PETSc", why: error.to_string(), history: vec![] }
             }
         }

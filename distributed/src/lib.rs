@@ -5,7 +5,7 @@
 //! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method.
 //!
 //! ```no_run
-//! use forms_distributed::{Method, PetscSolver, SharedProblem, World};
+//! use forms_distributed::{Method, PetscSolver, World};
 //! use forms_fem::prelude::*;
 //!
 //! let world = World::start()?;
@@ -14,26 +14,24 @@
 //! let poisson = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
 //! let mut constraints = Constraints::new(&space);
 //! constraints.fix("boundary", |_| 0.0)?;
-//! let share = Assembler::new(&mesh).with_threads(Threads::new(1)).on_owned_cells(world.own_cells(&mesh))?;
 //! let mut solver = PetscSolver::new(&world, &constraints, Method::conjugate_gradients())?;
-//! let u = SharedProblem::new(&world, &poisson, &share, &space)?.solve_affine(&constraints, &mut solver)?;
+//! let solved = Problem::new(&poisson, &space).on(&world).constrained(&constraints).solver(&mut solver).solve()?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod cases;
-mod contact;
 mod error;
+mod functional;
 mod matrix;
 mod node_rows;
 mod petsc;
 mod petsc_solver;
-mod problem;
 mod rows;
 mod vector;
 mod world;
 
-pub use contact::SharedContact;
-pub use error::{PetscError, SharedError};
+pub use error::{DistributedError, PetscError};
+pub use functional::distributed_functional;
 pub use petsc_solver::{Method, PetscReport, PetscSolver, TOLERANCE, UnknownMethod};
-pub use problem::{SharedAffineError, SharedAssemblyError, SharedProblem, shared_functional};
+
 pub use world::World;

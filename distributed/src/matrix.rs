@@ -8,31 +8,31 @@ use forms_fem::linear_algebra::{CsrMatrix, SparsityPattern};
 use crate::error::PetscError;
 use crate::node_rows::NodeRows;
 use crate::petsc::{self, FALSE, Index, Object, call};
-use crate::vector::SharedVector;
+use crate::vector::DistributedVector;
 use crate::world::World;
 
-/// A `MATMPIAIJ`: PETSc sends each entry of a share to the process that keeps its row, and adds up.
+/// A `MATMPIAIJ`: PETSc sends each entry of a local matrix to the process that keeps its row, and adds up.
 #[derive(Debug)]
-pub(crate) struct SharedMatrix<'w> {
+pub(crate) struct DistributedMatrix<'w> {
     _world: &'w World,
     matrix: Object,
     pattern: Arc<SparsityPattern>,
-    /// How many held rows are this process's: their ones come after the share's values.
+    /// How many held rows are this process's: their ones come after the local matrix's values.
     held: usize,
     values: Vec<f64>,
 }
 
-impl<'w> SharedMatrix<'w> {
-    /// Tells PETSc the positions of a share; values come with [`SharedMatrix::assemble`].
-    pub fn new(world: &'w World, nodes: &NodeRows, share: &CsrMatrix) -> Result<Self, PetscError> {
+impl<'w> DistributedMatrix<'w> {
+    /// Tells PETSc the positions of a local matrix; values come with [`DistributedMatrix::assemble`].
+    pub fn new(world: &'w World, nodes: &NodeRows, local: &CsrMatrix) -> Result<Self, PetscError> {
         let own = &nodes.rows.own;
-        let count = share.values().len() + nodes.held.len();
+        let count = local.values().len() + nodes.held.len();
         if Index::try_from(count).is_err() {
             return Err(PetscError::TooMany { what: "entries", count });
         }
         let (mut rows, mut columns) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for (row, place) in nodes.places.iter().enumerate() {
-            let found = share.row(row).0;
+            let found = local.row(row).0;
             rows.resize(rows.len() + found.len(), *place);
             columns.extend(found.iter().map(|column| nodes.places[*column as usize]));
         }
@@ -40,8 +40,8 @@ impl<'w> SharedMatrix<'w> {
             nodes.held.iter().copied().filter(|row| own.contains(&(*row as usize))).collect();
         rows.extend_from_slice(&held);
         columns.extend_from_slice(&held);
-        let (pattern, held) = (share.pattern().clone(), held.len());
-        let mut made = SharedMatrix { _world: world, matrix: null_mut(), pattern, held, values: vec![] };
+        let (pattern, held) = (local.pattern().clone(), held.len());
+        let mut made = DistributedMatrix { _world: world, matrix: null_mut(), pattern, held, values: vec![] };
         let (size, all) = (own.len() as Index, nodes.rows.count as Index);
         // SAFETY: PETSc writes the handle, which this owns from here on; names end with zero; PETSc may change the two
         // lists of positions, which are of one length, and copies what it keeps of them.
@@ -57,21 +57,21 @@ impl<'w> SharedMatrix<'w> {
         Ok(made)
     }
 
-    /// Whether a share has the positions of the one before.
-    pub fn fits(&self, share: &CsrMatrix) -> bool {
-        Arc::ptr_eq(&self.pattern, share.pattern()) || *self.pattern == **share.pattern()
+    /// Whether a local matrix has the positions of the one before.
+    pub fn fits(&self, local: &CsrMatrix) -> bool {
+        Arc::ptr_eq(&self.pattern, local.pattern()) || *self.pattern == **local.pattern()
     }
 
     pub fn handle(&self) -> Object {
         self.matrix
     }
 
-    /// Sets the matrix to the sum of the processes' shares.
-    pub fn assemble(&mut self, share: &CsrMatrix) -> Result<(), PetscError> {
+    /// Sets the matrix to the sum of the processes' parts.
+    pub fn assemble(&mut self, local: &CsrMatrix) -> Result<(), PetscError> {
         self.values.clear();
-        self.values.extend_from_slice(share.values());
-        self.values.resize(share.values().len() + self.held, 1.0);
-        // SAFETY: as many values as positions were told: the share fits.
+        self.values.extend_from_slice(local.values());
+        self.values.resize(local.values().len() + self.held, 1.0);
+        // SAFETY: as many values as positions were told: the local matrix fits.
         unsafe { call!(MatSetValuesCOO(self.matrix, self.values.as_ptr(), petsc::INSERT)) }
     }
 
@@ -82,11 +82,11 @@ impl<'w> SharedMatrix<'w> {
         }
         let mut vectors = Vec::new();
         for motion in &nodes.motions {
-            let mut vector = SharedVector::new(world, nodes.rows.clone())?;
+            let mut vector = DistributedVector::new(world, nodes.rows.clone())?;
             vector.set(motion)?;
             vectors.push(vector);
         }
-        let handles: Vec<Object> = vectors.iter().map(SharedVector::handle).collect();
+        let handles: Vec<Object> = vectors.iter().map(DistributedVector::handle).collect();
         let mut space = null_mut();
         // SAFETY: the vectors live until the end of this, and PETSc counts its own references to them and to the space.
         unsafe {
@@ -100,7 +100,7 @@ impl<'w> SharedMatrix<'w> {
     }
 }
 
-impl Drop for SharedMatrix<'_> {
+impl Drop for DistributedMatrix<'_> {
     fn drop(&mut self) {
         // SAFETY: a handle that this owns, or null, which PETSc leaves alone.
         unsafe { petsc::MatDestroy(&mut self.matrix) };

@@ -1,4 +1,4 @@
-//! What is used of PETSc's C interface, declared by hand: a few dozen functions do not ask for a generator of bindings.
+//! The functions of PETSc's C interface that are used, declared by hand: a few dozen do not ask for a generator of bindings.
 //! `build.rs` has checked that the scalars, indices and communicators are of these types.
 
 use std::ffi::{CStr, c_char, c_double, c_int, c_void};

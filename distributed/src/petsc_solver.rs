@@ -6,19 +6,19 @@ use std::time::Instant;
 
 use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError};
 use forms_fem::prelude::*;
-use forms_fem::solve::{LinearSolution, SolverError};
+use forms_fem::solve::{LinearSolution, SolverError, Transpose};
 
 use crate::error::PetscError;
-use crate::matrix::SharedMatrix;
+use crate::matrix::DistributedMatrix;
 use crate::node_rows::NodeRows;
 use crate::petsc::{self, DEFAULT, EUCLIDEAN, Index, Object, TRUE, UNPRECONDITIONED, call};
-use crate::vector::SharedVector;
+use crate::vector::DistributedVector;
 use crate::world::World;
 
 /// The relative residual that conjugate gradients reach where nothing else is asked for.
 pub const TOLERANCE: f64 = 1e-10;
 
-/// How systems are solved.
+/// Methods of solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// LU by MUMPS, for any matrix.
@@ -65,14 +65,14 @@ impl Method {
     "no method is called \"{name}\": there are \"direct\" (MUMPS) and \"cg\" (conjugate gradients with GAMG)"
 )]
 pub struct UnknownMethod {
-    /// What was asked for.
+    /// The name that was asked for.
     pub name: String,
 }
 
 /// Relative residual of a direct solution beyond which it is refused.
 const ACCEPTED: f64 = 1e-6;
 
-/// What a solver did so far.
+/// Counts of a solver so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PetscReport {
     /// Rows of the matrix on all processes.
@@ -89,28 +89,28 @@ pub struct PetscReport {
     pub solve_seconds: f64,
 }
 
-/// Solves by PETSc on all processes together. Its matrices are shares, whose sum over the processes is the matrix; right-hand
+/// Solves by PETSc on all processes together. Its matrices are local contributions, whose sum over the processes is the matrix; right-hand
 /// sides and solutions are whole, and the same on all.
 #[derive(Debug)]
 pub struct PetscSolver<'w> {
     world: &'w World,
     method: Method,
     nodes: NodeRows,
-    b: SharedVector<'w>,
-    x: SharedVector<'w>,
-    residual: SharedVector<'w>,
+    b: DistributedVector<'w>,
+    x: DistributedVector<'w>,
+    residual: DistributedVector<'w>,
     system: Option<System<'w>>,
     report: PetscReport,
 }
 
 #[derive(Debug)]
 struct System<'w> {
-    matrix: SharedMatrix<'w>,
+    matrix: DistributedMatrix<'w>,
     solver: Object,
 }
 
 impl<'w> System<'w> {
-    fn new(matrix: SharedMatrix<'w>, world: &World, method: Method) -> Result<Self, PetscError> {
+    fn new(matrix: DistributedMatrix<'w>, world: &World, method: Method) -> Result<Self, PetscError> {
         let mut system = System { matrix, solver: null_mut() };
         let mut preconditioner = null_mut();
         // SAFETY: PETSc writes the handles; the solver is this system's own, the preconditioner the solver's. Names end
@@ -147,20 +147,20 @@ impl<'w> PetscSolver<'w> {
     /// A solver for systems on the space of these constraints, which must be those of every system.
     ///
     /// # Errors
-    /// What PETSc says.
+    /// PETSc's error.
     pub fn new<const D: usize>(
         world: &'w World,
         constraints: &Constraints<D>,
         method: Method,
     ) -> Result<Self, PetscError> {
         let nodes = NodeRows::new(world, constraints)?;
-        let vector = || SharedVector::new(world, nodes.rows.clone());
+        let vector = || DistributedVector::new(world, nodes.rows.clone());
         let (b, x, residual) = (vector()?, vector()?, vector()?);
         let report = PetscReport { rows: nodes.rows.count, ..PetscReport::default() };
         Ok(PetscSolver { world, method, b, x, residual, nodes, system: None, report })
     }
 
-    /// What was done so far.
+    /// Counts so far.
     pub fn report(&self) -> &PetscReport {
         &self.report
     }
@@ -195,18 +195,18 @@ impl<'w> PetscSolver<'w> {
 }
 
 impl LinearSolver for PetscSolver<'_> {
-    fn set_matrix(&mut self, share: CsrMatrix) -> Result<(), SolverError> {
+    fn set_matrix(&mut self, local: CsrMatrix) -> Result<(), SolverError> {
         let start = Instant::now();
-        let fit = self.check_size("the set of rows", share.rows());
-        self.world.agree(fit.and_then(|()| share.check_finite()))?;
+        let fit = self.check_size("the set of rows", local.rows());
+        self.world.agree(fit.and_then(|()| local.check_finite()))?;
         // All processes tell their positions anew if one has to.
-        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&share));
+        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&local));
         let mut system = match self.system.take() {
             Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,
-            Some(_) => self.new_system(&share)?,
-            None => self.new_system(&share)?,
+            Some(_) => self.new_system(&local)?,
+            None => self.new_system(&local)?,
         };
-        system.matrix.assemble(&share)?;
+        system.matrix.assemble(&local)?;
         let matrix = system.matrix.handle();
         // SAFETY: handles of the system, which keeps both.
         unsafe { call!(KSPSetOperators(system.solver, matrix, matrix))? };
@@ -215,11 +215,11 @@ impl LinearSolver for PetscSolver<'_> {
         Ok(())
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         absolute: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         self.check_size("the right-hand side", b.len())?;
         let start = Instant::now();
@@ -235,7 +235,7 @@ impl LinearSolver for PetscSolver<'_> {
                 let (absolute, most) = (absolute.max(f64::MIN_POSITIVE), Index::from(max_iterations));
                 call!(KSPSetTolerances(solver, tolerance, absolute, DEFAULT, most))?;
             }
-            if transposed && self.method == Method::Direct {
+            if transpose == Transpose::Yes && self.method == Method::Direct {
                 call!(KSPSolveTranspose(solver, b, x))?;
             } else {
                 // Conjugate gradients take the matrix for its transpose.
@@ -246,7 +246,7 @@ impl LinearSolver for PetscSolver<'_> {
                 return Err(self.not_converged(solver)?);
             }
             call!(KSPGetIterationNumber(solver, &mut iterations))?;
-            if transposed {
+            if transpose == Transpose::Yes {
                 call!(MatMultTranspose(matrix, x, rest))?;
             } else {
                 call!(MatMult(matrix, x, rest))?;
@@ -270,8 +270,8 @@ impl LinearSolver for PetscSolver<'_> {
 }
 
 impl<'w> PetscSolver<'w> {
-    fn new_system(&mut self, share: &CsrMatrix) -> Result<System<'w>, PetscError> {
+    fn new_system(&mut self, local: &CsrMatrix) -> Result<System<'w>, PetscError> {
         self.report.patterns += 1;
-        System::new(SharedMatrix::new(self.world, &self.nodes, share)?, self.world, self.method)
+        System::new(DistributedMatrix::new(self.world, &self.nodes, local)?, self.world, self.method)
     }
 }

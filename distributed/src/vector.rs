@@ -9,7 +9,7 @@ use crate::world::World;
 
 /// A vector of which each process keeps its rows, and the way from there to a copy of all rows on every process.
 #[derive(Debug)]
-pub(crate) struct SharedVector<'w> {
+pub(crate) struct DistributedVector<'w> {
     _world: &'w World,
     rows: Rows,
     vector: Object,
@@ -18,10 +18,10 @@ pub(crate) struct SharedVector<'w> {
     copy: Object,
 }
 
-impl<'w> SharedVector<'w> {
+impl<'w> DistributedVector<'w> {
     pub fn new(world: &'w World, rows: Rows) -> Result<Self, PetscError> {
         let (vector, scatter, copy) = (null_mut(), null_mut(), null_mut());
-        let mut made = SharedVector { _world: world, rows, vector, scatter, copy };
+        let mut made = DistributedVector { _world: world, rows, vector, scatter, copy };
         let (own, all) = (made.rows.own.len() as Index, made.rows.count as Index);
         // SAFETY: PETSc writes the handles, which this owns from here on; the sizes were checked when rows were made.
         unsafe {
@@ -36,16 +36,16 @@ impl<'w> SharedVector<'w> {
         self.vector
     }
 
-    /// Sets the vector to the sum of the processes' shares, and returns it whole.
-    pub fn sum(&mut self, share: &[f64]) -> Result<Vec<f64>, PetscError> {
-        self.check_size(share)?;
+    /// Sets the vector to the sum of the processes' parts, and returns it whole.
+    pub fn sum(&mut self, local: &[f64]) -> Result<Vec<f64>, PetscError> {
+        self.check_size(local)?;
         let mut rows: Vec<Index> = Vec::new();
         let mut values = Vec::new();
-        for (row, value) in share.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+        for (row, value) in local.iter().enumerate().filter(|(_, value)| **value != 0.0) {
             rows.push(row as Index);
             values.push(*value);
         }
-        // SAFETY: as many rows as values, all of them less than the vector's size, which is that of the share.
+        // SAFETY: as many rows as values, all of them less than the vector's size, which is that of the local vector.
         unsafe {
             call!(VecSet(self.vector, 0.0))?;
             call!(VecSetValues(self.vector, rows.len() as Index, rows.as_ptr(), values.as_ptr(), ADD))?;
@@ -94,7 +94,7 @@ impl<'w> SharedVector<'w> {
     }
 }
 
-impl Drop for SharedVector<'_> {
+impl Drop for DistributedVector<'_> {
     fn drop(&mut self) {
         // SAFETY: handles that this owns, or null, which PETSc leaves alone.
         unsafe {

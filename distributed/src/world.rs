@@ -11,11 +11,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use forms_fem::mesh::Mesh;
 use forms_fem::output::{StandardOutput, program};
+use forms_fem::solve::{CommunicationError, Communicator};
 
-use crate::error::{PetscError, SharedError};
+use crate::error::{DistributedError, PetscError};
 use crate::petsc::{self, call};
 use crate::rows::Rows;
-use crate::vector::SharedVector;
+use crate::vector::DistributedVector;
 
 static STARTED: AtomicBool = AtomicBool::new(false);
 
@@ -68,7 +69,7 @@ impl World {
         unsafe { petsc::PetscGlobalRank as usize }
     }
 
-    /// How many processes there are.
+    /// Number of processes.
     pub fn size(&self) -> usize {
         // SAFETY: as for the rank.
         unsafe { petsc::PetscGlobalSize as usize }
@@ -94,22 +95,36 @@ impl World {
     /// The sums over all processes of as many numbers of each; the same on all.
     ///
     /// # Errors
-    /// What PETSc says.
+    /// PETSc's error.
     pub fn sum(&self, numbers: &[f64]) -> Result<Vec<f64>, PetscError> {
-        SharedVector::new(self, Rows::of_nodes(self, numbers.len(), 1)?)?.sum(numbers)
+        DistributedVector::new(self, Rows::of_nodes(self, numbers.len(), 1)?)?.sum(numbers)
     }
 
     /// A result of this process, if all have one. Else an error on all, so that none waits for another for ever.
     ///
     /// # Errors
     /// This process's own error, or that there was one elsewhere.
-    pub fn agree<T, E: Error>(&self, own: Result<T, E>) -> Result<T, SharedError<E>> {
+    pub fn agree<T, E: Error>(&self, own: Result<T, E>) -> Result<T, DistributedError<E>> {
         let failed = self.sum(&[f64::from(u8::from(own.is_err()))])?[0];
         match own {
-            Err(error) => Err(SharedError::Here(error)),
-            Ok(_) if failed > 0.0 => Err(SharedError::Elsewhere { count: failed as usize }),
+            Err(error) => Err(DistributedError::Here(error)),
+            Ok(_) if failed > 0.0 => Err(DistributedError::Elsewhere { count: failed as usize }),
             Ok(own) => Ok(own),
         }
+    }
+}
+
+impl Communicator for World {
+    fn rank(&self) -> usize {
+        World::rank(self)
+    }
+
+    fn part(&self, count: usize) -> Range<usize> {
+        World::part(self, count)
+    }
+
+    fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
+        World::sum(self, own).map_err(|error| CommunicationError::Exchange(error.to_string()))
     }
 }
 

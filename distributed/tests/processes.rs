@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::process::{Command, Output};
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{Settings, solve};
-use forms_contact::states::ContactProblem;
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::hanging_block::HangingBlock;
 use forms_distributed::cases::report::read;
@@ -65,7 +65,7 @@ fn check(program: &str, arguments: &[&str], expected: &BTreeMap<&str, Vec<f64>>)
 #[test]
 fn the_cylinder_in_contact_is_the_same_on_any_number_of_processes() {
     let settings = Settings { radial: 4, threads: Threads::new(1), ..Settings::default() };
-    let serial = solve(&settings, &mut |_| ()).unwrap();
+    let serial = solve(&settings).unwrap();
     let expected = BTreeMap::from([
         ("u", serial.u.values().to_vec()),
         ("adjoint", serial.p_discrete.values().to_vec()),
@@ -77,15 +77,15 @@ fn the_cylinder_in_contact_is_the_same_on_any_number_of_processes() {
 
 fn ball(problem: &ContactProblem<3>) -> BTreeMap<&'static str, Vec<f64>> {
     let mut solver = TangentSolver::default();
-    let solved = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ()).unwrap();
-    let u = solved.result.field;
-    let (data, regions, assembler) = (&problem.data, &problem.regions, &problem.assembler);
+    let solved = problem.direct().unwrap().solver(&mut solver).solve().unwrap();
+    let u = solved.into_field();
+    let (data, regions, assembler) = (&problem.law.data, &problem.law.regions, &problem.assembler);
     let criterion = forms::criterion(data, &regions.omega, &regions.boundary, &u);
     let force = forms::contact_force(data, &regions.gamma_c, &u);
-    let force = assembler.functional(&force, &[]).unwrap();
+    let force = assembler.functional(&force).unwrap();
     assert!(force > 1.0, "the ball is in contact");
     BTreeMap::from([
-        ("J", vec![assembler.functional(&criterion, &[]).unwrap()]),
+        ("J", vec![assembler.functional(&criterion).unwrap()]),
         ("force", vec![force]),
         ("u", u.values().to_vec()),
     ])
@@ -108,8 +108,8 @@ fn a_hanging_block_is_the_same_by_both_solvers() {
     let HangingBlock { form, space, constraints } =
         HangingBlock::new(4, Given::constant([0.0, 0.0, -1.0])).unwrap();
     let assembler = Assembler::new(space.mesh());
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let u = problem.constrained(&constraints).solve().unwrap().into_field();
     let expected = BTreeMap::from([("u", u.values().to_vec())]);
     check(env!("CARGO_BIN_EXE_hanging_block"), &["4", "direct", "u"], &expected);
     check(env!("CARGO_BIN_EXE_hanging_block"), &["4", "cg", "u"], &expected);
@@ -121,8 +121,8 @@ fn processes_without_cells_take_part() {
     let HangingBlock { form, space, constraints } =
         HangingBlock::new(1, Given::constant([0.0, 0.0, -1.0])).unwrap();
     let assembler = Assembler::new(space.mesh());
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let u = problem.constrained(&constraints).solve().unwrap().into_field();
     assert!(difference(&read(&told)["u"], u.values()) < SAME);
 }
 

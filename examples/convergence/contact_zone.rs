@@ -1,8 +1,8 @@
 //! Contact zones as parts of the outer circle, bounded by the zeros of β_h.
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT, OUTER_RADIUS};
-use forms_contact::states::ContactProblem;
 use forms_fem::prelude::*;
 
 /// β_h along a facet is interpolated with this degree before its zeros are found; on the straight facet it has degree 2.
@@ -20,7 +20,7 @@ pub struct ContactZone {
 impl ContactZone {
     /// The zone of a displacement.
     pub fn of(problem: &ContactProblem<2>, u: &Field<2>) -> Result<ContactZone, AssemblyError> {
-        let indicator = forms::contact_indicator(&problem.data, u);
+        let indicator = forms::contact_indicator(&problem.law.data, u);
         let found = problem.assembler.positive_parts(&indicator, CONTACT, DEGREE)?;
         let arc = |[x, y]: [f64; 2]| OUTER_RADIUS * x.atan2(-y);
         let ends = |part: &[[f64; 2]; 2]| {

@@ -19,7 +19,7 @@ use forms_fem::output::StandardOutput;
 
 use options::Options;
 
-/// What can go wrong while files are written has no common type.
+/// Errors of writing files have no common type.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {

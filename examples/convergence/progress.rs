@@ -1,4 +1,4 @@
-//! What a user sees while the program works: a bar on a terminal, plain lines elsewhere.
+//! Progress of the program: a bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal;
 use std::time::Duration;

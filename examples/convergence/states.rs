@@ -1,7 +1,7 @@
 //! The displacement and the adjoint states on one mesh.
 
 use forms_contact::hollow_cylinder::{CylinderError, Settings, hollow_cylinder};
-use forms_contact::states::{Adjoint, ContactProblem};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 
 use crate::contact_zone::ContactZone;
@@ -26,21 +26,20 @@ impl Direct {
         let problem = if split { problem.with_split_facets() } else { problem };
         let options = TangentSolverOptions { threads: settings.threads, ..TangentSolverOptions::default() };
         let mut solver = CondensedSolver::new(options);
-        let direct = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ());
-        let found = direct.map_err(Box::new)?.result;
-        let (u, steps) = (found.field, found.history.len() - 1);
+        let found = problem.direct()?.solver(&mut solver).solve()?;
+        let (steps, u) = (found.iterations(), found.into_field());
         let zone = ContactZone::of(&problem, &u)?;
         Ok(Direct { problem, u, zone, steps, solver })
     }
 
     /// Solves for an adjoint state.
     pub fn adjoint(&mut self, which: Adjoint) -> Result<Field<2>, CylinderError> {
-        Ok(self.problem.solve_adjoint(which, &self.u, &mut self.solver)?.result)
+        Ok(self.problem.solve_adjoint(which, &self.u, &mut self.solver)?.into_field())
     }
 
     /// p_h of (41) with ξ = C √h_T.
     pub fn extended(&mut self, extension: f64) -> Result<Field<2>, CylinderError> {
-        self.problem.data.extension = extension;
+        self.problem.law.data.extension = extension;
         self.adjoint(Adjoint::Extended)
     }
 }

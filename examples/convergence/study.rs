@@ -1,7 +1,7 @@
 //! The study at one θ: the reference, the errors of the coarser meshes against it, and the contact zones.
 
+use forms_contact::Adjoint;
 use forms_contact::hollow_cylinder::{INNER_RADIUS, OUTER_RADIUS};
-use forms_contact::states::Adjoint;
 use forms_fem::norms::{Comparison, Norms, norms};
 use forms_fem::prelude::*;
 
@@ -32,7 +32,7 @@ pub struct Study {
     pub reference_consistent: Field<2>,
 }
 
-/// What was measured on the meshes, the coarsest first.
+/// Measurements on the meshes, the coarsest first.
 #[derive(Default)]
 pub struct Series {
     /// On the meshes whose cells divide into the reference's.
@@ -73,13 +73,13 @@ impl Relative {
         Relative { h1: error.h1 / reference.h1, seminorm: error.seminorm / reference.seminorm }
     }
 
-    /// What Section 5.1 of the paper prints: the ratio of squared norms, with twice the slope.
+    /// The ratio of squared norms that Section 5.1 of the paper prints, with twice the slope.
     pub fn printed(self) -> f64 {
         self.h1 * self.h1
     }
 }
 
-/// How far the contact zone of a mesh is off, and what it cost.
+/// Error of a mesh's contact zone, and its cost.
 pub struct ZoneErrors {
     /// n_r.
     pub radial: usize,
@@ -124,7 +124,7 @@ pub fn run(options: &Options, theta: f64) -> Outcome<Study> {
     })
 }
 
-/// What the meshes are compared with.
+/// The reference solution.
 struct Reference {
     /// Of the reference mesh, with the rule of the comparison.
     assembler: Assembler<2>,

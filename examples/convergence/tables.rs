@@ -35,7 +35,7 @@ pub const LENGTHS: [LengthColumn; 3] = [
     ("sum", |zone| zone.gained + zone.lost),
 ];
 
-/// What is printed: errors by mesh with their fitted orders, and what can be said of the contact zone.
+/// The tables: errors by mesh with their fitted orders, and the contact zone.
 pub fn summary(study: &Study) -> String {
     let mut text = format!("## θ = {}, reference n_r = {}\n\n", signed(study.theta), study.reference);
     let quantities = study.quantities();
@@ -70,7 +70,7 @@ pub fn summary(study: &Study) -> String {
     text
 }
 
-/// What can be said of the lengths of the contact zone.
+/// The lengths of the contact zone.
 fn zone_lines(series: &Series) -> String {
     let mut text = String::new();
     for (name, length) in LENGTHS {

@@ -5,7 +5,7 @@ use forms_fem::prelude::*;
 /// Stokes' equations. Stable with a velocity of degree 2 and a pressure of degree 1 (Taylor and Hood).
 #[forms]
 pub mod flow {
-    /// What the fluid and its load are.
+    /// The fluid and its load.
     pub struct Data {
         /// μ, dynamic viscosity.
         pub viscosity: Param,

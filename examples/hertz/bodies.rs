@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use forms_contact::hertz::{Body, QUARTER_WIDTH, RADIUS};
 
-/// What is pressed onto what.
+/// The pair of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum Contact {
     /// A ball, with its centre at the origin, on a rigid flat
@@ -29,7 +29,7 @@ impl Contact {
         }
     }
 
-    /// What pictures are called.
+    /// Name of the pictures.
     pub fn title(self) -> &'static str {
         match self {
             Contact::Ball => "A ball on a rigid flat",

@@ -28,7 +28,7 @@ const DIVISIONS: usize = 12; // cells in each direction
 #[derive(Parser)]
 #[command(version, name = "hertz")]
 struct Options {
-    /// What is pressed onto what
+    /// The pair of bodies
     body: Contact,
 }
 
@@ -42,21 +42,25 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
         tell(format!("warning: {warning}"));
     }
     let mut solver = CondensedSolver::default();
-    let solved = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |step| {
-        let active = step.active_points.unwrap_or(0);
-        out.line(format!(
-            "Newton {}: residual {:.2e}, {active} active points",
-            step.iteration, step.residual
-        ));
-    })?;
-    let u = solved.result.field;
+    let solved = problem
+        .direct()?
+        .solver(&mut solver)
+        .each_step(|step| {
+            let active = step.active_points.unwrap_or(0);
+            out.line(format!(
+                "Newton {}: residual {:.2e}, {active} active points",
+                step.iteration, step.residual
+            ));
+        })
+        .solve()?;
+    let u = solved.into_field();
     let report = solver.report();
     if let (Some(path), Some(count)) = (report.path, report.condensed_unknowns) {
         out.line(format!("{} unknowns, {path}, {count} of them", space.unknowns()));
     }
 
-    let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
-    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[])?;
+    let (data, gamma_c, assembler) = (&problem.law.data, &problem.law.regions.gamma_c, &problem.assembler);
+    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u))?;
     let hertz = Hertz::of_point(force);
     let Hertz { reach: a, peak: p0 } = hertz;
     let error = hertz.profile_error(&problem, &u)?;
@@ -115,6 +119,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
     let (outline, obstacle) = contact.outline();
     FieldMap::of(&cut, Shown::Component(1), "u_{z} [mm]")
         .length_unit("mm")
+        .axes("x", "z")
         .title("The plane y = 0")
         .deformed(&cut, 1.0)
         .undeformed_outline("before")

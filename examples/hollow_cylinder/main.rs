@@ -14,7 +14,9 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use forms_contact::hollow_cylinder::{CONTACT_CELLS, CylinderError, Settings, hollow_cylinder, solve};
+use forms_contact::hollow_cylinder::{
+    CONTACT_CELLS, CylinderError, Settings, hollow_cylinder, solve_with_progress,
+};
 use forms_contact::threshold::required_gamma0;
 use forms_examples::command_line::program_with_options;
 use forms_examples::memory;
@@ -24,7 +26,7 @@ use measurements::Measurements;
 use options::Options;
 use progress::Reporter;
 
-/// What can go wrong while files are written has no common type.
+/// Errors of writing files have no common type.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {
@@ -44,7 +46,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         destinations::check_file(json)?;
     }
     let reporter = Reporter::new(&settings);
-    let solution = match solve(&settings, &mut |progress| reporter.hear(&progress)) {
+    let solution = match solve_with_progress(&settings, |progress| reporter.hear(&progress)) {
         Ok(solution) => solution,
         Err(error) => {
             reporter.finish();
@@ -76,7 +78,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
 
 /// Newton's history, and whether γ₀ may be to blame.
 fn explain_failure(settings: &Settings, error: &CylinderError) {
-    if let CylinderError::Newton(newton) = error {
+    if let CylinderError::Solve(newton) = error {
         let history: Vec<_> = newton.history.iter().map(Into::into).collect();
         tell(table::newton_history(&history).trim_end_matches('\n'));
         let required = hollow_cylinder(settings).and_then(|problem| {

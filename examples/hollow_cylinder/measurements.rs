@@ -1,4 +1,4 @@
-//! What the program reports; the JSON file has these names.
+//! Results of the program; the JSON file has these names.
 
 use forms_contact::hollow_cylinder::{self as cylinder, CylinderSolution, Settings};
 use forms_fem::norms::{Norms, norms};
@@ -106,7 +106,7 @@ pub struct AtPoint {
     pub p: Vec<f64>,
 }
 
-/// What the linear solver did for the direct and the adjoint problems.
+/// Report of the linear solver for the direct and the adjoint problems.
 #[derive(Clone, Debug, Serialize)]
 pub struct Solver {
     pub analyses: usize,

@@ -99,7 +99,7 @@ fn along_contact<E: Expression<2>>(
 }
 
 fn contact_pressure(solution: &CylinderSolution) -> Outcome<LinePlot> {
-    let (data, u) = (&solution.problem.data, &solution.u);
+    let (data, u) = (&solution.problem.law.data, &solution.u);
     let (x, pressure) = along_contact(solution, &forms::contact_pressure(data, u))?;
     let (_, stress) = along_contact(solution, &forms::normal_stress(data, u))?;
     let (_, indicator) = along_contact(solution, &forms::contact_indicator(data, u))?;

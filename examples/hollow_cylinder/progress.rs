@@ -1,4 +1,4 @@
-//! What a user sees while the program works: a spinner on a terminal, plain lines elsewhere. Both go to the
+//! Progress of the program: a spinner on a terminal, plain lines elsewhere. Both go to the
 //! standard error stream; results alone go to the standard output.
 
 use std::io::IsTerminal;

@@ -27,7 +27,7 @@ pub struct DerivedFields {
 impl DerivedFields {
     fn new(solution: &CylinderSolution) -> Outcome<DerivedFields> {
         let (problem, u) = (&solution.problem, &solution.u);
-        let (assembler, data, mesh) = (&problem.assembler, &problem.data, problem.space.mesh());
+        let (assembler, data, mesh) = (&problem.assembler, &problem.law.data, problem.space.mesh());
         let (scalars, tensors) = (Space::scalar(mesh, 2)?, Space::tensor(mesh, 2)?);
         Ok(DerivedFields {
             stress: assembler.project(&forms::stress(data, u), &tensors)?,

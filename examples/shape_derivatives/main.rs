@@ -12,7 +12,7 @@ use forms_contact::hollow_cylinder::{
     CONTACT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder, hollow_cylinder_on,
 };
 use forms_contact::shape_gradient::Diameters;
-use forms_contact::states::{Adjoint, ContactProblem};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_examples::command_line::program_with_options;
 use forms_examples::memory;
 use forms_fem::output::{StandardOutput, tell};
@@ -85,21 +85,19 @@ struct Derivatives {
 
 fn criterion(problem: &ContactProblem<2>) -> Result<(f64, Field<2>), Box<dyn Error>> {
     let options = NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() };
-    let u = problem.solve_direct(&mut TangentSolver::default(), &options, &mut |_| ())?.result.field;
-    let regions = &problem.regions;
-    let form = forms_contact::forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
-    Ok((problem.assembler.functional(&form, &[])?, u))
+    let u = problem.direct()?.options(options).solve()?.into_field();
+    Ok((problem.criterion(&u)?, u))
 }
 
 fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivatives>, Box<dyn Error>> {
     let problem = hollow_cylinder(settings)?;
     let (_, u) = criterion(&problem)?;
     let mut solver = TangentSolver::default();
-    let discrete = problem.solve_adjoint(Adjoint::Discrete, &u, &mut solver)?.result;
-    let consistent = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver)?.result;
+    let discrete = problem.solve_adjoint(Adjoint::Discrete, &u, &mut solver)?.into_field();
+    let consistent = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver)?.into_field();
     let gradient = problem.shape_gradient(&u, &discrete, Diameters::Moving, None)?;
     let imposed = Given::constant(forms_contact::hollow_cylinder::IMPOSED_DISPLACEMENT);
-    let data = boundary_form::Data::of(&problem.data, imposed);
+    let data = boundary_form::Data { base: problem.law.data.clone(), imposed };
     let assembler = &problem.assembler;
     let mut all = Vec::new();
     for (piece, _) in PIECES {
@@ -108,17 +106,17 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
         let boundary = |p: &Field<2>| match piece {
             Piece::Free => {
                 let form = boundary_form::on_free(&data, &boundary_form::Free::on(region), &u, p, &along);
-                assembler.functional(&form, &[])
+                assembler.functional(&form)
             }
             Piece::Clamped => {
                 let form =
                     boundary_form::on_clamped(&data, &boundary_form::Clamped::on(region), &u, p, &along);
-                assembler.functional(&form, &[])
+                assembler.functional(&form)
             }
             Piece::Contact => {
                 let form =
                     boundary_form::on_contact(&data, &boundary_form::Contact::on(region), &u, p, &along);
-                assembler.functional(&form, &[])
+                assembler.functional(&form)
             }
         };
         let volume = gradient.along(&along)?;
@@ -134,7 +132,7 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
             volume,
             boundary_consistent: boundary(&consistent)?,
             boundary_discrete: boundary(&discrete)?,
-            adjoint_part: volume - assembler.functional(&explicit, &[])?,
+            adjoint_part: volume - assembler.functional(&explicit)?,
             difference,
         });
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use forms_contact::forms;
 use forms_contact::shape_problem::{ContactShape, Criterion, GradientForm, VolumeRule};
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, Volume, measured_volume};
 
@@ -39,20 +39,25 @@ fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_| [0.0; 2])?;
     let data = forms::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta: -1.0,
-        gamma0: 10.0 * YOUNG,
         extension: 1.0,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + GAP, |_| [0.0, 1.0]),
-        body_force: Given::constant([0.0; 2]),
         traction: Given::constant(TRACTION),
-        criterion_force: Given::constant([0.0; 2]),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
+            mu: YOUNG / (2.0 * (1.0 + POISSON)),
+            theta: -1.0,
+            gamma0: 10.0 * YOUNG,
+            obstacle_normal: Given::constant([0.0, -1.0]),
+            gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + GAP, |_| [0.0, 1.0]),
+        }
+        .into()
     };
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(8));
-    Ok(ContactProblem::new(assembler, &space, data, Regions::new("right", "contact"), constraints)?)
+    Ok(ContactProblem::new(
+        assembler,
+        &space,
+        forms::Model { data, regions: forms::Regions::default().gamma_n("right").gamma_c("contact") },
+        constraints,
+    )?)
 }
 
 /// The cantilever whose top moves at constant volume.
@@ -64,9 +69,7 @@ pub fn shape_problem(initial: &Arc<Mesh<2>>) -> Outcome<ContactShape<ProblemOn>>
         gradient: GradientForm::Volume,
         volume: VolumeRule::Constraint(Volume { target: measured_volume(initial)? }),
         moving: "top".into(),
-        outline_price: 0.0,
+        perimeter_penalty: 0.0,
         fixed: vec!["left".into(), "right".into(), "bottom".into()],
-        gamma_n: "right".into(),
-        gamma_c: "contact".into(),
     })
 }

@@ -9,18 +9,18 @@ mod runs;
 use std::error::Error;
 use std::process::ExitCode;
 
+use forms_contact::Adjoint;
 use forms_contact::shape_problem::Criterion;
-use forms_contact::states::Adjoint;
 use forms_examples::command_line::program_with_options;
 use forms_examples::memory;
 use forms_fem::output::StandardOutput;
-use forms_fem::shape_optimisation::{Rotations, ShapeProblem, boundary_distance, outline};
+use forms_fem::shape_optimisation::{Rotations, ShapeProblem, boundary_distance, perimeter};
 use forms_fem::space::Space;
 
 use options::{Case, Options};
 use runs::Run;
 
-/// What can go wrong has no common type.
+/// Errors have no common type.
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 fn main() -> ExitCode {
@@ -45,14 +45,15 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
             ("adjoint_21", "(21)", ring::shape_problem(&initial, Criterion::Paper, Adjoint::Discrete)?),
         ],
         Case::EvenPressure => {
-            let unevenness = Criterion::Unevenness { over: ring::EVEN_OVER };
-            vec![("even_pressure", "(21)", ring::shape_problem(&initial, unevenness, Adjoint::Discrete)?)]
+            let variation = Criterion::PressureVariation { over: ring::EVEN_OVER };
+            vec![("even_pressure", "(21)", ring::shape_problem(&initial, variation, Adjoint::Discrete)?)]
         }
         Case::Cantilever => vec![("cantilever", "(21)", cantilever::shape_problem(&initial)?)],
     };
     for (.., problem) in &mut problems {
         let criterion = problem.solve(&initial)?.criterion.abs();
-        problem.outline_price = options.outline_price() * criterion / outline(&initial, &problem.moving)?;
+        problem.perimeter_penalty =
+            options.perimeter_penalty() * criterion / perimeter(&initial, &problem.moving)?;
     }
     let pattern = match options.case {
         Case::Cantilever => None,

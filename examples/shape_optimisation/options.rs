@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug, Parser)]
 #[command(version, name = "shape_optimisation")]
 pub struct Options {
-    /// What is optimised
+    /// The problem to optimise
     #[arg(value_enum, default_value_t = Case::Figure6)]
     pub case: Case,
     /// Holes around the ring
@@ -31,10 +31,10 @@ pub struct Options {
     /// Cells between a hole and the sides of its sector [default: 4]
     #[arg(long, value_name = "N", default_value_t = 4)]
     pub layers: usize,
-    /// What the moving boundary costs as it is at first, in units of the criterion: its length has a price, which
-    /// keeps it smooth [default: 0.8 for figure-6, 0.3 for even-pressure, 0.1 for cantilever]
+    /// Penalty of the initial perimeter of the moving boundary, in units of the criterion; it keeps the boundary
+    /// smooth [default: 0.8 for figure-6, 0.3 for even-pressure, 0.1 for cantilever]
     #[arg(long, value_name = "P")]
-    outline_price: Option<f64>,
+    perimeter_penalty: Option<f64>,
     /// Waves of the moving boundary that are shorter than this move less (cm)
     #[arg(long, value_name = "L", default_value_t = 2.0)]
     pub smoothing: f64,
@@ -61,7 +61,7 @@ pub struct Options {
     pub out: PathBuf,
 }
 
-/// What is optimised.
+/// The problem to optimise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Case {
     /// The paper's Figure 6: a pressed ring with holes, ∫ F·u with F = (0, −1 N), once with the adjoint (22) in the
@@ -87,17 +87,17 @@ impl Case {
     /// The criterion as the label of an axis.
     pub fn label(self) -> &'static str {
         match self {
-            Case::Figure6 => "∫ F·u + outline's price [N cm^{3}]",
-            Case::EvenPressure => "L ∫p^{2}/(∫p)^{2} + outline's price",
-            Case::Cantilever => "work of the load + outline's price [MPa cm^{2}]",
+            Case::Figure6 => "∫ F·u + perimeter penalty [N cm^{3}]",
+            Case::EvenPressure => "L ∫p^{2}/(∫p)^{2} + perimeter penalty",
+            Case::Cantilever => "work of the load + perimeter penalty [MPa cm^{2}]",
         }
     }
 }
 
 impl Options {
-    /// What the moving boundary costs at first, in units of the criterion.
-    pub fn outline_price(&self) -> f64 {
-        self.outline_price.unwrap_or(match self.case {
+    /// Penalty of the initial perimeter of the moving boundary, in units of the criterion.
+    pub fn perimeter_penalty(&self) -> f64 {
+        self.perimeter_penalty.unwrap_or(match self.case {
             Case::Figure6 => 0.8,
             Case::EvenPressure => 0.3,
             Case::Cantilever => 0.1,
@@ -123,9 +123,9 @@ impl Options {
         8.0 * cells
     }
 
-    /// How the descent goes.
+    /// Options of the descent.
     pub fn descent(&self) -> DescentOptions {
-        let inner_product = InnerProduct { outline: self.smoothing, ..InnerProduct::elasticity(0.0) };
+        let inner_product = InnerProduct { tangential: self.smoothing, ..InnerProduct::elasticity(0.0) };
         DescentOptions {
             iterations: self.steps,
             inner_product,
@@ -150,7 +150,7 @@ impl Options {
             "hole_radius": self.hole_radius,
             "cells_per_side": self.cells_per_side(),
             "layers": self.layers,
-            "outline_price": self.outline_price(),
+            "perimeter_penalty": self.perimeter_penalty(),
         });
         if let (Some(all), Value::Object(descent)) =
             (settings.as_object_mut(), serde_json::to_value(self.descent())?)

@@ -100,7 +100,7 @@ fn largest<'a>(fields: impl Iterator<Item = &'a Field<2>>) -> f64 {
 
 fn von_mises(state: &ContactState<2>) -> Outcome<Field<2>> {
     let scalars = Space::scalar(state.problem.space.mesh(), 2)?;
-    Ok(state.problem.assembler.project(&forms::von_mises(&state.problem.data, &state.u), &scalars)?)
+    Ok(state.problem.assembler.project(&forms::von_mises(&state.problem.law.data, &state.u), &scalars)?)
 }
 
 /// The holes of all shapes over the body of the last.
@@ -150,7 +150,7 @@ fn outlines(mesh: &Mesh<2>) -> Outcome<Vec<Vec<[f64; 2]>>> {
     Ok(curves)
 }
 
-/// The contact pressure before and after; where its unevenness is the criterion, over its mean on the length L, for the force
+/// The contact pressure before and after; where its variation is the criterion, over its mean on the length L, for the force
 /// changes too and the criterion does not see it.
 fn pressures(runs: &[Run]) -> Outcome<Drawing> {
     let Some(first) = runs.first() else { return Err("no run".into()) };
@@ -189,7 +189,7 @@ fn pressures(runs: &[Run]) -> Outcome<Drawing> {
 fn pressure(state: &ContactState<2>) -> Outcome<Vec<[f64; 2]>> {
     let (problem, u) = (&state.problem, &state.u);
     let unit = state.pressure.map_or(1.0, |[force, _]| force / EVEN_OVER);
-    let pressure = forms::contact_pressure(&problem.data, u);
+    let pressure = forms::contact_pressure(&problem.law.data, u);
     let samples = problem.assembler.along_facets_uniformly(&pressure, CONTACT, SAMPLES)?;
     let mut facets: Vec<Vec<[f64; 2]>> = samples
         .chunks(SAMPLES)

@@ -1,4 +1,4 @@
-//! The ring: the paper's cylinder, a mesh with holes in it, and which criterion its holes make small.
+//! The ring: the paper's cylinder, a mesh with holes in it, and the criteria that its holes minimise.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use forms_contact::hollow_cylinder::{
     CONTACT, CONTACT_CELLS, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on,
 };
 use forms_contact::shape_problem::{ContactShape, Criterion, GradientForm, VolumeRule};
-use forms_contact::states::{Adjoint, ContactProblem};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::mesh::PerforatedAnnulus;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, Volume, measured_volume};
@@ -14,7 +14,7 @@ use forms_fem::shape_optimisation::{Failure, Volume, measured_volume};
 use crate::Outcome;
 use crate::options::Options;
 
-/// The length L of the unevenness of the pressure \[cm\].
+/// The length L of the variation of the pressure \[cm\].
 pub const EVEN_OVER: f64 = 10.0;
 
 /// A contact problem on a mesh of the ring.
@@ -57,9 +57,7 @@ pub fn shape_problem(
         gradient,
         volume: VolumeRule::Constraint(Volume { target: measured_volume(initial)? }),
         moving: "holes".into(),
-        outline_price: 0.0,
+        perimeter_penalty: 0.0,
         fixed: vec!["inner".into(), "outer".into()],
-        gamma_n: "outer".into(),
-        gamma_c: CONTACT.into(),
     })
 }

@@ -25,9 +25,9 @@ pub struct Run {
     pub state: DescentState,
     /// The best shape.
     pub mesh: Arc<Mesh<2>>,
-    /// What was solved for on the round holes.
+    /// The state on the round holes.
     pub start: ContactState<2>,
-    /// What was solved for on the best shape.
+    /// The state on the best shape.
     pub end: ContactState<2>,
     /// The adjoint states, on the round holes and on the best shape; none if the criterion is not the paper's.
     pub adjoints: Option<[Field<2>; 2]>,
@@ -70,7 +70,7 @@ impl Run {
             Criterion::Paper => {
                 let solve = |state: &ContactState<2>| -> Outcome<Field<2>> {
                     let mut solver = TangentSolver::default();
-                    Ok(state.problem.solve_adjoint(problem.adjoint, &state.u, &mut solver)?.result)
+                    Ok(state.problem.solve_adjoint(problem.adjoint, &state.u, &mut solver)?.into_field())
                 };
                 Some([solve(&start)?, solve(&end)?])
             }
@@ -81,7 +81,7 @@ impl Run {
     }
 }
 
-/// What came out, one line per run: J alone, and with the outline's price, which is what the descent makes small.
+/// The results, one line per run: J alone, and with the perimeter penalty, which is what the descent minimises.
 pub fn table(runs: &[Run]) -> String {
     let mut text = format!(
         "{:<8}{:>14}{:>14}{:>10}{:>14}{:>14}{:>12}{:>10}{:>7}{:>9}  why it stopped\n",
@@ -89,7 +89,7 @@ pub fn table(runs: &[Run]) -> String {
         "J at first",
         "J at last",
         "change",
-        "with price",
+        "penalised",
         "at last",
         "volume off",
         "quality",
@@ -143,7 +143,7 @@ impl Progress {
         Progress { bar, name }
     }
 
-    /// Tells of a step: J alone, and what the descent makes small, J with the outline's price.
+    /// Tells of a step: J alone, and J with the perimeter penalty, which the descent minimises.
     fn hear(&self, state: &DescentState, alone: f64) {
         let Some(row) = state.history.last() else { return };
         let step = row.step.as_ref().map_or_else(String::new, |step| {
@@ -151,7 +151,7 @@ impl Progress {
         });
         let volume = row.constraint.unwrap_or(0.0);
         let text = format!(
-            "J = {alone:.6}, with price {:.6}, volume off by {volume:.1e}, quality {:.2}{step}",
+            "J = {alone:.6}, penalised {:.6}, volume off by {volume:.1e}, quality {:.2}{step}",
             row.criterion, row.quality
         );
         match &self.bar {

@@ -23,7 +23,7 @@ use forms_core::contract::Dimension as Compiled;
 /// where
 ///     Dim: Dimension<D>,
 /// {
-///     let content = assembler.functional(&heat::content(&heat::Omega::on("all"), u), &[])?;
+///     let content = assembler.functional(&heat::content(&heat::Omega::on("all"), u))?;
 ///     Ok([content, norms::l2_norm(assembler, u)?])
 /// }
 /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());

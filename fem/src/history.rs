@@ -25,7 +25,7 @@ use crate::element::CellShape;
 use crate::mesh::{Mesh, MeshError};
 use crate::quadrature::{Quadrature, QuadratureError};
 
-/// Why a history does not fit where it is read or written.
+/// Errors of reading or writing a history.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum HistoryMismatch {
     /// It belongs to another backend or dimension.
@@ -156,7 +156,7 @@ impl<const D: usize> PointStorage<D> {
         source.as_any().downcast_ref().ok_or(HistoryMismatch::Foreign { dimension: D })
     }
 
-    /// What forms read now.
+    /// The values that forms read now.
     pub fn snapshot(&self, mesh: &Arc<Mesh<D>>) -> Result<Snapshot<'_, D>, HistoryMismatch> {
         if !Arc::ptr_eq(&self.mesh, mesh) {
             return Err(HistoryMismatch::Mesh);
@@ -275,7 +275,7 @@ pub(crate) fn commits<const D: usize>(inputs: &Inputs<D>) -> u64 {
     histories.sum()
 }
 
-/// Why a history was not made.
+/// Errors of making a history.
 enum MadeError {
     Mesh(MeshError),
     Quadrature(QuadratureError),
@@ -293,7 +293,7 @@ impl From<QuadratureError> for MadeError {
     }
 }
 
-/// What messages call a history that is being made.
+/// Name in messages of a history that is being made.
 const NEW: &str = "new history";
 
 /// The same as an error of the assembler.

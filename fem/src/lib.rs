@@ -38,8 +38,8 @@
 //! boundary.fix("boundary", exact)?;
 //!
 //! let assembler = Assembler::new(&mesh);
-//! let u = FormProblem::new(&form, &assembler, &space)?
-//!     .solve_affine(&boundary, &mut TangentSolver::default())?;
+//! let u = Problem::new(&form, &space).assembler(&assembler)
+//!     .constrained(&boundary).solve()?.into_field();
 //! assert!((u.evaluate(&[0.5, 0.5])?[0] - exact(&[0.5, 0.5])).abs() < 1e-5);
 //! let flux = assembler.at_points(&poisson::flux(&data, &u), &[[0.3, 0.6]])?;
 //! assert!((flux.values[0][0] + 2.0 * (1.0 - 3.0 * 0.09) / 3.0).abs() < 1e-2);
@@ -93,21 +93,21 @@ pub use forms_core::forms;
 /// let mut constraints = Constraints::new(&space);
 /// constraints.fix("boundary", |_| 0.0)?;
 /// let assembler = Assembler::new(&mesh);
-/// let mut problem = FormProblem::new(&poisson, &assembler, &space)?;
-/// let u = problem.solve_affine(&constraints, &mut TangentSolver::default())?;
+/// let mut problem = Problem::new(&poisson, &space).assembler(&assembler);
+/// let u = problem.constrained(&constraints).solve()?.into_field();
 ///
 /// let mean = form!(|u: State<Scalar>| -> Functional { integral(cells("all"), u) });
 /// // By symmetry half of what f = 1 gives: 0.0351 / k / 2.
-/// assert!((assembler.functional(&mean(&u), &[])? - 0.5 * 0.035144 / k).abs() < 1e-5);
+/// assert!((assembler.functional(&mean(&u))? - 0.5 * 0.035144 / k).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// What stands after the closure: data (`k: Param = 2.0`; without a value the variable of that name), regions
+/// After the closure stand data (`k: Param = 2.0`; without a value the variable of that name), regions
 /// (`Wall: Facets = "wall"`; or in place, `cells("all")`, `facets("wall")`), and the options of [`macro@forms`]. A closure with
 /// known fields gives a Rust closure that takes them. `use path::operator;` before the closure imports.
 pub use forms_core::form;
 
-/// What a program that states and solves forms needs.
+/// The usual imports of a program that states and solves forms.
 pub mod prelude {
     pub use std::sync::Arc;
 
@@ -121,8 +121,9 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        CondensedSolver, FormProblem, LinearSolver, LoadSteps, LuSolver, MixedProblem, MultigridSolver,
-        MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, TangentSolver, TangentSolverOptions,
+        CondensedSolver, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,
+        MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError, Solved,
+        TangentSolver, TangentSolverOptions,
     };
     pub use crate::space::{Family, Space};
     pub use crate::threads::Threads;

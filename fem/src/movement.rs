@@ -14,7 +14,7 @@ use crate::space::{Family, Space, SpaceError};
 /// Relative difference up to which two distances between vertices of a cell count as equally long.
 const EQUALLY_LONG: f64 = 1e-12;
 
-/// Why a mesh cannot move along a field.
+/// Errors of moving a mesh along a field.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MovementError {
     /// The field lives on another space than the geometry.

@@ -230,8 +230,8 @@ macro_rules! measure_in {
                 field: &Field<$dimension>,
             ) -> Result<Norms, AssemblyError> {
                 let seminorm = match field.space().components() {
-                    1 => assembler.functional(&squared::scalar_seminorm(&everywhere(), field), &[])?,
-                    _ => assembler.functional(&squared::vector_seminorm(&everywhere(), field), &[])?,
+                    1 => assembler.functional(&squared::scalar_seminorm(&everywhere(), field))?,
+                    _ => assembler.functional(&squared::vector_seminorm(&everywhere(), field))?,
                 };
                 Ok(Norms::from_squares(Self::l2_squared(assembler, field)?, seminorm))
             }
@@ -241,10 +241,10 @@ macro_rules! measure_in {
                 field: &Field<$dimension>,
             ) -> Result<f64, AssemblyError> {
                 match field.space().shape() {
-                    [] => assembler.functional(&squared::scalar_l2(&everywhere(), field), &[]),
-                    [$dimension] => assembler.functional(&squared::vector_l2(&everywhere(), field), &[]),
+                    [] => assembler.functional(&squared::scalar_l2(&everywhere(), field)),
+                    [$dimension] => assembler.functional(&squared::vector_l2(&everywhere(), field)),
                     [$dimension, $dimension] => {
-                        assembler.functional(&squared::tensor_l2(&everywhere(), field), &[])
+                        assembler.functional(&squared::tensor_l2(&everywhere(), field))
                     }
                     _ => component_fields(field).iter().map(|part| Self::l2_squared(assembler, part)).sum(),
                 }
@@ -254,7 +254,7 @@ macro_rules! measure_in {
                 assembler: &Assembler<$dimension>,
                 field: &Field<$dimension>,
             ) -> Result<f64, AssemblyError> {
-                assembler.functional(&squared::scalar_integral(&everywhere(), field), &[])
+                assembler.functional(&squared::scalar_integral(&everywhere(), field))
             }
 
             fn errors(
@@ -266,14 +266,12 @@ macro_rules! measure_in {
                 let omega = everywhere();
                 let (l2, seminorm) = match field.space().components() {
                     1 => (
-                        assembler.functional(&squared::scalar_l2_error(&omega, field, exact), &[])?,
-                        assembler
-                            .functional(&squared::scalar_seminorm_error(&omega, field, gradient), &[])?,
+                        assembler.functional(&squared::scalar_l2_error(&omega, field, exact))?,
+                        assembler.functional(&squared::scalar_seminorm_error(&omega, field, gradient))?,
                     ),
                     _ => (
-                        assembler.functional(&squared::vector_l2_error(&omega, field, exact), &[])?,
-                        assembler
-                            .functional(&squared::vector_seminorm_error(&omega, field, gradient), &[])?,
+                        assembler.functional(&squared::vector_l2_error(&omega, field, exact))?,
+                        assembler.functional(&squared::vector_seminorm_error(&omega, field, gradient))?,
                     ),
                 };
                 Ok(Norms::from_squares(l2, seminorm))
@@ -286,10 +284,10 @@ macro_rules! measure_in {
                 let (nodes, assembler) = (space.scalar_nodes(), Assembler::new(space.mesh()));
                 if space.mesh().cell_region(region).is_ok() {
                     let form = squared::basis_over_cells(&squared::Omega::on(region));
-                    assembler.residual(&form, &[], &[&nodes])
+                    assembler.linear_form(&form, &nodes)
                 } else {
                     let form = squared::basis_over_facets(&squared::Gamma::on(region));
-                    assembler.residual(&form, &[], &[&nodes])
+                    assembler.linear_form(&form, &nodes)
                 }
             }
 

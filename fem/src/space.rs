@@ -53,7 +53,7 @@ pub struct Space<const D: usize> {
     locator: OnceLock<Locator<D>>,
 }
 
-/// Why a space does not exist.
+/// Errors of spaces.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SpaceError {
     /// No such element.

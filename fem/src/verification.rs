@@ -59,7 +59,7 @@ const LOWEST_ORDER: f64 = 1.9;
 /// So many of the smallest steps are judged: at large ones terms of higher order matter, too.
 const JUDGED: usize = 3;
 
-/// What a test is given at a step: a number or a vector, and which switches are on there.
+/// A sample at a step: a number or a vector, and which switches are on there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// f(t): one entry for a number, all entries of a vector.
@@ -104,7 +104,7 @@ pub struct TaylorReport {
     pub slope: f64,
 }
 
-/// Why a test shows nothing, or shows a mistake. Each holds the report.
+/// Outcomes of a test that shows nothing, or shows a mistake. Each holds the report.
 #[derive(Clone, Error, PartialEq)]
 pub enum TaylorFailure {
     /// The remainder falls too slowly: the derivative is wrong, or a kink was crossed that the test was not told of.
@@ -242,7 +242,7 @@ pub fn taylor<E>(
     Ok(report)
 }
 
-/// Why a test could not be carried out.
+/// Errors that prevent a test.
 #[derive(Debug, Error)]
 pub enum VerificationError {
     /// Data that do not fit.
@@ -267,7 +267,7 @@ pub enum VerificationError {
 /// Tests the tangent of a form: its residual along directions of its unknowns, one for each.
 ///
 /// # Errors
-/// What does not fit, by name.
+/// Names of the sizes that do not fit.
 pub fn tangent<F: Form<D>, const D: usize>(
     assembler: &Assembler<D>,
     form: &F,

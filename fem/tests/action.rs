@@ -82,7 +82,7 @@ fn check<F: Form<2>>(form: &F, mesh: &Arc<Mesh<2>>, spaces: &[&Arc<Space<2>>]) {
         }
     };
     near(&assembler.action(form, &unknowns, &directions, spaces).unwrap());
-    let parts = [Parts::FIXED, Parts::NONLINEAR]
+    let parts = [Parts::LINEAR_AND_CONSTANT, Parts::NONLINEAR]
         .map(|parts| assembler.action_parts(form, &unknowns, &directions, spaces, parts).unwrap());
     let sum: Vec<f64> = parts[0].iter().zip(&parts[1]).map(|(a, b)| a + b).collect();
     near(&sum);

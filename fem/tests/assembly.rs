@@ -87,28 +87,28 @@ fn measures_of_straight_bodies_are_exact_on_every_shape() {
         let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 3.0], [3, 2], shape, degree).unwrap());
         let assembler = Assembler::new(&mesh);
         let (omega, gamma) = (Omega::on("all"), Gamma::on("boundary"));
-        close(assembler.functional(&measured::volume(&data(), &omega), &[]).unwrap(), 6.0, 1e-14);
-        close(assembler.functional(&measured::area(&data(), &gamma), &[]).unwrap(), 10.0, 1e-14);
-        let through = assembler.functional(&measured::divergence_theorem(&data(), &gamma), &[]).unwrap();
+        close(assembler.functional(&measured::volume(&data(), &omega)).unwrap(), 6.0, 1e-14);
+        close(assembler.functional(&measured::area(&data(), &gamma)).unwrap(), 10.0, 1e-14);
+        let through = assembler.functional(&measured::divergence_theorem(&data(), &gamma)).unwrap();
         close(through, 12.0, 1e-13);
-        close(assembler.functional(&measured::total_curvature(&data(), &gamma), &[]).unwrap(), 0.0, 1e-13);
+        close(assembler.functional(&measured::total_curvature(&data(), &gamma)).unwrap(), 0.0, 1e-13);
         let cells = mesh.cell_count() as f64;
-        let sum = assembler.functional(&measured::by_cell_volume(&data(), &omega), &[]).unwrap();
+        let sum = assembler.functional(&measured::by_cell_volume(&data(), &omega)).unwrap();
         close(sum, 36.0 / cells, 1e-13);
         // Facets of length 2/3 and 3/2.
-        let sum = assembler.functional(&measured::by_facet_area(&data(), &gamma), &[]).unwrap();
+        let sum = assembler.functional(&measured::by_facet_area(&data(), &gamma)).unwrap();
         close(sum, 6.0 * 4.0 / 9.0 + 4.0 * 9.0 / 4.0, 1e-13);
     }
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
         let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 2, 3], shape, 2).unwrap());
         let assembler = Assembler::new(&mesh);
         let gamma = Gamma::on("boundary");
-        close(assembler.functional(&measured::volume(&data(), &Omega::on("all")), &[]).unwrap(), 6.0, 1e-13);
-        close(assembler.functional(&measured::area(&data(), &gamma), &[]).unwrap(), 22.0, 1e-13);
-        let through = assembler.functional(&measured::divergence_theorem(&data(), &gamma), &[]).unwrap();
+        close(assembler.functional(&measured::volume(&data(), &Omega::on("all"))).unwrap(), 6.0, 1e-13);
+        close(assembler.functional(&measured::area(&data(), &gamma)).unwrap(), 22.0, 1e-13);
+        let through = assembler.functional(&measured::divergence_theorem(&data(), &gamma)).unwrap();
         close(through, 18.0, 1e-13);
-        close(assembler.functional(&measured::total_curvature(&data(), &gamma), &[]).unwrap(), 0.0, 1e-12);
-        let largest = assembler.functional(&measured::by_diameter(&data(), &gamma), &[]).unwrap();
+        close(assembler.functional(&measured::total_curvature(&data(), &gamma)).unwrap(), 0.0, 1e-12);
+        let largest = assembler.functional(&measured::by_diameter(&data(), &gamma)).unwrap();
         close(largest, 22.0 * (0.25_f64 + 1.0 + 1.0).sqrt(), 1e-13);
     }
 }
@@ -121,7 +121,7 @@ fn curvature_of_circles_is_signed_and_converges() {
         let mesh = ring(radial);
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(12));
         let total = |region: &str| {
-            assembler.functional(&measured::total_curvature(&data(), &Gamma::on(region)), &[]).unwrap()
+            assembler.functional(&measured::total_curvature(&data(), &Gamma::on(region))).unwrap()
         };
         errors.push((total("outer") - 2.0 * PI).abs());
         close(total("inner"), -2.0 * PI, 1e-2 / (radial as f64).powi(2));
@@ -144,13 +144,13 @@ fn a_sphere_octant_has_twice_the_curvature_of_its_circles() {
     let mesh = Arc::new(mesh);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let sphere = Gamma::on("sphere");
-    let area = assembler.functional(&measured::area(&data(), &sphere), &[]).unwrap();
+    let area = assembler.functional(&measured::area(&data(), &sphere)).unwrap();
     let exact = 4.0 * 0.25 * PI * ((0.25 * PI).cos() - (0.5 * PI).cos());
     close(area, exact, 1e-4);
     // κ = 2/R = 1, outward.
-    let total = assembler.functional(&measured::total_curvature(&data(), &sphere), &[]).unwrap();
+    let total = assembler.functional(&measured::total_curvature(&data(), &sphere)).unwrap();
     close(total.abs(), exact, 1e-2);
-    let through = assembler.functional(&measured::divergence_theorem(&data(), &sphere), &[]).unwrap();
+    let through = assembler.functional(&measured::divergence_theorem(&data(), &sphere)).unwrap();
     assert_eq!(total > 0.0, through > 0.0);
 }
 
@@ -161,7 +161,7 @@ fn fields_of_other_degrees_and_functions_serve_as_data() {
     let linear = |x: &[f64; 2]| 3.0 + x[0] - 2.0 * x[1];
     let of = |weight: Given<f64, 2>| {
         let data = measured::Data { factor: 1.0, weight };
-        assembler.functional(&measured::weighted(&data, &Omega::on("all")), &[]).unwrap()
+        assembler.functional(&measured::weighted(&data, &Omega::on("all"))).unwrap()
     };
     let by_function = of(Given::function(linear));
     let space = Space::scalar(&mesh, 2).unwrap();
@@ -276,8 +276,8 @@ fn an_affine_form_is_solved_in_one_step_and_the_active_set_counts_its_kinks() {
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     let space = Space::scalar(&mesh, 1).unwrap();
     let form = measured::mass(&data(), &Omega::on("all"));
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    let u = problem.solve_affine(&Constraints::new(&space), &mut TangentSolver::default()).unwrap();
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let u = problem.solve().unwrap().into_field();
     assert!(u.values().iter().all(|value| (value - 0.5).abs() < 1e-13));
     // u = x − 1/2 is negative at the points of the left cells: 2 cells × 4 points.
     let field = Field::interpolate(&space, |x| x[0] - 0.5).unwrap();
@@ -300,19 +300,16 @@ fn mistakes_name_the_form_and_the_thing() {
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     };
     let bad = measured::Data { factor: f64::NAN, weight: Given::constant(1.0) };
-    says(assembler.functional(&measured::weighted(&bad, &omega), &[]), &["weighted", "factor", "NaN"]);
+    says(assembler.functional(&measured::weighted(&bad, &omega)), &["weighted", "factor", "NaN"]);
     let bad = measured::Data { factor: 1.0, weight: Given::function(|x: &[f64; 2]| 1.0 / (x[0] - x[0])) };
-    says(assembler.functional(&measured::weighted(&bad, &omega), &[]), &["weight", "not finite", "x = ["]);
-    says(
-        assembler.functional(&measured::volume(&data(), &Omega::on("body")), &[]),
-        &["Omega", "body", "all"],
-    );
-    says(assembler.functional(&measured::area(&data(), &Gamma::on("rim")), &[]), &["Gamma", "rim", "outer"]);
+    says(assembler.functional(&measured::weighted(&bad, &omega)), &["weight", "not finite", "x = ["]);
+    says(assembler.functional(&measured::volume(&data(), &Omega::on("body"))), &["Omega", "body", "all"]);
+    says(assembler.functional(&measured::area(&data(), &Gamma::on("rim"))), &["Gamma", "rim", "outer"]);
     let other = Field::zero(&Space::scalar(&ring(1), 1).unwrap());
     let foreign = measured::Data { factor: 1.0, weight: Given::field(&other) };
-    says(assembler.functional(&measured::weighted(&foreign, &omega), &[]), &["weight", "another mesh"]);
+    says(assembler.functional(&measured::weighted(&foreign, &omega)), &["weight", "another mesh"]);
     let form = measured::mass(&data(), &omega);
-    let message = assembler.residual(&form, &[], &[&space]).unwrap_err().to_string();
+    let message = assembler.linear_form(&form, &space).unwrap_err().to_string();
     assert!(message.contains("mass") && message.contains("unknowns"), "{message}");
     let vector = Space::vector(&mesh, 1).unwrap();
     let message = assembler.residual(&form, &[&field], &[&vector]).unwrap_err().to_string();

@@ -46,7 +46,12 @@ impl LinearSolver for Krylov {
         Ok(())
     }
 
-    fn solve_side(&mut self, b: &[f64], _: f64, _: bool) -> Result<LinearSolution, SolverError> {
+    fn solve_with(
+        &mut self,
+        b: &[f64],
+        _: f64,
+        _: forms_fem::solve::Transpose,
+    ) -> Result<LinearSolution, SolverError> {
         let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
         let mut x = vec![0.0; b.len()];
         let options = KrylovOptions { tolerance: 1e-9, max_iterations: 3000, ..KrylovOptions::default() };
@@ -91,7 +96,7 @@ struct Case {
     lambda: f64,
     load: fn(&[f64; 3]) -> [f64; 3],
     region: &'static str,
-    /// What every error says, one of these.
+    /// Fragments, one of which stands in every error.
     says: &'static [&'static str],
 }
 
@@ -122,16 +127,10 @@ fn solve(case: &Case, which: usize) -> Option<(&'static str, Outcome)> {
     let data = body::Data { lambda: case.lambda, mu: 1.0, bed: 50.0, aside: case.aside, f };
     let form = body::balance(&data, &body::Omega::on("all"), &body::Below::on(case.region));
     let assembler = Assembler::new(&mesh);
-    let mut problem = match FormProblem::new(&form, &assembler, &space) {
-        Ok(problem) => problem,
-        Err(error) => {
-            let why = forms_fem::solve::NewtonFailure::Assembly(error);
-            return Some((name, Err(NewtonError { why, history: vec![], u: vec![] })));
-        }
-    };
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let options = NewtonOptions { relative_tolerance: 1e-8, ..NewtonOptions::default() };
-    let found = problem.solve(&Field::zero(&space), &constraints, &mut *solver, &options, &mut |_| ());
-    Some((name, found.map(|solved| solved.field)))
+    let found = problem.constrained(&constraints).solver(&mut *solver).options(options.clone()).solve();
+    Some((name, found.map(Solved::into_field)))
 }
 
 fn each(case: &Case, mut check: impl FnMut(&str, Outcome)) {

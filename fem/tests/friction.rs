@@ -128,21 +128,31 @@ fn solve(case: Case, line_search: LineSearch) -> Outcome {
     let solved = match case.law {
         Law::Coulomb => {
             let form = rough::coulomb(&data, &omega, &contact);
-            let problem = FormProblem::new(&form, &assembler, &space).unwrap();
-            let mut problem = match case.active {
+            let problem = Problem::new(&form, &space).assembler(&assembler);
+            let problem = match case.active {
                 Active::Told => problem,
-                Active::Hidden => problem.with_assembler_at(|_| Ok(assembler.clone())),
+                Active::Hidden => problem.assembler_at(|_| Ok(assembler.clone())),
             };
-            problem.solve(&start, &constraints, &mut solver, &options, &mut |_| ())
+            problem
+                .start(&start)
+                .constrained(&constraints)
+                .solver(&mut solver)
+                .options(options.clone())
+                .solve()
         }
         Law::Tresca => {
             let form = rough::tresca(&data, &omega, &contact);
-            let problem = FormProblem::new(&form, &assembler, &space).unwrap();
-            let mut problem = match case.active {
+            let problem = Problem::new(&form, &space).assembler(&assembler);
+            let problem = match case.active {
                 Active::Told => problem,
-                Active::Hidden => problem.with_assembler_at(|_| Ok(assembler.clone())),
+                Active::Hidden => problem.assembler_at(|_| Ok(assembler.clone())),
             };
-            problem.solve(&start, &constraints, &mut solver, &options, &mut |_| ())
+            problem
+                .start(&start)
+                .constrained(&constraints)
+                .solver(&mut solver)
+                .options(options.clone())
+                .solve()
         }
     };
     solved.map(|solved| solved.history)

@@ -196,8 +196,8 @@ macro_rules! errors_of_poisson {
         let form = models::poisson(&data, &models::Omega::on("all"));
         let mut walls = Constraints::new(&space);
         walls.fix("boundary", exact).unwrap();
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-        let field = problem.solve_affine(&walls, &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let field = problem.constrained(&walls).solve().unwrap().into_field();
         let errors = norms::errors(
             &assembler,
             &field,
@@ -243,8 +243,8 @@ macro_rules! patch_of_elasticity {
         let form = models::elasticity(&data, &models::Omega::on("all"));
         let mut walls = Constraints::new(&space);
         walls.fix("boundary", linear).unwrap();
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-        let found = problem.solve_affine(&walls, &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let found = problem.constrained(&walls).solve().unwrap().into_field();
         let exact = Field::interpolate(&space, linear).unwrap();
         for (a, b) in found.values().iter().zip(exact.values()) {
             assert!((a - b).abs() < 1e-12, "{:?} {}: {a} against {b}", mesh.cell_shape(0), $degree);

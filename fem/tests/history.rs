@@ -84,7 +84,7 @@ fn several_histories_are_written_from_one_state_and_committed_together() -> Outc
     // A form keeps a handle: it reads what is committed when it is assembled.
     let u = Field::interpolate(&space, |x| x[0])?;
     let total = memory::total(&data, &omega, &u);
-    let value = || assembler.functional(&total, &[]);
+    let value = || assembler.functional(&total);
     // ∫ x/2 + 1 + 5 over [0, 2] × [0, 1].
     assert!((value()? - 13.0).abs() < 1e-13);
 
@@ -125,20 +125,21 @@ fn a_problem_that_outlives_a_commit_sees_the_new_values() -> Outcome {
     let omega = memory::Omega::on("all");
     let free = Constraints::new(&space);
     let form = memory::mass(&data, &omega);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    let first = problem.solve_affine(&free, &mut TangentSolver::default())?;
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let first = problem.solve()?.into_field();
     assert!(first.values().iter().all(|value| (value - 0.5).abs() < 1e-12));
     assembler.update_history(&memory::new_a(&data, &first), &data.a)?;
     data.a.commit();
-    let second = problem.solve_affine(&free, &mut TangentSolver::default())?;
+    let second = problem.solve()?.into_field();
     assert!(second.values().iter().all(|value| (value - 2.0).abs() < 1e-12));
 
     // Linear, constant and nonlinear integrals in one form: u + u³ = 2.
     let form = memory::cubic(&data, &omega);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let options = NewtonOptions::default();
-    let found = problem.solve(&second, &free, &mut TangentSolver::default(), &options, &mut |_| {})?;
-    assert!(found.field.values().iter().all(|value| (value - 1.0).abs() < 1e-10));
+    let found =
+        problem.start(&second).constrained(&free).options(options.clone()).each_step(|_| {}).solve()?;
+    assert!(found.field().values().iter().all(|value| (value - 1.0).abs() < 1e-10));
     Ok(())
 }
 
@@ -149,7 +150,7 @@ fn an_integral_with_a_history_takes_its_rule() -> Outcome {
     // One point per cell: the midpoint rule.
     let high = memory::high(&data, &memory::Omega::on("all"), &u);
     let cells = [0.25_f64, 0.75, 1.25, 1.75].map(|x| 0.5 * (x.powi(7) * 1.5 + 1.0));
-    let found = assembler.functional(&high, &[])?;
+    let found = assembler.functional(&high)?;
     assert!((found - cells.iter().sum::<f64>()).abs() < 1e-12, "{found}");
     // A projection takes its values there, too: here of a constant.
     let vectors = Space::vector(assembler.mesh(), 1)?;
@@ -164,7 +165,7 @@ fn facets_have_histories() -> Outcome {
     data.a = assembler.history(Entity::Facets, "boundary", 3, 2.0)?;
     let sum = |name: &str| {
         let functional = memory::on_facets(&data, &memory::Gamma::on(name));
-        assembler.functional(&functional, &[])
+        assembler.functional(&functional)
     };
     assert!((sum("boundary")? - 12.0).abs() < 1e-12);
     let u = Field::interpolate(&space, |x| 1.0 + x[0])?;
@@ -183,8 +184,7 @@ fn what_does_not_fit_is_named() -> Outcome {
     let omega = memory::Omega::on("all");
     let u = Field::interpolate(&space, |x| x[0] - 1.0)?;
     let text = |error: Option<AssemblyError>| error.map(|error| error.to_string()).unwrap_or_default();
-    let total =
-        |data: &memory::Data<2>| text(assembler.functional(&memory::total(data, &omega, &u), &[]).err());
+    let total = |data: &memory::Data<2>| text(assembler.functional(&memory::total(data, &omega, &u)).err());
     assert_eq!(total(&data), "");
 
     // A value that is not finite, and what was written before stays.
@@ -211,10 +211,10 @@ fn what_does_not_fit_is_named() -> Outcome {
 
     // Another rule, another degree, another region, another mesh.
     let other = assembler.clone().with_quadrature(Quadrature::Degree(2));
-    let error = text(other.functional(&memory::total(&data, &omega, &u), &[]).err());
+    let error = text(other.functional(&memory::total(&data, &omega, &u)).err());
     assert!(error.contains("history `a`: it was made with another quadrature rule"), "{error}");
     let same = assembler.clone().with_quadrature(Quadrature::Degree(4));
-    assert!(same.functional(&memory::total(&data, &omega, &u), &[]).is_ok());
+    assert!(same.functional(&memory::total(&data, &omega, &u)).is_ok());
     let kept = data.b.clone();
     data.b = assembler.history(Entity::Cells, "all", 2, [0.0; 2])?;
     assert!(
@@ -232,10 +232,10 @@ fn what_does_not_fit_is_named() -> Outcome {
         ),
         "{error}"
     );
-    let error = text(assembler.functional(&memory::on_facets(&data, &memory::Gamma::on("top")), &[]).err());
+    let error = text(assembler.functional(&memory::on_facets(&data, &memory::Gamma::on("top"))).err());
     assert_eq!(error, "");
     data.a = kept;
-    let error = text(assembler.functional(&memory::on_facets(&data, &memory::Gamma::on("top")), &[]).err());
+    let error = text(assembler.functional(&memory::on_facets(&data, &memory::Gamma::on("top"))).err());
     assert!(error.contains("it was made for the cells of \"all\", and facet "), "{error}");
     let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Quadrilateral, 1)?);
     data.a = Assembler::new(&mesh).history(Entity::Cells, "all", 4, 0.0)?;

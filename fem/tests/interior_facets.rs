@@ -119,16 +119,16 @@ macro_rules! sides_meet {
             (skeleton::Omega::on("all"), skeleton::Wall::on("boundary"), skeleton::Skeleton::on("interior"));
         for degree in 0..=2 {
             let field = broken(&Space::discontinuous_vector(&mesh, degree).unwrap());
-            let rest = assembler.functional(&skeleton::balance(&omega, &wall, &inside, &field), &[]).unwrap();
+            let rest = assembler.functional(&skeleton::balance(&omega, &wall, &inside, &field)).unwrap();
             assert!(rest.abs() < $tolerance, "{:?} degree {degree}: {rest:e}", mesh.cell_shape(0));
         }
         // A continuous field seen as a broken one does not jump, nor does the gradient of a quadratic.
         let smooth = |x: &[f64; _]| x[0] * x[0] - 2.0 * x[0] * x[1] + 0.5 * x[1];
         let field = Field::interpolate(&Space::discontinuous_scalar(&mesh, 2).unwrap(), smooth).unwrap();
-        let jumps = assembler.functional(&skeleton::jump_squared(&inside, &field), &[]).unwrap();
+        let jumps = assembler.functional(&skeleton::jump_squared(&inside, &field)).unwrap();
         assert!(jumps.abs() < $tolerance, "{:?}: {jumps:e}", mesh.cell_shape(0));
         if mesh.degree() == 1 {
-            let kinks = assembler.functional(&skeleton::kinks(&inside, &field), &[]).unwrap();
+            let kinks = assembler.functional(&skeleton::kinks(&inside, &field)).unwrap();
             assert!(kinks.abs() < $tolerance, "{:?}: {kinks:e}", mesh.cell_shape(0));
         }
     };
@@ -159,11 +159,11 @@ fn sizes_are_those_of_each_side() {
     let mesh = Arc::new(mesh);
     let assembler = Assembler::new(&mesh);
     let sizes =
-        |region: &str| assembler.functional(&skeleton::sizes(&skeleton::Skeleton::on(region)), &[]).unwrap();
+        |region: &str| assembler.functional(&skeleton::sizes(&skeleton::Skeleton::on(region))).unwrap();
     let (narrow, wide) = (2.0_f64.sqrt(), 5.0_f64.sqrt());
     assert!((sizes("interior") - (narrow + 10.0 * wide + 100.0 + 2000.0)).abs() < 1e-11);
     assert!((sizes("from the right") - (wide + 10.0 * narrow + 200.0 + 1000.0)).abs() < 1e-11);
-    let area = assembler.functional(&skeleton::area(&skeleton::Skeleton::on("interior")), &[]).unwrap();
+    let area = assembler.functional(&skeleton::area(&skeleton::Skeleton::on("interior"))).unwrap();
     assert!((area - 1.0).abs() < 1e-14);
     // Cell-wise constants jump by their difference, along the whole facet.
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
@@ -195,9 +195,9 @@ fn solve(mesh: &Arc<Mesh<2>>, degree: usize, data: &penalty::Data<2>) -> Field<2
         &penalty::Skeleton::on("interior"),
     );
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let problem = Problem::new(&form, &space).assembler(&assembler);
     let mut solver = TangentSolver::default();
-    let u = problem.solve_affine(&Constraints::new(&space), &mut solver).unwrap();
+    let u = problem.solver(&mut solver).solve().unwrap().into_field();
     assert_eq!(solver.is_positive_definite(), Some(true));
     u
 }
@@ -295,7 +295,7 @@ fn tangents_on_interior_facets_are_derivatives() {
 fn regions_of_the_wrong_kind_are_reported() {
     let mesh = square(CellShape::Triangle, 2);
     let assembler = Assembler::new(&mesh);
-    let error = assembler.functional(&skeleton::area(&skeleton::Skeleton::on("boundary")), &[]).unwrap_err();
+    let error = assembler.functional(&skeleton::area(&skeleton::Skeleton::on("boundary"))).unwrap_err();
     assert_eq!(
         error.to_string(),
         "form `area`, region `Skeleton`: there is no region \"boundary\" of interior facets; the mesh has \

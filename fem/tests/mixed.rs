@@ -3,7 +3,7 @@
 use forms_fem::assemble::BlockPattern;
 use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::prelude::*;
-use forms_fem::solve::{LinearProblemError, SolverError};
+use forms_fem::solve::{NewtonFailure, SolverError};
 
 #[forms]
 mod stokes {
@@ -50,15 +50,23 @@ fn taylor_hood_elements_hold_poiseuille_flow_exactly() {
         let form = stokes::flow(&data([0.0; 2].into(), 0.0), &stokes::Omega::on("all"));
         let matrix = assembler.tangent(&form, &[&u, &p], &[&velocities, &pressures]).unwrap();
         assert!(matrix.is_symmetric(1e-14).unwrap());
-        let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
+        let problem = Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
         let mut solver = TangentSolver::default();
-        let solution = problem.solve_affine([&walls, &level], &mut solver).unwrap();
+        let solution =
+            problem.constrained(&walls).constrained(&level).solver(&mut solver).solve().unwrap().fields;
         assert_eq!(solver.report().lu_factorisations, 1);
 
         let form = stokes::navier(&data([0.0; 2].into(), 3.0), &stokes::Omega::on("all"));
-        let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
+        let problem = Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
         let options = NewtonOptions::default();
-        let solved = problem.solve([&u, &p], [&walls, &level], &mut solver, &options, &mut |_| ()).unwrap();
+        let solved = problem
+            .start([&u, &p])
+            .constrained(&walls)
+            .constrained(&level)
+            .solver(&mut solver)
+            .options(options.clone())
+            .solve()
+            .unwrap();
         assert!(solved.history.len() <= 7, "{:?}", solved.history);
 
         for fields in [&solution, &solved.fields] {
@@ -98,9 +106,8 @@ fn taylor_hood_elements_converge() {
         walls.fix("boundary", u).unwrap();
         let mut level = Constraints::new(&pressures);
         level.fix_nearest(&[0.0, 0.0], 0.0).unwrap();
-        let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
-        let [velocity, pressure] =
-            problem.solve_affine([&walls, &level], &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
+        let [velocity, pressure] = problem.constrained(&walls).constrained(&level).solve().unwrap().fields;
         let l2 = |field: &Field<2>, exact: Exact| {
             let no_slope = |_: &[f64; 2], slope: &mut [f64]| slope.fill(0.0);
             norms::errors(&assembler, field, exact, no_slope).unwrap().l2
@@ -181,28 +188,23 @@ fn an_undetermined_pressure_is_named() {
     let form = stokes::flow(&data([1.0, 0.0].into(), 0.0), &stokes::Omega::on("all"));
     let mut walls = Constraints::new(&velocities);
     walls.fix("boundary", |_| [0.0, 0.0]).unwrap();
-    let nothing = Constraints::new(&pressures);
-    let mut problem = MixedProblem::new(&form, &assembler, [&velocities, &pressures]).unwrap();
-    let error = problem.solve_affine([&walls, &nothing], &mut TangentSolver::default()).unwrap_err();
+    let problem = || Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
+    let error = problem().constrained(&walls).solve().unwrap_err();
     assert!(
         matches!(
-            &error,
-            LinearProblemError::Solver(SolverError::Undetermined { field: "p", component: None, .. })
+            &error.why,
+            NewtonFailure::LinearSolver(SolverError::Undetermined { field: "p", component: None, .. })
         ),
         "{error}"
     );
-    // Without any boundary condition the velocity is not determined either, and Newton says so.
-    let start = [&Field::zero(&velocities), &Field::zero(&pressures)];
-    let free = Constraints::new(&velocities);
-    let options = NewtonOptions::default();
-    let failed =
-        problem.solve(start, [&free, &nothing], &mut TangentSolver::default(), &options, &mut |_| ());
-    let message = failed.map(|_| ()).unwrap_err().to_string();
+    // Without any boundary condition the velocity is not determined either.
+    let message = problem().solve().unwrap_err().to_string();
     assert!(message.contains("the matrix is singular: nothing determines component"), "{message}");
 
-    let error = problem.solve_affine([&walls, &Constraints::new(&velocities)], &mut TangentSolver::default());
+    let error = problem().constrained(&walls).constrained(&walls).solve();
     assert_eq!(
         error.map(|_| ()).unwrap_err().to_string(),
-        "form `flow`: the constraints given for `p` belong to another space"
+        "the problem was not solved: assembly failed: form `flow`: constraints were given for a space on which no unknown \
+         is left without"
     );
 }

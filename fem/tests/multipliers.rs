@@ -141,12 +141,12 @@ fn discontinuous_multipliers_glue_cells() {
         let mut sides = Constraints::new(&cells);
         sides.fix("boundary", exact).unwrap();
         let free = Constraints::new(&facets);
-        let mut problem = MixedProblem::new(&form, &assembler, [&cells, &facets]).unwrap();
-        let [u, flux] = problem.solve_affine([&sides, &free], &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, [&cells, &facets]).assembler(&assembler);
+        let [u, flux] = problem.constrained(&sides).constrained(&free).solve().unwrap().fields;
         for (value, x) in u.values().iter().zip(cells.positions()) {
             assert!((value - exact(x)).abs() < 1e-11, "{shape:?} {degree}: {value} at {x:?}");
         }
-        let defect = assembler.functional(&glued::defect(&skeleton, &u, &flux), &[]).unwrap();
+        let defect = assembler.functional(&glued::defect(&skeleton, &u, &flux)).unwrap();
         assert!(defect < 1e-20, "{shape:?} {degree}: {defect}");
     }
 }
@@ -168,8 +168,8 @@ fn a_discontinuous_multiplier_is_the_flux() {
         sides.fix(side, exact).unwrap();
     }
     let free = Constraints::new(&edge);
-    let mut problem = MixedProblem::new(&form, &assembler, [&whole, &edge]).unwrap();
-    let [u, flux] = problem.solve_affine([&sides, &free], &mut TangentSolver::default()).unwrap();
+    let problem = Problem::new(&form, [&whole, &edge]).assembler(&assembler);
+    let [u, flux] = problem.constrained(&sides).constrained(&free).solve().unwrap().fields;
     for (value, x) in u.values().iter().zip(whole.positions()) {
         assert!((value - exact(x)).abs() < 1e-11);
     }
@@ -200,9 +200,9 @@ fn a_multiplier_is_the_flux() {
         // At the corners u is prescribed already: the multiplier there is not determined.
         ends.fix_nearest(&[0.0, 0.0], 0.0).unwrap();
         ends.fix_nearest(&[1.0, 0.0], 3.0).unwrap();
-        let mut problem = MixedProblem::new(&form, &assembler, [&whole, &edge]).unwrap();
+        let problem = Problem::new(&form, [&whole, &edge]).assembler(&assembler);
         // Only nodes at the region's facets are coupled with the multiplier.
-        let pattern = problem.pattern().clone();
+        let pattern = problem.pattern().unwrap().clone();
         let offset = pattern.column_offset(1) as u32;
         for node in 0..whole.node_count() {
             let coupled = pattern.pattern().row(node).iter().any(|&column| column >= offset);
@@ -210,7 +210,8 @@ fn a_multiplier_is_the_flux() {
             assert!(near || !coupled);
         }
         let mut solver = TangentSolver::default();
-        let [u, flux] = problem.solve_affine([&sides, &ends], &mut solver).unwrap();
+        let [u, flux] =
+            problem.constrained(&sides).constrained(&ends).solver(&mut solver).solve().unwrap().fields;
         for (value, x) in u.values().iter().zip(whole.positions()) {
             assert!((value - exact(x)).abs() < 1e-11);
         }
@@ -231,11 +232,11 @@ fn the_gradient_on_facets_is_tangential() {
     let field = Field::interpolate(&space, |x| x[0]).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let gamma = shown::Gamma::on("outer");
-    let square = assembler.functional(&shown::slope(&gamma, &field), &[]).unwrap();
+    let square = assembler.functional(&shown::slope(&gamma, &field)).unwrap();
     assert!((square - std::f64::consts::TAU).abs() < 1e-4, "{square}");
-    assert!(assembler.functional(&shown::across(&gamma, &field), &[]).unwrap().abs() < 1e-13);
+    assert!(assembler.functional(&shown::across(&gamma, &field)).unwrap().abs() < 1e-13);
     let constant = Field::interpolate(&Space::on_facets(&mesh, "outer", 0).unwrap(), |_| 1.0).unwrap();
-    let length = assembler.functional(&shown::length(&gamma, &constant), &[]).unwrap();
+    let length = assembler.functional(&shown::length(&gamma, &constant)).unwrap();
     assert!((length - 2.0 * std::f64::consts::TAU).abs() < 1e-4);
 }
 
@@ -246,12 +247,12 @@ fn a_multiplier_off_its_facets_is_an_error() {
     let assembler = Assembler::new(&mesh);
     let message = |result: Result<f64, AssemblyError>| result.unwrap_err().to_string();
     assert_eq!(
-        message(assembler.functional(&shown::length(&shown::Gamma::on("boundary"), &field), &[])),
+        message(assembler.functional(&shown::length(&shown::Gamma::on("boundary"), &field))),
         "form `length` needs `l` over the region `Gamma` (\"boundary\"), but its space lives on the facets of \
          \"bottom\" alone"
     );
     assert_eq!(
-        message(assembler.functional(&shown::inside(&shown::Omega::on("all"), &field), &[])),
+        message(assembler.functional(&shown::inside(&shown::Omega::on("all"), &field))),
         "form `inside` needs `l` over the region `Omega` (\"all\"), but its space lives on the facets of \
          \"bottom\" alone"
     );

@@ -55,10 +55,8 @@ fn solve_beside(
     let data = fields::Data { stiffness, conductivity, expansion };
     let form = fields::beside(&data, &fields::Omega::on("all"), &fields::Top::on("top"));
     let assembler = Assembler::new(&mesh);
-    let mut problem = MixedProblem::new(&form, &assembler, [&bodies, &substances]).unwrap();
-    let start = [&Field::zero(&bodies), &Field::zero(&substances)];
-    let options = NewtonOptions::default();
-    let solved = problem.solve(start, [&held, &given], solver, &options, &mut |_| ()).unwrap();
+    let problem = Problem::new(&form, [&bodies, &substances]).assembler(&assembler);
+    let solved = problem.constrained(&held).constrained(&given).solver(solver).solve().unwrap();
     let [u, c] = solved.fields;
     let largest = u.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     (c.values().to_vec(), largest, solved.history)
@@ -92,15 +90,27 @@ fn a_bad_start_does_not_inflate_the_tolerance() {
     for start in [1.5, 1e3, 1e6, 1e10, 1e14] {
         let first = Field::interpolate(&space, |_| start).unwrap();
         for (name, mut solver) in solvers() {
-            let mut problem = FormProblem::new(&cubic, &assembler, &space).unwrap();
-            let solved = problem.solve(&first, &none, &mut *solver, &options, &mut |_| ()).unwrap();
-            for value in solved.field.values() {
+            let problem = Problem::new(&cubic, &space).assembler(&assembler);
+            let solved = problem
+                .start(&first)
+                .constrained(&none)
+                .solver(&mut *solver)
+                .options(options.clone())
+                .solve()
+                .unwrap();
+            for value in solved.field().values() {
                 assert!((value - 1.0).abs() < 1e-8, "{name} from {start:e}: {value}");
             }
         }
-        let mut problem = FormProblem::new(&reaction, &assembler, &space).unwrap();
+        let problem = Problem::new(&reaction, &space).assembler(&assembler);
         let mut solver = TangentSolver::default();
-        let solved = problem.solve(&first, &none, &mut solver, &options, &mut |_| ()).unwrap();
-        assert!(solved.field.values().iter().all(|value| (value - 1.0).abs() < 1e-8), "from {start:e}");
+        let solved = problem
+            .start(&first)
+            .constrained(&none)
+            .solver(&mut solver)
+            .options(options.clone())
+            .solve()
+            .unwrap();
+        assert!(solved.field().values().iter().all(|value| (value - 1.0).abs() < 1e-8), "from {start:e}");
     }
 }

@@ -47,8 +47,8 @@ fn wave(space: &Arc<Space<2>>, shift: f64) -> Field<2> {
 /// Tangents and residuals of successive iterates are those of an assembly from scratch, and K comes back.
 fn follows<F: Form<2>>(form: &F, space: &Arc<Space<2>>) {
     let assembler = Assembler::new(space.mesh());
-    let mut problem = FormProblem::new(form, &assembler, space).unwrap();
-    let pattern = problem.pattern().clone();
+    let mut problem = Problem::new(form, space).assembler(&assembler);
+    let pattern = problem.pattern().unwrap().clone();
     let linear: Option<BlockMatrix> = problem.linear_part().unwrap().cloned();
     for shift in [0.0, 2.0, 0.7, 0.7] {
         let u = wave(space, shift);
@@ -75,7 +75,7 @@ fn updates_are_those_of_an_assembly_from_scratch() {
     follows(&resting::both(&data(), &omega), &space);
 }
 
-/// What changes between two iterates is what the problem says, and lies in rows and columns of nodes of the cells
+/// The changes between two iterates are those that the problem announces, and lie in rows and columns of nodes of the cells
 /// at the floor; the number of places grows with the floor's facets and not with the cells.
 #[test]
 fn only_rows_of_cells_at_the_contact_facets_change() {
@@ -85,7 +85,7 @@ fn only_rows_of_cells_at_the_contact_facets_change() {
         let space = Space::vector(&mesh, 2).unwrap();
         let form = resting::body(&data(), &resting::Omega::on("all"), &resting::Floor::on("bottom"));
         let assembler = Assembler::new(&mesh);
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+        let mut problem = Problem::new(&form, &space).assembler(&assembler);
         let places = problem.changed_places().unwrap().to_vec();
         assert!(places.windows(2).all(|pair| pair[0].end < pair[1].start));
         let at_floor: Vec<usize> =
@@ -119,7 +119,7 @@ fn an_iterate_that_is_not_finite_is_an_error_where_it_is_read() {
     let space = Space::vector(&mesh, 1).unwrap();
     let form = resting::body(&data(), &resting::Omega::on("all"), &resting::Floor::on("bottom"));
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
     let mut u = vec![0.0; space.unknowns()];
     u[2 * space.nodes_on("bottom").unwrap()[0] as usize] = f64::NAN;
     assert_eq!(problem.tangent(&u).unwrap_err().to_string(), "form `body`: `u` is not finite");
@@ -140,9 +140,15 @@ fn solvers_agree() {
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| [0.0, -0.1]).unwrap();
     let solve = |solver: &mut dyn LinearSolver| {
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
         let options = NewtonOptions::default();
-        problem.solve(&Field::zero(&space), &constraints, solver, &options, &mut |_| ()).unwrap().field
+        problem
+            .constrained(&constraints)
+            .solver(solver)
+            .options(options.clone())
+            .solve()
+            .unwrap()
+            .into_field()
     };
     let mut condensed = CondensedSolver::default();
     let fields =

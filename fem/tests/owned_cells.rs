@@ -96,14 +96,14 @@ fn shares_of_cells_and_boundary_facets_add_up() {
             add(&mut product, &products(&tangent));
             entries = entries.max(tangent.values().len());
             add(&mut action, &share.action(&form, &[&u], &[&u], &[&space]).unwrap());
-            integral += share.functional(&energy, &[]).unwrap();
+            integral += share.functional(&energy).unwrap();
             active += count(share.active_set(&form, &[&u]).unwrap());
         }
         let tangent = whole.tangent(&form, &[&u], &[&space]).unwrap();
         assert_close(&residual, &whole.residual(&form, &[&u], &[&space]).unwrap());
         assert_close(&product, &products(&tangent));
         assert_close(&action, &whole.action(&form, &[&u], &[&u], &[&space]).unwrap());
-        assert_close(&[integral], &[whole.functional(&energy, &[]).unwrap()]);
+        assert_close(&[integral], &[whole.functional(&energy).unwrap()]);
         assert_eq!(active, count(whole.active_set(&form, &[&u]).unwrap()));
         assert!(active > 0 && entries < tangent.values().len());
     }
@@ -134,8 +134,8 @@ fn problems_of_shares_add_up_at_each_iterate() {
         let form = terms::contact(&terms::Omega::on("all"), &terms::Wall::on("boundary"));
         let (shares, whole) = (shares(&mesh), Assembler::new(&mesh));
         let mut problems: Vec<_> =
-            shares.iter().map(|share| FormProblem::new(&form, share, &space).unwrap()).collect();
-        let mut problem = FormProblem::new(&form, &whole, &space).unwrap();
+            shares.iter().map(|share| Problem::new(&form, &space).assembler(share)).collect();
+        let mut problem = Problem::new(&form, &space).assembler(&whole);
         let field = wave(&space);
         for factor in [1.0, -2.0] {
             let u: Vec<f64> = field.values().iter().map(|value| factor * value).collect();

@@ -75,8 +75,8 @@ fn a_turned_block_on_rollers_is_stretched_uniaxially() {
             let rollers = rollers(&space);
             let (data, assembler) = (data(), Assembler::new(&mesh));
             let form = bodies::elasticity(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
-            let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-            let u = problem.solve_affine(&rollers, &mut TangentSolver::default()).unwrap();
+            let problem = Problem::new(&form, &space).assembler(&assembler);
+            let u = problem.constrained(&rollers).solve().unwrap().into_field();
             let back = |x: &[f64; 2]| {
                 let (sin, cos) = ANGLE.sin_cos();
                 [cos * x[0] + sin * x[1], cos * x[1] - sin * x[0]]
@@ -101,7 +101,7 @@ fn reduced_residual_and_tangent_belong_together() {
     let rollers = rollers(&space);
     let (data, assembler) = (data(), Assembler::new(&mesh));
     let form = bodies::hardening(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
     let mut elimination = Elimination::of(&[&rollers]).unwrap();
     let count = elimination.free().len();
     let at: Vec<f64> = (0..count).map(|k| 0.1 * (1.7 * k as f64).sin()).collect();
@@ -134,11 +134,11 @@ fn reduced_residual_and_tangent_belong_together() {
     // Newton converges quadratically with it.
     let options = NewtonOptions::default();
     let solver = &mut TangentSolver::default();
-    let found = problem.solve(&Field::zero(&space), &rollers, solver, &options, &mut |_| ()).unwrap();
+    let found = problem.constrained(&rollers).solver(solver).options(options.clone()).solve().unwrap();
     assert!(found.history.len() < 10);
-    let mut imposed = found.field.values().to_vec();
+    let mut imposed = found.field().values().to_vec();
     rollers.apply(&mut imposed);
-    assert!(imposed.iter().zip(found.field.values()).all(|(a, b)| (a - b).abs() < 1e-14));
+    assert!(imposed.iter().zip(found.field().values()).all(|(a, b)| (a - b).abs() < 1e-14));
 }
 
 // u = sin(2πx) cos(2πy) on the torus; the level is fixed at a corner, where u vanishes.
@@ -159,8 +159,8 @@ fn the_periodic_poisson_problem_has_its_closed_form() {
         let data = bodies::Data { load: [0.0; 2].into(), source };
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         let form = bodies::poisson(&data, &bodies::Omega::on("all"));
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-        let u = problem.solve_affine(&torus, &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let u = problem.constrained(&torus).solve().unwrap().into_field();
         let differences = space.positions().iter().zip(u.values()).map(|(x, u)| (u - exact(x)).abs());
         differences.fold(0.0, f64::max)
     };
@@ -214,8 +214,8 @@ fn solve_with_plate(mesh: &Arc<Mesh<2>>, degree: usize, load: Given<[f64; 2], 2>
     let space = Space::vector(mesh, degree).unwrap();
     let (data, assembler) = (bodies::Data { load, source: 0.0.into() }, Assembler::new(mesh));
     let form = bodies::slender(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    problem.solve_affine(&plate(&space), &mut TangentSolver::default()).unwrap()
+    let problem = Problem::new(&form, &space).assembler(&assembler);
+    problem.constrained(&plate(&space)).solve().unwrap().into_field()
 }
 
 // Without lateral contraction (lambda = 0, E = 2 mu = 2) the plate stays plane by itself: pulled by a force F its block has
@@ -256,8 +256,8 @@ fn what_rollers_leave_open_is_told_in_words() {
     assert!(!constraints.relations().is_empty());
     let (data, assembler) = (data(), Assembler::new(&mesh));
     let form = bodies::elasticity(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    let error = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap_err().to_string();
+    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let error = problem.constrained(&constraints).solve().unwrap_err().to_string();
     let motion = "the body can move rigidly: translation along (0.921061, 0.389418)";
     assert!(error.ends_with(motion), "{error}");
 }
@@ -297,8 +297,8 @@ fn a_mean_value_fixes_what_an_insulated_body_leaves_open() {
     for (region, constant) in [("all", 2.0), ("left", 2.0 - 1.0 / (pi * pi))] {
         let mut constraints = Constraints::new(&space);
         constraints.mean_value(region, 0, 2.0).unwrap();
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-        let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let u = problem.constrained(&constraints).solve().unwrap().into_field();
         for (node, x) in space.positions().iter().enumerate() {
             let exact = (pi * x[0]).cos() / (pi * pi) + constant;
             assert!((u.at_node(node)[0] - exact).abs() < 2e-6, "{region}: {:?} {exact}", u.at_node(node));

@@ -34,8 +34,8 @@ where
 {
     let (data, assembler) = (bodies::Data { load }, Assembler::new(space.mesh()));
     let form = bodies::elasticity(&data, &bodies::Omega::on("all"), &bodies::Loaded::on(loaded));
-    let mut problem = FormProblem::new(&form, &assembler, space).unwrap();
-    problem.solve_affine(constraints, &mut TangentSolver::default()).unwrap()
+    let problem = Problem::new(&form, space).assembler(&assembler);
+    problem.constrained(constraints).solve().unwrap().into_field()
 }
 
 // A traction that turns with the annulus sixfold: radial and tangential parts have the period of a sector.

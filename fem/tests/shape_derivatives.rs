@@ -212,8 +212,8 @@ macro_rules! agree {
                 macro_rules! check {
                     ($what:literal, $found:expr, |$at:ident| $value:expr) => {
                         let expected =
-                            body.difference(&along, |$at| $at.assembler.functional(&$value, &[]).unwrap());
-                        let found = assembler.functional(&$found, &[]).unwrap();
+                            body.difference(&along, |$at| $at.assembler.functional(&$value).unwrap());
+                        let found = assembler.functional(&$found).unwrap();
                         close(&format!("{shape:?} of degree {degree}, {}", $what), found, expected);
                     };
                 }
@@ -251,41 +251,34 @@ macro_rules! agree {
                 // As a linear form it is the same, whatever the movement.
                 let space = along.space();
                 let mut gradient = assembler
-                    .residual(&moving::gradient(&data, &omega, &wall, &skeleton, u, k), &[], &[space])
+                    .linear_form(&moving::gradient(&data, &omega, &wall, &skeleton, u, k), space)
                     .unwrap();
                 let cells = rate.space();
                 let by_diameters = assembler
-                    .residual(
-                        &moving::gradient_by_diameters(&data, &omega, &wall, &skeleton, u, k),
-                        &[],
-                        &[cells],
-                    )
+                    .linear_form(&moving::gradient_by_diameters(&data, &omega, &wall, &skeleton, u, k), cells)
                     .unwrap();
                 let share = diameters_to_movements(space, &by_diameters).unwrap();
                 close("diameters", dot(&share, along.values()), dot(&by_diameters, rate.values()));
                 gradient.iter_mut().zip(share).for_each(|(entry, share)| *entry += share);
                 let whole = assembler
-                    .functional(&moving::in_cells_along(&data, &omega, u, &along, &rate), &[])
+                    .functional(&moving::in_cells_along(&data, &omega, u, &along, &rate))
                     .unwrap()
+                    + assembler.functional(&moving::on_walls_along(&data, &wall, u, &along, &rate)).unwrap()
                     + assembler
-                        .functional(&moving::on_walls_along(&data, &wall, u, &along, &rate), &[])
-                        .unwrap()
-                    + assembler
-                        .functional(&moving::on_skeleton_along(&data, &skeleton, u, k, &along, &rate), &[])
+                        .functional(&moving::on_skeleton_along(&data, &skeleton, u, k, &along, &rate))
                         .unwrap();
                 close("by nodes", dot(&gradient, along.values()), whole);
 
                 // With a test function in the form: R′(u; v) is the number above.
                 let moving_form = moving::moving_residual(&data, &omega, &wall, u, &along);
-                let vector = assembler.residual(&moving_form, &[], &[v.space()]).unwrap();
+                let vector = assembler.linear_form(&moving_form, v.space()).unwrap();
                 let number = moving::residual_along(&data, &omega, &wall, u, v, &along);
-                close("tested", dot(&vector, v.values()), assembler.functional(&number, &[]).unwrap());
+                close("tested", dot(&vector, v.values()), assembler.functional(&number).unwrap());
 
                 // Frozen sizes, and a derived field: ∇u moves by −∇u ∇Θ.
-                let sizes =
-                    assembler.functional(&moving::sizes_along(&data, &omega, &wall, &along), &[]).unwrap();
+                let sizes = assembler.functional(&moving::sizes_along(&data, &omega, &wall, &along)).unwrap();
                 let frozen =
-                    assembler.functional(&moving::sizes_frozen(&data, &omega, &wall, &along), &[]).unwrap();
+                    assembler.functional(&moving::sizes_frozen(&data, &omega, &wall, &along)).unwrap();
                 close("sizes", sizes, frozen);
                 let point = assembler.mesh().cell_centre(0);
                 let found = assembler.at_point(&moving::moving_gradient(&data, u, &along), point).unwrap();
@@ -327,7 +320,7 @@ fn a_missing_gradient_is_named() {
     };
     let (omega, wall) = (moving::Omega::on("all"), moving::Wall::on("boundary"));
     let form = moving::residual_along(&data, &omega, &wall, &body.u, &body.v, &along);
-    let message = body.assembler.functional(&form, &[]).unwrap_err().to_string();
+    let message = body.assembler.functional(&form).unwrap_err().to_string();
     assert_eq!(
         message,
         "form `residual_along` reads the gradient of `pull`, which is given as a function of position alone; \

@@ -42,17 +42,17 @@ fn zeros_inside_a_facet_cost_no_accuracy() {
         let whole = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(5));
         let split = whole.split_at_zeros(&contact::above(&data, &w), "bottom", 2).unwrap();
         let measure = contact::measure(&data, &gamma, &w);
-        close(split.functional(&measure, &[]).unwrap(), 2.75, 1e-14);
+        close(split.functional(&measure).unwrap(), 2.75, 1e-14);
         // Three points in the facet cannot give 3/4.
-        assert!((whole.functional(&measure, &[]).unwrap() - 2.75).abs() > 1e-2);
+        assert!((whole.functional(&measure).unwrap() - 2.75).abs() > 1e-2);
         // ∫ ((t² − 1/64))² over t = x − 0.425 from 0.125, and from −0.425 to −0.125.
         let primitive = |t: f64| t.powi(5) / 5.0 - t.powi(3) / 96.0 + t / 4096.0;
         let exact = primitive(2.575) - primitive(0.125) + primitive(-0.125) - primitive(-0.425);
         let excess = contact::excess(&data, &gamma, &w);
-        close(split.functional(&excess, &[]).unwrap(), exact, 1e-13 * exact);
+        close(split.functional(&excess).unwrap(), exact, 1e-13 * exact);
         // Of another region nothing is split, and a state without zeros makes facets whole again.
         let top = contact::measure(&data, &Gamma::on("top"), &w);
-        assert_eq!(split.functional(&top, &[]).unwrap(), whole.functional(&top, &[]).unwrap());
+        assert_eq!(split.functional(&top).unwrap(), whole.functional(&top).unwrap());
         let far = contact::above(&contact::Data { level: -9.0 }, &w);
         let again = split.split_at_zeros(&far, "bottom", 2).unwrap();
         assert_eq!(again.quadrature(), whole.quadrature());
@@ -76,10 +76,10 @@ fn in_space_affine_scalars_are_split_exactly() {
         let squared = 1.7_f64.powi(4) / (3.0 * 4.0 * 1.8);
         for resolution in [1, 3] {
             let split = whole.split_at_zeros(&contact::above(&data, &w), "bottom", resolution).unwrap();
-            close(split.functional(&measure, &[]).unwrap(), area, 1e-13);
-            close(split.functional(&excess, &[]).unwrap(), squared, 1e-13);
+            close(split.functional(&measure).unwrap(), area, 1e-13);
+            close(split.functional(&excess).unwrap(), squared, 1e-13);
         }
-        assert!((whole.functional(&measure, &[]).unwrap() - area).abs() > 1e-3);
+        assert!((whole.functional(&measure).unwrap() - area).abs() > 1e-3);
     }
 }
 
@@ -95,14 +95,14 @@ fn newtons_method_follows_the_split_of_each_iterate() {
         assembler.split_at_zeros(&contact::above(&contact::Data { level: 0.0 }, r), "bottom", 1)
     };
     let solve = |split: bool| {
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+        let mut problem = Problem::new(&form, &space).assembler(&assembler);
         if split {
-            problem = problem.with_assembler_at(indicator);
+            problem = problem.assembler_at(|r| indicator(&r[0]));
         }
         let start = Field::interpolate(&space, |x| x[0]).unwrap();
         let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
         let mut solver = TangentSolver::default();
-        problem.solve(&start, &Constraints::new(&space), &mut solver, &options, &mut |_| ()).unwrap()
+        problem.start(&start).solver(&mut solver).options(options.clone()).solve().unwrap()
     };
     let (split, whole) = (solve(true), solve(false));
     assert!(split.history.iter().all(|step| step.active_points.is_none()));
@@ -119,8 +119,8 @@ fn newtons_method_follows_the_split_of_each_iterate() {
         let second = 2.0 / 3.0 * (b - 1.0) + b * ((1.0 - z.powi(3)) / 3.0 - z * (1.0 - z * z) / 2.0);
         first.abs() + second.abs()
     };
-    assert!(moments(&split.field) < 1e-12, "{}", moments(&split.field));
-    assert!(moments(&whole.field) > 1e-4, "{}", moments(&whole.field));
+    assert!(moments(split.field()) < 1e-12, "{}", moments(split.field()));
+    assert!(moments(whole.field()) > 1e-4, "{}", moments(whole.field()));
 }
 
 #[test]
@@ -132,6 +132,6 @@ fn an_explicit_rule_on_squares_cannot_be_split() {
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
     let data = contact::Data { level: 0.0 };
     let split = assembler.split_at_zeros(&contact::above(&data, &w), "bottom", 1).unwrap();
-    let error = split.functional(&contact::measure(&data, &Gamma::on("bottom"), &w), &[]).unwrap_err();
+    let error = split.functional(&contact::measure(&data, &Gamma::on("bottom"), &w)).unwrap_err();
     assert!(error.to_string().contains("triangles of a split facet"), "{error}");
 }

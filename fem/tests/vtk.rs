@@ -219,8 +219,8 @@ fn linear_displacements_are_exact_on_what_was_read() {
         let form = problems::elasticity(&problems::Omega::on("all"));
         let mut constraints = Constraints::new(&space);
         constraints.fix("boundary", exact).unwrap();
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-        let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let u = problem.constrained(&constraints).solve().unwrap().into_field();
         for (node, x) in space.positions().iter().enumerate() {
             for (found, expected) in u.at_node(node).iter().zip(exact(x)) {
                 assert!((found - expected).abs() < 1e-12, "{name} at {x:?}: {found} not {expected}");

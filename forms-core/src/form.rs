@@ -8,7 +8,7 @@ use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
 use crate::source::{FieldValue, Source};
 use crate::table::Table;
 
-/// What a region consists of.
+/// The entities of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entity {
     /// Cells: ∫ … dx.
@@ -74,7 +74,7 @@ pub enum Dependence {
     Nonlinear,
 }
 
-/// What the compiler knows of one integral. A form has one per region and [`Dependence`], whatever
+/// The description of one integral. A form has one per region and [`Dependence`], whatever
 /// the number of `integral(..)` terms in its source; with one unknown, what is linear and what is nonlinear on the same
 /// cells is one nonlinear integral.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +99,7 @@ pub struct Integral {
     pub degree: fn(fields: &[usize], geometry: usize, simplex: bool) -> usize,
 }
 
-/// What a form was given when it was built.
+/// The data that a form was built with.
 #[derive(Clone, Debug)]
 pub struct Inputs<const D: usize> {
     /// Where each field comes from; `None` for unknowns, test functions and directions.
@@ -151,7 +151,7 @@ impl<const D: usize> Inputs<D> {
 
 /// Receives the integrals of a residual, or of a tangent's action.
 pub trait LinearVisitor<const D: usize> {
-    /// What stops the walk.
+    /// The error that stops the walk.
     type Error;
     /// One integral.
     fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
@@ -159,7 +159,7 @@ pub trait LinearVisitor<const D: usize> {
 
 /// Receives the integrals of a tangent.
 pub trait BilinearVisitor<const D: usize> {
-    /// What stops the walk.
+    /// The error that stops the walk.
     type Error;
     /// One integral.
     fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
@@ -167,7 +167,7 @@ pub trait BilinearVisitor<const D: usize> {
 
 /// Receives densities and derived fields.
 pub trait ExpressionVisitor<const D: usize> {
-    /// What stops the walk.
+    /// The error that stops the walk.
     type Error;
     /// One expression; for a derived field, `integral.region` means nothing.
     fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;

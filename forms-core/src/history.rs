@@ -12,9 +12,9 @@ use crate::source::{FieldValue, Source};
 pub trait QuadratureValues: Any + Send + Sync {
     /// Number of scalar components.
     fn components(&self) -> usize;
-    /// What was written becomes what forms read. Without anything written nothing changes.
+    /// Commits the written values: forms read them from now on. Without any nothing changes.
     fn commit(&self);
-    /// What was written and not committed is forgotten.
+    /// Discards values that were written and not committed.
     fn revert(&self);
     /// How many times something was committed: values read before have changed if this number has.
     fn commits(&self) -> u64;

@@ -1,4 +1,4 @@
-//! What a backend calls at a quadrature point: linear, bilinear and expression kernels.
+//! Kernels, called at quadrature points: linear, bilinear and expression kernels.
 //!
 //! The order of calls, for one batch of [`Lane::WIDTH`] cells (or facets) of one integral:
 //!
@@ -31,7 +31,7 @@ pub struct Basis<L, const D: usize> {
 /// few kernels read them; zeros where [`Requirements::hessian`] does not ask.
 pub type Hessian<L, const D: usize> = [[L; D]; D];
 
-/// What is constant on a cell, or on a facet together with the cell that owns it.
+/// Geometry that is constant on a cell, or on a facet together with the cell that owns it.
 #[derive(Clone, Copy, Debug)]
 pub struct CellGeometry<L> {
     /// h_T, the largest distance between two vertices of the cell \[length\].
@@ -95,7 +95,7 @@ pub struct FieldSlot {
     pub offset: usize,
 }
 
-/// What a kernel reads; a backend need not compute anything else.
+/// The inputs of a kernel; a backend need not compute anything else.
 #[derive(Clone, Copy, Debug)]
 pub struct Requirements {
     /// Reads [`CellGeometry::diameter`].
@@ -148,11 +148,11 @@ pub struct Operations {
 /// `test` is linear in its basis function (value, gradient and second derivatives together): a backend may ask for
 /// other functions and combine the results.
 pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
-    /// What is read at each point.
+    /// Inputs at each point.
     const REQUIREMENTS: Requirements;
     /// Number of scalar components of the test function.
     const TEST_COMPONENTS: usize;
-    /// What its functions cost.
+    /// Cost of its functions.
     const OPERATIONS: Operations;
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;
@@ -185,7 +185,7 @@ pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
 /// what is bilinear in their results, and `finish` is linear in the accumulator: a backend may put other linear
 /// functions in place of basis functions, as a reference tensor and sum factorisation do.
 pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
-    /// What is read at each point.
+    /// Inputs at each point.
     const REQUIREMENTS: Requirements;
     /// Number of scalar components of the test function.
     const TEST_COMPONENTS: usize;
@@ -198,7 +198,7 @@ pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     const CELL_CONSTANT: bool;
     /// Per entry of the block, row-major: false where it is proved zero for all data.
     const NONZERO: &'static [bool];
-    /// What its functions cost.
+    /// Cost of its functions.
     const OPERATIONS: Operations;
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;
@@ -208,7 +208,7 @@ pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     type Test<L: Lane>: Copy + Send + 'static;
     /// Factors of one trial node at a point.
     type Trial<L: Lane>: Copy + Send + 'static;
-    /// What a node pair accumulates over the points.
+    /// The sums that a node pair accumulates over the points.
     type Accumulator<L: Lane>: Copy;
     /// Row-major block: test components × trial components.
     type Block<L: Lane>: Copy + AsRef<[L]>;
@@ -248,7 +248,7 @@ pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
 
 /// A density, a derived field, or any other function of position: no test function.
 pub trait ExpressionKernel<const D: usize>: Send + Sync {
-    /// What is read at each point.
+    /// Inputs at each point.
     const REQUIREMENTS: Requirements;
     /// Shape of the value: `[]` scalar, `[D]` vector, `[D, D]` tensor, or any extents up to rank 4.
     const SHAPE: &'static [usize];

@@ -113,8 +113,9 @@ impl<V, const D: usize> From<Given<V, D>> for Source<D> {
     }
 }
 
-/// A member of `Data` declared as `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`: a constant, a
-/// function of x, or a field on a space. `V` is `f64`, `[f64; D]` or `[[f64; D]; D]`.
+/// A coefficient: a member of `Data` declared as `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`, which is a constant,
+/// a function of x, or a field on a space. Declared as `Carried<..>` it is a material (Lagrangian) coefficient, which moves
+/// with the body where the shape is varied. `V` is `f64`, `[f64; D]` or `[[f64; D]; D]`.
 #[derive(Clone, Debug)]
 pub struct Given<V, const D: usize> {
     source: Source<D>,

@@ -31,12 +31,12 @@ struct Law {
     pieces: Vec<[f64; 4]>,
 }
 
-/// Why data points make no law.
+/// Errors of a table's data points.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TableError {
     /// Fewer than two points.
     TooFew {
-        /// How many there are.
+        /// Their number.
         found: usize,
     },
     /// A coordinate is NaN or infinite.

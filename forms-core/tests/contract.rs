@@ -102,7 +102,7 @@ fn assert_matrix(found: &[Vec<f64>], expected: &[Vec<f64>]) {
 fn elasticity_in_closed_form<const D: usize>(mesh: &Mesh<D>, lambda: f64, mu: f64) -> Vec<Vec<f64>> {
     let size = mesh.nodes.len() * D;
     let mut matrix = vec![vec![0.0; size]; size];
-    for cell in mesh.places(Entity::Cells, "all") {
+    for cell in mesh.elements(Entity::Cells, "all") {
         let gradient = |i: usize| cell.points[0].basis[i].gradient;
         for (i, first) in cell.nodes.iter().enumerate() {
             for (j, second) in cell.nodes.iter().enumerate() {
@@ -135,7 +135,7 @@ where
     // The residual is K u − load; ∫ φ_i = |T| / (D + 1).
     let mut expected: Vec<f64> =
         expected.iter().map(|row| row.iter().zip(&u.values).map(|(k, u)| k * u).sum()).collect();
-    for cell in mesh.places(Entity::Cells, "all") {
+    for cell in mesh.elements(Entity::Cells, "all") {
         for node in &cell.nodes {
             for a in 0..D {
                 expected[node * D + a] -= 0.2 * cell.cell.cell_volume / (D + 1) as f64;
@@ -166,7 +166,7 @@ fn contact_by_hand<const D: usize>(
 ) -> (Vec<f64>, Vec<Vec<f64>>, Vec<f64>) {
     let size = mesh.nodes.len() * D;
     let (mut vector, mut matrix, mut pressures) = (vec![0.0; size], vec![vec![0.0; size]; size], vec![]);
-    for facet in mesh.places(Entity::Facets, "boundary") {
+    for facet in mesh.elements(Entity::Facets, "boundary") {
         let gamma = data.gamma0 / facet.cell.diameter;
         for point in &facet.points {
             let (x, n) = (point.geometry.position, point.geometry.normal);
@@ -348,7 +348,7 @@ fn lanes_do_not_mix() {
     let form = signorini::neo_hooke(&data(), &omega());
     let whole = residual::<Four, _, 2>(&mesh, &form, std::slice::from_ref(&u));
     let mut sum = vec![0.0; 8];
-    for cell in mesh.places(Entity::Cells, "all") {
+    for cell in mesh.elements(Entity::Cells, "all") {
         let alone = Mesh::simplex(cell.nodes.iter().map(|node| mesh.nodes[*node]).collect());
         let values =
             cell.nodes.iter().flat_map(|node| [u.values[2 * node], u.values[2 * node + 1]]).collect();
@@ -375,7 +375,7 @@ fn two_unknowns_have_blocks_of_their_own() {
     for (row, entries) in strain.iter().enumerate() {
         expected[row][..8].copy_from_slice(entries);
     }
-    for cell in mesh.places(Entity::Cells, "all") {
+    for cell in mesh.elements(Entity::Cells, "all") {
         for (i, first) in cell.nodes.iter().enumerate() {
             for second in &cell.nodes {
                 for a in 0..2 {
@@ -393,8 +393,8 @@ fn two_unknowns_have_blocks_of_their_own() {
         let product: f64 = entries.iter().zip(&flat).map(|(k, u)| k * u).sum();
         let load: f64 = match row < 8 {
             true => {
-                let owns = |cell: &&&toy_backend::mesh::Place<2>| cell.nodes.contains(&(row / 2));
-                let cells = mesh.places(Entity::Cells, "all");
+                let owns = |cell: &&&toy_backend::mesh::Element<2>| cell.nodes.contains(&(row / 2));
+                let cells = mesh.elements(Entity::Cells, "all");
                 cells.iter().filter(owns).map(|cell| 0.2 * cell.cell.cell_volume / 3.0).sum()
             }
             false => 0.0,
@@ -407,16 +407,17 @@ fn two_unknowns_have_blocks_of_their_own() {
 fn functionals_without_arguments_measure_regions() {
     let mut random = Random(6);
     let mesh = Mesh::<3>::cube(&mut random);
-    let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
-    let area: f64 = mesh.places(Entity::Facets, "boundary").iter().map(|facet| facet.cell.facet_area).sum();
+    let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    let area: f64 = mesh.elements(Entity::Facets, "boundary").iter().map(|facet| facet.cell.facet_area).sum();
     let data = data::<3>();
     assert_near(functional(&mesh, &signorini::volume(&data, &omega()), &[]), volume, 1.0);
     assert_near(functional(&mesh, &signorini::area(&data, &gamma_c()), &[]), area, 1.0);
     // By the divergence theorem: this ties the facets' normals and areas to the cells' volumes.
     let flux = functional(&mesh, &signorini::flux_of_position(&data, &gamma_c()), &[]);
     assert_near(flux, 3.0 * volume, 10.0);
-    let expected: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.diameter).sum::<f64>()
-        + mesh.places(Entity::Facets, "boundary").iter().map(|facet| facet.cell.diameter).sum::<f64>();
+    let expected: f64 =
+        mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.diameter).sum::<f64>()
+            + mesh.elements(Entity::Facets, "boundary").iter().map(|facet| facet.cell.diameter).sum::<f64>();
     let found = functional(&mesh, &signorini::mean_geometry(&data, &omega(), &gamma_c()), &[]);
     assert_near(found, expected, 100.0);
 }

@@ -82,7 +82,7 @@ fn assert_near(found: &[f64], expected: &[f64]) {
 
 /// P = μ (F − F⁻ᵀ) + λ ln J F⁻ᵀ in each cell (P1: F is constant there).
 fn piola_in_closed_form<const D: usize>(mesh: &Mesh<D>, u: &Nodal) -> Vec<Vec<Vec<f64>>> {
-    let stress = |cell: &&toy_backend::mesh::Place<D>| {
+    let stress = |cell: &&toy_backend::mesh::Element<D>| {
         let mut f: Vec<Vec<f64>> = (0..D).map(|i| (0..D).map(|j| f64::from(i == j)).collect()).collect();
         for (node, basis) in cell.nodes.iter().zip(&cell.points[0].basis) {
             for (i, row) in f.iter_mut().enumerate() {
@@ -95,7 +95,7 @@ fn piola_in_closed_form<const D: usize>(mesh: &Mesh<D>, u: &Nodal) -> Vec<Vec<Ve
         let entry = |i: usize, j: usize| MU * (f[i][j] - k[j][i]) + LAMBDA * logarithm * k[j][i];
         (0..D).map(|i| (0..D).map(|j| entry(i, j)).collect()).collect()
     };
-    mesh.places(Entity::Cells, "all").iter().map(stress).collect()
+    mesh.elements(Entity::Cells, "all").iter().map(stress).collect()
 }
 
 fn stresses<const D: usize>()
@@ -107,7 +107,7 @@ where
     let by_name = expression(&mesh, &hyperelastic::piola(&data(), u.source()), (Entity::Cells, "all"));
     let by_argument =
         expression(&mesh, &hyperelastic::piola_by_argument(&data(), u.source()), (Entity::Cells, "all"));
-    let points = mesh.places(Entity::Cells, "all")[0].points.len();
+    let points = mesh.elements(Entity::Cells, "all")[0].points.len();
     for (index, expected) in stress.iter().enumerate() {
         assert_near(&by_name[index * points], &expected.concat());
         assert_near(&by_argument[index * points], &expected.concat());
@@ -116,7 +116,7 @@ where
     assert!(reference.iter().flatten().all(|entry| *entry == 0.0), "{reference:?}");
     // ∫ P : ∇v = Σ |T| P ∇φ.
     let mut expected = vec![0.0; u.values.len()];
-    for (cell, stress) in mesh.places(Entity::Cells, "all").iter().zip(&stress) {
+    for (cell, stress) in mesh.elements(Entity::Cells, "all").iter().zip(&stress) {
         for (node, basis) in cell.nodes.iter().zip(&cell.points[0].basis) {
             for i in 0..D {
                 let force: f64 = (0..D).map(|j| stress[i][j] * basis.gradient[j]).sum();

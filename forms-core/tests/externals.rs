@@ -401,10 +401,10 @@ fn tables_are_laws_with_derivatives() -> Outcome {
     let all = (Entity::Cells, "all");
     let gradient = expression(&state.mesh, &outside::gradient_of_law(&outer, state.s[0].source::<2>()), all);
     let mut points = gradient.iter();
-    for place in state.mesh.places(Entity::Cells, "all") {
-        for point in &place.points {
+    for element in state.mesh.elements(Entity::Cells, "all") {
+        for point in &element.points {
             let value = |field: &dyn Fn(&Basis<f64, 2>) -> f64| -> f64 {
-                place.nodes.iter().zip(&point.basis).map(|(n, b)| field(b) * state.s[0].values[*n]).sum()
+                element.nodes.iter().zip(&point.basis).map(|(n, b)| field(b) * state.s[0].values[*n]).sum()
             };
             let s = value(&|basis| basis.value);
             let law = outer.law.clone();

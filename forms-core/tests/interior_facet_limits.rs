@@ -52,7 +52,7 @@ impl<const D: usize> State<D> {
 
     fn points(&self) -> Vec<At> {
         let mut all = Vec::new();
-        for facet in self.mesh.places(Entity::InteriorFacets, "skeleton") {
+        for facet in self.mesh.elements(Entity::InteriorFacets, "skeleton") {
             for (index, point) in facet.points.iter().enumerate() {
                 let [u, s] = &self.unknowns;
                 let limit = |side: Side| {

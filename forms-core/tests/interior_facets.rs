@@ -113,17 +113,18 @@ fn transpose(a: &Matrix) -> Matrix {
 /// a(u, v) of the interior penalty method, point by point.
 fn interior_penalty_by_hand<const D: usize>(mesh: &Mesh<D>, gamma: f64, u: &Nodal, v: &Nodal) -> f64 {
     let mut sum = 0.0;
-    for cell in mesh.places(Entity::Cells, "all") {
+    for cell in mesh.elements(Entity::Cells, "all") {
         for (index, point) in cell.points.iter().enumerate() {
             sum += point.geometry.weight * dot(&gradient(cell, index, u), &gradient(cell, index, v));
         }
     }
-    for facet in mesh.places(Entity::InteriorFacets, "skeleton") {
+    for facet in mesh.elements(Entity::InteriorFacets, "skeleton") {
         let other = facet.on(Side::Other);
         for (index, point) in facet.points.iter().enumerate() {
             let jump = |w: &Nodal| value(facet, index, w, 0) - value(other, index, w, 0);
             let flux = |w: &Nodal| {
-                let sum = [facet, other].map(|place| dot(&gradient(place, index, w), &point.geometry.normal));
+                let sum =
+                    [facet, other].map(|element| dot(&gradient(element, index, w), &point.geometry.normal));
                 0.5 * (sum[0] + sum[1])
             };
             let h = 0.5 * (facet.cell.diameter + other.cell.diameter);
@@ -131,7 +132,7 @@ fn interior_penalty_by_hand<const D: usize>(mesh: &Mesh<D>, gamma: f64, u: &Noda
             sum += point.geometry.weight * (penalty - flux(u) * jump(v) - jump(u) * flux(v));
         }
     }
-    for facet in mesh.places(Entity::Facets, "boundary") {
+    for facet in mesh.elements(Entity::Facets, "boundary") {
         for (index, point) in facet.points.iter().enumerate() {
             let flux = dot(&gradient(facet, index, u), &point.geometry.normal);
             sum -= point.geometry.weight * flux * value(facet, index, v, 0);
@@ -174,7 +175,7 @@ fn interior_penalty_equals_loops_and_is_consistent() {
     interior_penalty_in::<3>();
 }
 
-/// What a backend is told of the integrals on one region.
+/// The description of the integrals on one region.
 #[derive(Default)]
 struct Told {
     region: usize,
@@ -279,7 +280,7 @@ fn switches_see_both_sides() {
     let u = [random.field(mesh.nodes.len(), 1, 0.0, 1.0)];
     let found = switches(&mesh, &discontinuous::burgers(&data(), &regions().2), &u);
     let limits = switches(&mesh, &discontinuous::outflow(&data(), &regions().2), &u);
-    let facets = mesh.places(Entity::InteriorFacets, "skeleton");
+    let facets = mesh.elements(Entity::InteriorFacets, "skeleton");
     let mut points = Vec::new();
     for facet in facets {
         for index in 0..facet.points.len() {
@@ -320,15 +321,15 @@ fn functionals_of_known_fields_and_their_slope() {
     let skeleton = regions().2;
     let mut expected = 0.0;
     let mut slope = vec![0.0; mesh.nodes.len()];
-    for facet in mesh.places(Entity::InteriorFacets, "skeleton") {
+    for facet in mesh.elements(Entity::InteriorFacets, "skeleton") {
         let sides = [(facet, 1.0), (facet.on(Side::Other), -1.0)];
         for (index, point) in facet.points.iter().enumerate() {
-            let mean: f64 = sides.iter().map(|(place, _)| 0.5 * value(place, index, &k, 0)).sum();
-            let jump: f64 = sides.iter().map(|(place, sign)| sign * value(place, index, &u, 0)).sum();
+            let mean: f64 = sides.iter().map(|(element, _)| 0.5 * value(element, index, &k, 0)).sum();
+            let jump: f64 = sides.iter().map(|(element, sign)| sign * value(element, index, &u, 0)).sum();
             let factor = point.geometry.weight * mean / facet.cell.facet_area;
             expected += factor * jump * jump;
-            for (place, sign) in sides {
-                for (node, basis) in place.nodes.iter().zip(&place.points[index].basis) {
+            for (element, sign) in sides {
+                for (node, basis) in element.nodes.iter().zip(&element.points[index].basis) {
                     slope[*node] += factor * 2.0 * jump * sign * basis.value;
                 }
             }
@@ -365,17 +366,17 @@ fn second_derivatives_on_both_sides() {
     let matrix = tangent::<f64, _, 2>(&mesh, &form, std::slice::from_ref(&u));
     let found: f64 = matrix.iter().zip(&v.values).map(|(row, v)| v * dot(row, &u.values)).sum();
     let mut expected = 0.0;
-    for facet in mesh.places(Entity::InteriorFacets, "skeleton") {
+    for facet in mesh.elements(Entity::InteriorFacets, "skeleton") {
         let sides = [facet, facet.on(Side::Other)];
         let h = 0.5 * (sides[0].cell.diameter + sides[1].cell.diameter);
         for (index, point) in facet.points.iter().enumerate() {
             let n = point.geometry.normal;
             let jump = |w: &Nodal| {
-                let [this, other] = sides.map(|place| dot(&gradient(place, index, w), &n));
+                let [this, other] = sides.map(|element| dot(&gradient(element, index, w), &n));
                 this - other
             };
-            let bending = sides.map(|place| {
-                let nodes = place.nodes.iter().zip(&place.points[index].hessians);
+            let bending = sides.map(|element| {
+                let nodes = element.nodes.iter().zip(&element.points[index].hessians);
                 nodes
                     .map(|(node, hessian)| {
                         let along = [0, 1].map(|i| dot(&hessian[i], &n));

@@ -265,7 +265,7 @@ pub mod singular {
     }
 }
 
-/// What is not a number where a divisor is zero is none in the residual and in the tangent, and what it should be elsewhere.
+/// Quotients whose divisor is zero are NaN in the residual and in the tangent, and have their value elsewhere.
 #[test]
 fn singular_expressions_are_not_simplified_away() {
     let mesh = Mesh::<2>::cube(&mut Random(1));

@@ -29,7 +29,7 @@ pub mod contact {
     pub fn force(u: State<Scalar>) -> Functional {
         integral(GammaC, pressure(u))
     }
-    /// The integral over Γ_N is nothing, so that `work::Compiled` has no such region.
+    /// The integral over Γ_N is nothing; its region is asked for all the same.
     pub fn work(u: State<Scalar>) -> Functional {
         integral(GammaC, u) + 0 * integral(GammaN, u)
     }
@@ -84,7 +84,10 @@ fn regions_are_bound_by_name() {
     let model = contact::Model { regions, ..model::<3>() };
     assert_eq!(names(&model.direct())[1], ("GammaC", "bottom".to_owned()));
     let work = model.work(Given::<f64, 3>::constant(1.0).source().clone());
-    assert_eq!(work.inputs().regions.len(), 1);
+    let regions: Vec<_> =
+        work.inputs().regions.iter().map(|region| (region.symbol, &region.name[..])).collect();
+    assert_eq!(regions.len(), 2, "the text names both");
+    assert!(regions.contains(&("GammaC", "bottom")) && regions.contains(&("GammaN", "top")));
 }
 
 /// A method gives what the module's function gives.

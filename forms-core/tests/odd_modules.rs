@@ -259,8 +259,8 @@ fn numbers_and_nesting() {
     let form = numbers::square_in_the_end::<2>(&numbers::Omega::on("all"));
     let sum: f64 = residual::<f64, _, 2>(&mesh, &form, std::slice::from_ref(&u)).iter().sum();
     // ∫ 2u, exact by the mean of the nodal values.
-    let cells = mesh.places(Entity::Cells, "all");
-    let mean = |cell: &&toy_backend::mesh::Place<2>| {
+    let cells = mesh.elements(Entity::Cells, "all");
+    let mean = |cell: &&toy_backend::mesh::Element<2>| {
         cell.nodes.iter().map(|node| u.values[*node]).sum::<f64>() / 3.0 * cell.cell.cell_volume
     };
     assert!((sum - 2.0 * cells.iter().map(mean).sum::<f64>()).abs() < 1e-14);
@@ -290,7 +290,7 @@ fn arguments_may_have_names_of_the_emitted_code() {
     assert_eq!(fields, ["data", "inputs", "form_region", "fields", "geometry", "cell", "dfields"]);
     let one = toy_backend::Nodal { components: 1, values: vec![1.0; 4] };
     let sum: f64 = residual::<f64, _, 2>(&mesh, &form, &[one]).iter().sum();
-    let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     assert!((sum - 30030.0 * volume).abs() < 1e-9, "{sum}");
 }
 
@@ -301,7 +301,7 @@ fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
     let data = functions_named::Data { k: 2.0, g: 3.0.into(), law: law() };
     let form = functions_named::Some::<2>(&data, &functions_named::Omega::on("all"), constant(5.0));
     let mesh = Mesh::<2>::cube(&mut Random(6));
-    let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     let one = toy_backend::Nodal { components: 1, values: vec![1.0; 4] };
     let energy = functional(&mesh, &form, std::slice::from_ref(&one));
     assert!((energy - 30.0 * volume).abs() < 1e-12, "{energy}");
@@ -378,6 +378,6 @@ fn zeros_are_linear_in_the_test_function() {
     same(branches, residual::<f64, _, 2>(&mesh, &zeros::by_hand(&data, &omega), &u));
     // Nothing is left on the facets; the constructor asks for what the text names.
     let last = zeros::nothing_on_the_facets(&data, &omega, &gamma, Source::Constant(vec![3.0, 5.0]));
-    let volume: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     assert!((functional(&mesh, &last, &[]) - 5.0 * volume).abs() < 1e-14);
 }

@@ -1,4 +1,4 @@
-//! What the compiler proves of a form: dependence on the unknowns, symmetry, what is constant on a
+//! Properties of a form that the compiler proves: dependence on the unknowns, symmetry, what is constant on a
 //! cell, what is zero, degrees. Each flag is seen to flip when the form is perturbed.
 
 use Dependence::{Constant, Linear, Nonlinear};

@@ -92,7 +92,7 @@ mod library {
     }
 }
 
-/// What `contact` means, typed out.
+/// `contact`, typed out.
 #[forms(crate = forms_core)]
 pub mod typed_out {
     pub struct Data {
@@ -241,7 +241,7 @@ fn data_and_regions_are_imported_as_the_types_that_they_are() {
     let stiffness = tangent::<f64, _, 2>(&mesh, &elasticity::elasticity(&data, &omega), &unknowns);
     // Rows of a stiffness matrix sum to zero; those of μ times the mass matrix to μ|Ω| in all, per component.
     let total = |matrix: &[Vec<f64>]| matrix.iter().flatten().sum::<f64>();
-    let area: f64 = mesh.places(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    let area: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     assert!((total(&sum) - total(&stiffness) - 2.0 * 0.7 * area).abs() < 1e-12);
 }
 

@@ -50,7 +50,7 @@ impl<const D: usize> State<D> {
     /// The state at all points of all cells, interpolated here.
     fn points(&self) -> Vec<At> {
         let mut all = Vec::new();
-        for cell in self.mesh.places(Entity::Cells, "all") {
+        for cell in self.mesh.elements(Entity::Cells, "all") {
             for point in &cell.points {
                 let [u, s] = &self.unknowns;
                 let sum = |field: &Nodal, component: usize, weight: &dyn Fn(usize) -> f64| -> f64 {
@@ -252,7 +252,7 @@ fn second_derivatives_of_a_tensor_field() {
     let field = random.field(mesh.nodes.len(), 4, 0.0, 1.0);
     let found = expression(&mesh, &plates::second_of_tensor(&data(), field.source()), (Entity::Cells, "all"));
     let mut expected = Vec::new();
-    for cell in mesh.places(Entity::Cells, "all") {
+    for cell in mesh.elements(Entity::Cells, "all") {
         for point in &cell.points {
             expected.push(matrix(2, |j, k| {
                 let nodes = cell.nodes.iter().zip(&point.hessians);
@@ -270,7 +270,7 @@ fn second_derivatives_of_a_tensor_field() {
 /// K_ij = Σ_T |T| H(φ_i) : H(φ_j): second derivatives of quadratic functions are constant on a cell.
 fn biharmonic_matrix<const D: usize>(mesh: &Mesh<D>) -> Matrix {
     let mut expected = vec![vec![0.0; mesh.nodes.len()]; mesh.nodes.len()];
-    for cell in mesh.places(Entity::Cells, "all") {
+    for cell in mesh.elements(Entity::Cells, "all") {
         let hessians = &cell.points[0].hessians;
         for (i, first) in cell.nodes.iter().enumerate() {
             for (j, second) in cell.nodes.iter().enumerate() {
@@ -336,7 +336,7 @@ fn known_fields_have_second_derivatives() {
     assert_matrix(&vec![found], &vec![expected]);
 }
 
-/// What a backend is told: symmetry of the tangents, which kernels read second derivatives, degrees.
+/// The description for a backend: symmetry of the tangents, which kernels read second derivatives, degrees.
 #[derive(Default)]
 struct Told {
     symmetric: Vec<bool>,

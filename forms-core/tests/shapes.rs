@@ -68,7 +68,7 @@ where
     let given = shapes::given(&data);
     assert_eq!(given.shape(), &[D, 3]);
     let found = expression(&mesh, &given, cells);
-    let places = mesh.places(Entity::Cells, "all");
+    let places = mesh.elements(Entity::Cells, "all");
     for (found, point) in found.iter().zip(places.iter().flat_map(|cell| &cell.points)) {
         let x = point.geometry.position;
         let expected: Vec<f64> = (0..D).flat_map(|i| [2.0 * x[i], 2.0, 2.0 * i as f64]).collect();

@@ -42,25 +42,22 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     constraints.fix("left", |_| 1.0)?;
     constraints.fix("right", |_| 0.0)?;
 
-    let data = heat::Data { growth: 2.0, source: Given::constant(0.0) };
-    let form = heat::balance(&data, &heat::Plate::on("all"));
-    let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    let (start, options) = (Field::zero(&space), NewtonOptions::default());
-    let solved =
-        problem.solve(&start, &constraints, &mut TangentSolver::default(), &options, &mut |step| {
-            out.line(format!("Newton step {}: residual {:.2e}", step.iteration, step.residual));
-        })?;
+    let model = heat::Model::new(heat::Data { growth: 2.0, source: Given::constant(0.0) });
+    let form = model.balance();
+    let solved = Problem::new(&form, &space)
+        .constrained(&constraints)
+        .each_step(|step| out.line(format!("Newton step {}: residual {:.2e}", step.iteration, step.residual)))
+        .solve()?;
 
-    let flux = assembler.at_points(&heat::flux(&data, &solved.field), &[[1.0, 0.5]])?;
+    let flux = solved.at_points(&model.flux(solved.field()), &[[1.0, 0.5]])?;
     out.line(format!("heat flux in the middle: {:?}", flux.values[0]));
 
     // Kirchhoff: T + T²/2 · c falls linearly from left to right, so the flux is (1 + c/2)/2 everywhere.
-    let exact = (1.0 + data.growth / 2.0) / 2.0;
+    let exact = (1.0 + model.data.growth / 2.0) / 2.0;
     assert!((flux.values[0][0] - exact).abs() < 1e-3 * exact, "the flux is {:?}", flux.values[0]);
 
     std::fs::create_dir_all("out")?;
-    FieldMap::of(&solved.field, Shown::Component(0), "T").write_png("out/temperature.png")?;
+    FieldMap::of(solved.field(), Shown::Component(0), "T").write_png("out/temperature.png")?;
     out.line("picture: out/temperature.png");
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! What every adjoint form must satisfy, on a body and for a θ.
+//! Identities of every adjoint form, on a body and for a θ.
 
 use forms_fem::prelude::*;
 use nalgebra::{DMatrix, DVector};

@@ -1,4 +1,4 @@
-//! What the whole-system tests share: the reader of the reference files, small distorted bodies, the
+//! Common parts of the whole-system tests: the reader of the reference files, small distorted bodies, the
 //! contact forms evaluated by plain loops, the check of adjoint forms.
 
 pub mod adjoint_form;

@@ -16,7 +16,7 @@ fn compare(file: ReferenceFile) -> f64 {
     let mut reference = Reference::<2>::new(file);
     let form = form(&reference);
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
-    reference.compare_number("energy", assembler.functional(&form, &[&u]).unwrap());
+    reference.compare_number("energy", assembler.energy(&form, &[&u]).unwrap());
     reference.compare_vector("residual", &assembler.residual(&form, &[&u], &[&space]).unwrap());
     reference.compare_matrix("tangent", &assembler.tangent(&form, &[&u], &[&space]).unwrap());
     reference.finish()
@@ -43,7 +43,7 @@ fn remainders_are_of_second_order() {
         let slope: f64 = residual.iter().zip(direction.values()).map(|(r, d)| r * d).sum();
         let report = verification::taylor(1.0, &[slope], |step| {
             let moved = Field::combination(&[(1.0, &u), (step, &direction)]).unwrap();
-            assembler.functional(&form, &[&moved]).map(verification::Sample::from)
+            assembler.energy(&form, &[&moved]).map(verification::Sample::from)
         });
         report.unwrap().second_order().unwrap();
         let report = verification::tangent(assembler, &form, &[&u], &[&direction], 1.0).unwrap();

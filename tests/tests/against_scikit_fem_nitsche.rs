@@ -109,14 +109,14 @@ fn compare(file: ReferenceFile) -> f64 {
     }
 
     // The criterion and the contact measures.
-    let criterion = |data| assembler.functional(&forms::criterion(data, &omega, &boundary, &u), &[]).unwrap();
+    let criterion = |data| assembler.functional(&forms::criterion(data, &omega, &boundary, &u)).unwrap();
     reference.compare_number("criterion_interior", criterion(&interior));
     reference.compare_number("criterion_boundary", criterion(&boundary_only));
     let sum = criterion(&interior) + criterion(&boundary_only);
     assert_close("M + N", &[criterion(&data)], &[sum], 1e-14);
-    let force = assembler.functional(&forms::contact_force(&data, &gamma_c, &u), &[]).unwrap();
+    let force = assembler.functional(&forms::contact_force(&data, &gamma_c, &u)).unwrap();
     reference.compare_number("contact_force", force);
-    let length = assembler.functional(&forms::contact_length(&data, &gamma_c, &u), &[]).unwrap();
+    let length = assembler.functional(&forms::contact_length(&data, &gamma_c, &u)).unwrap();
     reference.compare_number("contact_length", length);
 
     // Active points, twice: by the form's own switches, and by β at the points.
@@ -145,7 +145,7 @@ fn compare(file: ReferenceFile) -> f64 {
     let region = shifted::GammaC::on(CONTACT);
     let constant: &Given<f64, 2> = &constant;
     let length = shifted::length(&region, lookup.source().clone(), constant.source().clone());
-    let length = assembler.functional(&length, &[]).unwrap();
+    let length = assembler.functional(&length).unwrap();
     reference.compare_number("extended_contact_length", length);
     reference.finish()
 }

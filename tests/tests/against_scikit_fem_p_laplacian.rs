@@ -16,7 +16,7 @@ where
     };
     let form = diffusion::energy(&data, &diffusion::Omega::on("all"));
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
-    reference.compare_number("energy", assembler.functional(&form, &[&u]).unwrap());
+    reference.compare_number("energy", assembler.energy(&form, &[&u]).unwrap());
     reference.compare_vector("residual", &assembler.residual(&form, &[&u], &[&space]).unwrap());
     reference.compare_matrix("tangent", &assembler.tangent(&form, &[&u], &[&space]).unwrap());
     reference.finish()

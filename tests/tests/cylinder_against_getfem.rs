@@ -22,7 +22,7 @@ fn compare(run: &Value) {
         ..Settings::default()
     };
     let label = format!("n_r = {}, theta = {}", settings.radial, settings.theta);
-    let solution = solve(&settings, &mut |_| ()).unwrap_or_else(|error| panic!("{label}: {error}"));
+    let solution = solve(&settings).unwrap_or_else(|error| panic!("{label}: {error}"));
     let assembler = &solution.problem.assembler;
     let u = norms(assembler, &solution.u).unwrap();
     let h1 = |field| norms(assembler, field).unwrap().h1;

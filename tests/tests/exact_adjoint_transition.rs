@@ -16,12 +16,7 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) ->
     for &divisions in divisions {
         let (problem, u) = solved_direct(shape, divisions, degree, theta);
         let data = adjoint::Data {
-            lambda: problem.data.lambda,
-            mu: problem.data.mu,
-            theta,
-            gamma0: problem.data.gamma0,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::constant(0.0),
+            base: problem.law.data.clone(),
             // N′ = −σ(p) n on the sides, and only there.
             slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
         };
@@ -34,8 +29,8 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) ->
         );
         let mut constraints = Constraints::new(&problem.space);
         constraints.fix("top", |x| exact.displacement(x)).unwrap();
-        let mut equations = FormProblem::new(&form, &problem.assembler, &problem.space).unwrap();
-        let p = equations.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+        let equations = Problem::new(&form, &problem.space).assembler(&problem.assembler);
+        let p = equations.constrained(&constraints).solve().unwrap().into_field();
         h1.push(error(&problem.assembler, &p, exact).h1);
     }
     let order = order(divisions, &h1);

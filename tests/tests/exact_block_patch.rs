@@ -2,8 +2,8 @@
 //! solution is linear, so every element has it to rounding: σ_yy = −E′δ/H, J = ½ a(u,u) = ½ E′δ²w/H,
 //! contact force E′δw/H, with E′ = E/(1−ν²) in plane strain.
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
 use forms_fem::prelude::*;
 
@@ -45,25 +45,22 @@ where
     }
     let mut normal = [0.0; D];
     normal[axis] = -1.0;
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
         mu: YOUNG / (2.0 * (1.0 + POISSON)),
         theta,
         gamma0: 1.0,
-        extension: 0.0,
         obstacle_normal: Given::constant(normal),
         gap: Given::function(move |x: &[f64; D]| x[D - 1]),
-        body_force: Given::constant([0.0; D]),
-        traction: Given::constant([0.0; D]),
-        criterion_force: Given::constant([0.0; D]),
-        criterion_weight: Given::constant(0.0),
-    };
-    let (assembler, regions) = (Assembler::new(&mesh), Regions::new("right", "bottom"));
-    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints).unwrap();
-    problem.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
-    let solved = problem.solve_direct(&mut TangentSolver::default(), &NewtonOptions::default(), &mut |_| ());
-    let solved = solved.unwrap().result;
-    let (u, assembler) = (&solved.field, &problem.assembler);
+    });
+    let (assembler, regions) =
+        (Assembler::new(&mesh), forms::Regions::default().gamma_n("right").gamma_c("bottom"));
+    let mut problem =
+        ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
+    problem.law.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
+    let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve();
+    let solved = solved.unwrap();
+    let (u, assembler) = (solved.field(), &problem.assembler);
     println!("{:?} k={degree} θ={theta}: {} steps", mesh.shapes(), solved.history.len() - 1);
 
     let transverse = POISSON / (1.0 - POISSON) * PRESSED / HEIGHT;
@@ -76,7 +73,8 @@ where
         }
     }
     let pressure = PLANE_MODULUS * PRESSED / HEIGHT;
-    let stresses = assembler.at_quadrature_points(&forms::stress(&problem.data, u), Entity::Cells, "all", 4);
+    let stresses =
+        assembler.at_quadrature_points(&forms::stress(&problem.law.data, u), Entity::Cells, "all", 4);
     let stresses = stresses.unwrap();
     for (x, stress) in stresses.positions.iter().zip(&stresses.values) {
         for i in 0..D {
@@ -92,14 +90,14 @@ where
         }
     }
     // J = ½ a(u, u).
-    let form = forms::elasticity(&problem.data, &problem.regions.omega);
+    let form = forms::elasticity(&problem.law.data, &problem.law.regions.omega);
     let internal = assembler.residual(&form, &[u], &[&space]).unwrap();
     let energy: f64 = 0.5 * internal.iter().zip(u.values()).map(|(force, u)| force * u).sum::<f64>();
     relative(energy, 0.5 * PLANE_MODULUS * PRESSED.powi(2) * area / HEIGHT, "J");
-    let Regions { gamma_c, .. } = &problem.regions;
-    let force = assembler.functional(&forms::contact_force(&problem.data, gamma_c, u), &[]).unwrap();
+    let forms::Regions { gamma_c, .. } = &problem.law.regions;
+    let force = assembler.functional(&forms::contact_force(&problem.law.data, gamma_c, u)).unwrap();
     relative(force, pressure * area, "contact force");
-    let length = assembler.functional(&forms::contact_length(&problem.data, gamma_c, u), &[]).unwrap();
+    let length = assembler.functional(&forms::contact_length(&problem.law.data, gamma_c, u)).unwrap();
     relative(length, area, "contact area");
     // The reaction of the top holds the contact force.
     let top = space.nodes_on("top").unwrap();
@@ -186,24 +184,7 @@ fn plane_strain_in_three_dimensions() {
 /// Half the energy a(u, u) as a criterion. Its derivative by u is a(u, ·): the adjoint state needs no other form.
 #[forms(dimension = 2)]
 mod stored {
-    pub use forms_contact::forms::{direct, elasticity};
-
-    pub struct Data {
-        pub lambda: Param,
-        pub mu: Param,
-        pub theta: Param,
-        pub gamma0: Param,
-        pub obstacle_normal: Given<Vector>,
-        pub gap: Given<Scalar>,
-        pub body_force: Given<Vector>,
-        pub traction: Given<Vector>,
-    }
-    #[cells]
-    pub struct Omega;
-    #[facets]
-    pub struct GammaN;
-    #[facets]
-    pub struct GammaC;
+    pub use forms_contact::forms::{Data, GammaC, GammaN, Omega, direct, elasticity};
 
     pub fn energy(u: State<Vector>) -> Functional {
         elasticity(u, u) / 2
@@ -228,35 +209,39 @@ fn the_shape_gradient_of_the_block_is_exact() {
             let mut constraints = Constraints::new(&space);
             constraints.fix_component("top", 1, |_| -PRESSED).unwrap();
             constraints.fix_component("left", 0, |_| 0.0).unwrap();
-            let data = stored::Data {
+            let data = stored::Data::from(forms::Required {
                 lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
                 mu: YOUNG / (2.0 * (1.0 + POISSON)),
                 theta,
                 gamma0: 20.0 * YOUNG,
                 obstacle_normal: Given::constant([0.0, -1.0]),
                 gap: Given::function_with_gradient(|x: &[f64; 2]| x[1], |_| [0.0, 1.0]),
-                body_force: Given::constant([0.0; 2]),
-                traction: Given::constant([0.0; 2]),
-            };
+            });
             let (omega, gamma_n) = (stored::Omega::on("all"), stored::GammaN::on("right"));
             let gamma_c = stored::GammaC::on("bottom");
             let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
             let direct = stored::direct(&data, &omega, &gamma_n, &gamma_c);
             let mut solver = TangentSolver::default();
             let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
-            let u = FormProblem::new(&direct, &assembler, &space)
+            let u = Problem::new(&direct, &space)
+                .assembler(&assembler)
+                .constrained(&constraints)
+                .solver(&mut solver)
+                .options(options.clone())
+                .solve()
                 .unwrap()
-                .solve(&Field::zero(&space), &constraints, &mut solver, &options, &mut |_| ())
-                .unwrap()
-                .field;
+                .into_field();
             let adjoint = stored::adjoint(&data, &omega, &gamma_n, &gamma_c, &u);
-            let p = FormProblem::new(&adjoint, &assembler, &space)
+            let p = Problem::new(&adjoint, &space)
+                .assembler(&assembler)
+                .vanishing(&constraints)
+                .solver(&mut solver)
+                .solve()
                 .unwrap()
-                .solve_affine(&constraints.homogeneous(), &mut solver)
-                .unwrap();
+                .into_field();
             let movements = Space::of_geometry(&mesh).unwrap();
             let form = stored::gradient(&data, &omega, &gamma_n, &gamma_c, &u, &p);
-            let gradient = assembler.residual(&form, &[], &[&movements]).unwrap();
+            let gradient = assembler.linear_form(&form, &movements).unwrap();
             let energy = 0.5 * PLANE_MODULUS * PRESSED.powi(2) * WIDTH / HEIGHT;
             for (axis, length, exact) in [(1, HEIGHT, -energy / HEIGHT), (0, WIDTH, energy / WIDTH)] {
                 // All points move in proportion, or those near the moving side alone.

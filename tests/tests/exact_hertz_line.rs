@@ -21,15 +21,15 @@ struct Contact {
 fn solve(divisions: usize, theta: f64) -> Contact {
     let mut problem = cylinder_on_flat(divisions).unwrap();
     // 1.5 times what θ = 1 asks for.
-    problem.data.theta = 1.0;
-    problem.data.gamma0 = 1.5 * required_gamma0(&problem, CONTACT_CELLS).unwrap();
-    problem.data.theta = theta;
-    let solved = problem.solve_direct(&mut TangentSolver::default(), &NewtonOptions::default(), &mut |_| ());
-    let u = solved.unwrap().result.field;
-    let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
-    let force = 2.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[]).unwrap();
+    problem.law.data.theta = 1.0;
+    problem.law.data.gamma0 = 1.5 * required_gamma0(&problem, CONTACT_CELLS).unwrap();
+    problem.law.data.theta = theta;
+    let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve();
+    let u = solved.unwrap().into_field();
+    let (data, gamma_c, assembler) = (&problem.law.data, &problem.law.regions.gamma_c, &problem.assembler);
+    let force = 2.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u)).unwrap();
     let exact = Hertz::of_line(force);
-    let length = assembler.functional(&forms::contact_length(data, gamma_c, &u), &[]).unwrap();
+    let length = assembler.functional(&forms::contact_length(data, gamma_c, &u)).unwrap();
     let pressure = forms::contact_pressure(data, &u);
     let samples = assembler.along_facets_uniformly(&pressure, CONTACT, 2).unwrap();
     let first = samples.iter().min_by(|a, b| a.position[0].total_cmp(&b.position[0])).unwrap();
@@ -41,7 +41,7 @@ fn solve(divisions: usize, theta: f64) -> Contact {
     };
     println!(
         "n={divisions} γ₀={} E θ={theta}: P {force:.4} a {:.5} {length:.5} ({:+.2e}) p0 {:.4} ({:+.2e}) profile {:.2e}",
-        problem.data.gamma0 / YOUNG,
+        problem.law.data.gamma0 / YOUNG,
         exact.reach,
         contact.half_width_error,
         exact.peak,

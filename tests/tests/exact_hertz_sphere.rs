@@ -20,16 +20,16 @@ struct Contact {
 fn solve(body: Body, divisions: usize, theta: f64) -> Contact {
     let mut problem = in_space(body, divisions).unwrap();
     // 1.5 times what θ = 1 asks for.
-    problem.data.theta = 1.0;
-    problem.data.gamma0 = 1.5 * required_gamma0(&problem, CONTACT_CELLS).unwrap();
-    problem.data.theta = theta;
+    problem.law.data.theta = 1.0;
+    problem.law.data.gamma0 = 1.5 * required_gamma0(&problem, CONTACT_CELLS).unwrap();
+    problem.law.data.theta = theta;
     let mut solver = CondensedSolver::default();
-    let solved = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ());
-    let solved = solved.unwrap().result;
-    let u = solved.field;
-    let (data, gamma_c, assembler) = (&problem.data, &problem.regions.gamma_c, &problem.assembler);
-    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u), &[]).unwrap();
-    let area = 4.0 * assembler.functional(&forms::contact_length(data, gamma_c, &u), &[]).unwrap();
+    let solved = problem.direct().unwrap().solver(&mut solver).solve();
+    let solved = solved.unwrap();
+    let u = solved.field().clone();
+    let (data, gamma_c, assembler) = (&problem.law.data, &problem.law.regions.gamma_c, &problem.assembler);
+    let force = 4.0 * assembler.functional(&forms::contact_force(data, gamma_c, &u)).unwrap();
+    let area = 4.0 * assembler.functional(&forms::contact_length(data, gamma_c, &u)).unwrap();
     let exact = Hertz::of_point(force);
     let radius = (area / std::f64::consts::PI).sqrt();
     let pressure = forms::contact_pressure(data, &u);
@@ -49,7 +49,7 @@ fn solve(body: Body, divisions: usize, theta: f64) -> Contact {
     println!(
         "{body:?} n={divisions} γ₀={:.1} E θ={theta}: P {force:.3} a {:.4} {radius:.4} ({:+.2e}) p0 {:.3} ({:+.2e}) \
          profile {:.2e}; {} steps, {} unknowns, {:?} {:?}",
-        problem.data.gamma0 / YOUNG,
+        problem.law.data.gamma0 / YOUNG,
         exact.reach,
         contact.radius_error,
         exact.peak,

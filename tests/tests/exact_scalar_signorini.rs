@@ -76,10 +76,17 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64) -> f64 {
         let gamma0 = 3.0 * (degree * (degree + 1)) as f64 * 2.0_f64.sqrt();
         let data = membrane::Data { theta, gamma0 };
         let form = membrane::signorini(&data, &membrane::Omega::on("all"), &membrane::Obstacle::on("bottom"));
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
         let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
         let start = Field::zero(&space);
-        let u = problem.solve(&start, &constraints, &mut solver, &options, &mut |_| ()).unwrap().field;
+        let u = problem
+            .start(&start)
+            .constrained(&constraints)
+            .solver(&mut solver)
+            .options(options.clone())
+            .solve()
+            .unwrap()
+            .into_field();
         let value = |x: &[f64; 2], out: &mut [f64]| out[0] = exact(x);
         let slope = |x: &[f64; 2], out: &mut [f64]| out.copy_from_slice(&gradient(x));
         h1.push(errors(&assembler, &u, value, slope).unwrap().h1);
@@ -137,14 +144,12 @@ fn split_facets_follow_the_transition_inside_a_facet() {
         let form = membrane::signorini(&data, &membrane::Omega::on("all"), &membrane::Obstacle::on("bottom"));
         let split = |u: &Field<2>| whole.split_at_zeros(&membrane::indicator(&data, u), "bottom", 2);
         for (errors_of, splits) in h1.iter_mut().zip([false, true]) {
-            let mut problem = FormProblem::new(&form, &whole, &space).unwrap();
+            let mut problem = Problem::new(&form, &space).assembler(&whole);
             if splits {
-                problem = problem.with_assembler_at(split);
+                problem = problem.assembler_at(|u| split(&u[0]));
             }
-            let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
-            let start = Field::zero(&space);
-            let found = problem.solve(&start, &constraints, &mut solver, &options, &mut |_| ()).unwrap();
-            let u = found.field;
+            let found = problem.constrained(&constraints).solve().unwrap();
+            let u = found.field().clone();
             let value = |x: &[f64; 2], out: &mut [f64]| out[0] = exact(x);
             let slope = |x: &[f64; 2], out: &mut [f64]| out.copy_from_slice(&gradient(x));
             errors_of.push(errors(&whole, &u, value, slope).unwrap().h1);

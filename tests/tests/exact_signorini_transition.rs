@@ -3,8 +3,8 @@
 
 use crate::convergence::{digits, order};
 use crate::half_plane::{INTENSITY, direct_problem, error, mesh, signorini_transition, solved_direct};
+use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::states::{ContactProblem, Regions};
 use forms_fem::prelude::*;
 
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
@@ -14,7 +14,7 @@ const CONTACT_LENGTH: f64 = 1.0;
 
 /// ‖p_h − c √r H(−x)‖ in L²(Γ_C), p_h the contact pressure.
 fn pressure_error(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {
-    let pressure = forms::contact_pressure(&problem.data, u);
+    let pressure = forms::contact_pressure(&problem.law.data, u);
     let found = problem.assembler.at_quadrature_points(&pressure, Entity::Facets, "bottom", 8).unwrap();
     let exact = |x: &[f64; 2]| INTENSITY * (-x[0]).max(0.0).sqrt();
     let points = found.positions.iter().zip(&found.weights).zip(&found.values);
@@ -22,8 +22,8 @@ fn pressure_error(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {
 }
 
 fn contact_length(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {
-    let Regions { gamma_c, .. } = &problem.regions;
-    problem.assembler.functional(&forms::contact_length(&problem.data, gamma_c, u), &[]).unwrap()
+    let forms::Regions { gamma_c, .. } = &problem.law.regions;
+    problem.assembler.functional(&forms::contact_length(&problem.law.data, gamma_c, u)).unwrap()
 }
 
 /// Measured along a sequence of meshes.
@@ -107,7 +107,7 @@ fn the_residual_is_consistent() {
                     let exact = signorini_transition();
                     let u = Field::interpolate(&problem.space, |x| exact.displacement(x)).unwrap();
                     let residual =
-                        problem.assembler.residual(&problem.direct_form(), &[&u], &[&problem.space]).unwrap();
+                        problem.assembler.residual(&problem.law.direct(), &[&u], &[&problem.space]).unwrap();
                     let v = Field::interpolate(&problem.space, |x: &[f64; 2]| {
                         [(1.0 - x[1]) * (1.0 + x[0]), (1.0 - x[1]) * (2.0 + x[0] * x[0])]
                     });

@@ -12,8 +12,8 @@ const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
 const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];
 
 fn solve(form: &impl Form<2>, assembler: &Assembler<2>, constraints: &Constraints<2>) -> Field<2> {
-    let mut equations = FormProblem::new(form, assembler, constraints.space()).unwrap();
-    equations.solve_affine(constraints, &mut TangentSolver::default()).unwrap()
+    let equations = Problem::new(form, constraints.space()).assembler(assembler);
+    equations.constrained(constraints).solve().unwrap().into_field()
 }
 
 /// H¹ errors along a sequence of meshes.
@@ -32,12 +32,7 @@ fn h1_errors(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) -
         let mesh = mesh(shape, divisions);
         let problem = direct_problem(&mesh, degree, theta);
         let data = adjoint::Data {
-            lambda: problem.data.lambda,
-            mu: problem.data.mu,
-            theta,
-            gamma0: problem.data.gamma0,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::constant(0.0),
+            base: problem.law.data.clone(),
             // N′ = −σ(p) n on the sides, and only there.
             slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
         };

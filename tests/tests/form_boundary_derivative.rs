@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use forms_contact::boundary_form::boundary_form;
 use forms_contact::forms;
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 
 use crate::convergence::{digits, order};
@@ -61,15 +61,6 @@ impl Ring {
         let mut constraints = Constraints::new(&space);
         constraints.fix("inner", move |x| radially(imposed, x)).unwrap();
         let data = forms::Data {
-            lambda: LAMBDA,
-            mu: MU,
-            // Without contact θ = 0 leaves nothing on Γ_C; the obstacle is far away.
-            theta: 0.0,
-            gamma0: 10.0,
-            extension: 0.0,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::constant(1e6),
-            body_force: Given::constant([0.0; 2]),
             traction: given(self.load),
             criterion_force: given([1.0, 0.0]),
             criterion_weight: {
@@ -79,33 +70,44 @@ impl Ring {
                     move |x| x.map(|v| slope * v / x[0].hypot(x[1])),
                 )
             },
+            ..forms::Required {
+                lambda: LAMBDA,
+                mu: MU,
+                // Without contact θ = 0 leaves nothing on Γ_C; the obstacle is far away.
+                theta: 0.0,
+                gamma0: 10.0,
+                obstacle_normal: Given::constant([0.0, -1.0]),
+                gap: Given::constant(1e6),
+            }
+            .into()
         };
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
-        let regions = Regions::new("outer", "outer");
-        let problem = ContactProblem::new(assembler, &space, data, regions, constraints).unwrap();
+        let regions = forms::Regions::default().gamma_n("outer").gamma_c("outer");
+        let problem =
+            ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
         let mut solver = TangentSolver::default();
-        let u = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ()).unwrap();
-        let u = u.result.field;
-        let p = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver).unwrap().result;
+        let u = problem.direct().unwrap().solver(&mut solver).solve().unwrap();
+        let u = u.into_field();
+        let p = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver).unwrap().into_field();
         let outwards = Field::interpolate(&space, |x| radially([1.0, 0.0], x)).unwrap();
-        let data = boundary_form::Data::of(&problem.data, given(self.imposed));
+        let data = boundary_form::Data { base: problem.law.data.clone(), imposed: given(self.imposed) };
         let clamped = boundary_form::Clamped::on("inner");
         let inner = boundary_form::on_clamped(&data, &clamped, &u, &p, &outwards);
         let loaded = boundary_form::Loaded::on("outer");
         let outer = boundary_form::on_loaded(&data, &loaded, &u, &p, &outwards);
-        let outer = problem.assembler.functional(&outer, &[]).unwrap();
+        let outer = problem.assembler.functional(&outer).unwrap();
         if self.load == [0.0; 2] {
             // Without a load it is a free boundary as well.
             let free = boundary_form::Free::on("outer");
             let form = boundary_form::on_free(&data, &free, &u, &p, &outwards);
-            let found = problem.assembler.functional(&form, &[]).unwrap();
+            let found = problem.assembler.functional(&form).unwrap();
             assert!((found - outer).abs() <= 1e-13 * outer.abs(), "{found} and {outer}");
             let form = boundary_form::gradient_on_free(&data, &free, &u, &p);
-            let gradient = problem.assembler.residual(&form, &[], &[&space]).unwrap();
+            let gradient = problem.assembler.linear_form(&form, &space).unwrap();
             let found: f64 = gradient.iter().zip(outwards.values()).map(|(g, v)| g * v).sum();
             assert!((found - outer).abs() <= 1e-12 * outer.abs(), "{found} and {outer}");
         }
-        [problem.assembler.functional(&inner, &[]).unwrap(), outer]
+        [problem.assembler.functional(&inner).unwrap(), outer]
     }
 }
 

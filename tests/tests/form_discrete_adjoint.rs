@@ -36,7 +36,7 @@ where
         let direct = body.direct(theta);
         let lagrangian = |step: f64| {
             let u = body.moved(step, &direction);
-            let criterion = assembler.functional(&body.criterion(&data(theta), &u), &[]).unwrap();
+            let criterion = assembler.functional(&body.criterion(&data(theta), &u)).unwrap();
             let work = product(&assembler.residual(&direct, &[&u], &[space])?, p.values());
             Ok::<_, AssemblyError>(verification::Sample::from(criterion + work))
         };

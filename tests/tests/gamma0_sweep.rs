@@ -1,10 +1,10 @@
 //! γ₀ from 0.01 E to 10⁵ E, θ = −1, 0, 1, on straight and curved cells: an answer that is off comes with a warning.
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{
     CONTACT, CONTACT_CELLS, IMPOSED_DISPLACEMENT, INNER_RADIUS, OBSTACLE_DEPTH, OUTER_RADIUS, Settings,
 };
-use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::threshold;
 use forms_fem::norms::norms;
 use forms_fem::prelude::*;
@@ -26,37 +26,32 @@ fn problem(shape: CellShape, degree: usize) -> ContactProblem<2> {
     let mut constraints = Constraints::new(&space);
     constraints.fix("inner", |_| IMPOSED_DISPLACEMENT).unwrap();
     let (lambda, mu) = settings.lame();
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda,
         mu,
         theta: -1.0,
         gamma0: 0.0,
-        extension: 0.0,
         obstacle_normal: Given::constant([0.0, -1.0]),
         gap: Given::function(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH),
-        body_force: Given::constant([0.0; 2]),
-        traction: Given::constant([0.0; 2]),
-        criterion_force: Given::constant([0.0; 2]),
-        criterion_weight: Given::constant(0.0),
-    };
+    });
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
-    let regions = Regions::new("outer", CONTACT);
-    ContactProblem::new(assembler, &space, data, regions, constraints).unwrap()
+    let regions = forms::Regions::default().gamma_n("outer").gamma_c(CONTACT);
+    ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap()
 }
 
 /// u and the contact force.
 fn solve(problem: &ContactProblem<2>) -> Option<(Field<2>, f64)> {
     let mut solver = CondensedSolver::default();
-    let u = problem.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ()).ok()?.result.field;
-    let force = forms::contact_force(&problem.data, &problem.regions.gamma_c, &u);
-    let force = problem.assembler.functional(&force, &[]).unwrap();
+    let u = problem.direct().unwrap().solver(&mut solver).solve().ok()?.into_field();
+    let force = forms::contact_force(&problem.law.data, &problem.law.regions.gamma_c, &u);
+    let force = problem.assembler.functional(&force).unwrap();
     Some((u, force))
 }
 
 fn sweep(shape: CellShape, degree: usize) {
     let young = Settings::default().young;
     let mut problem = problem(shape, degree);
-    problem.data.gamma0 = 10.0 * young;
+    problem.law.data.gamma0 = 10.0 * young;
     // θ = −1 has no threshold.
     let (trusted, trusted_force) = solve(&problem).unwrap();
     let scale = norms(&problem.assembler, &trusted).unwrap().h1;
@@ -66,8 +61,8 @@ fn sweep(shape: CellShape, degree: usize) {
     let (mut warned, mut off) = (0, 0);
     for theta in [-1.0, 0.0, 1.0] {
         for factor in GAMMA0 {
-            problem.data.theta = theta;
-            problem.data.gamma0 = factor * young;
+            problem.law.data.theta = theta;
+            problem.law.data.gamma0 = factor * young;
             let threshold = threshold(&problem, CONTACT_CELLS).unwrap();
             let warning = threshold.warning();
             let differences = solve(&problem).map(|(u, force)| {

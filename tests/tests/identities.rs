@@ -3,31 +3,13 @@
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{Settings, solve};
 use forms_fem::prelude::*;
-use forms_tests::bodies::{
-    self, Body, CONTACT, EXTENSION, GAMMA0, LAMBDA, LOADED, MU, data, plane_bodies, solid_bodies, wave,
-};
+use forms_tests::bodies::{Body, CONTACT, EXTENSION, LOADED, data, plane_bodies, solid_bodies, wave};
 use forms_tests::dense::{assert_close, assert_same_matrix, dense, deviation};
 
 /// The paper's formulas typed by hand, to be compared with what the compiler derives.
 #[forms]
 mod by_hand {
-    pub struct Data {
-        pub lambda: Param,
-        pub mu: Param,
-        pub theta: Param,
-        pub gamma0: Param,
-        pub obstacle_normal: Given<Vector>,
-        pub gap: Given<Scalar>,
-        pub criterion_force: Given<Vector>,
-        pub criterion_weight: Given<Scalar>,
-    }
-
-    #[cells]
-    pub struct Omega;
-    #[facets]
-    pub struct GammaC;
-    #[facets]
-    pub struct Boundary;
+    pub use forms_contact::forms::{Boundary, Data, GammaC, Omega};
 
     fn sigma(w: Vector) -> Tensor {
         lambda * div(w) * I + mu * (grad(w) + transpose(grad(w)))
@@ -63,19 +45,6 @@ mod by_hand {
     }
 }
 
-fn by_hand_data<const D: usize>(theta: f64) -> by_hand::Data<D> {
-    by_hand::Data {
-        lambda: LAMBDA,
-        mu: MU,
-        theta,
-        gamma0: GAMMA0,
-        obstacle_normal: Given::function(bodies::obstacle_normal::<D>),
-        gap: Given::function(bodies::gap::<D>),
-        criterion_force: Given::function(bodies::criterion_force::<D>),
-        criterion_weight: Given::function(bodies::criterion_weight::<D>),
-    }
-}
-
 /// What the forms give at a body's state: matrix, and the residual at some p.
 struct System {
     matrix: nalgebra::DMatrix<f64>,
@@ -108,7 +77,7 @@ where
         let consistent = system(body, &body.consistent_adjoint(&data));
 
         // (21) derived is (21) written out.
-        let hand = by_hand::discrete_adjoint(&by_hand_data(theta), &omega, &gamma_c, &boundary, &body.u);
+        let hand = by_hand::discrete_adjoint(&data, &omega, &gamma_c, &boundary, &body.u);
         let hand = system(body, &hand);
         assert_same_matrix(&label("(21) by hand"), &discrete.matrix, &hand.matrix, tolerance);
         assert_close(&label("(21) by hand"), &discrete.residual, &hand.residual, tolerance);
@@ -124,7 +93,7 @@ where
         }
 
         // With the printed sign the tangent is another matrix.
-        let printed = by_hand::as_printed(&by_hand_data(theta), &omega, &gamma_c);
+        let printed = by_hand::as_printed(&data, &omega, &gamma_c);
         let printed = tangent(body, &printed);
         let found = deviation(printed.as_slice(), consistent.matrix.as_slice());
         assert!(found > 1e-2, "{}: {found:.1e}", label("printed sign"));
@@ -190,7 +159,7 @@ fn variants_agree_as_the_mesh_is_refined() {
         [-1.0, 0.0, 1.0]
             .map(|theta| {
                 let settings = Settings { radial, theta, ..Settings::default() };
-                let solution = solve(&settings, &mut |_| ()).unwrap();
+                let solution = solve(&settings).unwrap();
                 let h1 = |field| norms::norms(&solution.problem.assembler, field).unwrap().h1;
                 [solution.criterion, h1(&solution.u), h1(&solution.p_consistent), solution.contact_force]
             })

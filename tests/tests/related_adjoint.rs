@@ -2,7 +2,7 @@
 //! slide on a skew wall, repeat periodically or carry a rigid plate, against what is computed anew.
 
 use forms_contact::forms;
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::constraints::RigidMap;
 use forms_fem::prelude::*;
 use forms_fem::verification::{Sample, taylor};
@@ -14,7 +14,7 @@ fn traction(load: f64) -> Given<[f64; 2], 2> {
 /// The problem under another load.
 fn loaded(problem: &ContactProblem<2>, load: f64) -> ContactProblem<2> {
     let mut changed = problem.clone();
-    changed.data.traction = traction(load);
+    changed.law.data.traction = traction(load);
     changed
 }
 
@@ -40,20 +40,24 @@ fn problem(relate: fn(&mut Constraints<2>)) -> ContactProblem<2> {
         criterion_weight: Given::constant(1.0),
     };
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    ContactProblem::new(assembler, &space, data, Regions::new("top", "bottom"), constraints).unwrap()
+    ContactProblem::new(
+        assembler,
+        &space,
+        forms::Model { data, regions: forms::Regions::default().gamma_n("top").gamma_c("bottom") },
+        constraints,
+    )
+    .unwrap()
 }
 
 fn criterion(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {
-    let Regions { omega, boundary, .. } = &problem.regions;
-    problem.assembler.functional(&forms::criterion(&problem.data, omega, boundary, u), &[]).unwrap()
+    problem.criterion(u).unwrap()
 }
 
 fn solve(problem: &ContactProblem<2>) -> Field<2> {
     let options = NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() };
     // Without contact the bodies float.
     let pressed = Field::interpolate(&problem.space, |_| [0.0, -0.3]).unwrap();
-    let solved = problem.solve_direct_from(&pressed, &mut TangentSolver::default(), &options, &mut |_| ());
-    solved.unwrap().result.field
+    problem.direct().unwrap().start(&pressed).options(options).solve().unwrap().into_field()
 }
 
 fn check(name: &str, relate: fn(&mut Constraints<2>)) {
@@ -61,14 +65,14 @@ fn check(name: &str, relate: fn(&mut Constraints<2>)) {
     assert!(!start.constraints.relations().is_empty());
     let u = solve(&start);
     let active = |problem: &ContactProblem<2>, u: &Field<2>| {
-        problem.assembler.active_set(&problem.direct_form(), &[u]).unwrap()
+        problem.assembler.active_set(&problem.law.direct(), &[u]).unwrap()
     };
     // A part of the bottom touches.
     let touching = active(&start, &u).expect("contact is a kink");
     let count = touching.iter().filter(|&&switches| switches > 0).count();
     println!("{name}: {count} of {} points touch", touching.len());
     assert!(count > 0 && count < touching.len(), "{name}");
-    let p = start.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
+    let p = start.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().into_field();
     // The adjoint state obeys the homogeneous relations.
     let mut imposed = p.values().to_vec();
     start.constraints.homogeneous().apply(&mut imposed);
@@ -76,7 +80,7 @@ fn check(name: &str, relate: fn(&mut Constraints<2>)) {
     // R is affine in the load.
     let residual = |load: f64| {
         let problem = loaded(&start, load);
-        problem.assembler.residual(&problem.direct_form(), &[&u], &[&problem.space]).unwrap()
+        problem.assembler.residual(&problem.law.direct(), &[&u], &[&problem.space]).unwrap()
     };
     let by_load = residual(2.0).into_iter().zip(residual(1.0)).map(|(a, b)| a - b);
     let derivative: f64 = by_load.zip(p.values()).map(|(r, p)| r * p).sum();

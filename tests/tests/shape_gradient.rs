@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use forms_contact::forms;
 use forms_contact::shape_gradient::Diameters;
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::movement::MovementError;
 use forms_fem::prelude::*;
 use forms_fem::verification::{self, Sample};
@@ -91,7 +91,8 @@ fn problem(mesh: &Arc<Mesh<2>>, theta: f64) -> ContactProblem<2> {
     let mut constraints = Constraints::new(&space);
     constraints.fix("inner", imposed).unwrap();
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
-    ContactProblem::new(assembler, &space, data(theta), Regions::new("loaded", "below"), constraints).unwrap()
+    let regions = forms::Regions::default().gamma_n("loaded").gamma_c("below");
+    ContactProblem::new(assembler, &space, forms::Model { data: data(theta), regions }, constraints).unwrap()
 }
 
 /// u, J_h and which points are in contact.
@@ -105,7 +106,8 @@ struct Solution {
 
 /// With diameters as they are, or as they were on another mesh. Newton's method starts from zero, or near a solution.
 fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Option<&Solution>) -> Solution {
-    let ContactProblem { assembler, space, data, regions, constraints, .. } = problem;
+    let ContactProblem { assembler, space, law, constraints, .. } = problem;
+    let data = &law.data;
     let mut solver = TangentSolver::default();
     let start = near.map_or_else(
         || Field::zero(space),
@@ -117,7 +119,7 @@ fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Optio
         ..NewtonOptions::default()
     };
     let solved = match before {
-        None => problem.solve_direct_from(&start, &mut solver, &options, &mut |_| ()).unwrap().result,
+        None => problem.direct().unwrap().start(&start).solver(&mut solver).options(options).solve().unwrap(),
         Some(before) => {
             let cells = Space::discontinuous_scalar(space.mesh(), 0).unwrap();
             let mut gamma0 = vec![0.0; cells.unknowns()];
@@ -137,15 +139,21 @@ fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Optio
             };
             let (omega, gamma_n) = (frozen::Omega::on("all"), frozen::GammaN::on("loaded"));
             let form = frozen::direct(&data, &omega, &gamma_n, &frozen::GammaC::on("below"));
-            let mut problem = FormProblem::new(&form, assembler, space).unwrap();
-            problem.solve(&start, constraints, &mut solver, &options, &mut |_| ()).unwrap()
+            let problem = Problem::new(&form, space).assembler(assembler);
+            problem
+                .start(&start)
+                .constrained(constraints)
+                .solver(&mut solver)
+                .options(options.clone())
+                .solve()
+                .unwrap()
         }
     };
     let residual = near.map_or(1e-13 * solved.history[0].residual, |near| near.residual);
-    let u = solved.field;
-    let criterion = forms::criterion(data, &regions.omega, &regions.boundary, &u);
-    let active = assembler.active_set(&problem.direct_form(), &[&u]).unwrap();
-    Solution { criterion: assembler.functional(&criterion, &[]).unwrap(), u, active, residual }
+    let u = solved.into_field();
+    let criterion = law.criterion(&u);
+    let active = assembler.active_set(&problem.law.direct(), &[&u]).unwrap();
+    Solution { criterion: assembler.functional(&criterion).unwrap(), u, active, residual }
 }
 
 /// A movement of the points near a place of the boundary, radially and around.
@@ -176,7 +184,8 @@ fn with_the_discrete_adjoint_it_is_the_derivative_of_the_discrete_criterion() {
             let in_contact =
                 active.as_ref().map_or(0, |points| points.iter().filter(|point| **point > 0).count());
             assert!(in_contact > 3, "{in_contact} points in contact");
-            let p = here.solve_adjoint(Adjoint::Discrete, u, &mut TangentSolver::default()).unwrap().result;
+            let p =
+                here.solve_adjoint(Adjoint::Discrete, u, &mut TangentSolver::default()).unwrap().into_field();
             for (diameters, before) in [(Diameters::Frozen, Some(&mesh)), (Diameters::Moving, None)] {
                 let gradient = here.shape_gradient(u, &p, diameters, Some(&imposed_slope)).unwrap();
                 let kept = here.shape_gradient(u, &p, diameters, None).unwrap();
@@ -227,7 +236,7 @@ fn diameters_matter_on_the_contact_boundary() {
     let mesh = ring(CellShape::Quadrilateral, 2);
     let here = problem(&mesh, 0.0);
     let u = solve(&here, None, None).u;
-    let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().result;
+    let p = here.solve_adjoint(Adjoint::Discrete, &u, &mut TangentSolver::default()).unwrap().into_field();
     let [frozen, moving] = [Diameters::Frozen, Diameters::Moving]
         .map(|diameters| here.shape_gradient(&u, &p, diameters, None).unwrap());
     for (piece, centre) in PIECES {
@@ -240,7 +249,7 @@ fn diameters_matter_on_the_contact_boundary() {
     let message = frozen.along(&other).unwrap_err().to_string();
     assert!(message.ends_with("it lives on another space"), "{message}");
     let mut here = here;
-    here.data.gap = Given::function(|x: &[f64; 2]| x[1] + 3.0);
+    here.law.data.gap = Given::function(|x: &[f64; 2]| x[1] + 3.0);
     let message = here.shape_gradient(&u, &p, Diameters::Frozen, None).unwrap_err().to_string();
     assert!(message.starts_with("form `shape_gradient` reads the gradient of `gap`"), "{message}");
 }
@@ -255,7 +264,7 @@ fn with_split_facets_it_is_the_derivative_across_changes_of_the_contact_zone() {
         let here = split(&mesh);
         let start = solve(&here, None, None);
         let u = &start.u;
-        let p = here.solve_adjoint(Adjoint::Discrete, u, &mut TangentSolver::default()).unwrap().result;
+        let p = here.solve_adjoint(Adjoint::Discrete, u, &mut TangentSolver::default()).unwrap().into_field();
         let gradient = here.shape_gradient(u, &p, Diameters::Moving, Some(&imposed_slope)).unwrap();
         for (piece, centre) in PIECES {
             let along = near(&mesh, centre);

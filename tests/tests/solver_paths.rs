@@ -1,7 +1,8 @@
 //! The ways to solve the direct problem (14), each forced: all reach the same u, and say which way they took.
 
+use forms_contact::ContactProblem;
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
-use forms_contact::states::{Adjoint, ContactProblem, ThetaPath};
+use forms_contact::paper_law::{Adjoint, ThetaPath};
 use forms_fem::linear_algebra::vector::norm;
 use forms_fem::prelude::*;
 use forms_fem::solve::{LineSearch, LuSolver, NewtonFailure, SolverPath};
@@ -19,8 +20,8 @@ fn difference(a: &Field<2>, b: &Field<2>) -> f64 {
 }
 
 fn direct(problem: &ContactProblem<2>, solver: &mut dyn LinearSolver) -> (Field<2>, Vec<NewtonStep>) {
-    let solved = problem.solve_direct(solver, &NewtonOptions::default(), &mut |_| ()).unwrap().result;
-    (solved.field, solved.history)
+    let solved = problem.direct().unwrap().solver(solver).solve().unwrap();
+    (solved.field().clone(), solved.history)
 }
 
 /// States and adjoint states by condensation are those of plain Newton with LU of each whole tangent.
@@ -46,8 +47,8 @@ fn condensed_is_plain() {
         assert!(count > 0 && 10 * count < problem.space.unknowns());
         assert!(history[1..].iter().all(|step| step.condensed_unknowns == Some(count)));
         for adjoint in [Adjoint::Consistent, Adjoint::Discrete] {
-            let one = problem.solve_adjoint(adjoint, &found, &mut condensed).unwrap().result;
-            let other = problem.solve_adjoint(adjoint, &expected, &mut plain).unwrap().result;
+            let one = problem.solve_adjoint(adjoint, &found, &mut condensed).unwrap().into_field();
+            let other = problem.solve_adjoint(adjoint, &expected, &mut plain).unwrap().into_field();
             assert!(difference(&one, &other) < SAME, "{adjoint:?}: {:e}", difference(&one, &other));
         }
         assert_eq!(condensed.report().factorisations, 1);
@@ -86,9 +87,8 @@ fn a_growing_zone_is_factored_anew() {
     let (expected, _) = direct(&problem, &mut LuSolver::default());
     let far = Field::interpolate(&problem.space, |x: &[f64; 2]| [0.2 * x[1], -3.0]).unwrap();
     let mut solver = CondensedSolver::default();
-    let options = NewtonOptions::default();
-    let solved = problem.solve_direct_from(&far, &mut solver, &options, &mut |_| ()).unwrap().result;
-    assert!(difference(&solved.field, &expected) < SAME);
+    let solved = problem.direct().unwrap().start(&far).solver(&mut solver).solve().unwrap();
+    assert!(difference(solved.field(), &expected) < SAME);
 }
 
 #[test]
@@ -98,23 +98,23 @@ fn a_line_search_and_a_path_through_theta() {
     let symmetric = cylinder(1.0, 10.0);
     let (expected, _) = direct(&symmetric, &mut LuSolver::default());
     let mut solver = CondensedSolver::default();
-    let found = symmetric.solve_direct(&mut solver, &options, &mut |_| ()).unwrap().result;
-    assert!(difference(&found.field, &expected) < SAME);
+    let found = symmetric.direct().unwrap().solver(&mut solver).options(options.clone()).solve().unwrap();
+    assert!(difference(found.field(), &expected) < SAME);
     assert!(found.history[1..].iter().all(|step| step.damping.is_some_and(|part| part > 0.0)));
     // θ = −1 has none.
     let skew = cylinder(-1.0, 10.0);
-    let error = skew.solve_direct(&mut solver, &options, &mut |_| ()).unwrap_err();
+    let error = skew.direct().unwrap().solver(&mut solver).options(options.clone()).solve().unwrap_err();
     assert!(matches!(error.why, NewtonFailure::NoPotential { .. }), "{error}");
     assert!(!error.history.is_empty());
     // But it is reached from θ = 1.
     let (expected, _) = direct(&skew, &mut LuSolver::default());
     let mut thetas = vec![];
     let path = skew
-        .solve_direct_through(
+        .solve_through(
             ThetaPath::default(),
             &mut CondensedSolver::default(),
             &NewtonOptions::default(),
-            &mut |theta, step| {
+            |theta, step| {
                 if step.iteration == 0 {
                     thetas.push(theta);
                 }
@@ -126,7 +126,6 @@ fn a_line_search_and_a_path_through_theta() {
     // Without Newton steps no θ is reached, and the error says which.
     let none = NewtonOptions { max_iterations: 0, ..NewtonOptions::default() };
     let mut solver = CondensedSolver::default();
-    let error =
-        skew.solve_direct_through(ThetaPath::default(), &mut solver, &none, &mut |_, _| ()).unwrap_err();
+    let error = skew.solve_through(ThetaPath::default(), &mut solver, &none, |_, _| ()).unwrap_err();
     assert!(error.to_string().contains("no convergence within 0 iterations"), "{error}");
 }

@@ -3,7 +3,7 @@
 //! term of the moving cut.
 
 use forms_contact::forms;
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 use forms_fem::verification::{Sample, taylor};
 
@@ -19,20 +19,26 @@ fn block(theta: f64) -> ContactProblem<3> {
     constraints.fix_component("left", 0, |_| 0.0).unwrap();
     constraints.fix_component("front", 1, |_| 0.0).unwrap();
     let data = forms::Data {
-        lambda: 57.0,
-        mu: 38.0,
-        theta,
-        gamma0: 4000.0,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 3]| x[2] + 0.031 * x[0] + 0.047 * x[1] - 0.02),
-        body_force: Given::constant([0.0; 3]),
         traction: Given::constant([0.0, 0.0, TOTAL]),
         criterion_force: Given::constant([0.0, 0.0, -1.0]),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda: 57.0,
+            mu: 38.0,
+            theta,
+            gamma0: 4000.0,
+            obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
+            gap: Given::function(|x: &[f64; 3]| x[2] + 0.031 * x[0] + 0.047 * x[1] - 0.02),
+        }
+        .into()
     };
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
-    ContactProblem::new(assembler, &space, data, Regions::new("top", "bottom"), constraints).unwrap()
+    ContactProblem::new(
+        assembler,
+        &space,
+        forms::Model { data, regions: forms::Regions::default().gamma_n("top").gamma_c("bottom") },
+        constraints,
+    )
+    .unwrap()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -50,13 +56,13 @@ fn the_residual_is_differentiable_where_facets_are_partly_in_contact() {
         let v = Field::interpolate(space, |x| [x[2], (3.0 * x[0]).sin(), (5.0 * x[1] + x[0]).cos()]).unwrap();
         let residual = |problem: &ContactProblem<3>, u: &Field<3>| {
             let assembler = problem.assembler_at(u).unwrap();
-            assembler.residual(&problem.direct_form(), &[u], &[space]).unwrap()
+            assembler.residual(&problem.law.direct(), &[u], &[space]).unwrap()
         };
         let test = |problem: &ContactProblem<3>| {
             let derivative = problem
                 .assembler_at(&u)
                 .unwrap()
-                .action(&problem.direct_form(), &[&u], &[&v], &[space])
+                .action(&problem.law.direct(), &[&u], &[&v], &[space])
                 .unwrap();
             taylor(1e-2, &derivative, |t| {
                 let value = residual(problem, &Field::combination(&[(1.0, &u), (t, &v)]).unwrap());
@@ -78,34 +84,40 @@ fn newtons_method_and_the_adjoint_follow_the_split() {
         let problem = block(theta).with_split_facets();
         let mut solver = TangentSolver::default();
         let options = NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() };
-        let solved = problem.solve_direct(&mut solver, &options, &mut |_| ()).unwrap().result;
-        let u = solved.field;
+        let solved = problem.direct().unwrap().solver(&mut solver).options(options.clone()).solve().unwrap();
+        let u = solved.field().clone();
         let steps = solved.history.len();
         assert!(steps <= 15, "θ = {theta}: {steps} steps");
         assert!(solved.history.iter().all(|step| step.active_points.is_none()));
         // What presses from below holds what presses from above.
         let assembler = problem.assembler_at(&u).unwrap();
-        let gamma_c = &problem.regions.gamma_c;
-        let force = assembler.functional(&forms::contact_force(&problem.data, gamma_c, &u), &[]).unwrap();
+        let gamma_c = &problem.law.regions.gamma_c;
+        let force = assembler.functional(&forms::contact_force(&problem.law.data, gamma_c, &u)).unwrap();
         assert!((force + TOTAL).abs() < 1e-9, "θ = {theta}: {force}");
         // The derivative of ∫F·u by the height of the obstacle, by (21) and by differences.
         let lifted = |height: f64| {
             let mut lifted = problem.clone();
-            lifted.data.gap =
+            lifted.law.data.gap =
                 Given::function(move |x: &[f64; 3]| x[2] + 0.031 * x[0] + 0.047 * x[1] - 0.02 - height);
             lifted
         };
         let criterion = |problem: &ContactProblem<3>| {
-            let solved = problem.solve_direct(&mut TangentSolver::default(), &options, &mut |_| ()).unwrap();
-            let (regions, u) = (&problem.regions, solved.result.field);
-            let form = forms::criterion(&problem.data, &regions.omega, &regions.boundary, &u);
-            problem.assembler.functional(&form, &[]).unwrap()
+            let solved = problem
+                .direct()
+                .unwrap()
+                .solver(&mut TangentSolver::default())
+                .options(options.clone())
+                .solve()
+                .unwrap();
+            let (regions, u) = (&problem.law.regions, solved.into_field());
+            let form = forms::criterion(&problem.law.data, &regions.omega, &regions.boundary, &u);
+            problem.assembler.functional(&form).unwrap()
         };
-        let p = problem.solve_adjoint(Adjoint::Discrete, &u, &mut solver).unwrap().result;
+        let p = problem.solve_adjoint(Adjoint::Discrete, &u, &mut solver).unwrap().into_field();
         let residual = |height: f64| {
             let lifted = lifted(height);
             let assembler = lifted.assembler_at(&u).unwrap();
-            assembler.residual(&lifted.direct_form(), &[&u], &[&lifted.space]).unwrap()
+            assembler.residual(&lifted.law.direct(), &[&u], &[&lifted.space]).unwrap()
         };
         // Small beside the depths, of about 1e-3, by which facets sink in.
         let step = 1e-7;

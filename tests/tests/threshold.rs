@@ -3,8 +3,8 @@
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT_CELLS, Settings, hollow_cylinder};
-use forms_contact::states::{Adjoint, ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
+use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
 
 const LAMBDA: f64 = 1.7;
@@ -27,22 +27,17 @@ where
     let space = Space::vector(mesh, degree).unwrap();
     let mut normal = [0.0; D];
     normal[D - 1] = -1.0;
-    let data = forms::Data {
+    let data = forms::Data::from(forms::Required {
         lambda: LAMBDA,
         mu: MU,
         theta,
         gamma0: 1.0,
-        extension: 0.0,
         obstacle_normal: Given::constant(normal),
         gap: Given::constant(0.0),
-        body_force: Given::constant([0.0; D]),
-        traction: Given::constant([0.0; D]),
-        criterion_force: Given::constant([0.0; D]),
-        criterion_weight: Given::constant(0.0),
-    };
+    });
     let constraints = Constraints::new(&space);
-    let regions = Regions::new("contact", "contact");
-    ContactProblem::new(Assembler::new(mesh), &space, data, regions, constraints).unwrap()
+    let regions = forms::Regions::default().gamma_n("contact").gamma_c("contact");
+    ContactProblem::new(Assembler::new(mesh), &space, forms::Model { data, regions }, constraints).unwrap()
 }
 
 /// The γ₀ of [`required_gamma0`] on a mesh with Γ_C = "contact", all of whose cells own facets of it.
@@ -134,7 +129,7 @@ fn the_cylinder() {
     }
 }
 
-/// What would make a wrong γ₀ pass for a right one, or obstacles pull, is an error that names it.
+/// Data with which a wrong γ₀ would pass for a right one, or obstacles would pull, are an error that names them.
 #[test]
 fn contact_cells_that_lack_one_and_gamma0_that_is_not_positive_are_errors() {
     let settings = Settings { radial: 4, theta: 1.0, ..Settings::default() };
@@ -143,9 +138,11 @@ fn contact_cells_that_lack_one_and_gamma0_that_is_not_positive_are_errors() {
     assert!(error.contains("fewer"), "{error}");
     let u = Field::zero(&cylinder.space);
     for gamma0 in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        cylinder.data.gamma0 = gamma0;
+        cylinder.law.data.gamma0 = gamma0;
         let solver = &mut TangentSolver::default();
-        let direct = cylinder.solve_direct(solver, &NewtonOptions::default(), &mut |_| ()).unwrap_err();
+        let direct: Result<Solved<2>, SolveError> =
+            cylinder.direct().map_err(SolveError::from).and_then(|mut problem| problem.solve());
+        let direct = direct.unwrap_err();
         let adjoint = cylinder.solve_adjoint(Adjoint::Discrete, &u, solver).unwrap_err();
         for error in [direct.to_string(), adjoint.to_string()] {
             assert!(error.contains("`gamma0`") && error.contains(&gamma0.to_string()), "{error}");

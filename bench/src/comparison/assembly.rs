@@ -21,7 +21,7 @@ pub struct AssemblyRow {
     pub case: Case,
     /// n.
     pub divisions: usize,
-    /// What each program measured, ours first.
+    /// Measurements of each program, ours first.
     pub programs: Vec<Measured>,
 }
 
@@ -102,10 +102,10 @@ fn ours(arguments: &[&str]) -> Result<String, ComparisonError> {
     output("forms-fem", Command::new(program).arg(WORKER).args(arguments))
 }
 
-/// What a worker does with the arguments after [`WORKER`]: prints one line of JSON.
+/// Runs a worker with the arguments after [`WORKER`]: prints one line of JSON.
 ///
 /// # Errors
-/// What the measured program says, or that the arguments are wrong.
+/// The measured program's error, or that the arguments are wrong.
 pub fn work(arguments: &[String], out: &mut StandardOutput) -> Result<(), Box<dyn std::error::Error>> {
     let number = |index: usize| -> Result<usize, Box<dyn std::error::Error>> {
         Ok(arguments.get(index).ok_or("a number is missing")?.parse()?)

@@ -16,7 +16,7 @@ pub use kernels::{KernelRow, Timing, read_timings};
 pub use machine::Machine;
 pub use report::Report;
 
-/// What to compare, and where to write.
+/// The comparison, and where to write it.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Few samples, and small meshes.
@@ -31,7 +31,7 @@ pub struct Options {
     pub only_forms: Option<String>,
 }
 
-/// Why the comparison stopped. A peer that is missing or fails stops nothing: it is named in the report.
+/// Errors that stop the comparison. A peer that is missing or fails stops nothing: it is named in the report.
 #[derive(Debug, Error)]
 pub enum ComparisonError {
     /// A program that is needed did not run.
@@ -39,7 +39,7 @@ pub enum ComparisonError {
     Program {
         /// Its name.
         program: String,
-        /// What it said.
+        /// Its message.
         reason: String,
     },
     /// A file or directory.
@@ -47,7 +47,7 @@ pub enum ComparisonError {
     File {
         /// Which.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A program printed something else than numbers.
@@ -55,7 +55,7 @@ pub enum ComparisonError {
     Output {
         /// Its name.
         program: String,
-        /// What is wrong.
+        /// The problem.
         reason: String,
     },
     /// The chart.

@@ -14,7 +14,7 @@ use crate::assembly::Measured;
 /// Everything that was measured.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
-    /// What it ran on.
+    /// The machine.
     pub machine: Machine,
     /// Few samples, and small meshes.
     pub quick: bool,

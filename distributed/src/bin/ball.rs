@@ -6,21 +6,21 @@ use std::process::ExitCode;
 
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::report::{tell, tell_steps};
-use forms_distributed::{Method, PetscSolver, SharedContact, World};
-use forms_fem::prelude::*;
+use forms_distributed::{Method, PetscSolver, World, distributed_functional};
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let given = |place| std::env::args().nth(place);
     let divisions = given(1).map_or(Ok(4), |number| number.parse())?;
     let theta = given(2).map_or(Ok(-1.0), |number| number.parse())?;
     let method = Method::named(given(3).as_deref().unwrap_or("direct"))?;
-    let contact = SharedContact::new(world, ball_on_flat(divisions, theta)?)?;
-    let mut solver = PetscSolver::new(world, &contact.problem().constraints, method)?;
-    let solved = contact.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ())?;
+    let problem = ball_on_flat(divisions, theta)?;
+    let mut solver = PetscSolver::new(world, &problem.constraints, method)?;
+    let solved = problem.direct()?.on(world).solver(&mut solver).solve()?;
+    let (u, law) = (solved.field(), &problem.law);
     tell_steps(world, &solved.history);
-    tell(world, "J", &[contact.criterion(&solved.field)?]);
-    tell(world, "force", &[contact.contact_force(&solved.field)?]);
-    tell(world, "u", solved.field.values());
+    tell(world, "J", &[distributed_functional(world, &problem.assembler, &law.criterion(u))?]);
+    tell(world, "force", &[distributed_functional(world, &problem.assembler, &law.contact_force(u))?]);
+    tell(world, "u", u.values());
     Ok(())
 }
 

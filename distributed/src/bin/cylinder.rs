@@ -5,24 +5,23 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
-use forms_contact::states::Adjoint;
 use forms_distributed::cases::report::{tell, tell_steps};
-use forms_distributed::{Method, PetscSolver, SharedContact, World};
+use forms_distributed::{Method, PetscSolver, World, distributed_functional};
 use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let radial = std::env::args().nth(1).map_or(Ok(4), |number| number.parse())?;
     let settings = Settings { radial, threads: Threads::new(1), ..Settings::default() };
-    let contact = SharedContact::new(world, hollow_cylinder(&settings)?)?;
-    let mut solver = PetscSolver::new(world, &contact.problem().constraints, Method::Direct)?;
-    let solved = contact.solve_direct(&mut solver, &NewtonOptions::default(), &mut |_| ())?;
-    let u = solved.field;
-    let adjoint = contact.solve_adjoint(Adjoint::Discrete, &u, &mut solver)?;
+    let problem = hollow_cylinder(&settings)?;
+    let mut solver = PetscSolver::new(world, &problem.constraints, Method::Direct)?;
+    let solved = problem.direct()?.on(world).solver(&mut solver).solve()?;
+    let (u, law) = (solved.field(), &problem.law);
+    let adjoint = problem.adjoint(u)?.on(world).solver(&mut solver).solve()?;
     tell_steps(world, &solved.history);
-    tell(world, "J", &[contact.criterion(&u)?]);
-    tell(world, "force", &[contact.contact_force(&u)?]);
+    tell(world, "J", &[distributed_functional(world, &problem.assembler, &law.criterion(u))?]);
+    tell(world, "force", &[distributed_functional(world, &problem.assembler, &law.contact_force(u))?]);
     tell(world, "u", u.values());
-    tell(world, "adjoint", adjoint.values());
+    tell(world, "adjoint", adjoint.field().values());
     tell(world, "residual", &[solver.report().largest_residual]);
     Ok(())
 }

@@ -1,10 +1,10 @@
-//! What must fail on all processes, and not leave one waiting: `mpirun -n 2 failures [assembly | convergence | twice]`.
+//! Failures on all processes, which must not leave one waiting: `mpirun -n 2 failures [assembly | convergence | twice]`.
 
 use std::error::Error;
 use std::process::ExitCode;
 
 use forms_distributed::cases::hanging_block::HangingBlock;
-use forms_distributed::{Method, PetscSolver, SharedProblem, World};
+use forms_distributed::{Method, PetscSolver, World};
 use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
@@ -17,11 +17,15 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let fails = which == "assembly";
     let weight = move |x: &[f64; 3]| [0.0, 0.0, if fails && x[0] > last { f64::NAN } else { -1.0 }];
     let HangingBlock { form, space, constraints } = HangingBlock::new(4, Given::function(weight))?;
-    let share = Assembler::new(space.mesh()).with_threads(Threads::new(1));
-    let share = share.on_owned_cells(world.own_cells(space.mesh()))?;
+    let assembler = Assembler::new(space.mesh()).with_threads(Threads::new(1));
     let method = Method::ConjugateGradients { tolerance: 1e-10, max_iterations: 3 };
     let mut solver = PetscSolver::new(world, &constraints, method)?;
-    SharedProblem::new(world, &form, &share, &space)?.solve_affine(&constraints, &mut solver)?;
+    Problem::new(&form, &space)
+        .assembler(&assembler)
+        .on(world)
+        .constrained(&constraints)
+        .solver(&mut solver)
+        .solve()?;
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use forms_distributed::cases::hanging_block::HangingBlock;
 use forms_distributed::cases::report::tell;
-use forms_distributed::{Method, PetscSolver, SharedProblem, TOLERANCE, World};
+use forms_distributed::{Method, PetscSolver, TOLERANCE, World};
 use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
@@ -21,11 +21,16 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     }
     let method = Method::named(&name)?;
     let HangingBlock { form, space, constraints } = block;
-    let share = Assembler::new(space.mesh()).with_threads(Threads::new(1));
-    let share = share.on_owned_cells(world.own_cells(space.mesh()))?;
+    let assembler = Assembler::new(space.mesh()).with_threads(Threads::new(1));
     let start = Instant::now();
     let mut solver = PetscSolver::new(world, &constraints, method)?;
-    let u = SharedProblem::new(world, &form, &share, &space)?.solve_affine(&constraints, &mut solver)?;
+    let u = Problem::new(&form, &space)
+        .assembler(&assembler)
+        .on(world)
+        .constrained(&constraints)
+        .solver(&mut solver)
+        .solve()?
+        .into_field();
     let report = solver.report();
     tell(world, "unknowns", &[space.unknowns() as f64]);
     tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());
@@ -48,7 +53,11 @@ fn by_multigrid(world: &World, block: HangingBlock) -> Result<(), Box<dyn Error>
     let options =
         MultigridSolverOptions { tolerance: TOLERANCE, threads, ..MultigridSolverOptions::default() };
     let mut solver = MultigridSolver::new(&constraints, options)?;
-    FormProblem::new(&form, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+    Problem::new(&form, &space)
+        .assembler(&assembler)
+        .constrained(&constraints)
+        .solver(&mut solver)
+        .solve()?;
     let report = solver.report();
     tell(world, "unknowns", &[space.unknowns() as f64]);
     tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());

@@ -1,7 +1,7 @@
 //! Hertz's ball of R = 8 on a rigid flat: a quarter of it, cut at the height of its centre, where it is pressed down.
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
@@ -35,23 +35,22 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
     constraints.fix_component("front", 1, |_| 0.0)?;
     constraints.fix_component("top", 2, |_| -PRESSED)?;
     let data = forms::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta: 1.0,
-        gamma0: YOUNG,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 3]| x[2] + RADIUS),
-        body_force: Given::constant([0.0; 3]),
-        traction: Given::constant([0.0; 3]),
         criterion_force: Given::constant([0.0, 0.0, -1.0]),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
+            mu: YOUNG / (2.0 * (1.0 + POISSON)),
+            theta: 1.0,
+            gamma0: YOUNG,
+            obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
+            gap: Given::function(|x: &[f64; 3]| x[2] + RADIUS),
+        }
+        .into()
     };
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(6));
-    let regions = Regions::new("right", "contact");
+    let regions = forms::Regions::default().gamma_n("right").gamma_c("contact");
     let assembler = assembler.with_threads(Threads::new(1));
-    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints)?;
-    problem.data.gamma0 = 1.5 * required_gamma0(&problem, "contact cells")?;
-    problem.data.theta = theta;
+    let mut problem = ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?;
+    problem.law.data.gamma0 = 1.5 * required_gamma0(&problem, "contact cells")?;
+    problem.law.data.theta = theta;
     Ok(problem)
 }

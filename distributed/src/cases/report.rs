@@ -1,4 +1,4 @@
-//! What a program tells of its results, to be read by another: lines of a name and numbers.
+//! Results of a program, to be read by another: lines of a name and numbers.
 
 use std::collections::BTreeMap;
 

@@ -3,10 +3,9 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
+mod checks;
 mod fields;
 mod side;
-
-use std::ops::Range;
 
 use forms_core::contract::{Basis, CellGeometry, Hessian, Order, PointGeometry, Requirements, Side};
 
@@ -20,10 +19,6 @@ use super::sum_factorisation::Stages;
 use super::walk::Group;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
-use crate::mesh::geometry::determinant;
-
-/// The two sides of an interior facet see a point at the same place up to this part of h.
-const SAME_PLACE: f64 = 1e-10;
 
 /// Where the nodes of the cells come from.
 #[derive(Clone, Copy)]
@@ -155,9 +150,9 @@ pub(super) struct Batch<'a, L, const D: usize> {
     cells: Cells<'a, D>,
     tables: [SideTables<'a, D>; 2],
     buffers: &'a mut BatchBuffers<L, D>,
-    /// How many lanes hold cells of their own.
+    /// Number of lanes that hold cells of their own.
     filled: usize,
-    /// How far the two sides of an interior facet may be apart.
+    /// Largest distance between the two sides of an interior facet.
     tolerance: [f64; WIDEST],
     /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
     affine: Option<AffineGeometry<L, D>>,
@@ -173,7 +168,7 @@ pub(super) struct Reads {
     pub hessian: bool,
 }
 
-/// What is the same at all points of affine cells.
+/// The geometry that is constant on affine cells.
 #[derive(Clone, Copy)]
 struct AffineGeometry<L, const D: usize> {
     measure: L,
@@ -404,87 +399,6 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         }
         self.evaluate_fields(requirements, q, &geometry.position)?;
         Ok(geometry)
-    }
-
-    /// That the weights of all points so far were positive; `range` holds the group's entities that have been loaded. A
-    /// mesh has proved it of its cells; cells that a caller lists are taken as they are.
-    pub fn check_weights(&self, range: Range<usize>) -> Result<(), AssemblyError> {
-        let mut least = [f64::INFINITY; WIDEST];
-        self.least.store(&mut least);
-        match self.cells {
-            Cells::Mesh(mesh) if least.iter().any(|determinant| *determinant <= 0.0) => {
-                self.find_weight(mesh, range)
-            }
-            _ => Ok(()),
-        }
-    }
-
-    #[cold]
-    fn find_weight(&self, mesh: &Mesh<D>, range: Range<usize>) -> Result<(), AssemblyError> {
-        for index in range {
-            for side in &self.group.sides {
-                let cell = side.cells[index] as usize;
-                let tables = &side.geometry;
-                for q in 0..self.group.points() {
-                    let (mut jacobian, mut position) = ([[0.0; D]; D], [0.0; D]);
-                    for (node, &number) in mesh.cell(cell).iter().enumerate() {
-                        let x = &mesh.nodes()[number as usize];
-                        let entry = q * tables.nodes + node;
-                        for i in 0..D {
-                            position[i] += tables.value[entry] * x[i];
-                            for j in 0..D {
-                                jacobian[i][j] += tables.gradient[entry][j] * x[i];
-                            }
-                        }
-                    }
-                    let determinant = determinant(&jacobian);
-                    if determinant <= 0.0 {
-                        let (form, place) = (self.binding.name, self.group.place.clone());
-                        let position = position.to_vec();
-                        return Err(AssemblyError::Weight { form, place, cell, determinant, position });
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Both sides of an interior facet must see its q-th point at one place.
-    #[inline(always)]
-    fn check_facing(&self, q: usize, position: &[L; D]) -> Result<(), AssemblyError> {
-        let other = self.buffers.sides[1].position(&self.tables[1], q);
-        let mut square = L::splat(0.0);
-        for axis in 0..D {
-            let gap = other[axis] - position[axis];
-            square = gap.multiply_add(gap, square);
-        }
-        let mut gaps = [0.0; WIDEST];
-        square.sqrt().store(&mut gaps);
-        for lane in 0..self.filled {
-            let distance = gaps[lane];
-            if distance <= SAME_PLACE * self.tolerance[lane] {
-                continue;
-            }
-            let cells = [self.cells(0)[lane], self.cells(1)[lane]];
-            let mut lanes = [[0.0; WIDEST]; D];
-            for axis in 0..D {
-                position[axis].store(&mut lanes[axis]);
-            }
-            return Err(self.mismatch(cells, &lanes, lane, distance));
-        }
-        Ok(())
-    }
-
-    #[cold]
-    fn mismatch(
-        &self,
-        cells: [u32; 2],
-        position: &[[f64; WIDEST]; D],
-        lane: usize,
-        distance: f64,
-    ) -> AssemblyError {
-        let position = position.iter().map(|lanes| lanes[lane]).collect();
-        AssemblyError::FacetMismatch { form: self.binding.name, cells, position, distance }
     }
 }
 

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
 
 use super::binding::Entities;
-use super::cliques::{Cliques, couple};
+use super::block_index::BlockIndex;
 use super::owned_cells::OwnedCells;
-use super::place_map::PlaceMap;
+use super::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::mesh::Facet;
@@ -28,12 +28,12 @@ pub struct BlockPattern<const D: usize> {
     tests: Vec<Arc<Space<D>>>,
     trials: Vec<Arc<Space<D>>>,
     /// `maps[test][trial]`
-    maps: Vec<Vec<Option<PlaceMap>>>,
+    maps: Vec<Vec<Option<BlockIndex>>>,
     /// The cells whose couplings it holds, where they are not all.
     owned: Option<Arc<OwnedCells>>,
 }
 
-/// What an integral couples for a pair of spaces.
+/// The coupling of an integral for a pair of spaces.
 #[derive(Clone, Default)]
 struct Coupled<'a> {
     /// Cells whose nodes are coupled with each other.
@@ -57,7 +57,7 @@ struct CouplingVisitor {
     found: Vec<Coupling>,
 }
 
-/// What the tangents of some of a form's integrals couple.
+/// The couplings of the tangents of some of a form's integrals.
 fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
     let mut visitor = CouplingVisitor { parts, found: vec![] };
     match form.tangent(&mut visitor) {
@@ -66,7 +66,7 @@ fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling
     }
 }
 
-/// What some integrals touch in a matrix.
+/// The entries of a matrix that some integrals touch.
 pub(crate) struct TouchedEntries {
     /// Places among the values, as ascending ranges of whole blocks.
     pub places: Vec<Range<usize>>,
@@ -114,8 +114,8 @@ impl<const D: usize> BlockPattern<D> {
         Self::for_cells(form, tests, trials, None)
     }
 
-    /// The pattern of the share of a form's tangent that an assembler assembles.
-    pub(crate) fn for_share<F: Form<D>>(
+    /// The pattern of the part of a form's tangent that an assembler assembles.
+    pub(crate) fn for_cells_of<F: Form<D>>(
         form: &F,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
@@ -223,7 +223,7 @@ impl<const D: usize> BlockPattern<D> {
                 let parts = test.mesh.by_shape(walked);
                 let (mut walk, mut starts, mut start) = (Vec::new(), Vec::new(), 0);
                 for (shape, cells_of_shape) in parts.iter().filter(|(_, own)| !own.is_empty()) {
-                    walk.resize(cells.len(), PlaceMap::ABSENT);
+                    walk.resize(cells.len(), BlockIndex::ABSENT);
                     for (place, cell) in cells_of_shape.iter().enumerate() {
                         walk[*cell as usize] = place as u32;
                     }
@@ -238,7 +238,7 @@ impl<const D: usize> BlockPattern<D> {
                 let (blocks, places) =
                     couple(&cliques, (test.node_count(), trial.node_count()), walked.len());
                 row_of_pairs.push(blocks);
-                row_of_maps.push((!walked.is_empty()).then_some(PlaceMap { places, starts, walk }));
+                row_of_maps.push((!walked.is_empty()).then_some(BlockIndex { places, starts, walk }));
             }
             pairs.push(row_of_pairs);
             maps.push(row_of_maps);
@@ -276,8 +276,8 @@ impl<const D: usize> BlockPattern<D> {
         !couplings(form, parts).is_empty()
     }
 
-    /// What some of a form's integrals touch in a matrix with this pattern: at least all that their tangents change,
-    /// and whole pairs of spaces for integrals over all cells.
+    /// The entries that some of a form's integrals touch in a matrix with this pattern: at least all that their tangents
+    /// change, and whole pairs of spaces for integrals over all cells.
     pub(crate) fn touched<F: Form<D>>(
         &self,
         form: &F,
@@ -339,11 +339,11 @@ impl<const D: usize> BlockPattern<D> {
     /// Bytes of the maps from element matrices to the matrix, without the positions themselves
     /// ([`BlockSparsity::memory`]).
     pub fn map_memory(&self) -> usize {
-        self.maps.iter().flatten().flatten().map(PlaceMap::memory).sum()
+        self.maps.iter().flatten().flatten().map(BlockIndex::memory).sum()
     }
 
     /// The places of the blocks of cells for a pair of spaces.
-    pub(super) fn map(&self, test: usize, trial: usize) -> Option<&PlaceMap> {
+    pub(super) fn map(&self, test: usize, trial: usize) -> Option<&BlockIndex> {
         self.maps[test][trial].as_ref()
     }
 

@@ -228,7 +228,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// A derived field at the nodes of a facet region, averaged over the facets that share a node; zero at
-    /// all other nodes of the space. This shows a contact pressure on the body, for example.
+    /// all other nodes of the space. This shows a pressure on the body, for example.
     ///
     /// # Errors
     /// An unknown region, a wrong number of components, a value that is not finite, or data that do not

@@ -12,13 +12,13 @@ use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::pairs::Pairs;
-use super::receiver::{Buffered, Deliver, Receiver};
 use super::reference_tensor::{ReferenceTensor, contract, suits};
+use super::sink::{Buffered, Deliver, Sink};
 use super::sum_factorisation::{Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit};
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
-/// What the element matrices of a group depend on, besides the kernel.
+/// Inputs of the element matrices of a group, besides the kernel.
 pub(super) struct ElementMatrices<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
@@ -74,7 +74,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
     /// `[test node][trial node][row component][column component]`.
     ///
     /// # Errors
-    /// What the data of the form, or `deliver`, has to say.
+    /// Errors of the form's data, or of `deliver`.
     pub fn compute<K: BilinearKernel<D>>(
         &self,
         kernel: &K,
@@ -85,13 +85,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let [rows, columns] = self.nodes();
         let components = [K::TEST_COMPONENTS, K::TRIAL_COMPONENTS];
         let order = block_order([rows, columns], components, self.symmetric);
-        set.checked().run(Compute {
-            task: self,
-            kernel,
-            order: &order,
-            range,
-            receiver: Buffered::new(deliver),
-        })
+        set.checked().run(Compute { task: self, kernel, order: &order, range, sink: Buffered::new(deliver) })
     }
 
     /// The factors of all test and trial functions at all points, function by function; where sums go along the axes,
@@ -179,7 +173,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
         order: &Order,
         range: Range<usize>,
         buffers: &mut MatrixBuffers<K, L, D>,
-        receiver: &mut impl Receiver,
+        sink: &mut impl Sink,
     ) -> Result<(), AssemblyError> {
         let [rows, columns] = self.nodes();
         let MatrixBuffers { batch, tests, trials, blocks, directions, stages, tensor } = buffers;
@@ -218,9 +212,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 }
             }
             let source = &Ordered::new(blocks, order, size);
-            let target = receiver.room(start, filled, size);
+            let target = sink.room(start, filled, size);
             L::call(Transposition { source, filled, target, stride: size });
-            receiver.filled(start, filled, size)?;
+            sink.filled(start, filled, size)?;
             start += filled;
         }
         batch.check_weights(range)
@@ -234,7 +228,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
     }
 }
 
-/// What an operation along an axis takes, measured in operations on a pair of nodes, whose sums stay in registers: its sums
+/// Cost of an operation along an axis, in operations on a pair of nodes, whose sums stay in registers: its sums
 /// are as short as a row of points, and go through memory from axis to axis (docs/decisions/lanes.md).
 const ALONG_AN_AXIS: usize = 2;
 
@@ -270,7 +264,7 @@ struct Compute<'a, 'd, K, const D: usize> {
     kernel: &'a K,
     order: &'a Order,
     range: Range<usize>,
-    receiver: Buffered<'d>,
+    sink: Buffered<'d>,
 }
 
 impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
@@ -279,8 +273,8 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     #[inline(always)]
     fn run<L: SimdLane>(mut self) -> Self::Output {
         let mut buffers = MatrixBuffers::<K, L, D>::default();
-        let (task, receiver) = (self.task, &mut self.receiver);
-        task.compute_in_lanes::<K, L>(self.kernel, self.order, self.range, &mut buffers, receiver)
+        let (task, sink) = (self.task, &mut self.sink);
+        task.compute_in_lanes::<K, L>(self.kernel, self.order, self.range, &mut buffers, sink)
     }
 }
 

@@ -10,12 +10,12 @@ use forms_core::contract::{Basis, LinearKernel};
 use super::AssemblyError;
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
-use super::receiver::{Buffered, Deliver, Receiver};
+use super::sink::{Buffered, Deliver, Sink};
 use super::sum_factorisation::{Derivatives, Integration, ProductTables, Stages, axis_operations, unit};
 use super::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
-/// What the element vectors of a group depend on, besides the kernel.
+/// Inputs of the element vectors of a group, besides the kernel.
 pub(super) struct ElementVectors<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
@@ -31,7 +31,7 @@ pub(super) struct ElementVectors<'a, const D: usize> {
 pub(super) struct VectorBuffers<L, const D: usize> {
     batch: BatchBuffers<L, D>,
     sums: Vec<L>,
-    /// What meets the basis functions' values and derivatives at each point, for sum factorisation.
+    /// Factors of the basis functions' values and derivatives at each point, for sum factorisation.
     at_points: Vec<L>,
     stages: Stages<L>,
 }
@@ -58,7 +58,7 @@ impl<const D: usize> ElementVectors<'_, D> {
     /// `[node][component]`.
     ///
     /// # Errors
-    /// What the data of the form, or `deliver`, has to say.
+    /// Errors of the form's data, or of `deliver`.
     pub fn compute<K: LinearKernel<D>>(
         &self,
         kernel: &K,
@@ -66,13 +66,7 @@ impl<const D: usize> ElementVectors<'_, D> {
         range: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute {
-            task: self,
-            kernel,
-            order: None,
-            range,
-            receiver: Buffered::new(deliver),
-        })
+        set.checked().run(Compute { task: self, kernel, order: None, range, sink: Buffered::new(deliver) })
     }
 
     /// The loops. Where sums go along the axes, the kernel is asked at each point for the functions whose value, or whose
@@ -84,7 +78,7 @@ impl<const D: usize> ElementVectors<'_, D> {
         order: Option<&Order>,
         range: Range<usize>,
         buffers: &mut VectorBuffers<L, D>,
-        receiver: &mut impl Receiver,
+        sink: &mut impl Sink,
     ) -> Result<(), AssemblyError> {
         let components = K::TEST_COMPONENTS;
         let nodes = self.nodes();
@@ -140,7 +134,7 @@ impl<const D: usize> ElementVectors<'_, D> {
                 let (source, sums) = (&at_points[..], &mut sums[..]);
                 L::call(Integration::<L, D> { tables, derivatives, source, components, stages, sums });
             }
-            let target = receiver.room(start, filled, size);
+            let target = sink.room(start, filled, size);
             match order {
                 None => L::call(Transposition { source: &sums[..size], filled, target, stride: size }),
                 Some(order) => {
@@ -148,7 +142,7 @@ impl<const D: usize> ElementVectors<'_, D> {
                     L::call(Transposition { source, filled, target, stride: size });
                 }
             }
-            receiver.filled(start, filled, size)?;
+            sink.filled(start, filled, size)?;
             start += filled;
         }
         batch.check_weights(range)
@@ -176,7 +170,7 @@ struct Compute<'a, 'd, K, const D: usize> {
     kernel: &'a K,
     order: Option<&'a Order>,
     range: Range<usize>,
-    receiver: Buffered<'d>,
+    sink: Buffered<'d>,
 }
 
 impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
@@ -185,7 +179,7 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     #[inline(always)]
     fn run<L: SimdLane>(mut self) -> Self::Output {
         let mut buffers = VectorBuffers::<L, D>::default();
-        let (task, receiver) = (self.task, &mut self.receiver);
-        task.compute_in_lanes::<K, L>(self.kernel, self.order, self.range, &mut buffers, receiver)
+        let (task, sink) = (self.task, &mut self.sink);
+        task.compute_in_lanes::<K, L>(self.kernel, self.order, self.range, &mut buffers, sink)
     }
 }

@@ -1,4 +1,4 @@
-//! What can be wrong with a form, its data and its mesh when they meet.
+//! Errors of assembly: a form, its data and its mesh do not fit.
 
 use thiserror::Error;
 
@@ -6,16 +6,31 @@ use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::mesh::MeshError;
 use crate::quadrature::QuadratureError;
+use crate::solve::CommunicationError;
 
-/// Why a form cannot be assembled. Every message names the form and the thing in it.
+/// Errors of assembly. Every message names the form and the thing in it.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AssemblyError {
+    /// Constraints on a space on which the form has no unknown, or on which all have theirs.
+    #[error("form `{form}`: constraints were given for a space on which no unknown is left without")]
+    Constraints {
+        /// The form.
+        form: &'static str,
+    },
+    /// What several processes do together was not done.
+    #[error("form `{form}`: {source}")]
+    Communication {
+        /// The form.
+        form: &'static str,
+        /// Why.
+        source: CommunicationError,
+    },
     /// The layout of an element kernel does not fit the form or its cells.
     #[error("form `{form}`, element kernel: {what}")]
     Layout {
         /// The form.
         form: &'static str,
-        /// What does not fit.
+        /// The mismatch.
         what: String,
     },
     /// A region that the mesh does not have.
@@ -25,7 +40,7 @@ pub enum AssemblyError {
         form: &'static str,
         /// The region's name in the forms module.
         symbol: &'static str,
-        /// What the mesh says.
+        /// The mesh's error.
         source: MeshError,
     },
     /// Facets whose sides do not fit each other.
@@ -35,7 +50,7 @@ pub enum AssemblyError {
         form: &'static str,
         /// The region.
         place: String,
-        /// What is wrong with the mesh.
+        /// The problem of the mesh.
         source: MeshError,
     },
     /// A cell that is inverted at a quadrature point, or anywhere.
@@ -60,7 +75,7 @@ pub enum AssemblyError {
     Quadrature {
         /// The form.
         form: &'static str,
-        /// What is wrong with the rule.
+        /// The problem of the rule.
         source: QuadratureError,
     },
     /// A parameter that is not finite.
@@ -283,7 +298,7 @@ pub enum AssemblyError {
     LinearAlgebra {
         /// The form.
         form: &'static str,
-        /// What does not fit.
+        /// The mismatch.
         source: LinearAlgebraError,
     },
 }

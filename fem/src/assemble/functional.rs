@@ -1,4 +1,4 @@
-//! Numbers: integrals of densities, and the count of active quadrature points.
+//! Functionals, and the active set of a form.
 
 use std::ops::Range;
 
@@ -13,17 +13,24 @@ use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
 impl<const D: usize> Assembler<D> {
-    /// The value of a functional or energy; `unknowns` are its arguments declared `Unknown`.
+    /// The value of a functional.
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the functional and what does not fit.
-    pub fn functional<F: Functional<D>>(
-        &self,
-        form: &F,
-        unknowns: &[&Field<D>],
-    ) -> Result<f64, AssemblyError> {
-        let unknowns = views(unknowns);
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?
+    pub fn functional<F: Functional<D>>(&self, functional: &F) -> Result<f64, AssemblyError> {
+        self.integrate(functional, &[])
+    }
+
+    /// The value of an energy at its unknowns.
+    ///
+    /// # Errors
+    /// As [`Assembler::functional`].
+    pub fn energy<F: Functional<D>>(&self, energy: &F, unknowns: &[&Field<D>]) -> Result<f64, AssemblyError> {
+        self.integrate(energy, &views(unknowns))
+    }
+
+    fn integrate<F: Functional<D>>(&self, form: &F, unknowns: &[FieldView<D>]) -> Result<f64, AssemblyError> {
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
             .on(self.owned.as_deref());
         let degrees = binding.degrees(&[]);
         let walk =
@@ -126,7 +133,7 @@ impl<const D: usize> ExpressionVisitor<D> for SwitchVisitor<'_, D> {
 /// Entities whose values are put together before those of other chunks, on any number of threads.
 const CHUNK: usize = 1024;
 
-/// What a walk over the quadrature points of an integral's region needs.
+/// Inputs of a walk over the quadrature points of an integral's region.
 struct PointWalk<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,

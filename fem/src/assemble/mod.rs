@@ -7,17 +7,21 @@
 //! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
-//! block_pattern, cliques, place_map   the positions of a matrix, and where element matrices go
-//! owned_cells   the share of an assembler that assembles some of the cells
+//! block_pattern, sparsity, block_index   the positions of a matrix, and where element matrices go
+//! owned_cells   the partial sums of an assembler of some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
+//!
+//! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
+//! two sides. The kernels are called by `factors` in `element_matrices.rs` and by `compute_in_lanes` in `element_vectors.rs`;
+//! `fixed` and `reference_tensor` call them in the same order.
 
 mod action;
 mod batch;
 mod binding;
+mod block_index;
 mod block_pattern;
-mod cliques;
 mod derived;
 mod element_kernel;
 mod element_matrices;
@@ -28,19 +32,20 @@ mod functional;
 mod owned_cells;
 mod pairs;
 mod partition;
-mod place_map;
 mod positive_parts;
-mod receiver;
 mod reference_tensor;
 mod residual;
 mod scatter;
+mod sink;
 mod sizes;
+mod sparsity;
 mod split_facets;
 mod sum_factorisation;
 mod tangent;
 mod unoptimised;
 mod walk;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use action::TangentAction;
@@ -74,6 +79,18 @@ pub struct Assembler<const D: usize> {
     owned: Option<Arc<OwnedCells>>,
 }
 
+impl<'a, const D: usize> From<&'a Assembler<D>> for Cow<'a, Assembler<D>> {
+    fn from(assembler: &'a Assembler<D>) -> Self {
+        Cow::Borrowed(assembler)
+    }
+}
+
+impl<const D: usize> From<Assembler<D>> for Cow<'_, Assembler<D>> {
+    fn from(assembler: Assembler<D>) -> Self {
+        Cow::Owned(assembler)
+    }
+}
+
 /// Which integrals to assemble, by their dependence on the unknowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parts {
@@ -88,9 +105,9 @@ pub struct Parts {
 impl Parts {
     /// Every integral.
     pub const ALL: Parts = Parts { constant: true, linear: true, nonlinear: true };
-    /// What an iteration over the unknowns does not change.
-    pub const FIXED: Parts = Parts { constant: true, linear: true, nonlinear: false };
-    /// What an iteration over the unknowns changes.
+    /// Constant and linear integrals, which an iteration over the unknowns does not change.
+    pub const LINEAR_AND_CONSTANT: Parts = Parts { constant: true, linear: true, nonlinear: false };
+    /// Nonlinear integrals, which an iteration over the unknowns changes.
     pub const NONLINEAR: Parts = Parts { constant: false, linear: false, nonlinear: true };
 
     fn contain(self, dependence: Dependence) -> bool {
@@ -131,7 +148,7 @@ impl<const D: usize> Assembler<D> {
         Assembler { threads, ..self }
     }
 
-    /// How many threads it uses.
+    /// Number of threads that it uses.
     pub fn threads(&self) -> Threads {
         self.threads
     }

@@ -1,4 +1,4 @@
-//! The cells that an assembler owns, where several share the integrals of one mesh.
+//! The cells that an assembler owns, where several split the integrals of one mesh.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -57,10 +57,15 @@ impl OwnedCells {
 }
 
 impl<const D: usize> Assembler<D> {
+    /// Whether it assembles the integrals over some cells alone.
+    pub(crate) fn has_owned_cells(&self) -> bool {
+        self.owned.is_some()
+    }
+
     /// The same on some of the mesh's cells: integrals over cells and facets are taken over those that are owned, an exterior
     /// facet with its cell, an interior one with the cell of its first side. Vectors, matrices, actions, functionals and
-    /// active sets become shares: over assemblers whose cells are a partition of the mesh's they add up to the whole. A
-    /// problem made with it has the positions of its share alone. Values at points and projections stay those of the whole.
+    /// active sets become partial: over assemblers whose cells are a partition of the mesh's they add up to the whole. A
+    /// problem made with it has the positions of its part alone. Values at points and projections stay those of the whole.
     ///
     /// ```
     /// use forms_fem::prelude::*;
@@ -70,9 +75,9 @@ impl<const D: usize> Assembler<D> {
     /// let (first, last) = mesh.cell_order().cells().split_at(10);
     /// let mut sum = 0.0;
     /// for cells in [first, last] {
-    ///     let share = Assembler::new(&mesh).on_owned_cells(cells)?.functional(&area, &[])?;
-    ///     assert!((share - cells.len() as f64 / 32.0).abs() < 1e-15);
-    ///     sum += share;
+    ///     let partial = Assembler::new(&mesh).on_owned_cells(cells)?.functional(&area)?;
+    ///     assert!((partial - cells.len() as f64 / 32.0).abs() < 1e-15);
+    ///     sum += partial;
     /// }
     /// assert!((sum - 1.0).abs() < 1e-15);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

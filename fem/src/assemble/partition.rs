@@ -1,4 +1,4 @@
-//! How the entities of a group and the rows that they touch are divided among threads.
+//! Partition of the entities of a group, and of the rows that they touch, among threads.
 //!
 //! Each thread takes a run of entities. A row belongs to the first thread that touches it, which adds to it at once;
 //! the others keep their contributions, and these are added afterwards, thread by thread. So each entry receives its
@@ -43,19 +43,19 @@ impl Partition {
     }
 }
 
-/// The row after the last one that each run but the last touches. All threads look, each through its share of the entities.
+/// The row after the last one that each run but the last touches. All threads look, each through its part of the entities.
 fn ends<'n>(
     runs: &[Range<usize>],
     threads: Threads,
     rows_of: impl Fn(usize) -> &'n [u32] + Sync,
 ) -> Vec<usize> {
     let (runs, count) = (&runs[..runs.len() - 1], runs[runs.len() - 1].start);
-    let shares = threads.for_work(count);
-    let shares = (0..shares).map(|share| share * count / shares..(share + 1) * count / shares).collect();
-    let found = threads.run(shares, |share: Range<usize>| {
+    let parts = threads.for_work(count);
+    let parts = (0..parts).map(|part| part * count / parts..(part + 1) * count / parts).collect();
+    let found = threads.run(parts, |part: Range<usize>| {
         let end = |run: &Range<usize>| {
             let mut end = 0;
-            for entity in run.start.max(share.start)..run.end.min(share.end) {
+            for entity in run.start.max(part.start)..run.end.min(part.end) {
                 for row in rows_of(entity) {
                     end = end.max(row + 1);
                 }
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn threads_that_look_together_find_the_same_rows() {
-        // Enough entities that the look is shared; shares and runs end at different places.
+        // Enough entities that the look is shared; parts and runs end at different places.
         let rows: Vec<[u32; 2]> =
             (0..100_000).map(|k| [k, k + if k % 7919 == 0 { 60_000 } else { 1 }]).collect();
         let partition = Partition::new(100_000, Threads::new(3), 200_000, |entity| &rows[entity][..]);

@@ -8,8 +8,8 @@ use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirem
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_vectors::ElementVectors;
-use super::receiver::Deliver;
 use super::scatter::{GroupNodes, VectorScatter};
+use super::sink::Deliver;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::{Field, FieldView, views};
@@ -19,6 +19,18 @@ use crate::space::Space;
 use crate::threads::Threads;
 
 impl<const D: usize> Assembler<D> {
+    /// The vector of a linear form, one entry per unknown of the space of its test function.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub fn linear_form<F: Form<D>>(
+        &self,
+        form: &F,
+        space: &Arc<Space<D>>,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.residual(form, &[], &[space])
+    }
+
     /// The residual of a form at given unknowns: one entry per unknown of the test spaces, in a row.
     ///
     /// # Errors

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use super::block_index::{BlockIndex, Slot, Slots};
 use super::partition::Partition;
-use super::place_map::{Place, PlaceMap, Places};
 use super::walk::GroupSide;
 use crate::element::CellShape;
 use crate::lanes::{InstructionSet, LaneWork, SimdLane};
@@ -62,7 +62,7 @@ pub(super) struct MatrixScatter<'a, const D: usize> {
     /// Values per block.
     pub block: usize,
     /// The places of the blocks, where test and trial functions live on the same cells.
-    pub map: Option<&'a PlaceMap>,
+    pub map: Option<&'a BlockIndex>,
     /// Test and trial nodes of an entity.
     pub nodes: [usize; 2],
 }
@@ -119,15 +119,15 @@ impl<const D: usize> MatrixScatter<'_, D> {
         };
         let start = map.start(self.tests.shape);
         match &map.places {
-            Places::Bytes(places) => {
+            Slots::Bytes(places) => {
                 let places = &places[start..];
                 self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
-            Places::Words(places) => {
+            Slots::Words(places) => {
                 let places = &places[start..];
                 self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
-            Places::Long(places) => {
+            Slots::Long(places) => {
                 let places = &places[start..];
                 self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
             }
@@ -254,41 +254,41 @@ impl<const D: usize> LaneWork for Addition<'_, '_, D> {
 
 /// Finds the places of the blocks of an element matrix.
 trait Finder {
-    type Place: Place;
+    type Slot: Slot;
     /// Those of an entity, test node after test node; `None`: one is not in the pattern.
-    fn find(&mut self, entity: usize) -> Option<&[Self::Place]>;
+    fn find(&mut self, entity: usize) -> Option<&[Self::Slot]>;
 }
 
-/// Places looked up before.
+/// Slots looked up before.
 struct Known<'a, P, const D: usize> {
     scatter: &'a MatrixScatter<'a, D>,
-    map: &'a PlaceMap,
+    map: &'a BlockIndex,
     /// From the first cell of the group's shape on.
     places: &'a [P],
 }
 
-impl<P: Place, const D: usize> Finder for Known<'_, P, D> {
-    type Place = P;
+impl<P: Slot, const D: usize> Finder for Known<'_, P, D> {
+    type Slot = P;
 
     #[inline(always)]
     fn find(&mut self, entity: usize) -> Option<&[P]> {
         let size = self.scatter.nodes[0] * self.scatter.nodes[1];
         let place = *self.map.walk.get(self.scatter.tests.cells[entity] as usize)?;
-        if place == PlaceMap::ABSENT {
+        if place == BlockIndex::ABSENT {
             return None;
         }
         Some(&self.places[place as usize * size..][..size])
     }
 }
 
-/// Places searched for in the matrix.
+/// Slots searched for in the matrix.
 struct Search<'a, const D: usize> {
     scatter: &'a MatrixScatter<'a, D>,
     found: Vec<u32>,
 }
 
 impl<const D: usize> Finder for Search<'_, D> {
-    type Place = u32;
+    type Slot = u32;
 
     fn find(&mut self, entity: usize) -> Option<&[u32]> {
         let MatrixScatter { tests, trials, blocks, nodes, .. } = self.scatter;
@@ -304,7 +304,7 @@ impl<const D: usize> Finder for Search<'_, D> {
 
 /// Adds blocks to a row of the matrix at their places.
 #[inline(always)]
-fn add_row<P: Place, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: &[f64], block: usize) {
+fn add_row<P: Slot, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: &[f64], block: usize) {
     if BLOCK > 0 {
         let (row, _) = row.as_chunks_mut::<BLOCK>();
         let (blocks, _) = blocks.as_chunks::<BLOCK>();
@@ -386,7 +386,7 @@ impl<const D: usize> VectorScatter<'_, D> {
 }
 
 impl OwnRows<'_> {
-    /// What belongs to other threads.
+    /// Contributions to other threads' rows.
     pub fn into_deferred(self) -> Deferred {
         self.deferred
     }

@@ -8,8 +8,8 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requ
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_matrices::ElementMatrices;
-use super::receiver::Deliver;
 use super::scatter::{GroupNodes, MatrixScatter};
+use super::sink::Deliver;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::field::{Field, FieldView, views};
@@ -33,7 +33,7 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
-        let pattern = BlockPattern::for_share(form, tests, &trials, self)?;
+        let pattern = BlockPattern::for_cells_of(form, tests, &trials, self)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix.into_csr())
@@ -173,7 +173,7 @@ pub struct ElementMatrix {
     pub values: Vec<f64>,
 }
 
-/// Where element matrices go.
+/// Targets of element matrices.
 enum Target<'a, const D: usize> {
     Matrix {
         pattern: &'a BlockPattern<D>,
@@ -218,7 +218,7 @@ impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
     }
 }
 
-/// What is known of a kernel's blocks when the kernel's type is forgotten.
+/// The shape of a kernel's blocks, without the kernel's type.
 struct Block<'a> {
     requirements: &'a Requirements,
     /// Rows and columns.

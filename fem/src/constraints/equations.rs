@@ -10,7 +10,7 @@ use super::{Constraints, ConstraintsError};
 pub struct Relation {
     /// Free unknowns with their coefficients, ascending.
     pub terms: Vec<(usize, f64)>,
-    /// What is added.
+    /// The addend.
     pub value: f64,
     /// Which condition it came from.
     pub(super) origin: Arc<str>,

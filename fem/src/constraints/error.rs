@@ -1,11 +1,11 @@
-//! Why a condition is refused.
+//! Errors of conditions.
 
 use thiserror::Error;
 
 use crate::mesh::MeshError;
 use crate::space::Family;
 
-/// Why a condition is refused. The constraints stay as they were.
+/// Errors of a condition. The constraints stay as they were.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ConstraintsError {
     /// No such region.
@@ -94,7 +94,7 @@ pub enum ConstraintsError {
         node: usize,
         /// Its position.
         position: Vec<f64>,
-        /// What the earlier conditions leave of the right-hand side.
+        /// The remainder of the right-hand side after the earlier conditions.
         difference: f64,
     },
     /// A direction without a length.
@@ -172,7 +172,7 @@ pub enum ConstraintsError {
     Integral {
         /// The condition.
         place: String,
-        /// What assembly said.
+        /// The error of assembly.
         why: String,
     },
 }

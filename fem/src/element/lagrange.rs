@@ -49,7 +49,7 @@ pub struct Tables<const D: usize> {
     pub hessian: Vec<[[f64; D]; D]>,
 }
 
-/// Why an element does not exist.
+/// Errors of an element's definition.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum ElementError {
     /// Only degrees 1 to 4 exist with continuous values.

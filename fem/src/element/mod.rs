@@ -7,3 +7,4 @@ pub mod shape;
 pub use lagrange::{ElementError, Lagrange, MAXIMUM_DEGREE, MAXIMUM_GEOMETRY_NODES, MAXIMUM_NODES, Tables};
 pub(crate) use lattice::{inside_quadrilateral, inside_triangle};
 pub use shape::CellShape;
+pub(crate) use shape::plurals;

@@ -224,6 +224,11 @@ impl CellShape {
     }
 }
 
+/// "triangles and quadrilaterals", for messages.
+pub(crate) fn plurals(shapes: &[CellShape]) -> String {
+    shapes.iter().map(|shape| shape.plural()).collect::<Vec<_>>().join(" and ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

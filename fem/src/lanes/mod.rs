@@ -41,25 +41,25 @@ pub enum InstructionSet {
     Avx512,
 }
 
-/// What can be run with any lane type.
+/// Work that can be run with any lane type.
 pub(crate) trait LaneWork {
-    /// What it gives.
+    /// The result.
     type Output;
     /// Does the work. Implementations are `#[inline(always)]`, and so is all that they do per lane.
     fn run<L: SimdLane>(self) -> Self::Output;
 }
 
-/// What is run with one lane type in a function of its own, which calls from many places share.
+/// Work with one lane type in a function of its own, which many callers use.
 pub(crate) trait SharedWork<L> {
-    /// What it gives.
+    /// The result.
     type Output;
     /// Does the work; `#[inline(always)]`, as in [`LaneWork`].
     fn run(self) -> Self::Output;
 }
 
-/// A lane type with the passages between memory and lanes.
+/// A lane type with gather, scatter and transposition between memory and lanes.
 pub(crate) trait SimdLane: Lane {
-    /// How many values the processor's registers hold.
+    /// Number of values that the processor's registers hold.
     const REGISTERS: usize;
 
     /// Runs some work in a function compiled for the lane type's instructions that is not inlined: what does
@@ -144,7 +144,7 @@ impl Starts {
 
 /// Entries of lane values by number. A trait and not a closure: closures do not inherit target features.
 pub(crate) trait Entries<L> {
-    /// How many there are.
+    /// Their number.
     fn count(&self) -> usize;
     /// The k-th entry.
     fn entry(&self, k: usize) -> &L;
@@ -154,7 +154,7 @@ pub(crate) trait Entries<L> {
 pub(crate) struct Transposition<'a, E: ?Sized> {
     /// The entries.
     pub source: &'a E,
-    /// How many lanes are written.
+    /// Number of lanes that are written.
     pub filled: usize,
     /// Where to.
     pub target: &'a mut [f64],

@@ -72,9 +72,9 @@
 //! let u = Field::interpolate(&space, |x| [(f - 1.0) * x[0], 0.0])?;
 //! let w = Field::interpolate(&space, |x| [x[0], 0.0])?;
 //! let number = |value: Result<f64, AssemblyError>, expected: f64| value.map(|value| assert!((value - expected).abs() < 1e-12));
-//! number(assembler.functional(&rubber::slope(&data, &omega, &u, &w), &[]), stress[0])?;
-//! number(assembler.functional(&rubber::curvature_along(&data, &omega, &u, &w), &[]), 2.0 * (1.0 + 1.0 / (f * f)) + 3.0)?;
-//! number(assembler.functional(&rubber::by_mu(&data, &omega, &u), &[]), (f * f - 1.0) / 2.0 - f.ln())?;
+//! number(assembler.functional(&rubber::slope(&data, &omega, &u, &w)), stress[0])?;
+//! number(assembler.functional(&rubber::curvature_along(&data, &omega, &u, &w)), 2.0 * (1.0 + 1.0 / (f * f)) + 3.0)?;
+//! number(assembler.functional(&rubber::by_mu(&data, &omega, &u)), (f * f - 1.0) / 2.0 - f.ln())?;
 //!
 //! // By the shape of the domain: stretched along (x₀, 0), at fixed nodal values.
 //! #[forms(dimension = 2)]
@@ -91,8 +91,8 @@
 //! let height = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| 2.0 * x[0])?;
 //! let movement = Field::interpolate(&Space::of_geometry(&mesh)?, |x| [x[0], 0.0])?;
 //! // On [0, s] × [0, 1] with the same nodal values ∫ |∇u|²/2 = 2/s, and u = 2x/s gives ∫ x u = 2s²/3.
-//! number(assembler.functional(&moving::along(&loaded, &body, &height, &movement), &[]), -2.0 - 4.0 / 3.0)?;
-//! let gradient = assembler.residual(&moving::gradient(&loaded, &body, &height), &[], &[movement.space()])?;
+//! number(assembler.functional(&moving::along(&loaded, &body, &height, &movement)), -2.0 - 4.0 / 3.0)?;
+//! let gradient = assembler.linear_form(&moving::gradient(&loaded, &body, &height), movement.space())?;
 //! let along: f64 = gradient.iter().zip(movement.values()).map(|(g, t)| g * t).sum();
 //! assert!((along + 2.0 + 4.0 / 3.0).abs() < 1e-12);
 //!

@@ -38,11 +38,11 @@
 //! let u = Field::interpolate(&broken, |x: &[f64; 2]| if x[0] > x[1] { 3.0 } else { 1.0 })?;
 //! let v = Field::interpolate(&broken, |x: &[f64; 2]| if x[0] > x[1] { -2.0 } else { 5.0 })?;
 //! let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found} {expected}");
-//! near(assembler.functional(&skeleton::jumps(&facet, &u), &[])?, 4.0 * 2.0_f64.sqrt());
-//! near(assembler.functional(&skeleton::kinks(&facet, &u), &[])?, 0.0);
-//! near(assembler.functional(&skeleton::vectors(&facet, &u), &[])?, 0.0);
-//! near(assembler.functional(&skeleton::product_rule(&facet, &u, &v), &[])?, 0.0);
-//! near(assembler.functional(&skeleton::length(&facet), &[])?, 2.0_f64.sqrt());
+//! near(assembler.functional(&skeleton::jumps(&facet, &u))?, 4.0 * 2.0_f64.sqrt());
+//! near(assembler.functional(&skeleton::kinks(&facet, &u))?, 0.0);
+//! near(assembler.functional(&skeleton::vectors(&facet, &u))?, 0.0);
+//! near(assembler.functional(&skeleton::product_rule(&facet, &u, &v))?, 0.0);
+//! near(assembler.functional(&skeleton::length(&facet))?, 2.0_f64.sqrt());
 //! # Ok(())
 //! # }
 //! ```

@@ -11,7 +11,7 @@ use super::ordering::{Candidate, Chosen, Ordering, inverse};
 use super::pattern::SparsityPattern;
 use super::symbolic::{Fill, find_supernodes};
 
-/// What a factorisation needs to know of the pattern alone. It is computed once and serves every matrix
+/// The symbolic part of a factorisation, from the pattern alone. It is computed once and serves every matrix
 /// with that pattern.
 #[derive(Debug)]
 pub struct Analysis {

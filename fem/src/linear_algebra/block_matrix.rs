@@ -1,5 +1,7 @@
 //! Sparse matrices of small dense blocks, one per pair of nodes that are coupled.
 
+mod terms;
+
 use std::sync::Arc;
 
 use super::asymmetry::{Asymmetry, sizes_of_unknowns};

@@ -11,11 +11,13 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Spec};
 
 use super::analysis::Analysis;
-use super::backward_error::{Residual, Side, refined};
+use super::backward_error::{Refinement, Residual};
 use super::csr::CsrMatrix;
+use super::equations::Side;
 use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::singularity::singular_ratio;
 use super::vector::{largest, norm};
+use crate::threads::Threads;
 
 /// Backward error at which refinement has nothing left to gain.
 const ROUNDING: f64 = 2e-16;
@@ -31,7 +33,7 @@ pub struct SymmetricFactor {
     seconds: f64,
 }
 
-/// What Bunch–Kaufman pivoting inside supernodes adds to a factor.
+/// The part that Bunch–Kaufman pivoting inside supernodes adds to a factor.
 #[derive(Debug)]
 struct Pivoting {
     below_diagonal: Vec<f64>,
@@ -297,39 +299,38 @@ impl SymmetricFactor {
         b: &[f64],
         max_steps: usize,
     ) -> Result<Refined, LinearAlgebraError> {
-        self.solve_side_refined(Side::Plain(matrix), matrix.row_sum_norm(), b, max_steps)
+        self.solve_side_refined(&Side::plain(matrix), Threads::ONE, matrix.row_sum_norm(), b, max_steps)
     }
 
     /// The same for a matrix, or its transposed, whose ‖A‖∞ is known.
     pub(crate) fn solve_side_refined(
         &self,
-        side: Side<'_>,
+        side: &Side<'_>,
+        threads: Threads,
         matrix_norm: f64,
         b: &[f64],
         max_steps: usize,
     ) -> Result<Refined, LinearAlgebraError> {
         let (b_norm, b_largest) = (norm(b), largest(b));
-        let measure = |x: &[f64]| -> Result<(Residual, f64), LinearAlgebraError> {
-            let residual = Residual::of(&side, x, b)?;
+        let backward = |x: &[f64], residual: &Residual| {
             let scale = matrix_norm * largest(x) + b_largest;
-            let backward = if scale == 0.0 { 0.0 } else { largest(&residual.rest) / scale };
-            Ok((residual, backward))
+            if scale == 0.0 { 0.0 } else { largest(&residual.rest) / scale }
         };
         let mut x = b.to_vec();
         self.solve_in_place(&mut x)?;
-        let (mut residual, mut whole) = measure(&x)?;
+        let mut found = Refinement::new(side, threads, b, x)?;
+        let mut whole = backward(&found.x, &found.residual);
         let mut steps = 0;
         for _ in 0..max_steps {
             if whole <= ROUNDING {
                 break;
             }
-            let mut candidate = residual.rest.clone();
-            self.solve_in_place(&mut candidate)?;
-            candidate.iter_mut().zip(&x).for_each(|(change, value)| *change += value);
-            let (next, next_whole) = measure(&candidate)?;
+            found.step(|change| self.solve_in_place(change))?;
+            let next_whole = backward(found.candidate(), &found.next);
             if next_whole < whole {
                 let stalled = next_whole > 0.5 * whole;
-                (x, residual, whole) = (candidate, next, next_whole);
+                found.accept();
+                whole = next_whole;
                 steps += 1;
                 if !stalled {
                     continue;
@@ -337,7 +338,8 @@ impl SymmetricFactor {
             }
             break;
         }
-        let (x, residual) = refined(&side, b, x, residual, |change| self.solve_in_place(change))?;
+        found.finish(|change| self.solve_in_place(change))?;
+        let Refinement { x, residual, .. } = found;
         let relative_residual = if b_norm == 0.0 { 0.0 } else { norm(&residual.rest) / b_norm };
         let backward_error = residual.worst().error;
         Ok(Refined { solution: x, relative_residual, backward_error, steps })

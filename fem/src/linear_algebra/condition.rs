@@ -70,12 +70,13 @@ pub fn condition_estimate<E: From<LinearAlgebraError>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear_algebra::LuFactor;
+    use crate::linear_algebra::{LuFactor, Transpose};
 
     fn estimate(matrix: &CsrMatrix) -> ConditionEstimate {
         let factor = LuFactor::new(matrix, None).unwrap();
-        let solve = |x: &mut Vec<f64>| factor.solve_in_place(x, false);
-        condition_estimate(matrix, solve, |x: &mut Vec<f64>| factor.solve_in_place(x, true)).unwrap()
+        let solve = |x: &mut Vec<f64>| factor.solve_in_place(x, Transpose::No);
+        condition_estimate(matrix, solve, |x: &mut Vec<f64>| factor.solve_in_place(x, Transpose::Yes))
+            .unwrap()
     }
 
     /// ‖A⁻¹‖₁ by solving for every column.
@@ -84,7 +85,7 @@ mod tests {
         let column = |k: usize| {
             let mut x = vec![0.0; matrix.rows()];
             x[k] = 1.0;
-            factor.solve_in_place(&mut x, false).unwrap();
+            factor.solve_in_place(&mut x, Transpose::No).unwrap();
             x.iter().map(|value| value.abs()).sum::<f64>()
         };
         (0..matrix.rows()).map(column).fold(0.0, f64::max)

@@ -340,9 +340,9 @@ impl CsrMatrix {
 
     /// Largest sum of absolute values in a row, ‖A‖∞.
     pub fn row_sum_norm(&self) -> f64 {
-        let sums: Vec<f64> =
-            (0..self.rows()).map(|row| self.row(row).1.iter().map(|value| value.abs()).sum()).collect();
-        super::vector::largest(&sums)
+        let of_row = |row: usize| self.row(row).1.iter().map(|value| value.abs()).sum::<f64>();
+        let largest = |most: f64, sum: f64| if sum > most || sum.is_nan() { sum } else { most };
+        (0..self.rows()).map(of_row).fold(0.0, largest)
     }
 
     /// Largest sum of absolute values in a column, ‖A‖₁ = ‖Aᵀ‖∞.

@@ -18,7 +18,8 @@ impl Equilibration {
     /// The scaling that a matrix asks for; none where its rows are of comparable size.
     pub(crate) fn of(matrix: &CsrMatrix) -> Option<Self> {
         let mut scale = vec![1.0; matrix.rows()];
-        let mut largest = row_maxima(matrix, &scale);
+        let of_row = |row: usize| matrix.row(row).1.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let mut largest: Vec<f64> = (0..matrix.rows()).map(of_row).collect();
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         for value in largest.iter().filter(|value| **value > 0.0) {
             (least, most) = (least.min(*value), most.max(*value));

@@ -1,6 +1,6 @@
 //! Errors of sparse matrices and factorisations.
 
-/// What went wrong with a sparse matrix or with its factorisation, and where.
+/// Errors of a sparse matrix or of its factorisation, with their position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinearAlgebraError {
     /// A vector or matrix has the wrong size.
@@ -102,7 +102,7 @@ pub enum LinearAlgebraError {
     /// There is not enough memory.
     #[error("not enough memory for {what}")]
     OutOfMemory {
-        /// What was to be stored.
+        /// The object to be stored.
         what: &'static str,
     },
 }

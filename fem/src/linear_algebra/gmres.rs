@@ -42,8 +42,8 @@ impl Default for GmresOptions {
 /// Backward error that counts as rounding level.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// What GMRES did.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Report of GMRES.
+#[derive(Clone, Default, PartialEq)]
 pub struct GmresReport {
     /// Applications of the operator inside Krylov cycles.
     pub iterations: usize,
@@ -62,7 +62,7 @@ impl From<GmresReport> for super::krylov::KrylovReport {
     }
 }
 
-/// Why GMRES failed. The best solution found so far is in `x`.
+/// Failures of GMRES. The best solution found so far is in `x`.
 #[derive(Debug, thiserror::Error)]
 pub enum GmresError<E> {
     /// The operator or the preconditioner failed.

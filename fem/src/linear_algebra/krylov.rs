@@ -1,6 +1,7 @@
 //! Stopping of the Krylov methods for symmetric operators, and their reports.
 
-use super::backward_error::{ACCEPTED, Equations, Residual};
+use super::backward_error::{ACCEPTED, Refinement};
+use super::equations::Equations;
 use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::operator::{LinearOperator, OperatorError};
 use super::vector::norm_on;
@@ -33,8 +34,8 @@ impl Default for KrylovOptions {
     }
 }
 
-/// What a Krylov method did.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Report of a Krylov method.
+#[derive(Clone, Default, PartialEq)]
 pub struct KrylovReport {
     /// Applications of the preconditioned operator.
     pub iterations: usize,
@@ -45,7 +46,7 @@ pub struct KrylovReport {
     pub history: Vec<f64>,
 }
 
-/// Why a Krylov method failed. The last iterate is in `x`.
+/// Failures of a Krylov method. The last iterate is in `x`.
 #[derive(Debug, thiserror::Error)]
 pub enum KrylovError {
     /// The operator or the preconditioner failed.
@@ -70,7 +71,7 @@ pub enum KrylovError {
     NotPositiveDefinite {
         /// pᵀ A p.
         curvature: f64,
-        /// What was done before.
+        /// The iterations before.
         report: KrylovReport,
     },
     /// There is a residual r with rᵀ M⁻¹ r ≤ 0.
@@ -78,7 +79,7 @@ pub enum KrylovError {
     IndefinitePreconditioner {
         /// rᵀ M⁻¹ r.
         product: f64,
-        /// What was done before.
+        /// The iterations before.
         report: KrylovReport,
     },
     /// A vector became NaN or infinite.
@@ -87,7 +88,7 @@ pub enum KrylovError {
 }
 
 impl KrylovError {
-    /// What was done before the failure, where there was an iteration.
+    /// The iterations before the failure, where there were any.
     pub fn report(&self) -> Option<&KrylovReport> {
         match self {
             KrylovError::Operator(_) | KrylovError::BadArguments(_) => None,
@@ -126,32 +127,32 @@ pub(crate) fn until_each_equation_holds<E: From<LinearAlgebraError>>(
     let target = options.tolerance.max(options.absolute_tolerance / b_norm);
     let is_exact = options.tolerance == target || report.relative_residual <= options.tolerance;
     let level = if is_exact { exact } else { exact.max(ROUGH) };
-    let mut residual = Residual::of(equations, x, b)?;
-    let mut error = residual.worst().error;
+    let mut found = Refinement::new(equations, options.threads, b, x.to_vec())?;
+    let relative = |rest: &[f64]| norm_on(options.threads, rest) / b_norm;
+    let mut helped = true;
     for _ in 0..ROUNDS {
-        if error <= level && report.relative_residual <= target || b_norm == 0.0 {
+        let error = found.residual.worst().error;
+        let holds = error <= level;
+        if holds && report.relative_residual <= target || b_norm == 0.0 {
             return Ok(report);
         }
-        let mut candidate = vec![0.0; b.len()];
-        let run = further(&residual.rest, &mut candidate)?;
+        if !helped {
+            break;
+        }
         let before = report.relative_residual;
+        let run = found.go_on(&mut further)?;
         report.iterations += run.iterations;
         report.history.extend(run.history.iter().skip(1).map(|part| part * before));
-        candidate.iter_mut().zip(&*x).for_each(|(change, x)| *change += x);
-        let next = Residual::of(equations, &candidate, b)?;
-        let next_error = next.worst().error;
-        let next_relative = norm_on(options.threads, &next.rest) / b_norm;
-        if !(next_error < error || error <= level && next_relative < report.relative_residual) {
+        let (next_error, next_relative) = (found.next.worst().error, relative(&found.next.rest));
+        if !(next_error < error || holds && next_relative < before) {
             break;
         }
-        let stalled = next_error > 0.5 * error && next_relative > target;
-        x.copy_from_slice(&candidate);
-        (residual, error, report.relative_residual) = (next, next_error, next_relative);
-        if stalled {
-            break;
-        }
+        helped = next_error <= 0.5 * error || next_relative <= target;
+        found.accept();
+        x.copy_from_slice(&found.x);
+        report.relative_residual = next_relative;
     }
-    residual.check(equations, x, level.max(ACCEPTED))?;
+    found.check(level.max(ACCEPTED))?;
     Ok(report)
 }
 
@@ -190,7 +191,7 @@ pub(super) fn by_equations<O: LinearOperator>(
     Ok(report)
 }
 
-/// What a residual is measured by.
+/// The measure of a residual.
 pub(super) struct Goal {
     /// ‖b‖₂.
     pub(super) b_norm: f64,

@@ -16,6 +16,7 @@ use faer::{Conj, sparse::FaerError};
 
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_finite, check_size};
+use super::transpose::Transpose;
 use super::vector::norm;
 
 /// Rounds of scaling; each takes the square root of what is left.
@@ -115,12 +116,12 @@ impl LuFactor {
         };
         let mut direction: Vec<f64> = (0..size).map(|_| next()).collect();
         let mut ratio = f64::INFINITY;
-        for transposed in [true, false] {
+        for transpose in [Transpose::Yes, Transpose::No] {
             let before = norm(&direction);
             for value in &mut direction {
                 *value /= before;
             }
-            self.solve_scaled(&mut direction, transposed);
+            self.solve_scaled(&mut direction, transpose);
             let growth = norm(&direction);
             if !growth.is_finite() {
                 // A pivot that is exactly zero.
@@ -139,10 +140,10 @@ impl LuFactor {
         Err(LinearAlgebraError::Singular { unknown: self.least_determined, ratio })
     }
 
-    fn solve_scaled(&self, b: &mut [f64], transposed: bool) {
+    fn solve_scaled(&self, b: &mut [f64], transpose: Transpose) {
         let size = b.len();
         let column = MatMut::from_column_major_slice_mut(b, size, 1);
-        if transposed {
+        if transpose == Transpose::Yes {
             self.factor.solve_in_place_with_conj(Conj::No, column);
         } else {
             self.factor.solve_transpose_in_place_with_conj(Conj::No, column);
@@ -153,17 +154,17 @@ impl LuFactor {
     ///
     /// # Errors
     /// If the size is wrong or an entry of b or of the solution is not finite.
-    pub fn solve_in_place(&self, b: &mut [f64], transposed: bool) -> Result<(), LinearAlgebraError> {
+    pub fn solve_in_place(&self, b: &mut [f64], transpose: Transpose) -> Result<(), LinearAlgebraError> {
         check_size("the right-hand side", self.row_scale.len(), b.len())?;
         check_finite("the right-hand side", b)?;
-        let (first, last) = match transposed {
-            false => (&self.row_scale, &self.column_scale),
-            true => (&self.column_scale, &self.row_scale),
+        let (first, last) = match transpose {
+            Transpose::No => (&self.row_scale, &self.column_scale),
+            Transpose::Yes => (&self.column_scale, &self.row_scale),
         };
         for (value, scale) in b.iter_mut().zip(first) {
             *value *= scale;
         }
-        self.solve_scaled(b, transposed);
+        self.solve_scaled(b, transpose);
         for (value, scale) in b.iter_mut().zip(last) {
             *value *= scale;
         }
@@ -259,9 +260,9 @@ mod tests {
             let factor = LuFactor::new(&matrix, None).unwrap();
             let again = LuFactor::new(&matrix, Some(&factor)).unwrap();
             let exact: Vec<f64> = (0..440).map(|i| (f64::from(i) * 0.7).sin()).collect();
-            for transposed in [false, true] {
+            for transpose in [Transpose::No, Transpose::Yes] {
                 let mut x = matrix.multiply(&exact).unwrap();
-                again.solve_in_place(&mut x, transposed).unwrap();
+                again.solve_in_place(&mut x, transpose).unwrap();
                 // The forward error of the multipliers is of the size of the stiffness.
                 let largest = x.iter().zip(&exact).take(400).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(largest < 1e-9, "{scale}: {largest}");
@@ -275,10 +276,10 @@ mod tests {
             CsrMatrix::from_triplets(3, 3, &[(0, 1, 2.0), (1, 0, 4.0), (1, 2, 1.0), (2, 2, 8.0)]).unwrap();
         let factor = LuFactor::new(&matrix, None).unwrap();
         let mut x = vec![2.0, 5.0, 8.0];
-        factor.solve_in_place(&mut x, false).unwrap();
+        factor.solve_in_place(&mut x, Transpose::No).unwrap();
         assert_eq!(x, [1.0, 1.0, 1.0]);
         let mut x = matrix.multiply_transposed(&[3.0, -1.0, 2.0]).unwrap();
-        factor.solve_in_place(&mut x, true).unwrap();
+        factor.solve_in_place(&mut x, Transpose::Yes).unwrap();
         assert_eq!(x, [3.0, -1.0, 2.0]);
     }
 

@@ -136,6 +136,7 @@ fn preconditioned(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear_algebra::Transpose;
     use crate::linear_algebra::operator::{Identity, OperatorError};
     use crate::linear_algebra::{CsrMatrix, LuFactor, cg};
     use crate::threads::Threads;
@@ -173,7 +174,7 @@ mod tests {
         let matrix = saddle(40);
         let b: Vec<f64> = (0..matrix.rows()).map(|i| (0.7 * i as f64).sin()).collect();
         let mut exact = b.clone();
-        LuFactor::new(&matrix, None).unwrap().solve_in_place(&mut exact, false).unwrap();
+        LuFactor::new(&matrix, None).unwrap().solve_in_place(&mut exact, Transpose::No).unwrap();
         let options = KrylovOptions { tolerance: 1e-12, ..KrylovOptions::default() };
         let scaling = (0..matrix.rows()).map(|i| if i < 40 { 0.4 } else { 2.0 + (i % 3) as f64 }).collect();
         let mut plain = vec![0.0; b.len()];

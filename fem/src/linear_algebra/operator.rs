@@ -1,13 +1,13 @@
 //! Linear operators and preconditioners, as Krylov methods see them.
 
-use super::backward_error::{Equations, Side};
 use super::block_matrix::BlockMatrix;
 use super::cholesky::SymmetricFactor;
 use super::csr::CsrMatrix;
+use super::equations::{Equations, Side, WorstRow};
 use super::error::LinearAlgebraError;
 use crate::threads::Threads;
 
-/// Why an operator or a preconditioner could not be applied.
+/// Errors of applying an operator or a preconditioner.
 pub type OperatorError = Box<dyn std::error::Error + Send + Sync>;
 
 /// A square linear operator: a matrix, or the action of a form's tangent without one.
@@ -38,9 +38,23 @@ pub enum Entries<'a> {
 }
 
 impl Equations for Entries<'_> {
+    fn residual(
+        &self,
+        threads: Threads,
+        x: &[f64],
+        b: &[f64],
+        rest: &mut Vec<f64>,
+        room: &mut Vec<f64>,
+    ) -> Result<WorstRow, LinearAlgebraError> {
+        match self {
+            Entries::Csr(matrix) => Side::plain(matrix).residual(threads, x, b, rest, room),
+            Entries::Block(matrix) => matrix.residual(threads, x, b, rest, room),
+        }
+    }
+
     fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
         match self {
-            Entries::Csr(matrix) => Side::Plain(matrix).products(x),
+            Entries::Csr(matrix) => Side::plain(matrix).products(x),
             Entries::Block(matrix) => matrix.products(x),
         }
     }

@@ -33,7 +33,7 @@ pub enum Ordering {
 pub struct Candidate {
     /// "minimum degree", "nested dissection" or "given".
     pub name: &'static str,
-    /// What a Cholesky factorisation in that order costs; none for a given order.
+    /// Cost of a Cholesky factorisation in that order; none for a given order.
     pub fill: Option<Fill>,
 }
 

@@ -55,6 +55,7 @@ pub(crate) fn check_regular(
 mod tests {
     use super::*;
     use crate::linear_algebra::LuFactor;
+    use crate::linear_algebra::Transpose;
 
     /// Springs in a ring of n masses; the first is held by a spring of its own.
     fn ring(n: usize, held: f64) -> CsrMatrix {
@@ -70,7 +71,7 @@ mod tests {
     fn a_ring_that_floats_up_to_rounding_is_told_from_one_that_is_held() {
         for (held, regular) in [(1.0, true), (1e-7, true), (1e-15, false)] {
             let (matrix, exact) = (ring(60, held), LuFactor::new(&ring(60, held.max(1e-13)), None).unwrap());
-            let found = check_regular(&matrix, |y| exact.solve_in_place(y, false));
+            let found = check_regular(&matrix, |y| exact.solve_in_place(y, Transpose::No));
             assert_eq!(found.is_ok(), regular || held > 1e-13, "{held}: {found:?}");
         }
     }

@@ -11,7 +11,7 @@ use super::error::LinearAlgebraError;
 const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the symbolic analysis" };
 const TOO_LARGE: LinearAlgebraError = LinearAlgebraError::TooLarge { what: "the factor" };
 
-/// What a Cholesky factor costs.
+/// Cost of a Cholesky factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fill {
     /// Entries of the factor that are not zero by its structure.

@@ -1,11 +1,11 @@
-//! What can be wrong with a mesh.
+//! Errors of meshes.
 
 use thiserror::Error;
 
 use super::Facet;
-use crate::element::{CellShape, ElementError};
+use crate::element::{CellShape, ElementError, plurals};
 
-/// Why a mesh or a region of it does not exist.
+/// Errors of a mesh or of a region of it.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MeshError {
     /// The geometry map has no such degree.
@@ -28,10 +28,10 @@ pub enum MeshError {
         /// Two of the shapes.
         shapes: [CellShape; 2],
     },
-    /// What does not work on meshes of several shapes.
+    /// A feature that needs a mesh of one shape.
     #[error("{feature} needs a mesh of one shape; this one has {}", plurals(shapes))]
     SeveralShapes {
-        /// What was asked for.
+        /// The feature asked for.
         feature: &'static str,
         /// The shapes of the mesh.
         shapes: Vec<CellShape>,
@@ -296,17 +296,13 @@ pub enum MeshError {
         parameter: &'static str,
         /// Its value.
         value: String,
-        /// What it should be.
+        /// The requirement.
         requirement: &'static str,
     },
 }
 
 fn kind(exists: bool, name: &str, what: &str) -> String {
     if exists { format!(" (\"{name}\" consists of {what})") } else { String::new() }
-}
-
-pub(crate) fn plurals(shapes: &[CellShape]) -> String {
-    shapes.iter().map(|shape| shape.plural()).collect::<Vec<_>>().join(" and ")
 }
 
 fn quoted(names: &[String]) -> String {

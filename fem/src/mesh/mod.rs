@@ -35,7 +35,6 @@ pub use cell_blocks::CellBlock;
 pub(crate) use cell_blocks::CellLists;
 pub use conformity::{Conformity, HangingNode, Overlap};
 pub use error::MeshError;
-pub(crate) use error::plurals;
 pub use generators::{annulus, cuboid, hollow_cylinder, rectangle};
 pub use gmsh::{GmshError, GmshMesh};
 pub use order::CellOrder;

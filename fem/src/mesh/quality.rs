@@ -25,7 +25,7 @@ pub struct CellQuality<const D: usize> {
     pub position: [f64; D],
 }
 
-/// How good the cells of a mesh are. Displayed as a table.
+/// Quality of the cells of a mesh. Displayed as a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshQuality<const D: usize> {
     /// Shapes of the cells.
@@ -40,13 +40,13 @@ pub struct MeshQuality<const D: usize> {
 pub const ASPECT_RATIOS: [f64; 8] = [1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0, 100.0];
 
 impl<const D: usize> Mesh<D> {
-    /// How good the cells are.
+    /// Quality of the cells.
     pub fn quality(&self) -> MeshQuality<D> {
         let all = self.qualities(&self.nodes);
         MeshQuality { shapes: self.shapes(), degree: self.degree, cells: all }
     }
 
-    /// How good the cells are with the nodes in other places, as after a deformation.
+    /// Quality of the cells with the nodes in other positions, as after a deformation.
     ///
     /// # Errors
     /// [`MeshError::NodeCount`] unless there is a position per node.
@@ -233,7 +233,7 @@ impl<const D: usize> MeshQuality<D> {
         spread(self.cells.iter().map(|cell| cell.determinant))[0]
     }
 
-    /// How many cells have a Jacobian determinant that is not positive somewhere.
+    /// Number of cells whose Jacobian determinant is not positive somewhere.
     pub fn inverted(&self) -> usize {
         let inverted = |cell: &&CellQuality<D>| cell.determinant <= 0.0 || cell.determinant.is_nan();
         self.cells.iter().filter(inverted).count()

@@ -159,9 +159,9 @@ mod tests {
         let mut mesh = rectangle([0.0, 0.0], [4.0, 2.0], [4, 2], CellShape::Quadrilateral, 1)?;
         mesh.name_cells("first", |centre| centre[0] < 2.0)?;
         assert_eq!(mesh.cell_region("first")?, [0, 1, 4, 5]);
-        mesh.name_facets("contact", "bottom", |centre| centre[0] > 1.0)?;
-        let contact = mesh.facet_region("contact")?;
-        assert_eq!(contact.iter().map(|facet| facet.cell).collect::<Vec<_>>(), [1, 2, 3]);
+        mesh.name_facets("support", "bottom", |centre| centre[0] > 1.0)?;
+        let support = mesh.facet_region("support")?;
+        assert_eq!(support.iter().map(|facet| facet.cell).collect::<Vec<_>>(), [1, 2, 3]);
         assert_eq!(mesh.cell_region(EVERYWHERE)?.len(), 8);
         assert_eq!(mesh.facet_region(BOUNDARY)?.len(), 12);
         Ok(())
@@ -218,15 +218,15 @@ mod tests {
             Some("there is no cell region \"steel\"; the mesh has \"all\"")
         );
         assert_eq!(
-            message(mesh.name_facets("contact", "outer", |_| true)).as_deref(),
+            message(mesh.name_facets("support", "outer", |_| true)).as_deref(),
             Some(
                 "there is no facet region \"outer\"; \
                  the mesh has \"bottom\", \"boundary\", \"left\", \"right\", \"top\""
             )
         );
         assert_eq!(
-            message(mesh.name_facets("contact", "top", |centre| centre[1] < 0.0)).as_deref(),
-            Some("the region \"contact\" would be empty: no facet satisfies its condition")
+            message(mesh.name_facets("support", "top", |centre| centre[1] < 0.0)).as_deref(),
+            Some("the region \"support\" would be empty: no facet satisfies its condition")
         );
         assert_eq!(
             message(mesh.name_cells("steel", |_| false)).as_deref(),

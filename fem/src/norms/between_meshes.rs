@@ -13,7 +13,7 @@ use crate::field::Field;
 use crate::mesh::EVERYWHERE;
 use crate::space::Space;
 
-/// What messages call it.
+/// Its name in messages.
 const NAME: &str = "errors between meshes";
 
 /// Where the quadrature points of a reference mesh lie in a coarse one.

@@ -17,8 +17,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::element::CellShape;
-use crate::mesh::{Mesh, plurals};
+use crate::element::{CellShape, plurals};
+use crate::mesh::Mesh;
 
 /// The highest degree of a rule. The 51 points per direction that it takes are more than any estimate of
 /// an integrand's degree should ask for.
@@ -59,7 +59,7 @@ pub enum Quadrature<const D: usize> {
     },
 }
 
-/// Why a quadrature rule does not exist or is not accepted.
+/// Errors of quadrature rules.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum QuadratureError {
     /// The degree is beyond [`MAXIMUM_DEGREE`].

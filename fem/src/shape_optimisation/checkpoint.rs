@@ -26,7 +26,7 @@ pub struct Checkpoint {
     pub state: DescentState,
 }
 
-/// Why a checkpoint cannot be used.
+/// Errors of a checkpoint.
 #[derive(Debug, Error)]
 pub enum CheckpointError {
     /// The file cannot be read or written.
@@ -37,7 +37,7 @@ pub enum CheckpointError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong in it.
+        /// The problem.
         why: String,
     },
     /// The file's content is not what was written.
@@ -78,7 +78,7 @@ impl Checkpoint {
     /// Writes the file whole or not at all: whoever is stopped while writing leaves the file before.
     ///
     /// # Errors
-    /// What the system says, with the name of the file.
+    /// The system's error, with the name of the file.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         let checkpoint = serde_json::to_value(self).map_err(io::Error::from)?;
         let sealed = Sealed { checksum: checksum(&checkpoint), checkpoint };

@@ -24,15 +24,15 @@ const MOST_TRIALS: usize = 25;
 /// The factor of a step, relative to the largest so far, below which it is given up: what ends there does not go on.
 const SMALLEST_FACTOR: f64 = 1e-4;
 
-/// Who is told of the start and each step; an error ends the run.
+/// Callback at the start and after each step; an error ends the run.
 pub type Listener<'a, S, const D: usize> = dyn FnMut(&Report<S, D>) -> Result<(), Failure> + 'a;
 
-/// What may be chosen about a descent. Lengths are the mesh's.
+/// Options of a descent. Lengths are in the mesh's unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DescentOptions {
     /// Steps, at most.
     pub iterations: usize,
-    /// What makes movements of derivatives.
+    /// The inner product that turns derivatives into movements.
     pub inner_product: InnerProduct,
     /// The longest way of a node in the first step that is tried \[length\].
     pub first_move: f64,
@@ -48,7 +48,7 @@ pub struct DescentOptions {
     pub gradient_tolerance: f64,
     /// The decrease of the criterion over five steps, relative to its value at the start, below which it has stalled.
     pub decrease_tolerance: f64,
-    /// Cells are laid out anew when the least scaled Jacobian falls below this.
+    /// The mesh is smoothed when the least scaled Jacobian falls below this.
     pub smooth_below: f64,
     /// No step may let the least scaled Jacobian fall below this.
     pub least_quality: f64,
@@ -101,27 +101,27 @@ impl DescentOptions {
 
 /// A descent.
 pub struct Descent<'a, P, const D: usize> {
-    /// What becomes better.
+    /// The problem to optimise.
     pub problem: &'a P,
     /// The shape at the start; its cells, numbers and regions are those of all shapes.
     pub initial: Arc<Mesh<D>>,
-    /// What may be chosen.
+    /// The options.
     pub options: DescentOptions,
     /// The pattern that is kept, if any.
     pub pattern: Option<Rotations<D>>,
 }
 
-/// What a descent tells after each step, and at its end: the moment to write a [`super::Checkpoint`].
+/// A report after each step and at the end: the moment to write a [`super::Checkpoint`].
 pub struct Report<'a, S, const D: usize> {
     /// All that it needs to go on.
     pub state: &'a DescentState,
     /// The shape.
     pub mesh: &'a Arc<Mesh<D>>,
-    /// What was solved for on it.
+    /// The state on it.
     pub solved: &'a S,
 }
 
-/// Where a descent has come.
+/// A descent's progress.
 pub struct Optimised<S, const D: usize> {
     /// The history, and why it stopped.
     pub state: DescentState,
@@ -144,7 +144,7 @@ where
 {
     /// Descends from the initial mesh, or goes on from a state of an earlier run with the same problem and options; then
     /// the result is that of a run without interruption, to the last bit. One that stopped for its number of iterations
-    /// goes on if there are more now. `hear` is told of the start and each step; an error of its ends the run.
+    /// goes on if there are more now. `hear` is called at the start and after each step; its error ends the run.
     ///
     /// # Errors
     /// [`ShapeOptimisationError`]: options without meaning, a state of another mesh, a problem without solution at the
@@ -293,7 +293,7 @@ where
         let unknowns = movements.unknowns();
         check_length("the criterion", &derivatives.criterion, unknowns)?;
         let mut held = Constraints::new(movements);
-        self.problem.hold(&mut held).map_err(of_problem)?;
+        self.problem.fix(&mut held).map_err(of_problem)?;
         if let Some(pattern) = &self.pattern {
             pattern.average(&mut derivatives.criterion)?;
         }
@@ -333,7 +333,7 @@ where
         Ok(Shape { mesh, values, quality })
     }
 
-    /// Takes a step, with cells laid out anew where they have suffered.
+    /// Takes a step, and smooths the mesh where its quality asks for it.
     fn accept(
         &self,
         state: &mut DescentState,

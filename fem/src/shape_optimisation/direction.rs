@@ -1,4 +1,4 @@
-//! Where to go: down the criterion along the constraint, and back to the constraint.
+//! The descent direction: down the criterion along the constraint, and back to the constraint.
 
 use super::error::ShapeOptimisationError;
 use crate::linear_algebra::vector::{add_scaled, dot};
@@ -26,11 +26,11 @@ pub(super) struct Direction {
     penalty: f64,
     /// s.
     square: f64,
-    /// The share of the way back that `back` is, times c².
+    /// The fraction of the way back that `back` covers, times c².
     restored: f64,
 }
 
-/// What the constraint gives: its value, its derivative, and the movement that represents it.
+/// The constraint: its value, its derivative, and the movement that represents it.
 pub(super) struct Constrained<'a> {
     pub value: f64,
     pub derivative: &'a [f64],
@@ -59,9 +59,9 @@ impl Direction {
                 add_scaled(&mut total, multiplier, by);
                 add_scaled(&mut back, -value / square, gradient);
                 let length = longest(&back, dimension);
-                let share = if length > longest_move { longest_move / length } else { 1.0 };
-                back.iter_mut().for_each(|x| *x *= share);
-                restored = share * value * value;
+                let fraction = if length > longest_move { longest_move / length } else { 1.0 };
+                back.iter_mut().for_each(|x| *x *= fraction);
+                restored = fraction * value * value;
             }
         }
         let norm = dot(&total, &along).max(0.0).sqrt();
@@ -71,13 +71,13 @@ impl Direction {
     /// The movement of a step of factor τ.
     pub fn movement(&self, factor: f64) -> Vec<f64> {
         let mut movement: Vec<f64> = self.along.iter().map(|x| -factor * x).collect();
-        add_scaled(&mut movement, self.share(factor), &self.back);
+        add_scaled(&mut movement, self.step_fraction(factor), &self.back);
         movement
     }
 
     /// The derivative of L along that movement: negative, but at a stationary point.
     pub fn slope(&self, factor: f64) -> f64 {
-        -factor * self.norm * self.norm - self.share(factor) * self.penalty * self.restored
+        -factor * self.norm * self.norm - self.step_fraction(factor) * self.penalty * self.restored
     }
 
     /// J + λ c + r c²/2.
@@ -93,7 +93,7 @@ impl Direction {
     }
 
     /// ϱ.
-    fn share(&self, factor: f64) -> f64 {
+    fn step_fraction(&self, factor: f64) -> f64 {
         let product = self.penalty * factor * self.square;
         product / (1.0 + product)
     }

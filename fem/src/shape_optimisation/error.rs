@@ -9,10 +9,10 @@ use crate::mesh::MeshError;
 use crate::solve::SolverError;
 use crate::space::SpaceError;
 
-/// What a problem reports that could not be solved on a shape.
+/// Error of a problem that could not be solved on a shape.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why a shape could not be optimised.
+/// Errors of a shape optimisation.
 #[derive(Debug, Error)]
 pub enum ShapeOptimisationError {
     /// An option without meaning.
@@ -22,7 +22,7 @@ pub enum ShapeOptimisationError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is asked of it.
+        /// The requirement.
         why: &'static str,
     },
     /// The problem has no solution on the shape that the descent begins or goes on with.

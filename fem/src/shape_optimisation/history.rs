@@ -1,4 +1,4 @@
-//! What a descent has done so far: all that it needs to go on.
+//! State and history of a descent: all that a run needs to resume.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ pub struct DescentState {
     pub step: Option<f64>,
     /// The start and each step.
     pub history: Vec<Row>,
-    /// Why it stopped, once it has.
+    /// The reason why it stopped, once it has.
     pub finish: Option<Finish>,
 }
 
@@ -27,7 +27,7 @@ pub struct Row {
     pub constraint: Option<f64>,
     /// The least scaled Jacobian of all cells.
     pub quality: f64,
-    /// Whether the cells were laid out anew.
+    /// Whether the mesh was smoothed.
     pub smoothed: bool,
     /// The step that led here; none at the start.
     pub step: Option<Step>,
@@ -48,7 +48,7 @@ pub struct Step {
     pub gradient_norm: f64,
 }
 
-/// Why a descent stopped.
+/// Reasons why a descent stopped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Finish {
     /// The derivative along the constraint is as small as was asked.

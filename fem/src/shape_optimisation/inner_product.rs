@@ -29,7 +29,7 @@ pub mod movement_product {
         /// Of the dilations.
         pub dilation: Param,
         /// Of the gradients along the boundary.
-        pub outline: Param,
+        pub tangential: Param,
     }
     /// The body.
     #[cells]
@@ -43,7 +43,7 @@ pub mod movement_product {
         grad(w) - outer(grad(w) * n, n)
     }
 
-    /// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ + ∫_∂Ω outline ∇_Γ G:∇_Γ Θ.
+    /// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ + ∫_∂Ω tangential ∇_Γ G:∇_Γ Θ.
     pub fn product(G: Unknown<Vector>, Theta: Test<Vector>) -> Form {
         integral(
             Omega,
@@ -51,11 +51,11 @@ pub mod movement_product {
                 + slope * inner(grad(G), grad(Theta))
                 + 2 * shear * inner(eps(G), eps(Theta))
                 + dilation * div(G) * div(Theta),
-        ) + integral(Boundary, outline * inner(along_boundary(G), along_boundary(Theta)))
+        ) + integral(Boundary, tangential * inner(along_boundary(G), along_boundary(Theta)))
     }
 }
 
-/// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ over the body, and ∫ outline ∇_Γ G:∇_Γ Θ over its
+/// ∫ value G·Θ + slope ∇G:∇Θ + 2 shear ε(G):ε(Θ) + dilation div G div Θ over the body, and ∫ tangential ∇_Γ G:∇_Γ Θ over its
 /// boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InnerProduct {
@@ -68,20 +68,26 @@ pub struct InnerProduct {
     /// Weight of the dilations: Lamé's first parameter.
     pub dilation: f64,
     /// Weight of the gradients along the boundary \[length\], beside the others: waves that are shorter than this move less.
-    pub outline: f64,
+    pub tangential: f64,
 }
 
 impl InnerProduct {
     /// H¹: ∇G:∇Θ + G·Θ/ℓ². Movements of the boundary reach about ℓ into the body.
     pub fn h1(length: f64) -> Self {
-        InnerProduct { value: 1.0 / (length * length), slope: 1.0, shear: 0.0, dilation: 0.0, outline: 0.0 }
+        InnerProduct {
+            value: 1.0 / (length * length),
+            slope: 1.0,
+            shear: 0.0,
+            dilation: 0.0,
+            tangential: 0.0,
+        }
     }
 
     /// That of an elastic body with Young's modulus 1 and a Poisson's ratio in (−1, 1/2): keeps cells in shape better.
     pub fn elasticity(poisson: f64) -> Self {
         let shear = 0.5 / (1.0 + poisson);
         let dilation = poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
-        InnerProduct { value: 0.0, slope: 0.0, shear, dilation, outline: 0.0 }
+        InnerProduct { value: 0.0, slope: 0.0, shear, dilation, tangential: 0.0 }
     }
 
     /// For each functional g the movement G with ⟨G, Θ⟩ = g\[Θ\] for all Θ that `held` admits: of all movements as long as
@@ -103,7 +109,7 @@ impl InnerProduct {
             slope: self.slope,
             shear: self.shear,
             dilation: self.dilation,
-            outline: self.outline,
+            tangential: self.tangential,
         };
         let (omega, boundary) =
             (movement_product::Omega::on(EVERYWHERE), movement_product::Boundary::on(BOUNDARY));

@@ -1,4 +1,4 @@
-//! What a descent leaves on disk: its checkpoint, its history, and every n-th shape.
+//! Files of a descent: its checkpoint, its history, and every n-th shape.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::output::{VtuFile, write_whole};
 
 /// A directory with `checkpoint.json`, `history.csv`, and `shape_0000.vtu` and so on with the coordinates of the nodes
-/// beside each, `shape_0000.json`. The checkpoint is written last: what it tells of is there.
+/// beside each, `shape_0000.json`. The checkpoint is written last, after the files that it refers to.
 #[derive(Clone, Debug)]
 pub struct Logbook {
     directory: PathBuf,
@@ -32,7 +32,7 @@ impl Logbook {
     /// (0: the first and the last alone).
     ///
     /// # Errors
-    /// What the system says, with the name of the directory.
+    /// The system's error, with the name of the directory.
     pub fn new(
         directory: impl Into<PathBuf>,
         settings: Value,
@@ -67,7 +67,7 @@ impl Logbook {
     /// Removes the checkpoint: the next descent begins anew.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn forget(&mut self) -> io::Result<()> {
         self.shapes.clear();
         match std::fs::remove_file(self.directory.join("checkpoint.json")) {

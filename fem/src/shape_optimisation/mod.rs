@@ -1,12 +1,12 @@
-//! Shapes that improve: descent along the derivative of a criterion by the places of a mesh's nodes, with a constraint,
-//! step control, an eye on the cells, and checkpoints. It knows no physics: a [`ShapeProblem`] gives a criterion and its
-//! derivative as a vector over the movements of the nodes, as the residual of `derivative(form, shape, Theta)` is.
+//! Shape optimisation: gradient descent on nodal positions with one constraint, Armijo line search, mesh-quality checks and
+//! checkpoints. It knows no physics: a [`ShapeProblem`] gives a criterion and its derivative as a vector over the movements
+//! of the nodes, as the residual of `derivative(form, shape, Theta)` is.
 //!
-//! The way of a step: the derivatives become movements of the whole body in an [`InnerProduct`], with parts of the boundary
-//! held; [`Rotations`] keep a pattern of cells the same around a ring; a `Direction` joins the descent of the criterion
-//! with the return to the constraint; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. What it
-//! needs to go on is a [`DescentState`], which a [`Checkpoint`] writes to the last bit, with a checksum and the version,
-//! in the directory of a [`Logbook`] beside the history and every n-th shape.
+//! A step: an [`InnerProduct`] turns derivatives into movements of the whole body, with parts of the boundary fixed;
+//! [`Rotations`] keep a pattern of cells the same around a ring; a `Direction` adds the return to the constraint to the
+//! descent of the criterion; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. A [`DescentState`] is
+//! all that a run needs to resume: a [`Checkpoint`] writes it to the last bit, with a checksum and the version, in the
+//! directory of a [`Logbook`] beside the history and every n-th shape.
 
 mod checkpoint;
 mod descent;
@@ -16,7 +16,7 @@ mod error;
 mod history;
 mod inner_product;
 mod logbook;
-mod outline;
+mod perimeter;
 #[cfg(feature = "pictures")]
 mod pictures;
 mod problem;
@@ -33,7 +33,7 @@ pub use error::{Failure, ShapeOptimisationError};
 pub use history::{DescentState, Finish, Row, Step};
 pub use inner_product::{InnerProduct, movement_product};
 pub use logbook::Logbook;
-pub use outline::{outline, outline_derivative, outline_form};
+pub use perimeter::{perimeter, perimeter_derivative, perimeter_form};
 #[cfg(feature = "pictures")]
 pub use pictures::{history_picture, strip};
 pub use problem::{Derivatives, ShapeProblem, Values};

@@ -6,7 +6,7 @@ use super::history::DescentState;
 use crate::mesh::Mesh;
 use crate::output::picture::{Curve, LinePlot, MeshDrawing, Panel, PictureError, Scale};
 
-/// What is shown of a constraint that is smaller.
+/// The least value of a constraint in pictures.
 const LEAST_SHOWN: f64 = 1e-12;
 
 /// The criterion, the constraint, the derivative along it and the worst cell over the steps. The label of the criterion

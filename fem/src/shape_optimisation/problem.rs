@@ -1,4 +1,4 @@
-//! What a descent is told about the problem whose shape it improves.
+//! The problem of a descent: criterion, constraint, and their derivatives.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::space::Space;
 
 /// A criterion that depends on the shape, perhaps with one constraint.
 pub trait ShapeProblem<const D: usize> {
-    /// What was solved for on a shape: a displacement, say, with the solver that may be used again.
+    /// The state on a shape: a displacement, say, with the solver that may be used again.
     type State;
 
     /// Solves on a shape. It must depend on the mesh alone, to the last bit, if a descent that was interrupted is to end as
@@ -30,17 +30,17 @@ pub trait ShapeProblem<const D: usize> {
     ///
     /// # Errors
     /// A region that does not exist.
-    fn hold(&self, movements: &mut Constraints<D>) -> Result<(), Failure>;
+    fn fix(&self, movements: &mut Constraints<D>) -> Result<(), Failure>;
 }
 
 /// Values on a shape.
 #[derive(Clone, Debug)]
 pub struct Values<S> {
-    /// What is to become small.
+    /// The objective.
     pub criterion: f64,
-    /// What must be zero, relative to something of its kind: (V − V₀)/V₀, say.
+    /// The constraint, zero where it holds, relative to something of its kind: (V − V₀)/V₀, say.
     pub constraint: Option<f64>,
-    /// What was solved for.
+    /// The state.
     pub state: S,
 }
 

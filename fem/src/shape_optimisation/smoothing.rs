@@ -1,4 +1,4 @@
-//! Cells that have suffered are laid out anew inside an unchanged boundary.
+//! Mesh smoothing: inner nodes are repositioned, the boundary is kept.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 //! Descent where the best shape is known: of all polygons with n corners and the same area the regular one has the shortest
-//! outline, P² = 4 n tan(π/n) A.
+//! perimeter, P² = 4 n tan(π/n) A.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::space::Space;
 
 const CORNERS: usize = 12;
 
-/// The outline of a plate with a fixed hole, whose area is given; or ill: with a derivative of the wrong sign, without a
+/// The perimeter of a plate with a fixed hole, whose area is given; or ill: with a derivative of the wrong sign, without a
 /// solution once a node comes too far to the right.
 struct Isoperimetric {
     area: Volume,
@@ -27,17 +27,17 @@ impl ShapeProblem<2> for Isoperimetric {
         if mesh.nodes().iter().any(|x| x[0] > self.no_farther_than) {
             return Err("too far to the right".into());
         }
-        let criterion = outline(mesh, "outer")?;
+        let criterion = perimeter(mesh, "outer")?;
         Ok(Values { criterion, constraint: Some(self.area.value(mesh)?), state: () })
     }
 
     fn derivatives(&self, movements: &Arc<Space<2>>, _: &mut ()) -> Result<Derivatives, Failure> {
-        let values = outline_derivative(movements, "outer")?;
+        let values = perimeter_derivative(movements, "outer")?;
         let criterion = values.into_iter().map(|value| self.sign * value).collect();
         Ok(Derivatives { criterion, constraint: Some(self.area.derivative(movements)?) })
     }
 
-    fn hold(&self, movements: &mut Constraints<2>) -> Result<(), Failure> {
+    fn fix(&self, movements: &mut Constraints<2>) -> Result<(), Failure> {
         Ok(movements.fix("inner", |_| [0.0; 2])?)
     }
 }
@@ -68,7 +68,7 @@ fn options() -> DescentOptions {
 }
 
 #[test]
-fn the_shortest_outline_is_the_regular_polygon() {
+fn the_shortest_perimeter_is_the_regular_polygon() {
     let initial = plate();
     let problem = problem(&initial);
     let descent = Descent { problem: &problem, initial: initial.clone(), options: options(), pattern: None };
@@ -192,7 +192,7 @@ fn what_goes_wrong_is_told() {
 #[test]
 fn cells_are_laid_out_anew_inside_the_same_boundary() {
     let initial = plate();
-    // Inner nodes are shaken, the outline moves.
+    // Inner nodes are shaken, the boundary moves.
     let shaken = initial.nodes().iter().enumerate().map(|(node, x)| {
         let radius = x[0].hypot(x[1]);
         let by = if (1.1..1.6).contains(&radius) { 0.06 * (7.0 * node as f64).sin() } else { 0.0 };

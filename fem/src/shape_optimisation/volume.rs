@@ -34,7 +34,7 @@ pub fn measured_volume<const D: usize>(mesh: &Arc<Mesh<D>>) -> Result<f64, Assem
 where
     Dim: Dimension<D>,
 {
-    exact(mesh).functional(&volume_form::measure(&volume_form::Omega::on(EVERYWHERE)), &[])
+    exact(mesh).functional(&volume_form::measure(&volume_form::Omega::on(EVERYWHERE)))
 }
 
 /// det J of cells of degree k has degree k D in each direction, at most.
@@ -70,7 +70,7 @@ impl Volume {
         Dim: Dimension<D>,
     {
         let form = volume_form::gradient(&volume_form::Omega::on(EVERYWHERE));
-        let values = exact(movements.mesh()).residual(&form, &[], &[movements])?;
+        let values = exact(movements.mesh()).linear_form(&form, movements)?;
         Ok(values.into_iter().map(|value| value / self.target).collect())
     }
 }

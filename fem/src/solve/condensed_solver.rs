@@ -10,19 +10,21 @@
 //! definite, a [`TangentSolver`] takes over.
 
 mod condensation;
-mod few_unknowns;
+mod condensed_system;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use condensation::Condensation;
+pub use condensed_system::CondensedSystem;
 use faer::linalg::solvers::PartialPivLu;
-pub use few_unknowns::FewUnknowns;
 
-use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use super::linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
 use super::solver_report::{SolverPath, SolverReport};
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
-use crate::linear_algebra::backward_error::{Equations, Residual, Side, refined};
+use crate::linear_algebra::Transpose;
+use crate::linear_algebra::backward_error::Refinement;
+use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
@@ -30,6 +32,9 @@ use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Orde
 /// Entries (i, j) of T − K below this part of √(K_ii K_jj) are rounding: coordinates of about 1000 cell diameters
 /// lose three digits in a cell's Jacobian. If they are not, refinement makes up for it.
 const ROUNDING: f64 = 1e-12;
+
+/// Most asymmetry of a linear part that is factored as a symmetric one.
+const SYMMETRIC: f64 = 1e-12;
 
 /// A dense LU may cost as many multiplications as this many per stored number of the sparse factor:
 /// about what the Krylov iterations it replaces would cost.
@@ -52,7 +57,7 @@ const REFINEMENTS: usize = 4;
 pub struct CondensedSolver {
     fallback: TangentSolver,
     linear_part: Option<LinearPart>,
-    condensation: Option<Condensation>,
+    condensation: Option<Arc<Condensation>>,
     /// Unknowns that coming matrices are expected to change.
     expected: Vec<u32>,
     /// K could not be factored: do not try again.
@@ -66,6 +71,8 @@ pub struct CondensedSolver {
 struct LinearPart {
     matrix: Arc<CsrMatrix>,
     sizes: Vec<f64>,
+    /// Whether it is symmetric to the last bit.
+    equals_transposed: bool,
 }
 
 impl LinearPart {
@@ -86,37 +93,26 @@ enum Current {
 #[derive(Debug)]
 struct Sum {
     base: Arc<CsrMatrix>,
+    /// Whether the stored one is symmetric to the last bit.
+    equals_transposed: bool,
     additions: Vec<Entry>,
 }
 
-/// A sum, or its transposed.
-struct SumSide<'a> {
-    sum: &'a Sum,
-    transposed: bool,
-}
-
-impl Equations for SumSide<'_> {
-    fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
-        let (mut sums, mut sizes) = Side::of(&self.sum.base, self.transposed).products(x)?;
-        for Entry { row, column, value } in &self.sum.additions {
-            let (to, from) = if self.transposed { (column, row) } else { (row, column) };
-            let term = value * x[*from as usize];
-            sums[*to as usize] += term;
-            sizes[*to as usize] += term.abs();
-        }
-        Ok((sums, sizes))
-    }
-
-    fn diagonal(&self) -> Vec<f64> {
-        let mut diagonal = self.sum.base.diagonal();
-        for entry in self.sum.additions.iter().filter(|entry| entry.row == entry.column) {
-            diagonal[entry.row as usize] += entry.value;
-        }
-        diagonal
-    }
-}
-
 impl Sum {
+    /// A matrix without additions.
+    fn of(matrix: CsrMatrix) -> Self {
+        Sum { base: Arc::new(matrix), equals_transposed: false, additions: vec![] }
+    }
+
+    /// The equations of a solve.
+    fn side(&self, transpose: Transpose) -> Side<'_> {
+        let side = match self.equals_transposed {
+            true => Side::of_symmetric(&self.base),
+            false => Side::of(&self.base, transpose),
+        };
+        side.with_additions(&self.additions, transpose)
+    }
+
     fn to_matrix(&self) -> Result<CsrMatrix, LinearAlgebraError> {
         let replaced = |entry: &Entry| {
             let value = self.base.get(entry.row as usize, entry.column as usize) + entry.value;
@@ -170,6 +166,14 @@ impl CondensedSolver {
             }
         }
         Some(entries)
+    }
+
+    /// The linear part with additions.
+    fn sum(&self, linear_part: &Arc<CsrMatrix>, additions: Vec<Entry>) -> Sum {
+        let is_symmetric =
+            |known: &LinearPart| known.equals_transposed && Arc::ptr_eq(&known.matrix, linear_part);
+        let equals_transposed = self.linear_part.as_ref().is_some_and(is_symmetric);
+        Sum { base: linear_part.clone(), equals_transposed, additions }
     }
 
     /// Additions that are more than rounding.
@@ -248,7 +252,7 @@ impl CondensedSolver {
         self.report.factorisations += 1;
         self.report.factor_entries = analysis.factor_entries();
         self.report.condensed_unknowns = Some(count);
-        self.condensation = Some(Condensation::new(factor, count));
+        self.condensation = Some(Arc::new(Condensation::new(factor, count)));
         Ok(true)
     }
 
@@ -286,6 +290,91 @@ fn unknowns_of(entries: &[Entry]) -> Vec<u32> {
 }
 
 impl LinearSolver for CondensedSolver {
+    fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
+        self.current = None;
+        matrix.check_finite()?;
+        match (self.difference(&matrix), &self.linear_part) {
+            (Some(additions), Some(known)) => {
+                // One copy of the pattern is enough.
+                let matrix = CsrMatrix::from_pattern(known.matrix.pattern(), matrix.into_values())?;
+                self.condense(&additions, Sum::of(matrix))
+            }
+            _ => self.fall_back(matrix),
+        }
+    }
+
+    fn report(&self) -> Option<SolverReport> {
+        Some(CondensedSolver::report(self))
+    }
+
+    fn as_condensing(&mut self) -> Option<&mut dyn CondensingSolver> {
+        Some(self)
+    }
+
+    fn judges_equations(&self) -> bool {
+        true
+    }
+
+    fn solve_with(
+        &mut self,
+        b: &[f64],
+        tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<LinearSolution, SolverError> {
+        let (matrix, dense) = match &self.current {
+            None => return Err(SolverError::NoMatrix),
+            Some(Current::Fallback) => return self.fallback.solve_with(b, tolerance, transpose),
+            Some(Current::Condensed { matrix, dense }) => (matrix, dense),
+        };
+        let Some(condensation) = &self.condensation else { return Err(SolverError::NoMatrix) };
+        crate::linear_algebra::error::check_size("the right-hand side", matrix.base.rows(), b.len())?;
+        crate::linear_algebra::error::check_finite("the right-hand side", b)?;
+        let start = Instant::now();
+        let scale = norm(b);
+        let relative = |rest: &[f64]| if scale == 0.0 { 0.0 } else { norm(rest) / scale };
+        let solve = |change: &mut Vec<f64>| -> Result<(), LinearAlgebraError> {
+            *change = condensation.solve(change, dense.as_ref(), transpose)?;
+            Ok(())
+        };
+        let (side, threads) = (matrix.side(transpose), self.fallback.threads());
+        let x = condensation.solve(b, dense.as_ref(), transpose)?;
+        let mut found = Refinement::new(&side, threads, b, x)?;
+        let mut relative_residual = relative(&found.residual.rest);
+        for _ in 0..REFINEMENTS {
+            if relative_residual <= ACCURATE || relative_residual * scale <= tolerance {
+                break;
+            }
+            found.step(solve)?;
+            let next_relative = relative(&found.next.rest);
+            if next_relative >= relative_residual {
+                break;
+            }
+            let stalled = next_relative > 0.5 * relative_residual;
+            found.accept();
+            relative_residual = next_relative;
+            if stalled {
+                break;
+            }
+        }
+        // Each equation has to hold in its own scale, exactly or as far as the caller asks.
+        let is_enough = relative_residual * scale <= tolerance && found.residual.worst().error <= ROUGH;
+        let finished = if is_enough { Ok(()) } else { found.finish(solve) };
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        if finished.is_ok() {
+            let relative_residual = relative(&found.residual.rest);
+            self.report.solves += 1;
+            self.report.path = Some(SolverPath::Condensed);
+            self.report.iterations.push(0);
+            self.report.largest_residual = self.report.largest_residual.max(relative_residual);
+            return Ok(LinearSolution { solution: found.x, relative_residual, iterations: 0 });
+        }
+        let matrix = matrix.to_matrix()?;
+        self.fall_back(matrix)?;
+        self.solve_with(b, tolerance, transpose)
+    }
+}
+
+impl CondensingSolver for CondensedSolver {
     fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
         linear_part.check_finite()?;
         if let Some(known) = &mut self.linear_part
@@ -297,23 +386,12 @@ impl LinearSolver for CondensedSolver {
         (self.condensation, self.current, self.refused) = (None, None, false);
         self.expected.clear();
         // An unsymmetric linear part has no Cholesky factor.
-        self.refused = !linear_part.is_symmetric(1e-12)?;
+        let asymmetry = linear_part.asymmetry()?;
+        self.refused = asymmetry > SYMMETRIC || asymmetry.is_nan();
         let sizes = linear_part.sizes_of_unknowns();
-        self.linear_part = Some(LinearPart { matrix: linear_part.clone(), sizes });
+        self.linear_part =
+            Some(LinearPart { matrix: linear_part.clone(), sizes, equals_transposed: asymmetry == 0.0 });
         Ok(())
-    }
-
-    fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
-        self.current = None;
-        matrix.check_finite()?;
-        match (self.difference(&matrix), &self.linear_part) {
-            (Some(additions), Some(known)) => {
-                // One copy of the pattern is enough.
-                let matrix = CsrMatrix::from_pattern(known.matrix.pattern(), matrix.into_values())?;
-                self.condense(&additions, Sum { base: Arc::new(matrix), additions: vec![] })
-            }
-            _ => self.fall_back(matrix),
-        }
     }
 
     fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
@@ -323,7 +401,7 @@ impl LinearSolver for CondensedSolver {
         }
         self.current = None;
         let additions = additions(linear_part, entries)?;
-        self.condense(&additions.clone(), Sum { base: linear_part.clone(), additions })
+        self.condense(&additions.clone(), self.sum(linear_part, additions))
     }
 
     fn expect_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
@@ -338,74 +416,66 @@ impl LinearSolver for CondensedSolver {
         }
     }
 
-    fn condensing(&mut self) -> Option<&mut CondensedSolver> {
-        (self.linear_part.is_some() && !self.refused).then_some(self)
+    fn condenses(&self) -> bool {
+        self.linear_part.is_some() && !self.refused
     }
 
-    fn judges_equations(&self) -> bool {
-        true
+    fn covers(&self, system: &CondensedSystem, additions: &[Entry], further: &[u32]) -> bool {
+        self.condensation.as_ref().is_some_and(|condensation| {
+            system.belongs_to(condensation)
+                && condensation.holds(&unknowns_of(&self.changes(additions)))
+                && condensation.holds(further)
+        })
     }
 
-    fn solve_side(
-        &mut self,
-        b: &[f64],
-        tolerance: f64,
-        transposed: bool,
-    ) -> Result<LinearSolution, SolverError> {
-        let (matrix, dense) = match &self.current {
-            None => return Err(SolverError::NoMatrix),
-            Some(Current::Fallback) => return self.fallback.solve_side(b, tolerance, transposed),
-            Some(Current::Condensed { matrix, dense }) => (matrix, dense),
-        };
-        let Some(condensation) = &self.condensation else { return Err(SolverError::NoMatrix) };
-        crate::linear_algebra::error::check_size("the right-hand side", matrix.base.rows(), b.len())?;
+    fn cover(&mut self, additions: &[Entry], further: &[u32]) -> Result<bool, SolverError> {
+        let mut touched = unknowns_of(&self.changes(additions));
+        touched.extend_from_slice(further);
+        self.condense_to(&touched)
+    }
+
+    fn condensed_system(&mut self, b: &[f64], watched: &[u32]) -> Result<CondensedSystem, SolverError> {
         crate::linear_algebra::error::check_finite("the right-hand side", b)?;
         let start = Instant::now();
-        let scale = norm(b);
-        let side = SumSide { sum: matrix, transposed };
-        let mut x = condensation.solve(b, dense.as_ref(), transposed)?;
-        let mut residual = Residual::of(&side, &x, b)?;
-        let mut relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };
-        for _ in 0..REFINEMENTS {
-            if relative_residual <= ACCURATE || relative_residual * scale <= tolerance {
-                break;
-            }
-            let change = condensation.solve(&residual.rest, dense.as_ref(), transposed)?;
-            let candidate: Vec<f64> = x.iter().zip(&change).map(|(x, change)| x + change).collect();
-            let next = Residual::of(&side, &candidate, b)?;
-            let next_relative = norm(&next.rest) / scale;
-            if next_relative >= relative_residual {
-                break;
-            }
-            let stalled = next_relative > 0.5 * relative_residual;
-            (x, residual, relative_residual) = (candidate, next, next_relative);
-            if stalled {
-                break;
-            }
-        }
-        // Each equation has to hold in its own scale, exactly or as far as the caller asks.
-        let is_enough = relative_residual * scale <= tolerance && residual.worst().error <= ROUGH;
-        let found = if is_enough {
-            Ok((x, residual))
-        } else {
-            let solve = |change: &mut Vec<f64>| -> Result<(), LinearAlgebraError> {
-                *change = condensation.solve(change, dense.as_ref(), transposed)?;
-                Ok(())
-            };
-            refined(&side, b, x, residual, solve)
-        };
+        let condensation = self.condensation.as_ref().ok_or(SolverError::NoMatrix)?;
+        let system = CondensedSystem::new(condensation, b, watched)?;
         self.report.solve_seconds += start.elapsed().as_secs_f64();
-        if let Ok((x, residual)) = found {
-            let relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };
-            self.report.solves += 1;
-            self.report.path = Some(SolverPath::Condensed);
-            self.report.iterations.push(0);
-            self.report.largest_residual = self.report.largest_residual.max(relative_residual);
-            return Ok(LinearSolution { solution: x, relative_residual, iterations: 0 });
+        Ok(system)
+    }
+
+    fn condensed_step(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+        additions: Vec<Entry>,
+        r: &[f64],
+    ) -> Result<Vec<f64>, SolverError> {
+        let changes = self.changes(&additions);
+        let condensation = self.condensation.as_ref().ok_or(SolverError::NoMatrix)?;
+        let start = Instant::now();
+        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes));
+        let factored_in = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let mut step = condensation.dense_solve(r, dense.as_ref());
+        step.iter_mut().for_each(|value| *value = -*value);
+        if let Some(place) = step.iter().position(|value| !value.is_finite()) {
+            let unknown = condensation.unknowns()[place] as usize;
+            return Err(LinearAlgebraError::Singular { unknown, ratio: 0.0 }.into());
         }
-        let matrix = matrix.to_matrix()?;
-        self.fall_back(matrix)?;
-        self.solve_side(b, tolerance, transposed)
+        self.report.factorisation_seconds += factored_in;
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        self.report.solves += 1;
+        self.report.iterations.push(0);
+        self.report.path = Some(SolverPath::Condensed);
+        let matrix = self.sum(linear_part, additions);
+        self.current = Some(Current::Condensed { matrix, dense });
+        Ok(step)
+    }
+
+    fn complete(&mut self, system: CondensedSystem, x_c: &[f64]) -> Result<Vec<f64>, SolverError> {
+        let start = Instant::now();
+        let x = system.complete(x_c)?;
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        Ok(x)
     }
 }
 

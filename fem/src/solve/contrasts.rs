@@ -78,12 +78,13 @@ fn check_halves(name: &str, solver: &mut dyn LinearSolver, matrix: &CsrMatrix, c
     let size = matrix.rows();
     let b = vec![1.0; size];
     solver.set_matrix(matrix.clone()).unwrap();
-    for transposed in [false, true] {
-        let exact = if transposed { thomas(&matrix.transpose(), &b) } else { thomas(matrix, &b) };
-        let found = solver.solve_side(&b, 0.0, transposed).unwrap().solution;
+    for transpose in [Transpose::No, Transpose::Yes] {
+        let exact =
+            if transpose == Transpose::Yes { thomas(&matrix.transpose(), &b) } else { thomas(matrix, &b) };
+        let found = solver.solve_with(&b, 0.0, transpose).unwrap().solution;
         for half in [0..size / 2, size / 2..size] {
             let error = error(&found[half.clone()], &exact[half.clone()]);
-            assert!(error < 1e-9, "{name}, contrast {contrast:e}, {half:?} {transposed}: off by {error:e}");
+            assert!(error < 1e-9, "{name}, contrast {contrast:e}, {half:?} {transpose:?}: off by {error:e}");
         }
     }
 }
@@ -176,9 +177,10 @@ fn changes_in_the_soft_half_are_no_rounding_of_the_stiff_one() {
         let (b, mut solver) = (vec![1.0; N], CondensedSolver::default());
         solver.set_linear_part(&linear_part).unwrap();
         solver.set_changed(&linear_part, &entries).unwrap();
-        for transposed in [false, true] {
-            let exact = thomas(&if transposed { whole.transpose() } else { whole.clone() }, &b);
-            let found = solver.solve_side(&b, 0.0, transposed).unwrap().solution;
+        for transpose in [Transpose::No, Transpose::Yes] {
+            let exact =
+                thomas(&if transpose == Transpose::Yes { whole.transpose() } else { whole.clone() }, &b);
+            let found = solver.solve_with(&b, 0.0, transpose).unwrap().solution;
             for half in [0..N / 2, N / 2..N] {
                 let error = error(&found[half.clone()], &exact[half.clone()]);
                 assert!(error < 1e-9, "contrast {contrast:e}, {half:?}: off by {error:e}");
@@ -324,13 +326,13 @@ impl LinearSolver for HalfDone {
         self.0.set_matrix(matrix)
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
-        let mut found = self.0.solve_side(b, tolerance, transposed)?;
+        let mut found = self.0.solve_with(b, tolerance, transpose)?;
         let half = b.len() / 2;
         found.solution[half..].fill(0.0);
         Ok(LinearSolution { relative_residual: 0.81, ..found })
@@ -351,8 +353,13 @@ fn forms_with_contrasts_between_cells_and_fields_are_solved_in_each() {
             unit,
         };
         let form = transport::fields(&data, &transport::Omega::on("all"));
-        let mut problem = MixedProblem::new(&form, &assembler, [&space, &space]).unwrap();
-        problem.solve_affine([&held, &held], solver).map(|fields| fields.map(|field| field.values().to_vec()))
+        let problem = Problem::new(&form, [&space, &space]).assembler(&assembler);
+        problem
+            .constrained(&held)
+            .constrained(&held)
+            .solver(solver)
+            .solve()
+            .map(|solved| solved.fields.map(|field| field.values().to_vec()))
     };
     for (contrast, unit) in
         [(1e12, 1.0), (1.0, 1e-16), (2e11, 1e-9), (1e-12, 2e11), (1e16, 1e16), (1e-16, 1.0)]
@@ -376,7 +383,7 @@ fn forms_with_contrasts_between_cells_and_fields_are_solved_in_each() {
     // Whatever solver it is that leaves an equation aside, the problem sees it, and names the field.
     let failed = solve(1.0, 1e-9, &mut HalfDone::default()).map(|_| ()).unwrap_err();
     assert!(
-        matches!(&failed, LinearProblemError::Solver(SolverError::Inaccurate { field: "w", .. })),
+        matches!(&failed.why, NewtonFailure::LinearSolver(SolverError::Inaccurate { field: "w", .. })),
         "{failed}"
     );
 }
@@ -405,8 +412,8 @@ fn multigrid_is_right_in_each_half_or_refuses() {
         let conductivity = Given::function(move |x: &[f64; 3]| if x[0] < 0.5 { contrast } else { 1.0 });
         let form = heat::flow(&heat::Data { conductivity }, &heat::Omega::on("all"));
         let solve = |solver: &mut dyn LinearSolver| {
-            let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-            problem.solve_affine(&held, solver).map(|field| field.values().to_vec())
+            let problem = Problem::new(&form, &space).assembler(&assembler);
+            problem.constrained(&held).solver(solver).solve().map(|solved| solved.field().values().to_vec())
         };
         let options = MultigridSolverOptions {
             tolerance: 1e-13,

@@ -5,9 +5,12 @@ use std::ops::Range;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use crate::constraints::{Constraints, Relation};
-use crate::linear_algebra::backward_error::{Equations, Residual};
+use crate::linear_algebra::Transpose;
+use crate::linear_algebra::backward_error::Residual;
+use crate::linear_algebra::equations::{Equations, WorstRow, judged};
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
+use crate::threads::Threads;
 
 /// The free unknowns y of a problem whose other unknowns are prescribed or given by free ones, u = C y + d, and the
 /// passage between full and reduced vectors and matrices: Cᵀ r and Cᵀ K C. The map between matrices is computed at the first one.
@@ -171,20 +174,24 @@ impl Elimination {
         Ok(full)
     }
 
-    /// What hinders a motion from being an increment without resistance, zero where nothing does: Cᵀ times its forces for the
-    /// free unknowns, and for each of the others how far its value is from what the free ones give.
+    /// Residual of a candidate null vector: its reduced forces on the free unknowns, and on each of the others the violation
+    /// of its constraint. Zero for a motion that nothing resists.
     ///
     /// # Errors
     /// If a size is wrong.
-    pub fn hindrance(&self, motion: &[f64], forces: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+    pub fn null_space_residual(
+        &self,
+        motion: &[f64],
+        forces: &[f64],
+    ) -> Result<Vec<f64>, LinearAlgebraError> {
         check_size("the vector of all unknowns", self.size, motion.len())?;
         let free: Vec<f64> = self.free.iter().map(|&unknown| motion[unknown]).collect();
         let given = self.extend_by_zero(&free)?;
-        let mut hindrance: Vec<f64> = motion.iter().zip(&given).map(|(value, given)| value - given).collect();
+        let mut residual: Vec<f64> = motion.iter().zip(&given).map(|(value, given)| value - given).collect();
         for (&unknown, force) in self.free.iter().zip(self.reduce(forces)?) {
-            hindrance[unknown] = force;
+            residual[unknown] = force;
         }
-        Ok(hindrance)
+        Ok(residual)
     }
 
     /// Cᵀ K C of a full matrix K: its free rows and columns, and what relations add to them.
@@ -261,7 +268,7 @@ pub fn solve_linear(
 ) -> Result<LinearSolution, SolverError> {
     let lifted = elimination.lifted()?;
     let rest = difference(b, &matrix.multiply(&lifted)?)?;
-    finish(matrix, rest, lifted, elimination, solver, false)
+    finish(matrix, rest, lifted, elimination, solver, Transpose::No)
 }
 
 /// Solves Aᵀ u = b in the same way.
@@ -276,7 +283,7 @@ pub fn solve_linear_transposed(
 ) -> Result<LinearSolution, SolverError> {
     let lifted = elimination.lifted()?;
     let rest = difference(b, &matrix.multiply_transposed(&lifted)?)?;
-    finish(matrix, rest, lifted, elimination, solver, true)
+    finish(matrix, rest, lifted, elimination, solver, Transpose::Yes)
 }
 
 /// An equation that is off by more than this part of its terms has not been solved, whatever the solver's own measure.
@@ -286,15 +293,27 @@ const HOLDS: f64 = 1e-3;
 struct ReducedEquations<'a> {
     matrix: &'a BlockMatrix,
     elimination: &'a Elimination,
-    transposed: bool,
+    transpose: Transpose,
 }
 
 impl Equations for ReducedEquations<'_> {
+    fn residual(
+        &self,
+        _: Threads,
+        x: &[f64],
+        b: &[f64],
+        rest: &mut Vec<f64>,
+        _: &mut Vec<f64>,
+    ) -> Result<WorstRow, LinearAlgebraError> {
+        let (sums, sizes) = self.products(x)?;
+        judged((&sums, &sizes), b, rest)
+    }
+
     fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
         let full = self.elimination.extend_by_zero(x)?;
-        let (sums, sizes) = match self.transposed {
-            false => self.matrix.products(&full)?,
-            true => {
+        let (sums, sizes) = match self.transpose {
+            Transpose::No => self.matrix.products(&full)?,
+            Transpose::Yes => {
                 let (mut sums, mut sizes) = (vec![0.0; full.len()], vec![0.0; full.len()]);
                 for (row, factor) in full.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
                     for (column, value) in self.matrix.row(row) {
@@ -319,22 +338,46 @@ fn difference(b: &[f64], product: &[f64]) -> Result<Vec<f64>, LinearAlgebraError
     Ok(b.iter().zip(product).map(|(given, value)| given - value).collect())
 }
 
+/// Solves the reduced system for a reduced right-hand side. The solver keeps matrix and factor.
+pub(super) fn solve_reduced(
+    matrix: &BlockMatrix,
+    load: &[f64],
+    elimination: &mut Elimination,
+    solver: &mut dyn LinearSolver,
+    transpose: Transpose,
+) -> Result<LinearSolution, SolverError> {
+    solver.set_matrix(elimination.reduce_matrix(matrix)?)?;
+    solver.solve_with(load, 0.0, transpose)
+}
+
+/// Whether each equation holds, of a solver that does not see to it by itself.
+pub(super) fn check_equations(
+    matrix: &BlockMatrix,
+    load: &[f64],
+    elimination: &Elimination,
+    solver: &dyn LinearSolver,
+    found: &LinearSolution,
+    transpose: Transpose,
+) -> Result<(), SolverError> {
+    if !solver.judges_equations() {
+        let equations = ReducedEquations { matrix, elimination, transpose };
+        let residual = Residual::of(&equations, Threads::ONE, &found.solution, load)?;
+        residual.check(&equations, (&found.solution, load), HOLDS)?;
+    }
+    Ok(())
+}
+
 fn finish(
     matrix: &BlockMatrix,
     rest: Vec<f64>,
     mut lifted: Vec<f64>,
     elimination: &mut Elimination,
     solver: &mut dyn LinearSolver,
-    transposed: bool,
+    transpose: Transpose,
 ) -> Result<LinearSolution, SolverError> {
     let reduced = elimination.reduce(&rest)?;
-    solver.set_matrix(elimination.reduce_matrix(matrix)?)?;
-    let mut result = solver.solve_side(&reduced, 0.0, transposed)?;
-    if !solver.judges_equations() {
-        let equations = ReducedEquations { matrix, elimination, transposed };
-        let residual = Residual::of(&equations, &result.solution, &reduced)?;
-        residual.check(&equations, &result.solution, HOLDS)?;
-    }
+    let mut result = solve_reduced(matrix, &reduced, elimination, solver, transpose)?;
+    check_equations(matrix, &reduced, elimination, solver, &result, transpose)?;
     for (&unknown, &value) in elimination.free().iter().zip(&result.solution) {
         lifted[unknown] = value;
     }

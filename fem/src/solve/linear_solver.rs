@@ -1,58 +1,53 @@
-//! What Newton's method and the adjoint problems ask of a linear solver.
+//! Linear solvers: what Newton's method and adjoint problems ask of them.
 
 use std::sync::Arc;
 
-use super::condensed_solver::CondensedSolver;
-use crate::linear_algebra::{CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError};
+use super::condensed_solver::CondensedSystem;
+use super::solver_report::SolverReport;
+use crate::linear_algebra::{CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError, Transpose};
 
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
-/// matrix: the analysis of the pattern, a factor, a condensed block.
+/// matrix: the analysis of the pattern, a factor.
 pub trait LinearSolver {
-    /// Tells the symmetric part K that the coming matrices share: each is K plus entries on few unknowns.
-    /// A solver that cannot use it need not do anything.
-    ///
-    /// # Errors
-    /// If the matrix is unfit.
-    fn set_linear_part(&mut self, _linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
-        Ok(())
-    }
-
     /// Takes the matrix of the next solves.
     ///
     /// # Errors
     /// If the matrix cannot be factored.
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError>;
 
-    /// Takes as the matrix of the next solves the linear part with some of its entries replaced. The default copies
-    /// the linear part.
+    /// Solves A x = b or Aᵀ x = b, so that each equation holds beside the sizes of its own terms,
+    /// |b − A x|_i small beside (|A| |x| + |b|)_i: fields of different units and parts of different stiffness are right
+    /// each in its own scale. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would gain
+    /// nothing from a smaller one, if no equation is left aside, that is, off by more than about a thousandth of its
+    /// terms; 0 asks for the solver's own accuracy. Direct solvers may ignore it.
     ///
     /// # Errors
-    /// As [`LinearSolver::set_matrix`], and if the linear part does not store an entry.
-    fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
-        self.set_matrix(linear_part.with_entries(entries)?)
-    }
-
-    /// Tells which entries of the linear part the coming matrices are likely to change, by those of one of them. It
-    /// may be wrong; it may save a factorisation.
-    ///
-    /// # Errors
-    /// As [`LinearSolver::set_changed`].
-    fn expect_changed(
+    /// If no matrix was set, the size is wrong, or no accurate solution was found.
+    fn solve_with(
         &mut self,
-        _linear_part: &Arc<CsrMatrix>,
-        _entries: &[Entry],
-    ) -> Result<(), SolverError> {
-        Ok(())
+        b: &[f64],
+        absolute_tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<LinearSolution, SolverError>;
+
+    /// Solves A x = b.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve_with`].
+    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
+        self.solve_with(b, absolute_tolerance, Transpose::No)
     }
 
-    /// The solver itself, if it can let Newton's method iterate on the few unknowns that matrices change.
-    fn condensing(&mut self) -> Option<&mut CondensedSolver> {
-        None
-    }
-
-    /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
-    fn condensed_unknowns(&self) -> Option<usize> {
-        None
+    /// Solves Aᵀ x = b.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve_with`].
+    fn solve_transposed(
+        &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+    ) -> Result<LinearSolution, SolverError> {
+        self.solve_with(b, absolute_tolerance, Transpose::Yes)
     }
 
     /// Whether solutions are handed out only if each equation holds beside the sizes of its own terms. Of a solver that
@@ -61,40 +56,77 @@ pub trait LinearSolver {
         false
     }
 
-    /// Solves A x = b, or Aᵀ x = b where `transposed`, so that each equation holds beside the sizes of its own terms,
-    /// |b − A x|_i small beside (|A| |x| + |b|)_i: fields of different units and parts of different stiffness are right
-    /// each in its own scale. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would gain
-    /// nothing from a smaller one, if no equation is left aside, that is, off by more than about a thousandth of its
-    /// terms; 0 asks for the solver's own accuracy. Direct solvers may ignore it.
-    ///
-    /// # Errors
-    /// If no matrix was set, the size is wrong, or no accurate solution was found.
-    fn solve_side(
-        &mut self,
-        b: &[f64],
-        absolute_tolerance: f64,
-        transposed: bool,
-    ) -> Result<LinearSolution, SolverError>;
-
-    /// Solves A x = b.
-    ///
-    /// # Errors
-    /// As [`LinearSolver::solve_side`].
-    fn solve(&mut self, b: &[f64], absolute_tolerance: f64) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, false)
+    /// The solver's account of itself, where it keeps one.
+    fn report(&self) -> Option<SolverReport> {
+        None
     }
 
-    /// Solves Aᵀ x = b.
+    /// The solver as one that gains from what tangents have in common; none unless it does.
+    fn as_condensing(&mut self) -> Option<&mut dyn CondensingSolver> {
+        None
+    }
+}
+
+/// A linear solver for tangents T = K + B with one symmetric part K and additions B on few unknowns, to which it condenses
+/// systems and whole Newton iterations.
+pub trait CondensingSolver: LinearSolver {
+    /// Tells the symmetric part K that the coming matrices share: each is K plus entries on few unknowns.
     ///
     /// # Errors
-    /// As [`LinearSolver::solve_side`].
-    fn solve_transposed(
+    /// If the matrix is unfit.
+    fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError>;
+
+    /// Takes as the matrix of the next solves the linear part with some of its entries replaced.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::set_matrix`], and if the linear part does not store an entry.
+    fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError>;
+
+    /// Tells which entries of the linear part the coming matrices are likely to change, by those of one of them. It
+    /// may be wrong; it may save a factorisation.
+    ///
+    /// # Errors
+    /// As [`CondensingSolver::set_changed`].
+    fn expect_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError>;
+
+    /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
+    fn condensed_unknowns(&self) -> Option<usize>;
+
+    /// Whether K has a factor, as far as is known.
+    fn condenses(&self) -> bool;
+
+    /// Whether the rows and columns of B's entries, and some further unknowns, are among those of a condensed system that
+    /// the present factor made.
+    fn covers(&self, system: &CondensedSystem, additions: &[Entry], further: &[u32]) -> bool;
+
+    /// Makes a factor of K that allows systems on these unknowns. False: it is not worth it, or K has none.
+    ///
+    /// # Errors
+    /// As [`CondensingSolver::set_changed`].
+    fn cover(&mut self, additions: &[Entry], further: &[u32]) -> Result<bool, SolverError>;
+
+    /// K x + N(x) = b on the condensed unknowns, where N reads the `watched` unknowns only.
+    ///
+    /// # Errors
+    /// If there is no factor, or b does not fit.
+    fn condensed_system(&mut self, b: &[f64], watched: &[u32]) -> Result<CondensedSystem, SolverError>;
+
+    /// δ_c with (S + B) δ_c = −r. T = K + B is the matrix of the next solves.
+    ///
+    /// # Errors
+    /// If there is no factor, or the system is singular.
+    fn condensed_step(
         &mut self,
-        b: &[f64],
-        absolute_tolerance: f64,
-    ) -> Result<LinearSolution, SolverError> {
-        self.solve_side(b, absolute_tolerance, true)
-    }
+        linear_part: &Arc<CsrMatrix>,
+        additions: Vec<Entry>,
+        r: &[f64],
+    ) -> Result<Vec<f64>, SolverError>;
+
+    /// x of all unknowns, from those on the condensed ones.
+    ///
+    /// # Errors
+    /// If the numbers of unknowns differ.
+    fn complete(&mut self, system: CondensedSystem, x_c: &[f64]) -> Result<Vec<f64>, SolverError>;
 }
 
 /// The solution of one linear system, and how good it is.

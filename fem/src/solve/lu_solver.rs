@@ -1,12 +1,17 @@
 //! Direct solver for any square matrix: LU with partial pivoting and iterative refinement.
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use crate::linear_algebra::backward_error::{Residual, Side, refined};
-use crate::linear_algebra::vector::{add_scaled, largest, norm};
+use crate::linear_algebra::Transpose;
+use crate::linear_algebra::backward_error::{Refinement, Residual};
+use crate::linear_algebra::equations::Side;
+use crate::linear_algebra::vector::{largest, norm};
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, LuFactor};
+use crate::threads::Threads;
 
 /// Backward error at which refinement has nothing left to gain.
 const ROUNDING: f64 = 2e-16;
+/// Part of its terms by which an equation is off after rounding alone.
+const ROUNDING_OF_ROWS: f64 = 1e-15;
 /// A scaled matrix whose smallest singular value is below this part of its norm leaves a solution three digits or fewer.
 const ILL_CONDITIONED: f64 = 1e-13;
 /// Most steps of iterative refinement of the whole solution; with partial pivoting one nearly always suffices.
@@ -54,42 +59,43 @@ impl LinearSolver for LuSolver {
         true
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         _absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let (matrix, factor) = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
-        let matrix_norm = if transposed { matrix.column_sum_norm() } else { matrix.row_sum_norm() };
-        let side = Side::of(matrix, transposed);
-        let measure = |x: &[f64]| -> Result<(Residual, f64), LinearAlgebraError> {
-            let residual = Residual::of(&side, x, b)?;
+        let matrix_norm =
+            if transpose == Transpose::Yes { matrix.column_sum_norm() } else { matrix.row_sum_norm() };
+        let side = Side::of(matrix, transpose);
+        let whole = |x: &[f64], residual: &Residual| {
             let scale = matrix_norm * largest(x) + largest(b);
-            let backward_error = if scale == 0.0 { 0.0 } else { largest(&residual.rest) / scale };
-            Ok((residual, backward_error))
+            if scale == 0.0 { 0.0 } else { largest(&residual.rest) / scale }
         };
+        let solve = |change: &mut Vec<f64>| factor.solve_in_place(change, transpose);
         let mut x = b.to_vec();
-        factor.solve_in_place(&mut x, transposed)?;
-        let (mut residual, mut backward_error) = measure(&x)?;
+        solve(&mut x)?;
+        let mut found = Refinement::new(&side, Threads::ONE, b, x)?;
+        let mut backward_error = whole(&found.x, &found.residual);
         // The first step also helps where the backward error is at rounding: rows of small entries, as those
-        // of a constraint beside a stiffness, profit from it.
+        // of a constraint beside a stiffness, profit from it, unless they are at rounding themselves.
         for step in 0..REFINEMENTS {
-            if step > 0 && backward_error <= ROUNDING {
+            let rows_are_at_rounding = found.residual.worst().error <= ROUNDING_OF_ROWS;
+            if rows_are_at_rounding || step > 0 && backward_error <= ROUNDING {
                 break;
             }
-            let mut change = residual.rest.clone();
-            factor.solve_in_place(&mut change, transposed)?;
-            add_scaled(&mut change, 1.0, &x);
-            let (next, next_error) = measure(&change)?;
-            if next_error > backward_error || norm(&next.rest) >= norm(&residual.rest) {
+            found.step(solve)?;
+            let next_error = whole(found.candidate(), &found.next);
+            if next_error > backward_error || norm(&found.next.rest) >= norm(&found.residual.rest) {
                 break;
             }
-            (x, residual, backward_error) = (change, next, next_error);
+            found.accept();
+            backward_error = next_error;
         }
         // Each equation has to hold in its own scale.
-        let solve = |change: &mut Vec<f64>| factor.solve_in_place(change, transposed);
-        let (x, residual) = refined(&side, b, x, residual, solve)?;
+        found.finish(solve)?;
+        let Refinement { x, residual, .. } = found;
         let scale = norm(b);
         let relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };
         Ok(LinearSolution { solution: x, relative_residual, iterations: 0 })

@@ -6,7 +6,8 @@ use std::time::Instant;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::node_blocks::NodeBlocks;
 use crate::constraints::Constraints;
-use crate::linear_algebra::backward_error::Equations;
+use crate::linear_algebra::Transpose;
+use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::krylov::until_each_equation_holds;
 use crate::linear_algebra::multigrid::LevelReport;
@@ -84,7 +85,7 @@ pub struct MultigridSolverReport {
 /// constraints.fix("boundary", |_| 0.0)?;
 /// let assembler = Assembler::new(&mesh);
 /// let mut solver = MultigridSolver::new(&constraints, MultigridSolverOptions::default())?;
-/// let u = FormProblem::new(&poisson, &assembler, &space)?.solve_affine(&constraints, &mut solver)?;
+/// let u = Problem::new(&poisson, &space).assembler(&assembler).constrained(&constraints).solver(&mut solver).solve()?.into_field();
 /// assert!((u.evaluate(&[0.5; 3])?[0] - 0.056).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -225,11 +226,11 @@ impl LinearSolver for MultigridSolver {
         true
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         absolute: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let Some(current) = &mut self.current else { return Err(SolverError::NoMatrix) };
         check_size("the right-hand side", self.blocks.free_unknowns(), b.len())?;
@@ -250,7 +251,7 @@ impl LinearSolver for MultigridSolver {
                 cg(&operator, &mut current.multigrid, &all, &mut x, &options).map_err(failed)
             }
             Some(other) => {
-                let matrix = if transposed { other } else { &*current.matrix };
+                let matrix = if transpose == Transpose::Yes { other } else { &*current.matrix };
                 let options = GmresOptions {
                     tolerance: self.options.tolerance,
                     absolute_tolerance: absolute,

@@ -1,10 +1,10 @@
 //! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential or on the residual.
 
+mod condensed;
 mod convergence;
 mod cycles;
-mod few;
-mod history;
 mod line_search;
+mod report;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -16,11 +16,11 @@ use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
+use condensed::changed_entries;
 use convergence::{Fields, Norms, Rounding, mark};
-use few::changed_entries;
-pub use history::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
+pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
@@ -79,9 +79,7 @@ pub trait NonlinearProblem {
     /// # Errors
     /// If assembly fails.
     fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, Self::Error> {
-        let tangent = self.tangent(u)?;
-        let force = |row| tangent.matrix.row(row).map(|(column, k)| k.abs() * amplitudes[column]).sum();
-        Ok((0..tangent.matrix.rows()).map(force).collect())
+        Ok(self.tangent(u)?.balancing_forces(amplitudes))
     }
 }
 
@@ -93,6 +91,14 @@ pub struct Tangent<'a> {
     /// Places among the matrix's values, as ascending ranges of whole blocks, outside of which it is equal to the
     /// problem's linear part; none where the problem does not know them.
     pub changed: Option<&'a [Range<usize>]>,
+}
+
+impl Tangent<'_> {
+    /// Σ_j |K_ij| a_j for each row i.
+    pub fn balancing_forces(&self, amplitudes: &[f64]) -> Vec<f64> {
+        let force = |row| self.matrix.row(row).map(|(column, k)| k.abs() * amplitudes[column]).sum();
+        (0..self.matrix.rows()).map(force).collect()
+    }
 }
 
 impl From<CsrMatrix> for Tangent<'_> {
@@ -223,7 +229,24 @@ impl Residuals {
     }
 }
 
-/// The way to an iterate.
+/// Tells a condensing solver the part that all tangents share, reduced; none where there is no such solver or part.
+fn share_linear_part<P: NonlinearProblem>(
+    problem: &mut P,
+    elimination: &mut Elimination,
+    solver: &mut dyn LinearSolver,
+) -> Result<Option<Arc<CsrMatrix>>, NewtonFailure<P::Error>> {
+    let Some(solver) = solver.as_condensing() else { return Ok(None) };
+    // With related unknowns the reduced matrix is no submatrix, and is made anew for each tangent.
+    if !elimination.only_prescribes() {
+        return Ok(None);
+    }
+    let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)? else { return Ok(None) };
+    let reduced = Arc::new(elimination.reduce_matrix(matrix).map_err(NewtonFailure::Mismatch)?);
+    solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
+    Ok(Some(reduced))
+}
+
+/// Length and kind of the step to an iterate.
 #[derive(Clone, Copy, Default)]
 struct Step {
     length: Option<f64>,
@@ -233,6 +256,7 @@ struct Step {
 }
 
 impl Iteration<'_> {
+    /// Newton's method: solve K δ = −R, take the step or a part of it, until an iterate is the solution.
     fn run<P: NonlinearProblem>(
         &mut self,
         problem: &mut P,
@@ -241,56 +265,20 @@ impl Iteration<'_> {
         solver: &mut dyn LinearSolver,
     ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
         elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
-        let mut linear_part = None;
-        // With related unknowns the reduced matrix is no submatrix, and is made anew for each tangent.
-        if elimination.only_prescribes()
-            && let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)?
-        {
-            let reduced = Arc::new(elimination.reduce_matrix(matrix).map_err(NewtonFailure::Mismatch)?);
-            solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
-            linear_part = Some(reduced);
-        }
+        let linear_part = share_linear_part(problem, &mut elimination, solver)?;
         let mut residuals = Residuals::at(problem, &elimination, &self.u)?;
         self.enter(problem, &elimination, &residuals, Step::default(), None)?;
-        if !self.is_finished(problem, &elimination, &residuals)?
-            && let Some(linear_part) = &linear_part
+        if let Some(linear_part) = &linear_part
+            && !self.is_finished(problem, &elimination, &residuals)?
         {
-            if let Some(guess) = guess {
-                let entries = changed_entries(problem, &mut elimination, &guess)?;
-                solver.expect_changed(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
-            }
-            if self.options.line_search == LineSearch::Off
-                && let Some(solver) = solver.condensing()
-                && self.iterate_on_few(problem, &mut elimination, linear_part, &residuals.full, solver)?
-            {
-                residuals = Residuals::at(problem, &elimination, &self.u)?;
-                self.replace_last_residual(&elimination, &residuals.reduced);
-            }
+            residuals = self.condense(problem, &mut elimination, linear_part, guess, residuals, solver)?;
         }
         while !self.is_finished(problem, &elimination, &residuals)? {
-            let options = self.options;
-            let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
-            if options.line_search == LineSearch::OnPotential {
-                check_potential(&mut elimination, &tangent.matrix)?;
-            }
-            match (&linear_part, tangent.changed) {
-                (Some(linear_part), Some(changed)) => {
-                    let entries = elimination.reduce_places(&tangent.matrix, changed);
-                    let entries = entries.map_err(NewtonFailure::Mismatch)?;
-                    solver.set_changed(linear_part, &entries)
-                }
-                _ => {
-                    let reduced = elimination.reduce_matrix(&tangent.matrix);
-                    let reduced = reduced.map_err(NewtonFailure::Mismatch)?;
-                    drop(tangent);
-                    solver.set_matrix(reduced)
-                }
-            }
-            .map_err(NewtonFailure::LinearSolver)?;
+            self.set_tangent(problem, &mut elimination, linear_part.as_ref(), solver)?;
             let load: Vec<f64> = residuals.reduced.iter().map(|value| -value).collect();
             let solution = solver.solve(&load, self.linear_target()).map_err(NewtonFailure::LinearSolver)?;
             let change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
-            let Taken { part, residuals: found } = match options.line_search {
+            let Taken { part, residuals: found } = match self.options.line_search {
                 LineSearch::Off => Taken::whole(),
                 LineSearch::OnPotential => along_potential(problem, &self.u, &change)?,
                 LineSearch::OnResidual => along_residual(self, problem, &elimination, &change)?,
@@ -304,12 +292,67 @@ impl Iteration<'_> {
                 length: Some(part * norm(&solution.solution)),
                 damping: Some(part),
                 linear_iterations: Some(solution.iterations),
-                condensed_unknowns: solver.condensed_unknowns(),
+                condensed_unknowns: solver.as_condensing().and_then(|solver| solver.condensed_unknowns()),
             };
             let lengths = self.fields.norms(&solution.solution);
             self.enter(problem, &elimination, &residuals, step, Some(lengths))?;
         }
         Ok(residuals.full)
+    }
+
+    /// Hands the tangent at the current iterate to the solver: what differs from the linear part, or the whole.
+    fn set_tangent<P: NonlinearProblem>(
+        &self,
+        problem: &mut P,
+        elimination: &mut Elimination,
+        linear_part: Option<&Arc<CsrMatrix>>,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<(), NewtonFailure<P::Error>> {
+        let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
+        if self.options.line_search == LineSearch::OnPotential {
+            check_potential(elimination, &tangent.matrix)?;
+        }
+        match (linear_part, tangent.changed, solver.as_condensing()) {
+            (Some(linear_part), Some(changed), Some(solver)) => {
+                let entries = elimination.reduce_places(&tangent.matrix, changed);
+                let entries = entries.map_err(NewtonFailure::Mismatch)?;
+                solver.set_changed(linear_part, &entries)
+            }
+            _ => {
+                let reduced = elimination.reduce_matrix(&tangent.matrix);
+                let reduced = reduced.map_err(NewtonFailure::Mismatch)?;
+                drop(tangent);
+                solver.set_matrix(reduced)
+            }
+        }
+        .map_err(NewtonFailure::LinearSolver)
+    }
+
+    /// Lets a condensing solver iterate on the unknowns that the nonlinearity touches, as far as that goes. The residuals are
+    /// those of the last iterate.
+    fn condense<P: NonlinearProblem>(
+        &mut self,
+        problem: &mut P,
+        elimination: &mut Elimination,
+        linear_part: &Arc<CsrMatrix>,
+        guess: Option<Vec<f64>>,
+        residuals: Residuals,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<Residuals, NewtonFailure<P::Error>> {
+        let Some(solver) = solver.as_condensing() else { return Ok(residuals) };
+        if let Some(guess) = guess {
+            let entries = changed_entries(problem, elimination, &guess)?;
+            solver.expect_changed(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
+        }
+        if self.options.line_search != LineSearch::Off
+            || !solver.condenses()
+            || !self.iterate_condensed(problem, elimination, linear_part, &residuals.full, solver)?
+        {
+            return Ok(residuals);
+        }
+        let residuals = Residuals::at(problem, elimination, &self.u)?;
+        self.replace_last_residual(elimination, &residuals.reduced);
+        Ok(residuals)
     }
 
     /// Enters the current iterate into the history, with its residual and the norms of the whole step that led to it.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::linear_solver::SolverError;
 use crate::constraints::Constraints;
-use crate::linear_algebra::backward_error::Equations;
+use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{

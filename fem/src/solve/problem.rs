@@ -1,148 +1,439 @@
-//! A compiled form with one unknown as a system of equations: a [`MixedProblem`] of one space.
+//! A compiled form with its spaces and constraints as a problem that solves itself.
 
+mod diagnosis;
+mod equations;
+
+use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Instant;
 
-use forms_core::contract::Form;
+use forms_core::contract::{Dependence, Form, Integral, LinearKernel, LinearVisitor};
 
+use super::communicator::Communicator;
+use super::elimination::{check_equations, solve_reduced};
+use super::linear_part::{Assembled, Held, System};
+use super::newton::newton_eliminating;
 use super::{
-    ActivePoints, LinearProblemError, LinearSolver, MixedProblem, MixedSolved, NewtonError, NewtonOptions,
-    NewtonStep, NonlinearProblem, Tangent,
+    Elimination, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep, NonlinearProblem,
+    PerUnknown, Solved, Start, TangentSolver, Transpose,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::field::Field;
-use crate::linear_algebra::BlockMatrix;
+use crate::history::commits;
+use crate::linear_algebra::vector::norm;
 use crate::space::Space;
 
-/// A form with one unknown and one test function, on one space. [`MixedProblem`] takes several.
-pub struct FormProblem<'a, F, const D: usize> {
-    whole: MixedProblem<'a, F, D, 1>,
+/// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
+/// vectors and matrices the unknowns of the spaces stand one after the other.
+///
+/// A form that is affine in its unknowns is solved as one linear system; any other by semismooth Newton from zero, with the
+/// constraints imposed. Everything else has a default: the quadrature, the linear solver, Newton's options.
+///
+/// ```no_run
+/// # use forms_fem::prelude::*;
+/// # #[forms(dimension = 2)]
+/// # mod stokes {
+/// #     #[cells]
+/// #     pub struct Omega;
+/// #     pub fn flow(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+/// #         integral(Omega, inner(grad(u), grad(v)) - p * div(v) - q * div(u))
+/// #     }
+/// # }
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?);
+/// let (velocities, pressures) = (Space::vector(&mesh, 2)?, Space::scalar(&mesh, 1)?);
+/// let mut walls = Constraints::new(&velocities);
+/// walls.fix("boundary", |x| [x[1], 0.0])?;
+/// let mut level = Constraints::new(&pressures);
+/// level.fix_nearest(&[0.0, 0.0], 0.0)?; // the pressure is determined up to a constant
+///
+/// let form = stokes::Model::default().flow();
+/// let solved = Problem::new(&form, [&velocities, &pressures]).constrained(&walls).constrained(&level).solve()?;
+/// let [u, p] = solved.fields;
+/// # Ok(())
+/// # }
+/// ```
+pub struct Problem<'a, F, const D: usize, const N: usize = 1> {
+    system: System<'a, F, D, N>,
+    constraints: Vec<Cow<'a, Constraints<D>>>,
+    start: Option<[&'a Field<D>; N]>,
+    solver: Solver<'a>,
+    options: NewtonOptions,
+    progress: Option<EachStep<'a>>,
+    communicator: Option<&'a dyn Communicator>,
+    assembled: Option<Assembled>,
+    seconds: f64,
 }
 
-/// A solution by Newton's method.
-#[derive(Clone, Debug)]
-pub struct Solved<const D: usize> {
-    /// The unknown.
-    pub field: Field<D>,
-    /// The start and each iterate.
-    pub history: Vec<NewtonStep>,
-    /// R(u) on all unknowns: reactions where values are prescribed, about zero elsewhere.
-    pub residual: Vec<f64>,
+/// The problem's own linear solver, or one that is lent to it.
+enum Solver<'a> {
+    Own(Box<TangentSolver>),
+    Lent(&'a mut dyn LinearSolver),
 }
 
-impl<'a, F: Form<D>, const D: usize> FormProblem<'a, F, D> {
-    /// Prepares the matrix pattern of the form on a space.
+impl Solver<'_> {
+    fn get(&mut self) -> &mut dyn LinearSolver {
+        match self {
+            Solver::Own(solver) => &mut **solver,
+            Solver::Lent(solver) => &mut **solver,
+        }
+    }
+}
+
+/// Is called with the start and each iterate.
+type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
+
+/// Why a problem was not solved, with the iterates up to it.
+pub type SolveError = NewtonError<AssemblyError>;
+
+impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
+    /// The form on the space of its unknown, or on `[&first, &second]`, the spaces of its unknowns in the order of its
+    /// arguments. Nothing is computed yet; what does not fit is told by [`Problem::solve`].
+    pub fn new<'s>(form: &'a F, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
+        Self::holding(Held::Lent(form), spaces)
+    }
+
+    /// The same with a form that the problem keeps.
+    pub fn owning<'s>(form: F, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
+        Self::holding(Held::Own(form), spaces)
+    }
+
+    fn holding<'s>(form: Held<'a, F>, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
+        const { assert!(N > 0, "a problem has an unknown") };
+        let spaces = spaces.per_unknown().map(Arc::clone);
+        let assembler = Cow::Owned(Assembler::new(spaces[0].mesh()));
+        let system = System { form, assembler, assembler_at: None, spaces, pattern: OnceCell::new() };
+        Problem {
+            system,
+            constraints: vec![],
+            start: None,
+            solver: Solver::Own(Box::default()),
+            options: NewtonOptions::default(),
+            progress: None,
+            communicator: None,
+            assembled: None,
+            seconds: 0.0,
+        }
+    }
+
+    /// Conditions on one unknown: the first one on the constraints' space that has none yet.
+    pub fn constrained(mut self, constraints: &'a Constraints<D>) -> Self {
+        self.constraints.push(Cow::Borrowed(constraints));
+        self
+    }
+
+    /// The conditions that the problem's solution differs by: zero where values are prescribed, the same relations. Adjoint
+    /// states are held like this.
+    pub fn vanishing(mut self, constraints: &Constraints<D>) -> Self {
+        self.constraints.push(Cow::Owned(constraints.homogeneous()));
+        self
+    }
+
+    /// Other conditions than before, as for the next load. What was assembled stays.
+    pub fn set_constraints(&mut self, constraints: impl PerUnknown<'a, Constraints<D>, N>) {
+        self.constraints = constraints.per_unknown().map(Cow::Borrowed).into();
+    }
+
+    /// Another assembler than the default one: for its quadrature, its threads, its cells.
+    pub fn assembler(mut self, assembler: impl Into<Cow<'a, Assembler<D>>>) -> Self {
+        self.system.assembler = assembler.into();
+        self
+    }
+
+    /// Lets the iterate choose who assembles the nonlinear integrals, as when facets are split where a scalar of the
+    /// iterate changes its sign ([`Assembler::split_at_zeros`]). There is then no active set of fixed points in Newton's
+    /// history. What no iterate changes is assembled as before.
+    pub fn assembler_at(
+        mut self,
+        choose: impl Fn(&[Field<D>]) -> Result<Assembler<D>, AssemblyError> + 'a,
+    ) -> Self {
+        self.system.assembler_at = Some(Box::new(choose));
+        self
+    }
+
+    /// A matrix pattern that was made for these spaces before ([`Problem::pattern`]). It must hold every entry of this form.
+    pub fn with_pattern(mut self, pattern: &Arc<BlockPattern<D>>) -> Self {
+        self.system.pattern = OnceCell::from(Arc::clone(pattern));
+        self
+    }
+
+    /// The first iterate, on which the constraints are imposed; zero unless it is given.
+    pub fn start(mut self, start: impl PerUnknown<'a, Field<D>, N>) -> Self {
+        self.start = Some(start.per_unknown());
+        self
+    }
+
+    /// Another linear solver than a [`TangentSolver`] of the problem's own. It keeps the last matrix and what it factored,
+    /// for adjoint problems as well.
+    pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
+        self.solver = Solver::Lent(solver);
+        self
+    }
+
+    /// Tolerances, number of steps and line search of Newton's method.
+    pub fn options(mut self, options: NewtonOptions) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Is called with the start and each iterate.
+    pub fn each_step(mut self, progress: impl FnMut(&NewtonStep) + 'a) -> Self {
+        self.progress = Some(Box::new(progress));
+        self
+    }
+
+    /// Solves on several processes, each of which assembles the integrals over its part of the cells. The linear solver
+    /// has to take matrices that are sums over the processes.
+    pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
+        self.communicator = Some(communicator);
+        // Each process has the positions of its own entries alone.
+        self.system.pattern = OnceCell::new();
+        self
+    }
+
+    /// The matrix pattern, for other forms on the same spaces.
     ///
     /// # Errors
-    /// When the form has several unknowns, a region does not exist, or the matrix is too large to be
-    /// numbered.
-    pub fn new(
-        form: &'a F,
-        assembler: &'a Assembler<D>,
-        space: &Arc<Space<D>>,
-    ) -> Result<Self, AssemblyError> {
-        Ok(FormProblem { whole: MixedProblem::new(form, assembler, [space])? })
-    }
-
-    /// The same on a pattern made for this space before, which must hold every entry of this form.
-    pub fn with_pattern(
-        form: &'a F,
-        assembler: &'a Assembler<D>,
-        space: &Arc<Space<D>>,
-        pattern: &Arc<BlockPattern<D>>,
-    ) -> Self {
-        FormProblem { whole: MixedProblem::with_pattern(form, assembler, [space], pattern) }
-    }
-
-    /// Lets the iterate choose who assembles the nonlinear integrals; see [`MixedProblem::with_assembler_at`].
-    pub fn with_assembler_at(
-        self,
-        choose: impl Fn(&Field<D>) -> Result<Assembler<D>, AssemblyError> + 'a,
-    ) -> Self {
-        FormProblem { whole: self.whole.with_assembler_at(move |fields| choose(&fields[0])) }
-    }
-
-    /// The matrix pattern, for other forms on the same space.
-    pub fn pattern(&self) -> &Arc<BlockPattern<D>> {
-        self.whole.pattern()
+    /// When the form has other unknowns than the spaces, a region does not exist, or the matrix is too large
+    /// to be numbered.
+    pub fn pattern(&self) -> Result<&Arc<BlockPattern<D>>, AssemblyError> {
+        self.system.pattern()
     }
 
     /// Seconds spent in assembly so far.
     pub fn assembly_seconds(&self) -> f64 {
-        self.whole.assembly_seconds()
+        self.seconds
     }
 
-    /// The places among the values of the tangent that an iteration changes; see
-    /// [`MixedProblem::changed_places`].
+    /// Solves the problem.
+    ///
+    /// # Errors
+    /// [`SolveError`] with the reason, and of Newton's method the history and the last iterate.
+    pub fn solve(&mut self) -> Result<Solved<D, N>, SolveError> {
+        let begun = Instant::now();
+        self.share_cells()?;
+        let constraints = self.all_constraints()?;
+        let constraints = constraints.each_ref().map(|one| &**one);
+        let elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
+        let found = match is_affine(&*self.system.form) {
+            true => self.solve_affine(elimination, solver.get()),
+            false => self.iterate(elimination, constraints, solver.get()),
+        };
+        let report = solver.get().report();
+        self.solver = solver;
+        let (u, residual, history) = found?;
+        Ok(Solved {
+            fields: self.system.fields(&u),
+            history,
+            residual,
+            report,
+            assembly_seconds: self.seconds,
+            seconds: begun.elapsed().as_secs_f64(),
+            assembler: self.system.assembler.clone().into_owned(),
+        })
+    }
+
+    /// One assembly, one linear system.
+    fn solve_affine(
+        &mut self,
+        mut elimination: Elimination,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<Found, SolveError> {
+        let mut u = elimination.lifted().map_err(NewtonFailure::Mismatch)?;
+        let residual = self.residual(&u)?;
+        let load = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
+        let load: Vec<f64> = load.iter().map(|value| -value).collect();
+        // Of several processes each has a part of the matrix alone: the solver has to judge there.
+        let alone = self.communicator.is_none();
+        let tangent = self.tangent(&u)?;
+        let found = solve_reduced(&tangent.matrix, &load, &mut elimination, solver, Transpose::No);
+        let found = match found {
+            Ok(found) if alone => {
+                check_equations(&tangent.matrix, &load, &elimination, solver, &found, Transpose::No)
+                    .map(|()| found)
+            }
+            found => found,
+        };
+        let found = found.map_err(|error| NewtonFailure::LinearSolver(self.named(error, &elimination)))?;
+        for (&unknown, &value) in elimination.free().iter().zip(&found.solution) {
+            u[unknown] = value;
+        }
+        elimination.impose(&mut u).map_err(NewtonFailure::Mismatch)?;
+        let residual = self.residual(&u)?;
+        let reduced = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
+        let history = vec![
+            NewtonStep::start(norm(&load)),
+            NewtonStep {
+                iteration: 1,
+                relative_residual: if norm(&load) == 0.0 { 0.0 } else { norm(&reduced) / norm(&load) },
+                step: Some(norm(&found.solution)),
+                linear_iterations: Some(found.iterations),
+                damping: Some(1.0),
+                ..NewtonStep::start(norm(&reduced))
+            },
+        ];
+        if let Some(progress) = &mut self.progress {
+            history.iter().for_each(progress);
+        }
+        Ok((u, residual, history))
+    }
+
+    /// Semismooth Newton from the start.
+    fn iterate(
+        &mut self,
+        elimination: Elimination,
+        constraints: [&Constraints<D>; N],
+        solver: &mut dyn LinearSolver,
+    ) -> Result<Found, SolveError> {
+        let u: Vec<f64> = match self.start {
+            Some(start) => {
+                self.check_spaces("start", start.map(|field| field.space()))?;
+                start.iter().flat_map(|field| field.values()).copied().collect()
+            }
+            None => vec![0.0; self.system.unknowns()],
+        };
+        let guess = self.extrapolate_prescribed(&u, constraints);
+        let options = self.options.clone();
+        let mut progress = self.progress.take();
+        let mut ignored = |_: &NewtonStep| ();
+        let told: &mut dyn FnMut(&NewtonStep) = match &mut progress {
+            Some(progress) => &mut **progress,
+            None => &mut ignored,
+        };
+        let found = newton_eliminating(self, elimination, Start { u, guess }, solver, &options, told);
+        self.progress = progress;
+        let found = found.map_err(|mut error| {
+            if let NewtonFailure::LinearSolver(source) = error.why {
+                let named = match Elimination::of(&constraints) {
+                    Ok(elimination) => self.named(source, &elimination),
+                    Err(_) => source,
+                };
+                error.why = NewtonFailure::LinearSolver(named);
+            }
+            error
+        })?;
+        Ok((found.u, found.residual, found.history))
+    }
+
+    /// A guess at the first iterates: each vector field on the mesh moved by 1.05 times the mean of its prescribed
+    /// values, for a body that is moved at one side follows nearly as it is. None where nothing is moved.
+    fn extrapolate_prescribed(&self, u: &[f64], constraints: [&Constraints<D>; N]) -> Option<Vec<f64>> {
+        let mut guess = u.to_vec();
+        let mut offset = 0;
+        let mut moved = false;
+        for (space, constraints) in self.system.spaces.iter().zip(constraints) {
+            for component in 0..if space.components() == D { D } else { 0 } {
+                let of_component =
+                    constraints.prescribed().iter().filter(|(unknown, _)| *unknown % D == component);
+                let (count, sum) =
+                    of_component.fold((0.0, 0.0), |(count, sum), (_, value)| (count + 1.0, sum + value));
+                if sum != 0.0 {
+                    let values = guess[offset..offset + space.unknowns()].iter_mut();
+                    values.skip(component).step_by(D).for_each(|value| *value += 1.05 * sum / count);
+                    moved = true;
+                }
+            }
+            offset += space.unknowns();
+        }
+        moved.then_some(guess)
+    }
+
+    /// The constraints of each unknown: given, or none.
+    fn all_constraints(&self) -> Result<[Cow<'a, Constraints<D>>; N], AssemblyError> {
+        let mut given: [Option<Cow<'a, Constraints<D>>>; N] = [const { None }; N];
+        for constraints in &self.constraints {
+            let fits = |number: &usize| {
+                given[*number].is_none() && self.system.spaces[*number].numbers_as(constraints.space())
+            };
+            match (0..N).find(fits) {
+                Some(number) => given[number] = Some(constraints.clone()),
+                None => return Err(AssemblyError::Constraints { form: self.system.form.name() }),
+            }
+        }
+        let mut number = 0;
+        Ok(given.map(|given| {
+            let space = &self.system.spaces[number];
+            number += 1;
+            given.unwrap_or_else(|| Cow::Owned(Constraints::new(space)))
+        }))
+    }
+
+    fn check_spaces(&self, what: &'static str, given: [&Arc<Space<D>>; N]) -> Result<(), AssemblyError> {
+        match self.system.spaces.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
+            None => Ok(()),
+            Some(number) => {
+                let (form, field) = (self.system.form.name(), self.system.unknown_name(number));
+                Err(AssemblyError::OtherSpace { form, field, what })
+            }
+        }
+    }
+
+    /// On several processes the assembler takes this one's part of the cells, unless it has its own already.
+    fn share_cells(&mut self) -> Result<(), AssemblyError> {
+        let Some(communicator) = self.communicator else { return Ok(()) };
+        if self.system.assembler.has_owned_cells() {
+            return Ok(());
+        }
+        let mesh = self.system.spaces[0].mesh().clone();
+        let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
+        let whole = self.system.assembler.clone().into_owned();
+        let form = self.system.form.name();
+        let own = whole.on_owned_cells(part).map_err(|source| AssemblyError::Region {
+            form,
+            symbol: "this process's cells",
+            source,
+        })?;
+        self.system.assembler = Cow::Owned(own);
+        Ok(())
+    }
+
+    /// The system, with what no iterate changes assembled.
+    fn ready(&mut self) -> Result<(&System<'a, F, D, N>, &mut Assembled), AssemblyError> {
+        let commits = commits(self.system.form.inputs());
+        let assembled = match self.assembled.take() {
+            Some(assembled) if assembled.commits == commits => assembled,
+            earlier => {
+                let start = Instant::now();
+                let assembled = self.system.assemble(commits, earlier)?;
+                self.seconds += start.elapsed().as_secs_f64();
+                assembled
+            }
+        };
+        Ok((&self.system, self.assembled.insert(assembled)))
+    }
+
+    /// The places among the values of the tangent that an update may change, as ascending ranges of whole blocks:
+    /// those of the nodes that nonlinear integrals couple. An update takes a time proportional to their number and
+    /// to that of the cells and facets of these integrals, whatever the size of the mesh.
     ///
     /// # Errors
     /// If assembly fails.
     pub fn changed_places(&mut self) -> Result<&[Range<usize>], AssemblyError> {
-        self.whole.changed_places()
-    }
-
-    /// Whether a field is one of this problem's unknown.
-    pub(super) fn check_space(&self, field: &Field<D>) -> Result<(), AssemblyError> {
-        self.whole.check_spaces("coefficients", [field.space()])
-    }
-
-    /// Solves R(u) = 0 by semismooth Newton from u = `start` with the constraints imposed on it.
-    ///
-    /// # Errors
-    /// [`NewtonError`] with the reason, the history and the last iterate.
-    pub fn solve(
-        &mut self,
-        start: &Field<D>,
-        constraints: &Constraints<D>,
-        solver: &mut dyn LinearSolver,
-        options: &NewtonOptions,
-        progress: &mut dyn FnMut(&NewtonStep),
-    ) -> Result<Solved<D>, NewtonError<AssemblyError>> {
-        let found = self.whole.solve([start], [constraints], solver, options, progress)?;
-        let MixedSolved { fields: [field], history, residual } = found;
-        Ok(Solved { field, history, residual })
-    }
-
-    /// Solves a form that is affine in its unknown: one assembly, one linear system. The solver keeps the
-    /// matrix and what it factored.
-    ///
-    /// # Errors
-    /// What does not fit, or why the system was not solved.
-    pub fn solve_affine(
-        &mut self,
-        constraints: &Constraints<D>,
-        solver: &mut dyn LinearSolver,
-    ) -> Result<Field<D>, LinearProblemError> {
-        let [field] = self.whole.solve_affine([constraints], solver)?;
-        Ok(field)
+        Ok(self.ready()?.1.touched())
     }
 }
 
-impl<F: Form<D>, const D: usize> NonlinearProblem for FormProblem<'_, F, D> {
-    type Error = AssemblyError;
+/// u, R(u) and the history.
+type Found = (Vec<f64>, Vec<f64>, Vec<NewtonStep>);
 
-    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        self.whole.residual(u)
+/// Whether no integral of a form is nonlinear in its unknowns.
+fn is_affine<F: Form<D>, const D: usize>(form: &F) -> bool {
+    struct Seen {
+        nonlinear: bool,
     }
+    impl<const D: usize> LinearVisitor<D> for Seen {
+        type Error = std::convert::Infallible;
 
-    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
-        self.whole.tangent(u)
+        fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Self::Error> {
+            self.nonlinear |= integral.dependence == Dependence::Nonlinear;
+            Ok(())
+        }
     }
-
-    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
-        self.whole.linear_part()
-    }
-
-    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        self.whole.nonlinear_residual(u)
-    }
-
-    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
-        self.whole.active_points(u)
-    }
-
-    fn field_sizes(&self) -> Vec<usize> {
-        self.whole.field_sizes()
-    }
+    let mut seen = Seen { nonlinear: false };
+    let Ok(()) = form.residual(&mut seen);
+    !seen.nonlinear
 }

@@ -8,7 +8,9 @@ use std::time::Instant;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::lu_solver::LuSolver;
 use super::solver_report::{SolverPath, SolverReport};
-use crate::linear_algebra::backward_error::{Residual, Side};
+use crate::linear_algebra::Transpose;
+use crate::linear_algebra::backward_error::Residual;
+use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::equilibration::Equilibration;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::singularity::check_regular;
@@ -111,6 +113,11 @@ impl TangentSolver {
         &self.report
     }
 
+    /// Threads for products.
+    pub(super) fn threads(&self) -> Threads {
+        self.options.threads
+    }
+
     /// The current matrix.
     pub fn matrix(&self) -> Option<&CsrMatrix> {
         self.matrix.as_ref()
@@ -133,11 +140,11 @@ impl TangentSolver {
     pub fn estimate_condition(&mut self) -> Result<ConditionEstimate, SolverError> {
         let matrix = self.matrix.clone().ok_or(SolverError::NoMatrix)?;
         let this = std::cell::RefCell::new(&mut *self);
-        let solved = |x: &mut Vec<f64>, transposed| -> Result<(), SolverError> {
-            *x = this.borrow_mut().solve_side(x, 0.0, transposed)?.solution;
+        let solved = |x: &mut Vec<f64>, transpose| -> Result<(), SolverError> {
+            *x = this.borrow_mut().solve_with(x, 0.0, transpose)?.solution;
             Ok(())
         };
-        let found = condition_estimate(&matrix, |x| solved(x, false), |x| solved(x, true))?;
+        let found = condition_estimate(&matrix, |x| solved(x, Transpose::No), |x| solved(x, Transpose::Yes))?;
         self.report.condition = Some(found.condition);
         Ok(found)
     }
@@ -200,21 +207,24 @@ impl TangentSolver {
         result
     }
 
-    fn solve_by_lu(&mut self, b: &[f64], transposed: bool) -> Result<LinearSolution, SolverError> {
+    fn solve_by_lu(&mut self, b: &[f64], transpose: Transpose) -> Result<LinearSolution, SolverError> {
         let start = Instant::now();
-        let solution = self.lu.solve_side(b, 0.0, transposed);
+        let solution = self.lu.solve_with(b, 0.0, transpose);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         solution
     }
 
-    fn solve_directly(&mut self, b: &[f64], transposed: bool) -> Result<LinearSolution, SolverError> {
+    fn solve_directly(&mut self, b: &[f64], transpose: Transpose) -> Result<LinearSolution, SolverError> {
         let matrix = self.system()?;
         let factor = self.factor.as_ref().ok_or(SolverError::NoMatrix)?;
         let start = Instant::now();
         // The products of a symmetric matrix are faster than those of its transposed.
-        let side = Side::of(matrix, transposed && !self.equals_transposed);
-        let refined =
-            factor.solve_side_refined(side, matrix.row_sum_norm(), b, self.options.refinement_steps);
+        let side = match self.equals_transposed {
+            true => Side::of_symmetric(matrix),
+            false => Side::of(matrix, transpose),
+        };
+        let TangentSolverOptions { threads, refinement_steps, .. } = self.options;
+        let refined = factor.solve_side_refined(&side, threads, matrix.row_sum_norm(), b, refinement_steps);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         let refined = refined?;
         Ok(LinearSolution {
@@ -229,24 +239,25 @@ impl TangentSolver {
         &mut self,
         b: &[f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let scaling = self.scaling.clone().filter(|_| self.scaled.is_some());
         let Some(scaling) = scaling else {
             return if self.symmetric {
-                self.solve_directly(b, transposed)
+                self.solve_directly(b, transpose)
             } else {
-                self.solve_iteratively(b, absolute_tolerance, transposed)
+                self.solve_iteratively(b, absolute_tolerance, transpose)
             };
         };
         let scaled = scaling.times(b);
         // One number is no tolerance for equations of different units.
         let found = if self.symmetric {
-            self.solve_directly(&scaled, transposed)
+            self.solve_directly(&scaled, transpose)
         } else {
-            self.solve_iteratively(&scaled, 0.0, transposed)
+            self.solve_iteratively(&scaled, 0.0, transpose)
         }?;
-        let residual = Residual::of(&Side::of(self.system()?, transposed), &found.solution, &scaled)?;
+        let side = Side::of(self.system()?, transpose);
+        let residual = Residual::of(&side, self.options.threads, &found.solution, &scaled)?;
         let scale = norm(b);
         Ok(LinearSolution {
             solution: scaling.times(&found.solution),
@@ -275,14 +286,15 @@ impl LinearSolver for TangentSolver {
         let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
         let saddle = (0..matrix.rows()).any(|row| matrix.get(row, row) == 0.0);
-        let scaling = Equilibration::of(&matrix);
+        // LU scales by itself.
+        let scales = !known && !saddle;
+        let scaling = if scales { Equilibration::of(&matrix) } else { None };
         // A factor that is kept asks for the scaling that it was made with.
         let keeps = fits && !self.symmetric && !self.refresh_wanted;
         let refactors = !keeps || scaling.is_some() != self.scaling.is_some();
-        if refactors {
+        if refactors && scales {
             self.scaling = scaling;
         }
-        let scales = !known && !saddle;
         self.scaled = self.scaling.as_ref().filter(|_| scales).map(|scaling| scaling.of_matrix(&matrix));
         self.matrix = Some(matrix);
         let mut result = Ok(());
@@ -300,27 +312,31 @@ impl LinearSolver for TangentSolver {
         result
     }
 
+    fn report(&self) -> Option<SolverReport> {
+        Some(TangentSolver::report(self).clone())
+    }
+
     fn judges_equations(&self) -> bool {
         true
     }
 
-    fn solve_side(
+    fn solve_with(
         &mut self,
         b: &[f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
         check_size("the right-hand side", matrix.rows(), b.len())?;
         let found = if self.by_lu {
-            self.solve_by_lu(b, transposed)
+            self.solve_by_lu(b, transpose)
         } else {
-            self.solve_scaled(b, absolute_tolerance, transposed)
+            self.solve_scaled(b, absolute_tolerance, transpose)
         };
         let solution = match found {
             Err(error) if !self.by_lu && error.is_for_lu() => {
                 self.factor_by_lu()?;
-                self.solve_by_lu(b, transposed)?
+                self.solve_by_lu(b, transpose)?
             }
             found => found?,
         };

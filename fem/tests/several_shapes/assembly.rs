@@ -170,8 +170,7 @@ fn a_rule_on_cells_serves_one_shape() {
     let facet = QuadratureRule::on_segment(&[(0.5, 1.0)]);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
     let u = rough(&Space::scalar(&mesh, 1).unwrap());
-    let error =
-        assembler.functional(&everything::square(&Omega::on("all"), &u), &[]).unwrap_err().to_string();
+    let error = assembler.functional(&everything::square(&Omega::on("all"), &u)).unwrap_err().to_string();
     let expected = "an explicit rule on cells needs a mesh of one shape; this one has quadrilaterals and triangles: \
                     choose a degree";
     assert!(error.contains(expected), "{error}");
@@ -179,7 +178,7 @@ fn a_rule_on_cells_serves_one_shape() {
     let linear = Field::interpolate(&Space::scalar(&mesh, 1).unwrap(), |x| x[0] + 1.0).unwrap();
     let wall = kept::Wall::on("boundary");
     let form = kept::length_above(&kept::Data { a: assembler_history(&mesh), level: 0.0 }, &wall, &linear);
-    assert!((assembler.functional(&form, &[]).unwrap() - 4.0).abs() < 1e-13);
+    assert!((assembler.functional(&form).unwrap() - 4.0).abs() < 1e-13);
 }
 
 fn assembler_history(mesh: &Arc<Mesh<2>>) -> History<f64, 2> {
@@ -195,7 +194,7 @@ fn histories_live_on_both_shapes() {
         let history = assembler.history(Entity::Cells, region, degree, 2.0).unwrap();
         let data = kept::Data { a: history, level: 0.0 };
         let on = kept::Omega::on(region);
-        let total = || assembler.functional(&kept::total(&data, &on), &[]).unwrap();
+        let total = || assembler.functional(&kept::total(&data, &on)).unwrap();
         let before = total();
         assembler.update_history(&kept::grown(&data, &u), &data.a).unwrap();
         assert_eq!(total(), before);
@@ -214,7 +213,7 @@ fn histories_live_on_both_shapes() {
         }
     }
     let data = kept::Data { a: assembler.history(Entity::Facets, "left", 3, 5.0).unwrap(), level: 0.0 };
-    let wall = assembler.functional(&kept::on_facets(&data, &kept::Wall::on("left")), &[]).unwrap();
+    let wall = assembler.functional(&kept::on_facets(&data, &kept::Wall::on("left"))).unwrap();
     assert!((wall - 5.0).abs() < 1e-13);
 }
 
@@ -231,7 +230,7 @@ fn facets_are_split_on_both_shapes() {
         let data = kept::Data { a: assembler_history(&mesh), level };
         let split = assembler.split_at_zeros(&kept::above(&data, &u), "bottom", 1).unwrap();
         let form = kept::length_above(&data, &kept::Wall::on("bottom"), &u);
-        let found = split.functional(&form, &[]).unwrap();
+        let found = split.functional(&form).unwrap();
         assert!((found - (0.87 - level)).abs() < 1e-13, "{found}");
         let parts = assembler.positive_parts(&kept::above(&data, &u), "bottom", 1).unwrap();
         let sum: f64 = parts.iter().map(|part| (part.positions[1][0] - part.positions[0][0]).abs()).sum();

@@ -63,8 +63,8 @@ fn linear_displacements_are_exact() {
         let form = problems::elasticity(&data, &Omega::on("all"));
         let mut constraints = Constraints::new(&space);
         constraints.fix("boundary", exact).unwrap();
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-        let u = problem.solve_affine(&constraints, &mut TangentSolver::default()).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let u = problem.constrained(&constraints).solve().unwrap().into_field();
         for (node, x) in space.positions().iter().enumerate() {
             for (found, expected) in u.at_node(node).iter().zip(exact(x)) {
                 assert!((found - expected).abs() < 1e-12, "degree {degree} at {x:?}: {found} not {expected}");
@@ -83,8 +83,8 @@ fn solve(mesh: &Arc<Mesh<2>>, degree: usize, solver: &mut dyn LinearSolver) -> f
     let form = problems::poisson(&data, &Omega::on("all"));
     let mut constraints = Constraints::new(&space);
     constraints.fix("boundary", exact).unwrap();
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-    let u = problem.solve_affine(&constraints, solver).unwrap();
+    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let u = problem.constrained(&constraints).solver(solver).solve().unwrap().into_field();
     error(mesh, &u, exact)
 }
 
@@ -139,9 +139,9 @@ fn interior_penalties_couple_the_shapes() {
         let data = data(move |_| source, exact);
         let form =
             problems::penalty(&data, &Omega::on("all"), &Wall::on("boundary"), &Skeleton::on("interior"));
-        let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+        let problem = Problem::new(&form, &space).assembler(&assembler);
         let mut solver = TangentSolver::default();
-        let u = problem.solve_affine(&Constraints::new(&space), &mut solver).unwrap();
+        let u = problem.solver(&mut solver).solve().unwrap().into_field();
         for (value, x) in u.values().iter().zip(space.positions()) {
             assert!((value - exact(x)).abs() < 1e-10, "degree {degree}: {value} not {}", exact(x));
         }

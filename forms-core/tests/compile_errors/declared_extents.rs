@@ -25,7 +25,7 @@ pub mod elastic {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let data = elastic::Data::<2> {
         mu: 1.0,

@@ -30,7 +30,7 @@ pub mod outside {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let omega = outside::Omega::on("all");
     let right = outside::right(&omega);

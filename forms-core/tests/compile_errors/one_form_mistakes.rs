@@ -17,5 +17,5 @@ fn main() {
     drop(number);
 }
 
-/// What a user does with a form: it gives no further errors.
+/// A use of the form: it gives no further errors.
 fn assemble<F: forms_core::contract::Form<2>>(_: &F) {}

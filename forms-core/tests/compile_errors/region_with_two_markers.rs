@@ -11,7 +11,7 @@ pub mod poisson {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let energy = poisson::energy::<2>(&poisson::Skeleton::on("all"));
     drop(energy);

@@ -26,7 +26,7 @@ pub mod poisson {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let data = poisson::Data::<2> { gamma: 1.0, k: 1.0.into() };
     let skeleton = poisson::Skeleton::on("all");

@@ -27,7 +27,7 @@ pub mod poisson {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let data = poisson::Data::<2> { gamma: 1.0 };
     let (omega, wall, skeleton) = (poisson::Omega::on("all"), poisson::Wall::on("wall"), poisson::Skeleton::on("all"));

@@ -19,7 +19,7 @@ pub mod poisson {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let wrong = poisson::wrong::<2>(&poisson::Skeleton::on("all"));
     drop(wrong);

@@ -28,7 +28,7 @@ pub mod elastic {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let data = elastic::Data::<2> { mu: 1.0, M: [[0.0; 4]; 2], E: [[[[0.0; 2]; 2]; 2]; 2] };
     let right = elastic::right(&data, &elastic::Omega::on("all"));

@@ -17,7 +17,7 @@ pub mod plates {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let omega = plates::Omega::on("all");
     drop((plates::right::<2>(&omega), plates::wrong::<2>(&omega)));

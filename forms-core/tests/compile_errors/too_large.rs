@@ -154,7 +154,7 @@ pub mod wide {
     }
 }
 
-/// What a user does with the module: it gives no further errors.
+/// A use of the module: it gives no further errors.
 fn main() {
     let omega = deep::Omega::on("all");
     let (right, wrong) = (deep::right::<2>(&omega), deep::wrong::<2>(&omega));

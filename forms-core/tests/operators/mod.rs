@@ -71,7 +71,7 @@ impl<const D: usize> State<D> {
     /// The state at all points of all cells, interpolated here.
     pub fn points(&self) -> Vec<At> {
         let mut all = Vec::new();
-        for cell in self.mesh.places(Entity::Cells, "all") {
+        for cell in self.mesh.elements(Entity::Cells, "all") {
             for point in &cell.points {
                 let interpolate = |field: &Nodal, component: usize, axis: Option<usize>| -> f64 {
                     let weight = |i: usize| match axis {

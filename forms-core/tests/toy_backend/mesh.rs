@@ -7,18 +7,18 @@ use super::random::Random;
 
 /// A cell, or a facet with the cell that owns it.
 #[derive(Clone, Debug)]
-pub struct Place<const D: usize> {
+pub struct Element<const D: usize> {
     /// Nodes of the cell.
     pub nodes: Vec<usize>,
     pub cell: CellGeometry<f64>,
     pub points: Vec<Point<D>>,
     /// An interior facet seen from its other cell, with the same points.
-    pub across: Option<Box<Place<D>>>,
+    pub across: Option<Box<Element<D>>>,
 }
 
-impl<const D: usize> Place<D> {
-    /// The place as one of its two cells sees it.
-    pub fn on(&self, side: Side) -> &Place<D> {
+impl<const D: usize> Element<D> {
+    /// The element as one of its two cells sees it.
+    pub fn on(&self, side: Side) -> &Element<D> {
         match side {
             Side::This => self,
             Side::Other => self.across.as_ref().expect("an interior facet"),
@@ -26,7 +26,7 @@ impl<const D: usize> Place<D> {
     }
 }
 
-/// A quadrature point, with the basis functions of the place's nodes.
+/// A quadrature point, with the basis functions of the element's nodes.
 #[derive(Clone, Debug)]
 pub struct Point<const D: usize> {
     pub geometry: PointGeometry<f64, D>,
@@ -37,9 +37,9 @@ pub struct Point<const D: usize> {
 /// Nodes, cells ("all"), boundary facets ("boundary"), interior facets ("skeleton").
 pub struct Mesh<const D: usize> {
     pub nodes: Vec<[f64; D]>,
-    cells: Vec<Place<D>>,
-    facets: Vec<Place<D>>,
-    skeleton: Vec<Place<D>>,
+    cells: Vec<Element<D>>,
+    facets: Vec<Element<D>>,
+    skeleton: Vec<Element<D>>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -78,12 +78,15 @@ impl<const D: usize> Mesh<D> {
     pub fn broken(mut self) -> Self {
         let before: Vec<Vec<usize>> = self.cells.iter().map(|cell| cell.nodes.clone()).collect();
         self.nodes = before.iter().flatten().map(|node| self.nodes[*node]).collect();
-        let renumber = |place: &mut Place<D>| {
-            let cell = before.iter().position(|nodes| *nodes == place.nodes).expect("a cell of the mesh");
-            let count = place.nodes.len();
-            place.nodes = (cell * count..(cell + 1) * count).collect();
+        let renumber = |element: &mut Element<D>| {
+            let cell = before.iter().position(|nodes| *nodes == element.nodes).expect("a cell of the mesh");
+            let count = element.nodes.len();
+            element.nodes = (cell * count..(cell + 1) * count).collect();
         };
-        self.skeleton.iter_mut().filter_map(|place| place.across.as_mut()).for_each(|place| renumber(place));
+        self.skeleton
+            .iter_mut()
+            .filter_map(|element| element.across.as_mut())
+            .for_each(|element| renumber(element));
         self.cells.iter_mut().chain(&mut self.facets).chain(&mut self.skeleton).for_each(renumber);
         self
     }
@@ -125,11 +128,11 @@ impl<const D: usize> Mesh<D> {
                     let opposite = (0..=D).find(|opposite| cell.facet(*opposite) == facet)?;
                     (other != index).then_some((other, opposite))
                 });
-                let mut seen = place(&vertices, cell, Some(opposite));
+                let mut seen = build(&vertices, cell, Some(opposite));
                 match across {
                     None => facets.push(seen),
                     Some((other, opposite)) if index < other => {
-                        let across = place(&vertices, &cells[other], Some(opposite));
+                        let across = build(&vertices, &cells[other], Some(opposite));
                         seen.cell.opposite_diameter = across.cell.diameter;
                         seen.cell.opposite_volume = across.cell.cell_volume;
                         seen.across = Some(Box::new(across));
@@ -139,12 +142,12 @@ impl<const D: usize> Mesh<D> {
                 }
             }
         }
-        let cells = cells.iter().map(|cell| place(&vertices, cell, None)).collect();
+        let cells = cells.iter().map(|cell| build(&vertices, cell, None)).collect();
         Mesh { nodes, cells, facets, skeleton }
     }
 
-    /// The places of a region: all cells, or all facets of the boundary.
-    pub fn places(&self, entity: Entity, name: &str) -> Vec<&Place<D>> {
+    /// The elements of a region: all cells, or all facets of the boundary.
+    pub fn elements(&self, entity: Entity, name: &str) -> Vec<&Element<D>> {
         match (entity, name) {
             (Entity::Cells, "all") => self.cells.iter().collect(),
             (Entity::Facets, "boundary") => self.facets.iter().collect(),
@@ -215,7 +218,7 @@ fn barycentric_points(count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|point| (0..count).map(|i| if i == point { near } else { far }).collect()).collect()
 }
 
-fn place<const D: usize>(nodes: &[[f64; D]], cell: &Cell, opposite: Option<usize>) -> Place<D> {
+fn build<const D: usize>(nodes: &[[f64; D]], cell: &Cell, opposite: Option<usize>) -> Element<D> {
     let vertices: Vec<[f64; D]> = cell.vertices.iter().map(|node| nodes[*node]).collect();
     // φ_i = a + g·x with φ_i(x_j) = δ_ij.
     let system: Vec<Vec<f64>> =
@@ -257,7 +260,7 @@ fn place<const D: usize>(nodes: &[[f64; D]], cell: &Cell, opposite: Option<usize
             Point { geometry: PointGeometry { weight, position, normal, curvature: 0.0 }, basis, hessians }
         })
         .collect();
-    Place {
+    Element {
         nodes: cell.nodes.clone(),
         cell: CellGeometry {
             diameter,

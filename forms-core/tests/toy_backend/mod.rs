@@ -16,7 +16,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use forms_core::contract::*;
-use mesh::{Mesh, Place};
+use mesh::{Element, Mesh};
 
 /// Nodal values of a field, node by node: the field data of this backend.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ impl Nodal {
     }
 }
 
-/// What a walk needs: the mesh, the form's description, the unknowns' values.
+/// Inputs of a walk: the mesh, the form's description, the unknowns' values.
 struct Walk<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     fields: &'static [FieldDescription],
@@ -51,7 +51,7 @@ struct Walk<'a, const D: usize> {
 }
 
 /// Gathers one number per cell of a batch.
-fn pack<L: Lane, const D: usize>(batch: &[&Place<D>], read: impl Fn(&Place<D>) -> f64) -> L {
+fn pack<L: Lane, const D: usize>(batch: &[&Element<D>], read: impl Fn(&Element<D>) -> f64) -> L {
     let mut values = [0.0; 8];
     for (lane, value) in values.iter_mut().enumerate().take(L::WIDTH) {
         *value = read(batch[lane.min(batch.len() - 1)]);
@@ -65,35 +65,35 @@ fn unpack<L: Lane>(value: L) -> [f64; 8] {
     values
 }
 
-fn cell<L: Lane, const D: usize>(batch: &[&Place<D>]) -> CellGeometry<L> {
+fn cell<L: Lane, const D: usize>(batch: &[&Element<D>]) -> CellGeometry<L> {
     CellGeometry {
-        diameter: pack(batch, |place| place.cell.diameter),
-        cell_volume: pack(batch, |place| place.cell.cell_volume),
-        facet_area: pack(batch, |place| place.cell.facet_area),
-        opposite_diameter: pack(batch, |place| place.cell.opposite_diameter),
-        opposite_volume: pack(batch, |place| place.cell.opposite_volume),
+        diameter: pack(batch, |element| element.cell.diameter),
+        cell_volume: pack(batch, |element| element.cell.cell_volume),
+        facet_area: pack(batch, |element| element.cell.facet_area),
+        opposite_diameter: pack(batch, |element| element.cell.opposite_diameter),
+        opposite_volume: pack(batch, |element| element.cell.opposite_volume),
     }
 }
 
-fn geometry<L: Lane, const D: usize>(batch: &[&Place<D>], point: usize) -> PointGeometry<L, D> {
+fn geometry<L: Lane, const D: usize>(batch: &[&Element<D>], point: usize) -> PointGeometry<L, D> {
     PointGeometry {
-        weight: pack(batch, |place| place.points[point].geometry.weight),
-        position: std::array::from_fn(|k| pack(batch, |place| place.points[point].geometry.position[k])),
-        normal: std::array::from_fn(|k| pack(batch, |place| place.points[point].geometry.normal[k])),
-        curvature: pack(batch, |place| place.points[point].geometry.curvature),
+        weight: pack(batch, |element| element.points[point].geometry.weight),
+        position: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.position[k])),
+        normal: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.normal[k])),
+        curvature: pack(batch, |element| element.points[point].geometry.curvature),
     }
 }
 
 /// A basis function and its second derivatives, NaN where the kernel does not ask for them.
 fn basis<L: Lane, const D: usize>(
-    batch: &[&Place<D>],
+    batch: &[&Element<D>],
     side: Side,
     point: usize,
     node: usize,
     requirements: &Requirements,
 ) -> (Basis<L, D>, Hessian<L, D>) {
     let read =
-        |read: &dyn Fn(&mesh::Point<D>) -> f64| pack(batch, |place| read(&place.on(side).points[point]));
+        |read: &dyn Fn(&mesh::Point<D>) -> f64| pack(batch, |element| read(&element.on(side).points[point]));
     let asked = |asked: bool, number: &dyn Fn(&mesh::Point<D>) -> f64| match asked {
         true => read(number),
         false => L::splat(f64::NAN),
@@ -109,14 +109,14 @@ fn basis<L: Lane, const D: usize>(
 }
 
 impl<const D: usize> Walk<'_, D> {
-    /// The batches of a region, [`Lane::WIDTH`] places each.
-    fn places(&self, integral: &Integral) -> Vec<&Place<D>> {
+    /// The batches of a region, [`Lane::WIDTH`] elements each.
+    fn elements(&self, integral: &Integral) -> Vec<&Element<D>> {
         let region = &self.inputs.regions[integral.region];
-        self.mesh.places(region.entity, &region.name)
+        self.mesh.elements(region.entity, &region.name)
     }
 
     /// The slice that a kernel reads at a point.
-    fn fields<L: Lane>(&self, requirements: &Requirements, batch: &[&Place<D>], point: usize) -> Vec<L> {
+    fn fields<L: Lane>(&self, requirements: &Requirements, batch: &[&Element<D>], point: usize) -> Vec<L> {
         let mut data = vec![L::splat(f64::NAN); requirements.field_length];
         for slot in requirements.fields {
             let count = slot.components
@@ -126,15 +126,15 @@ impl<const D: usize> Walk<'_, D> {
                     Order::Hessian => D * D,
                 };
             for entry in 0..count {
-                data[slot.offset + entry] = pack(batch, |place| self.field(slot, place, point, entry));
+                data[slot.offset + entry] = pack(batch, |element| self.field(slot, element, point, entry));
             }
         }
         data
     }
 
-    fn field(&self, slot: &FieldSlot, place: &Place<D>, point: usize, entry: usize) -> f64 {
-        let place = place.on(slot.side);
-        let point = &place.points[point];
+    fn field(&self, slot: &FieldSlot, element: &Element<D>, point: usize, entry: usize) -> f64 {
+        let element = element.on(slot.side);
+        let point = &element.points[point];
         let nodal = |nodal: &Nodal| -> f64 {
             assert_eq!(nodal.components, slot.components, "{}", self.fields[slot.field].name);
             let weight = |node: usize| match slot.order {
@@ -147,7 +147,7 @@ impl<const D: usize> Walk<'_, D> {
                 Order::Gradient => entry / D,
                 Order::Hessian => entry / (D * D),
             };
-            let nodes = place.nodes.iter().enumerate();
+            let nodes = element.nodes.iter().enumerate();
             nodes.map(|(i, node)| weight(i) * nodal.values[node * nodal.components + component]).sum()
         };
         match (self.fields[slot.field].role, &self.inputs.sources[slot.field]) {
@@ -213,7 +213,7 @@ fn vector<L: Lane, F: Form<D>, const D: usize>(
         fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Infallible> {
             let (start, components) = self.1[integral.test];
             assert_eq!(components, K::TEST_COMPONENTS);
-            for batch in self.0.places(integral).chunks(L::WIDTH) {
+            for batch in self.0.elements(integral).chunks(L::WIDTH) {
                 let constants = kernel.cell::<L>(&cell(batch));
                 for point in 0..batch[0].points.len() {
                     let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
@@ -223,8 +223,8 @@ fn vector<L: Lane, F: Form<D>, const D: usize>(
                             basis(batch, integral.test_side, point, node, &K::REQUIREMENTS);
                         let block = kernel.test(&flux, &basis, &hessian);
                         for (component, value) in block.as_ref().iter().enumerate() {
-                            for (lane, place) in batch.iter().enumerate() {
-                                let node = place.on(integral.test_side).nodes[node];
+                            for (lane, element) in batch.iter().enumerate() {
+                                let node = element.on(integral.test_side).nodes[node];
                                 let row = start + node * components + component;
                                 self.2[row] += unpack(*value)[lane];
                             }
@@ -270,7 +270,7 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
             let ((row, rows), (column, columns)) = (self.1[0][integral.test], self.1[1][integral.trial]);
             assert_eq!((rows, columns), (K::TEST_COMPONENTS, K::TRIAL_COMPONENTS));
             assert_eq!(integral.symmetric, K::SYMMETRIC);
-            for batch in self.0.places(integral).chunks(L::WIDTH) {
+            for batch in self.0.elements(integral).chunks(L::WIDTH) {
                 let constants = kernel.cell::<L>(&cell(batch));
                 let nodes = batch[0].nodes.len();
                 let mut sums = vec![K::zero::<L>(); nodes * nodes];
@@ -299,10 +299,10 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
                         let block = kernel.finish(&constants, &sums[i * nodes + j]);
                         for (entry, value) in block.as_ref().iter().enumerate() {
                             let (a, b) = (entry / columns, entry % columns);
-                            for (lane, place) in batch.iter().enumerate() {
+                            for (lane, element) in batch.iter().enumerate() {
                                 let value = unpack(*value)[lane];
-                                let first = place.on(integral.test_side).nodes[i];
-                                let second = place.on(integral.trial_side).nodes[j];
+                                let first = element.on(integral.test_side).nodes[i];
+                                let second = element.on(integral.trial_side).nodes[j];
                                 self.2[row + first * rows + a][column + second * columns + b] += value;
                                 if K::SYMMETRIC && i != j {
                                     self.2[row + second * rows + b][column + first * columns + a] += value;
@@ -324,10 +324,10 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
     visitor.2
 }
 
-/// Values at all points of all places of a region, with their weights.
+/// Values at all points of all elements of a region, with their weights.
 struct Evaluation<'a, const D: usize> {
     walk: Walk<'a, D>,
-    /// A derived field has no region: these places are used instead.
+    /// A derived field has no region: these elements are used instead.
     region: Option<(Entity, &'a str)>,
     values: Vec<(f64, Vec<f64>)>,
 }
@@ -335,18 +335,18 @@ struct Evaluation<'a, const D: usize> {
 impl<const D: usize> ExpressionVisitor<D> for Evaluation<'_, D> {
     type Error = Infallible;
     fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Infallible> {
-        let places = match self.region {
-            Some((entity, name)) => self.walk.mesh.places(entity, name),
-            None => self.walk.places(integral),
+        let elements = match self.region {
+            Some((entity, name)) => self.walk.mesh.elements(entity, name),
+            None => self.walk.elements(integral),
         };
-        for place in places {
-            let batch = [place];
+        for element in elements {
+            let batch = [element];
             let constants = kernel.cell::<f64>(&cell(&batch));
-            for point in 0..place.points.len() {
+            for point in 0..element.points.len() {
                 let fields = self.walk.fields::<f64>(&K::REQUIREMENTS, &batch, point);
                 let value = kernel.evaluate(&constants, &geometry(&batch, point), &fields);
                 assert_eq!(value.as_ref().len(), K::SHAPE.iter().product::<usize>());
-                self.values.push((place.points[point].geometry.weight, value.as_ref().to_vec()));
+                self.values.push((element.points[point].geometry.weight, value.as_ref().to_vec()));
             }
         }
         Ok(())

@@ -18,7 +18,7 @@ pub fn trace(a: &Matrix) -> f64 {
     (0..a.len()).map(|i| a[i][i]).sum()
 }
 
-/// What an independent evaluation may give.
+/// A result of an independent evaluation.
 pub trait Components {
     fn components(self) -> Vec<f64>;
 }

@@ -10,7 +10,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::{Ident, ItemMod, LitInt, Path, Token};
 
 use crate::check::check;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::differentiate::differentiate;
 use crate::dump::{self, Dump};
 use crate::emit::emit;
@@ -89,7 +89,7 @@ pub fn start(state: State) -> TokenStream {
     }
 }
 
-/// What emitted modules are free of.
+/// Lints that emitted modules are free of.
 pub fn allow() -> TokenStream {
     quote! {
         #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
@@ -125,7 +125,7 @@ fn proceed(options: &Options, item: &ItemMod, state: &State) -> TokenStream {
     let mut dump = Dump::from_environment();
     let mut unit = Unit { options, item: item.clone(), diagnostics, dump: &mut dump };
     let mut arrived = unit.arrived(imports, &state.received);
-    import::add_declarations(&mut unit.item, &mut arrived);
+    import::add_declarations(&mut unit.item, &mut arrived, &mut unit.diagnostics);
     let compiled = unit.compile(arrived);
     eprint!("{}", dump.text);
     let Compiled { code, carrier, .. } = compiled;
@@ -176,11 +176,11 @@ struct Unit<'a> {
     dump: &'a mut Dump,
 }
 
-/// What a module has become.
+/// The output for a module.
 struct Compiled {
     /// Errors, and the module's inside.
     code: TokenStream,
-    /// What makes it importable.
+    /// The tokens that make it importable.
     carrier: TokenStream,
     /// The regions that the constructor of the first function asks for; `None` if it has a mistake.
     used: Option<Vec<Ident>>,
@@ -216,12 +216,12 @@ impl Unit<'_> {
                     }
                     Err(Failure::NotLinear(argument)) => {
                         diagnostics.error(
-                            Place::of(name),
+                            SourceSpan::of(name),
                             format!("`{name}` could not be brought into a form linear in `{argument}`"),
                         );
                     }
                     Err(Failure::TooLarge) => diagnostics.error_with_help(
-                        Place::of(name),
+                        SourceSpan::of(name),
                         format!("`{name}` unfolds to more than 2 million scalar operations"),
                         "split it into several forms, or compute tensors of high rank in fewer steps",
                     ),

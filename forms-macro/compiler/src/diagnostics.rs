@@ -5,27 +5,27 @@ use quote::ToTokens;
 
 /// A contiguous run of source tokens: the span of the first and of the last.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct SourceSpan {
     start: Span,
     end: Span,
     /// The imported function that is called here, if what stands here came from its body: an index, counted from one.
     origin: usize,
 }
 
-impl Place {
-    /// The place of some tokens.
+impl SourceSpan {
+    /// The span of some tokens.
     pub fn of(tokens: &impl ToTokens) -> Self {
         let mut tokens = tokens.to_token_stream().into_iter();
         let start = tokens.next().map_or_else(Span::call_site, |token| token.span());
         let end = tokens.last().map_or(start, |token| token.span());
-        Place { start, end, origin: 0 }
+        SourceSpan { start, end, origin: 0 }
     }
 }
 
 /// One mistake.
 #[derive(Debug)]
 struct Diagnostic {
-    place: Place,
+    span: SourceSpan,
     message: String,
 }
 
@@ -35,7 +35,7 @@ pub struct Diagnostics {
     found: Vec<Diagnostic>,
     /// So many were found in earlier dimensions.
     settled: usize,
-    /// How often a mistake was reported, the same one again included.
+    /// Number of reports of mistakes, the same one again included.
     reports: usize,
     /// The imported functions that have mistakes inside: each with its file and line.
     origins: Vec<String>,
@@ -47,31 +47,31 @@ pub struct Diagnostics {
 #[derive(Clone, Copy, Debug)]
 struct Inside {
     /// The call.
-    place: Place,
-    /// What follows from a mistake that has been told is not told.
+    span: SourceSpan,
+    /// Consequences of a reported mistake are not reported.
     silent: bool,
 }
 
 impl Diagnostics {
     /// Records a mistake; the same message on the same tokens is recorded once (a function is checked
     /// in each dimension and at each call).
-    pub fn error(&mut self, place: Place, message: impl Into<String>) {
+    pub fn error(&mut self, span: SourceSpan, message: impl Into<String>) {
         self.reports += 1;
         let mut message = message.into();
-        let place = match self.inside {
+        let span = match self.inside {
             Some(Inside { silent: true, .. }) => return,
-            Some(Inside { place, .. }) => place,
-            None => place,
+            Some(Inside { span, .. }) => span,
+            None => span,
         };
-        if let Some(origin) = place.origin.checked_sub(1).and_then(|index| self.origins.get(index)) {
+        if let Some(origin) = span.origin.checked_sub(1).and_then(|index| self.origins.get(index)) {
             message = format!("{message}\nnote: inside the imported function {origin}");
         }
-        let same_place = |other: &Diagnostic| format!("{:?}", other.place) == format!("{place:?}");
+        let same_span = |other: &Diagnostic| format!("{:?}", other.span) == format!("{span:?}");
         let told = |(index, other): (usize, &Diagnostic)| {
-            same_place(other) && (index < self.settled || other.message == message)
+            same_span(other) && (index < self.settled || other.message == message)
         };
         if !self.found.iter().enumerate().any(told) {
-            self.found.push(Diagnostic { place, message });
+            self.found.push(Diagnostic { span, message });
         }
     }
 
@@ -85,16 +85,16 @@ impl Diagnostics {
         self.inside.is_some()
     }
 
-    /// From here on mistakes belong to an imported function, and are told at its call. Gives the place for its nodes.
-    pub fn enter(&mut self, call: Place, origin: &str, silent: bool) -> Place {
+    /// From here on mistakes belong to an imported function, and are told at its call. Gives the span for its nodes.
+    pub fn enter(&mut self, call: SourceSpan, origin: &str, silent: bool) -> SourceSpan {
         let known = self.origins.iter().position(|known| known == origin);
         let index = known.unwrap_or_else(|| {
             self.origins.push(origin.into());
             self.origins.len() - 1
         });
-        let place = Place { origin: index + 1, ..call };
-        self.inside = Some(Inside { place, silent });
-        place
+        let span = SourceSpan { origin: index + 1, ..call };
+        self.inside = Some(Inside { span, silent });
+        span
     }
 
     /// The imported function ends.
@@ -107,15 +107,15 @@ impl Diagnostics {
         self.found.is_empty()
     }
 
-    /// The next dimension begins: what it says of a place that has a mistake already is the same mistake
+    /// The next dimension begins: what it says of a span that has a mistake already is the same mistake
     /// in other words ("a vector of length 3", "a vector").
     pub fn next_dimension(&mut self) {
         self.settled = self.found.len();
     }
 
     /// Records a mistake with advice on how to mend it.
-    pub fn error_with_help(&mut self, place: Place, message: impl Into<String>, help: impl AsRef<str>) {
-        self.error(place, format!("{}\nhelp: {}", message.into(), help.as_ref()));
+    pub fn error_with_help(&mut self, span: SourceSpan, message: impl Into<String>, help: impl AsRef<str>) {
+        self.error(span, format!("{}\nhelp: {}", message.into(), help.as_ref()));
     }
 
     /// One `compile_error!` per mistake.
@@ -124,9 +124,9 @@ impl Diagnostics {
     }
 }
 
-/// `::core::compile_error! { "message" }`, whose first and last tokens carry the place.
+/// `::core::compile_error! { "message" }`, whose first and last tokens carry the span.
 fn compile_error(diagnostic: &Diagnostic) -> TokenStream {
-    let Place { start, end, .. } = diagnostic.place;
+    let SourceSpan { start, end, .. } = diagnostic.span;
     let punct = |character, spacing, span| {
         let mut punct = Punct::new(character, spacing);
         punct.set_span(span);

@@ -25,7 +25,7 @@ mod tensor;
 
 use proc_macro2::TokenStream;
 
-/// What `#[forms(attribute)] item` becomes: kernels, or compiler errors on the tokens of the mistakes.
+/// Expands `#[forms(attribute)] item` to kernels, or to compiler errors on the tokens of the mistakes.
 /// A module with imports becomes a call that leads to [`resume_forms`].
 pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
     if let Err(error) = parse::nesting::check(item.clone()) {
@@ -40,18 +40,18 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
     }
 }
 
-/// What `form!(input)` becomes: an expression whose value is the form, or a closure that takes its known fields.
+/// Expands `form!(input)` to an expression whose value is the form, or a closure that takes its known fields.
 pub fn form(input: TokenStream) -> TokenStream {
     let subject = reuse::Subject::Form(parse::raw::plain(input));
     compile::start_form(reuse::State { attribute: TokenStream::new(), subject, received: vec![] })
 }
 
-/// What `FORMS_DUMP=request` prints of a module without imports.
+/// The output of `FORMS_DUMP=request` for a module without imports.
 pub fn dump(attribute: TokenStream, item: TokenStream, request: &str) -> syn::Result<String> {
     compile::dump(&syn::parse2(attribute)?, syn::parse2(item)?, request)
 }
 
-/// What becomes of a module when the text of one of its imports has arrived: the call for the next, or kernels.
+/// Resumes a module when the text of one of its imports has arrived: the call for the next, or kernels.
 pub fn resume_forms(input: TokenStream) -> TokenStream {
     match syn::parse2::<reuse::State>(input) {
         Ok(state) => compile::resume(state),

@@ -22,7 +22,7 @@ use crate::parse::declared_type::word;
 pub struct OneForm {
     /// The module of one function, `form`.
     pub item: ItemMod,
-    /// What `#[forms(..)]` would say.
+    /// The options, as of `#[forms(..)]`.
     pub options: TokenStream,
     members: Vec<Entry>,
     regions: Vec<RegionEntry>,

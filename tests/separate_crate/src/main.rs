@@ -19,10 +19,8 @@ mod reaction {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [16, 2], CellShape::Quadrilateral, 1)?);
     let space = Space::scalar(&mesh, 2)?;
-    let assembler = Assembler::new(&mesh);
-    let form = reaction::equation(&reaction::Data::<2> { rate: 1.0 }, &reaction::Omega::on("all"));
-    let mut problem = FormProblem::new(&form, &assembler, &space)?;
-    let u = problem.solve_affine(&Constraints::new(&space), &mut TangentSolver::default())?;
+    let form = reaction::Model::<2>::new(reaction::Data { rate: 1.0 }).equation();
+    let u = Problem::new(&form, &space).solve()?.into_field();
     let end = u.evaluate(&[0.0, 0.5])?[0];
     assert!((end - 1.0).abs() < 1e-4, "u(0) = {end}, the exact solution has 1");
     println!("u(0) = {end}");

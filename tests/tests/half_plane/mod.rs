@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 
+use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::states::{ContactProblem, Regions};
 use forms_contact::threshold::required_gamma0;
 use forms_fem::norms::{Norms, errors};
 use forms_fem::prelude::*;
@@ -49,24 +49,24 @@ pub fn direct_problem(mesh: &Arc<Mesh<2>>, degree: usize, theta: f64) -> Contact
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |x| exact.displacement(x)).unwrap();
     let data = forms::Data {
-        lambda: exact.material.lambda,
-        mu: exact.material.mu,
-        theta: 1.0,
-        gamma0: 1.0,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::constant(0.0),
-        body_force: Given::constant([0.0, 0.0]),
         traction: Given::function(move |x| exact.side_traction(x)),
-        criterion_force: Given::constant([0.0, 0.0]),
-        criterion_weight: Given::constant(0.0),
+        ..forms::Required {
+            lambda: exact.material.lambda,
+            mu: exact.material.mu,
+            theta: 1.0,
+            gamma0: 1.0,
+            obstacle_normal: Given::constant([0.0, -1.0]),
+            gap: Given::constant(0.0),
+        }
+        .into()
     };
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(DEGREE));
-    let regions = Regions::new(SIDES, "bottom");
-    let mut problem = ContactProblem::new(assembler, &space, data, regions, constraints).unwrap();
-    problem.data.gamma0 = MARGIN * required_gamma0(&problem, CONTACT_CELLS).unwrap();
-    problem.data.theta = theta;
-    assert!(problem.data.gamma0 > required_gamma0(&problem, CONTACT_CELLS).unwrap());
+    let regions = forms::Regions::default().gamma_n(SIDES).gamma_c("bottom");
+    let mut problem =
+        ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
+    problem.law.data.gamma0 = MARGIN * required_gamma0(&problem, CONTACT_CELLS).unwrap();
+    problem.law.data.theta = theta;
+    assert!(problem.law.data.gamma0 > required_gamma0(&problem, CONTACT_CELLS).unwrap());
     problem
 }
 
@@ -88,7 +88,16 @@ pub fn solved_direct(
     let values = SOLVED.lock().unwrap().entry(case).or_default().clone();
     let solve = || {
         let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
-        problem.solve_direct(&mut solver, &options, &mut |_| ()).unwrap().result.field.values().to_vec()
+        problem
+            .direct()
+            .unwrap()
+            .solver(&mut solver)
+            .options(options.clone())
+            .solve()
+            .unwrap()
+            .into_field()
+            .values()
+            .to_vec()
     };
     let u = Field::from_values(&problem.space, values.get_or_init(solve).clone()).unwrap();
     (problem, u)

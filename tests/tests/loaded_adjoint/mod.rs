@@ -6,32 +6,14 @@ use forms_fem::forms;
 /// (14), (21) and (22) for N(u) = s·u.
 #[forms]
 pub mod adjoint {
-    /// Data.
+    pub use forms_contact::forms::{Boundary, GammaC, Omega};
+
+    /// s, beside the data of `forms_contact`.
+    #[extends(forms_contact::forms::Data)]
     pub struct Data {
-        /// λ.
-        pub lambda: Param,
-        /// μ.
-        pub mu: Param,
-        /// θ.
-        pub theta: Param,
-        /// γ₀.
-        pub gamma0: Param,
-        /// n_y.
-        pub obstacle_normal: Given<Vector>,
-        /// g.
-        pub gap: Given<Scalar>,
         /// s = N′.
         pub slope: Given<Vector>,
     }
-    /// Ω.
-    #[cells]
-    pub struct Omega;
-    /// Γ_C.
-    #[facets]
-    pub struct GammaC;
-    /// ∂Ω.
-    #[facets]
-    pub struct Boundary;
 
     fn stress(w: Vector) -> Tensor {
         2 * mu * eps(w) + lambda * tr(eps(w)) * I

@@ -19,7 +19,7 @@ pub(super) struct SideTables<'a, const D: usize> {
     pub affine: bool,
 }
 
-/// What is known of the cells of one batch on one side.
+/// The cells of one batch, seen from one side.
 pub(super) struct SideBuffers<L, const D: usize> {
     /// Cells of this batch; the last one repeats to fill the lanes.
     pub cells: [u32; WIDEST],

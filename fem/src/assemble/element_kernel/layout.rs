@@ -38,7 +38,7 @@ pub struct FieldLayout {
 /// Cells on which a kernel is run.
 #[derive(Clone, Copy, Debug)]
 pub struct ElementCells<'a> {
-    /// How many.
+    /// Their number.
     pub count: usize,
     /// Coordinates of their geometry nodes \[length\].
     pub coordinates: &'a [f64],

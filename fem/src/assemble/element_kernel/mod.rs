@@ -213,7 +213,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     /// Element matrices of the tangent, one after the other, row-major.
     ///
     /// # Errors
-    /// What the form's data have to say, or the lengths of the lists.
+    /// Errors of the form's data, or of the lengths of the lists.
     #[inline]
     pub fn matrices(&mut self, cells: &ElementCells, matrices: &mut [f64]) -> Result<(), AssemblyError> {
         let size = self.size();

@@ -11,7 +11,7 @@ use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
 use crate::assemble::element_matrices::{ElementMatrices, MatrixBuffers};
 use crate::assemble::element_vectors::{ElementVectors, VectorBuffers};
-use crate::assemble::receiver::Direct;
+use crate::assemble::sink::Direct;
 use crate::assemble::sizes::Sizes;
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, SimdLane};
@@ -33,7 +33,7 @@ pub(super) struct Run<'a, F, S: Sizes, const D: usize> {
 struct Counted<'a, const D: usize> {
     group: &'a Group<D>,
     memory: &'a mut Kept,
-    receiver: Direct<'a>,
+    sink: Direct<'a>,
 }
 
 impl<F: Form<D>, S: Sizes, const D: usize> Run<'_, F, S, D> {
@@ -50,7 +50,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> Run<'_, F, S, D> {
             Prepared::Counted { groups, memory } => {
                 let group = of_facet(form, groups, self.cells.facet)?;
                 let addend = (index > 0).then_some(&mut *self.addend);
-                Ok(Some(Counted { group, memory, receiver: Direct { target: &mut *self.target, addend } }))
+                Ok(Some(Counted { group, memory, sink: Direct { target: &mut *self.target, addend } }))
             }
         }
     }
@@ -61,7 +61,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, F, S, 
 
     fn visit<K: BilinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         let (form, tables, cells) = (self.form, self.tables, self.cells);
-        let Some(Counted { group, memory, mut receiver }) = self.next()? else { return Ok(()) };
+        let Some(Counted { group, memory, mut sink }) = self.next()? else { return Ok(()) };
         // `prepare` gave these loops of fixed lengths, so that this is not reached: it keeps others from being compiled.
         if const { Lengths::<K, S>::of_matrices_always() } {
             return Ok(());
@@ -75,8 +75,8 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, F, S, 
             symmetric: K::SYMMETRIC,
         };
         let order = &tables.orders[usize::from(K::SYMMETRIC)];
-        let (task, receiver) = (&task, &mut receiver);
-        tables.instructions.run(Matrices { task, kernel, order, count: cells.count, memory, receiver })
+        let (task, sink) = (&task, &mut sink);
+        tables.instructions.run(Matrices { task, kernel, order, count: cells.count, memory, sink })
     }
 }
 
@@ -85,7 +85,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, F, S, D>
 
     fn visit<K: LinearKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         let (form, tables, cells) = (self.form, self.tables, self.cells);
-        let Some(Counted { group, memory, mut receiver }) = self.next()? else { return Ok(()) };
+        let Some(Counted { group, memory, mut sink }) = self.next()? else { return Ok(()) };
         // As above.
         if const { Lengths::<K, S>::of_vectors() } {
             return Ok(());
@@ -93,8 +93,8 @@ impl<F: Form<D>, S: Sizes, const D: usize> LinearVisitor<D> for Run<'_, F, S, D>
         let binding = tables.bind(form)?;
         let task =
             ElementVectors { binding: &binding, group, cells: tables.cells(cells), side: 0, element: 0 };
-        let (task, order, receiver) = (&task, &tables.orders[2], &mut receiver);
-        tables.instructions.run(Vectors { task, kernel, order, count: cells.count, memory, receiver })
+        let (task, order, sink) = (&task, &tables.orders[2], &mut sink);
+        tables.instructions.run(Vectors { task, kernel, order, count: cells.count, memory, sink })
     }
 }
 
@@ -104,7 +104,7 @@ struct Matrices<'a, 'r, K, const D: usize> {
     order: &'a Order,
     count: usize,
     memory: &'a mut Kept,
-    receiver: &'a mut Direct<'r>,
+    sink: &'a mut Direct<'r>,
 }
 
 /// The memory of a run before, if it was of the same type, or new memory; to be put back after the run.
@@ -120,7 +120,7 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Matrices<'_, '_, K, D> {
         let mut buffers = recall::<MatrixBuffers<K, L, D>>(self.memory);
         let range = 0..self.count;
         let done =
-            self.task.compute_in_lanes::<K, L>(self.kernel, self.order, range, &mut buffers, self.receiver);
+            self.task.compute_in_lanes::<K, L>(self.kernel, self.order, range, &mut buffers, self.sink);
         *self.memory = Some(buffers);
         done
     }
@@ -132,7 +132,7 @@ struct Vectors<'a, 'r, K, const D: usize> {
     order: &'a Order,
     count: usize,
     memory: &'a mut Kept,
-    receiver: &'a mut Direct<'r>,
+    sink: &'a mut Direct<'r>,
 }
 
 impl<K: LinearKernel<D>, const D: usize> LaneWork for Vectors<'_, '_, K, D> {
@@ -142,7 +142,7 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Vectors<'_, '_, K, D> {
     fn run<L: SimdLane>(self) -> Self::Output {
         let mut buffers = recall::<VectorBuffers<L, D>>(self.memory);
         let (range, order) = (0..self.count, Some(self.order));
-        let done = self.task.compute_in_lanes::<K, L>(self.kernel, order, range, &mut buffers, self.receiver);
+        let done = self.task.compute_in_lanes::<K, L>(self.kernel, order, range, &mut buffers, self.sink);
         *self.memory = Some(buffers);
         done
     }

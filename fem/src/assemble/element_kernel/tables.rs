@@ -1,4 +1,4 @@
-//! What the integrals of an element kernel share: where the caller's lists have what, and the reference cell.
+//! Common parts of an element kernel's integrals: the layout of the caller's lists, and the reference cell.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::assemble::walk::Group;
 use crate::lanes::{Checked, Order};
 use crate::mesh::Mesh;
 
-/// What is prepared once.
+/// Tables that are prepared once.
 pub(super) struct ElementTables<const D: usize> {
     /// The reference cell as a mesh.
     pub reference: Arc<Mesh<D>>,

@@ -20,17 +20,17 @@ pub(super) struct FieldBuffers<L> {
     pub fields: Vec<L>,
 }
 
-/// The cells at hand.
+/// A batch of cells, with loops of fixed lengths.
 pub(super) struct FixedBatch<'a, L: SimdLane, S: Sizes, const D: usize> {
     tables: &'a FixedTables<S, D>,
     nodes: S::GeometryNodes<[L; D]>,
     /// Of affine cells.
-    affine: Place<L, D>,
+    affine: PointMap<L, D>,
 }
 
 /// The map at a point.
 #[derive(Clone, Copy)]
-pub(super) struct Place<L, const D: usize> {
+pub(super) struct PointMap<L, const D: usize> {
     /// Weight of the point without its quadrature weight.
     measure: L,
     pub determinant: L,
@@ -80,32 +80,32 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
                 }
             }
         }
-        let none = Place { measure: zero, determinant: zero, inverse: [[zero; D]; D], normal: [zero; D] };
+        let none = PointMap { measure: zero, determinant: zero, inverse: [[zero; D]; D], normal: [zero; D] };
         let mut batch = FixedBatch { tables, nodes, affine: none };
         if const { FixedTables::<S, D>::AFFINE } {
-            batch.affine = batch.place_of(&batch.jacobian(tables.geometry.slopes.entries()[0].entries()));
+            batch.affine = batch.map_of(&batch.jacobian(tables.geometry.slopes.entries()[0].entries()));
         }
         batch
     }
 
     /// The map at the q-th point.
     #[inline(always)]
-    pub fn place(&self, q: usize) -> Place<L, D> {
+    pub fn map_at(&self, q: usize) -> PointMap<L, D> {
         if const { FixedTables::<S, D>::AFFINE } {
             self.affine
         } else {
-            self.place_of(&self.jacobian(self.tables.geometry.slopes.entries()[q].entries()))
+            self.map_of(&self.jacobian(self.tables.geometry.slopes.entries()[q].entries()))
         }
     }
 
     #[inline(always)]
-    fn place_of(&self, jacobian: &[[L; D]; D]) -> Place<L, D> {
+    fn map_of(&self, jacobian: &[[L; D]; D]) -> PointMap<L, D> {
         let (determinant, inverse) = inverse_transposed(jacobian);
         let (measure, normal) = match &self.tables.tangents {
             None => (determinant, [L::splat(0.0); D]),
             Some(tangents) => surface(jacobian, tangents),
         };
-        Place { measure, determinant, inverse, normal }
+        PointMap { measure, determinant, inverse, normal }
     }
 
     /// ∂x_i/∂ξ_j.
@@ -124,7 +124,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         jacobian
     }
 
-    /// What is constant on the cells.
+    /// The quantities that are constant on the cells.
     #[inline(always)]
     pub fn cell_geometry(&self, requirements: &Requirements) -> CellGeometry<L> {
         let zero = L::splat(0.0);
@@ -175,7 +175,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         &self,
         requirements: &Requirements,
         q: usize,
-        place: &Place<L, D>,
+        map: &PointMap<L, D>,
         buffers: &mut FieldBuffers<L>,
     ) -> PointGeometry<L, D> {
         let zero = L::splat(0.0);
@@ -193,18 +193,18 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         macro_rules! evaluate {
             ($($index:literal)*) => {
                 $(if requirements.fields.len() > $index {
-                    self.evaluate_slot(requirements, $index, q, place, buffers);
+                    self.evaluate_slot(requirements, $index, q, map, buffers);
                 })*
             };
         }
         evaluate!(0 1 2 3);
         for index in 4..requirements.fields.len() {
-            self.evaluate_slot(requirements, index, q, place, buffers);
+            self.evaluate_slot(requirements, index, q, map, buffers);
         }
         PointGeometry {
-            weight: place.measure * L::splat(self.tables.weights.entries()[q]),
+            weight: map.measure * L::splat(self.tables.weights.entries()[q]),
             position,
-            normal: place.normal,
+            normal: map.normal,
             curvature: zero,
         }
     }
@@ -215,7 +215,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         requirements: &Requirements,
         index: usize,
         q: usize,
-        place: &Place<L, D>,
+        map: &PointMap<L, D>,
         buffers: &mut FieldBuffers<L>,
     ) {
         let slot = &requirements.fields[index];
@@ -224,9 +224,9 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         let coefficients = &coefficients[first_slot(requirements, index)][..];
         let target = &mut fields[slot.offset..];
         match slot.components {
-            1 => self.interpolate::<1>(slot, field, q, place, coefficients, target),
-            2 => self.interpolate::<2>(slot, field, q, place, coefficients, target),
-            _ => self.interpolate::<3>(slot, field, q, place, coefficients, target),
+            1 => self.interpolate::<1>(slot, field, q, map, coefficients, target),
+            2 => self.interpolate::<2>(slot, field, q, map, coefficients, target),
+            _ => self.interpolate::<3>(slot, field, q, map, coefficients, target),
         }
     }
 
@@ -236,7 +236,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         slot: &FieldSlot,
         field: &FieldTables<D>,
         q: usize,
-        place: &Place<L, D>,
+        map: &PointMap<L, D>,
         coefficients: &[L],
         target: &mut [L],
     ) {
@@ -251,12 +251,12 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
             }
             (_, true) => gradient::<L, C, D>(
                 arguments.slopes.entries()[q].entries(),
-                &place.inverse,
+                &map.inverse,
                 coefficients,
                 target,
             ),
             (_, false) => {
-                gradient::<L, C, D>(row(&field.tables, q), &place.inverse, coefficients, target);
+                gradient::<L, C, D>(row(&field.tables, q), &map.inverse, coefficients, target);
             }
         }
     }
@@ -267,7 +267,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         &self,
         requirements: &Requirements,
         q: usize,
-        place: &Place<L, D>,
+        map: &PointMap<L, D>,
         basis: &mut S::Nodes<Basis<L, D>>,
     ) {
         let arguments = &self.tables.arguments;
@@ -280,7 +280,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
                 basis[node].value = L::splat(values[node]);
             }
             if requirements.basis_gradient {
-                basis[node].gradient = transformed(&place.inverse, &slopes[node]);
+                basis[node].gradient = transformed(&map.inverse, &slopes[node]);
             }
         }
     }

@@ -6,7 +6,7 @@
 use forms_core::contract::{Basis, BilinearKernel};
 
 use super::batch::{FieldBuffers, FixedBatch};
-use super::{Call, FixedIntegral, FixedTables, put_out};
+use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::pairs::Pairs;
 use crate::assemble::reference_tensor::{ReferenceTensor, contract, suits};
@@ -97,7 +97,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
             let filled = L::WIDTH.min(cells.count - start);
             integral.blocks(cells, start, filled);
             let source = &Ordered::new(&integral.buffers.blocks, &integral.order, size);
-            put_out(source, size, filled, &mut target[start * size..][..filled * size], add);
+            store(source, size, filled, &mut target[start * size..][..filled * size], add);
             start += filled;
         }
     }
@@ -117,18 +117,18 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L,
         if const { suits::<K, D>() }
             && let Some(tensor) = tensor
         {
-            let place = batch.place(0);
-            contract::<K, L, D>(kernel, &cell, tensor, place.determinant, &place.inverse, directions, blocks);
+            let map = batch.map_at(0);
+            contract::<K, L, D>(kernel, &cell, tensor, map.determinant, &map.inverse, directions, blocks);
             return;
         }
         let zero = L::splat(0.0);
         let hessian = [[zero; D]; D];
         let mut basis = S::Nodes::filled(Basis { value: zero, gradient: [zero; D] });
         if const { <S::Points<f64> as Array<f64>>::LENGTH == 1 } {
-            let place = batch.place(0);
-            let geometry = batch.point(requirements, 0, &place, fields);
+            let map = batch.map_at(0);
+            let geometry = batch.point(requirements, 0, &map, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
-            batch.evaluate_basis(requirements, 0, &place, &mut basis);
+            batch.evaluate_basis(requirements, 0, &map, &mut basis);
             let basis = basis.entries();
             let (test, trial) = K::zero_factors::<L>();
             let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
@@ -144,10 +144,10 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L,
         }
         let (tests, trials) = (&mut tests[..nodes * points], &mut trials[..nodes * points]);
         for q in 0..points {
-            let place = batch.place(q);
-            let geometry = batch.point(requirements, q, &place, fields);
+            let map = batch.map_at(q);
+            let geometry = batch.point(requirements, q, &map, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
-            batch.evaluate_basis(requirements, q, &place, &mut basis);
+            batch.evaluate_basis(requirements, q, &map, &mut basis);
             let basis = basis.entries();
             for i in 0..nodes {
                 tests[i * points + q] = kernel.test(&point, &basis[i], &hessian);

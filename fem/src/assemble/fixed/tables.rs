@@ -1,4 +1,4 @@
-//! What is known of a group before any cell: basis functions at the points, as arrays.
+//! Tables of a group, before any cell: basis functions at the points, as arrays.
 
 use std::sync::Arc;
 

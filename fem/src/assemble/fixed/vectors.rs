@@ -12,7 +12,7 @@ use forms_core::contract::{Basis, LinearKernel};
 
 use super::batch::{FieldBuffers, FixedBatch};
 use super::tables::MOST_COMPONENTS;
-use super::{Call, FixedIntegral, FixedTables, put_out};
+use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::sizes::{Array, Sizes};
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
@@ -71,7 +71,7 @@ impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
                 _ => integral.sums::<MOST_COMPONENTS>(cells, start, filled),
             }
             let source = &Ordered::new(&integral.sums, &integral.order, size);
-            put_out(source, size, filled, &mut target[start * size..][..filled * size], add);
+            store(source, size, filled, &mut target[start * size..][..filled * size], add);
             start += filled;
         }
     }
@@ -92,8 +92,8 @@ impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Vectors<K, L, S,
         let hessian = [[zero; D]; D];
         let arguments = &tables.arguments;
         for q in 0..<S::Points<f64> as Array<f64>>::LENGTH {
-            let place = batch.place(q);
-            let geometry = batch.point(requirements, q, &place, fields);
+            let map = batch.map_at(q);
+            let geometry = batch.point(requirements, q, &map, fields);
             let flux = kernel.point(&cell, &geometry, &fields.fields);
             let values = &arguments.values.entries()[q].entries()[..totals.len()];
             let slopes = &arguments.slopes.entries()[q].entries()[..totals.len()];
@@ -113,7 +113,7 @@ impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Vectors<K, L, S,
                 for j in 0..D {
                     let mut unit = Basis { value: zero, gradient: [zero; D] };
                     for i in 0..D {
-                        unit.gradient[i] = place.inverse[i][j];
+                        unit.gradient[i] = map.inverse[i][j];
                     }
                     let block = kernel.test(&flux, &unit, &hessian);
                     let block = &block.as_ref()[..C];

@@ -1,4 +1,4 @@
-//! What is read of a basis function, and the functions that stand in for it at a point.
+//! Reads of a basis function, and the functions that stand in for it at a point.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
@@ -7,7 +7,7 @@ use forms_core::contract::{Basis, FieldSlot, Order, Requirements};
 
 use crate::lanes::SimdLane;
 
-/// What is read of a basis function: its value, its derivatives along the axes of the reference cell. By number, 0 is the
+/// Reads of a basis function: its value, its derivatives along the axes of the reference cell. By number, 0 is the
 /// value and 1 + axis the derivative along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::assemble) struct Derivatives {
@@ -16,23 +16,23 @@ pub(in crate::assemble) struct Derivatives {
 }
 
 impl Derivatives {
-    /// What a kernel reads of its test and trial functions, besides second derivatives.
+    /// Reads of a kernel's test and trial functions, besides second derivatives.
     pub fn of_arguments(requirements: &Requirements) -> Self {
         Derivatives { value: requirements.basis_value, gradient: requirements.basis_gradient }
     }
 
-    /// What is read of a field.
+    /// Reads of a field.
     pub fn of_slot(slot: &FieldSlot) -> Self {
         Derivatives { value: slot.order == Order::Value, gradient: slot.order == Order::Gradient }
     }
 
-    /// How many numbers are read in D dimensions.
+    /// Count of the numbers that are read in D dimensions.
     #[inline(always)]
     pub fn count<const D: usize>(&self) -> usize {
         usize::from(self.value) + if self.gradient { D } else { 0 }
     }
 
-    /// What the k-th of the numbers that are read is.
+    /// The k-th of the numbers that are read.
     #[inline(always)]
     pub fn kind(&self, k: usize) -> usize {
         if self.value { k } else { k + 1 }

@@ -110,7 +110,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Interpolation<'_, L, D> {
 pub(in crate::assemble) struct Integration<'a, L, const D: usize> {
     pub tables: &'a ProductTables,
     pub derivatives: Derivatives,
-    /// What meets the value, if anything, of each component, then what meets the derivatives along the axes of the
+    /// Factors of the value, if any, of each component, then those of the derivatives along the axes of the
     /// reference cell, if anything; each at all places of the grid of points.
     pub source: &'a [L],
     pub components: usize,

@@ -51,7 +51,7 @@ impl Default for MultigridOptions {
     }
 }
 
-/// What a level is.
+/// Kinds of levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelReport {
     /// Unknowns.

@@ -1,31 +1,31 @@
-//! What can be wrong with a Gmsh file.
+//! Errors of Gmsh files.
 
 use std::fmt;
 
 use thiserror::Error;
 
-use crate::mesh::imported::{ImportProblem, Place, dimensions, entities, entity};
+use crate::mesh::imported::{FilePosition, ImportProblem, dimensions, entities, entity};
 
-/// Why a Gmsh file gives no mesh: which file, where in it, and what is wrong there.
+/// The reason why a Gmsh file gives no mesh: the file, the position in it, and the problem there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GmshError {
     /// The file's name, as it was given.
     pub file: String,
     /// Where, unless the problem is of the whole file.
-    pub place: Option<Place>,
+    pub position: Option<FilePosition>,
     /// The section, without its dollar sign.
     pub section: Option<String>,
-    /// What is wrong.
+    /// The problem.
     pub problem: GmshProblem,
 }
 
-/// What is wrong with a Gmsh file. Tags are the file's own numbers of nodes and elements.
+/// Problems of a Gmsh file. Tags are the file's own numbers of nodes and elements.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum GmshProblem {
     /// The file cannot be read.
     #[error("{reason}")]
     Unreadable {
-        /// What the operating system says.
+        /// The operating system's error.
         reason: String,
     },
     /// No Gmsh file.
@@ -45,29 +45,29 @@ pub enum GmshProblem {
     Header {
         /// "file-type", "data-size" or "byte order".
         field: &'static str,
-        /// What the file says.
+        /// The value in the file.
         value: i64,
-        /// What it should be.
+        /// The requirement.
         requirement: &'static str,
     },
     /// The file ends too early.
     #[error("the file ends where {expected} should follow")]
     Truncated {
-        /// What is missing.
+        /// The missing item.
         expected: String,
     },
     /// Something else stands where a number, name or mark should.
     #[error("expected {expected}, found {found:?}")]
     Unexpected {
-        /// What should stand there.
+        /// The expected text.
         expected: String,
-        /// What stands there, shortened.
+        /// The text found, shortened.
         found: String,
     },
     /// A count that the rest of the file cannot hold.
     #[error("{count} {what} are announced, but only {left} bytes are left")]
     Count {
-        /// What is counted.
+        /// The items counted.
         what: &'static str,
         /// The count.
         count: u64,
@@ -144,7 +144,7 @@ pub enum GmshProblem {
         /// Their dimension.
         found: usize,
     },
-    /// What the file says gives no mesh.
+    /// The content of the file gives no mesh.
     #[error(transparent)]
     Contents(#[from] ImportProblem),
 }
@@ -152,8 +152,8 @@ pub enum GmshProblem {
 impl fmt::Display for GmshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file)?;
-        if let Some(place) = self.place {
-            write!(f, ", {place}")?;
+        if let Some(position) = self.position {
+            write!(f, ", {position}")?;
         }
         if let Some(section) = &self.section {
             write!(f, ", in ${section}")?;

@@ -60,7 +60,7 @@ pub(super) fn of(code: i64) -> Option<&'static Kind> {
     KINDS.iter().find(|kind| i64::from(kind.code) == code)
 }
 
-/// What helps where a cell is not supported.
+/// Help where a cell is not supported.
 pub(super) fn advice(kind: &Kind) -> &'static str {
     match kind.code {
         16..=19 => {

@@ -13,7 +13,7 @@ use super::Mesh;
 use super::imported::{self, Words};
 use reader::Reader;
 
-pub use super::imported::{ImportProblem, Item, Note, Place};
+pub use super::imported::{FilePosition, ImportProblem, Item, Note};
 pub use error::{GmshError, GmshProblem};
 
 const WORDS: Words = Words {
@@ -30,7 +30,7 @@ const WORDS: Words = Words {
 pub struct GmshMesh<const D: usize> {
     /// The mesh. Nodes have the order of the file, and so have the cells of each shape.
     pub mesh: Mesh<D>,
-    /// What the file holds and the mesh does not show.
+    /// Notes on content of the file that the mesh does not show.
     pub notes: Vec<Note>,
 }
 
@@ -46,7 +46,7 @@ impl<const D: usize> GmshMesh<D> {
             Ok(bytes) => GmshMesh::from_bytes(&file, &bytes),
             Err(error) => {
                 let problem = GmshProblem::Unreadable { reason: error.to_string() };
-                Err(GmshError { file, place: None, section: None, problem })
+                Err(GmshError { file, position: None, section: None, problem })
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Numbers from the bytes of a file, written out or binary, and where each stands.
 
 use super::error::{GmshError, GmshProblem};
-use crate::mesh::imported::{Place, shortened};
+use crate::mesh::imported::{FilePosition, shortened};
 
 /// How a file writes numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub(super) struct Reader<'a> {
     pub(super) section: Option<String>,
 }
 
-/// What one item of a list consists of at least: bounds the number of items by the bytes left.
+/// The least size of an item of a list: bounds the number of items by the bytes left.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Item {
     pub(super) integers: usize,
@@ -42,18 +42,18 @@ impl<'a> Reader<'a> {
     /// An error at an offset.
     pub(super) fn error_at(&self, at: usize, problem: GmshProblem) -> GmshError {
         let at = at.min(self.bytes.len());
-        let place = if self.encoding == Encoding::Text {
-            Place::Line(1 + self.bytes[..at].iter().filter(|&&byte| byte == b'\n').count())
+        let position = if self.encoding == Encoding::Text {
+            FilePosition::Line(1 + self.bytes[..at].iter().filter(|&&byte| byte == b'\n').count())
         } else {
-            Place::Byte(at)
+            FilePosition::Byte(at)
         };
         let (file, section) = (self.file.to_owned(), self.section.clone());
-        GmshError { file, place: Some(place), section, problem }
+        GmshError { file, position: Some(position), section, problem }
     }
 
     /// An error of the file as a whole.
     pub(super) fn error_of_file(&self, problem: GmshProblem) -> GmshError {
-        GmshError { file: self.file.to_owned(), place: None, section: None, problem }
+        GmshError { file: self.file.to_owned(), position: None, section: None, problem }
     }
 
     pub(super) fn truncated(&self, expected: &str) -> GmshError {

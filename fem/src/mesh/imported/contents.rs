@@ -1,11 +1,11 @@
-//! What a file says, before it is a mesh.
+//! Content of a file, before it is a mesh.
 
 use std::collections::{BTreeMap, HashMap};
 
 use super::kinds::Kind;
 use super::problem::Item;
 
-/// How a format speaks.
+/// Words of a format.
 pub(in crate::mesh) struct Words {
     /// "node" or "point".
     pub(in crate::mesh) node: &'static str,
@@ -13,11 +13,11 @@ pub(in crate::mesh) struct Words {
     pub(in crate::mesh) element: &'static str,
     /// The name of a group without one, by dimension and tag.
     pub(in crate::mesh) unnamed: fn(usize, i64) -> String,
-    /// What the cells of an entity are cells of.
+    /// Name of the entities that cells belong to.
     pub(in crate::mesh) part: fn(i64) -> String,
-    /// What helps where a type of cell is not supported.
+    /// Help where a type of cell is not supported.
     pub(in crate::mesh) advice: fn(&Kind) -> &'static str,
-    /// What helps where a second-order cell folds.
+    /// Help where a second-order cell folds.
     pub(in crate::mesh) bent: &'static str,
 }
 
@@ -52,7 +52,7 @@ pub(in crate::mesh) struct Element {
     pub(in crate::mesh) at: usize,
 }
 
-/// What an element belongs to.
+/// The entity of an element.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(in crate::mesh) struct Membership {
     /// The geometric entity.

@@ -1,4 +1,4 @@
-//! What a format says of a type of its elements.
+//! A format's entry for a type of its elements.
 
 use crate::element::CellShape;
 

@@ -13,8 +13,8 @@ use super::Mesh;
 
 pub(super) use contents::{Contents, Element, Membership, Node, Words};
 pub(super) use kinds::{Kind, cell, kind};
+pub use problem::{FilePosition, ImportProblem, Item, Note};
 pub(super) use problem::{Flaw, dimensions, entities, entity, shortened};
-pub use problem::{ImportProblem, Item, Note, Place};
 
 /// A mesh, and how its numbers belong to the file's.
 pub(super) struct Imported<const D: usize> {

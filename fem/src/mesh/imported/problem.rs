@@ -1,4 +1,4 @@
-//! What can be wrong with what a file says, and what is worth knowing of a file that was read.
+//! Problems of a file's content, and notes on a file that was read.
 
 use std::fmt;
 
@@ -6,9 +6,9 @@ use thiserror::Error;
 
 use crate::mesh::MeshError;
 
-/// Where in a file something stands.
+/// A position in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePosition {
     /// A line of a text file, counted from 1.
     Line(usize),
     /// An offset in a binary file \[bytes\], counted from 0.
@@ -42,7 +42,7 @@ pub struct Item {
     pub tag: u64,
 }
 
-/// Why what a file says gives no mesh.
+/// Reasons why a file gives no mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ImportProblem {
     /// A type of cell that a mesh cannot have.
@@ -52,7 +52,7 @@ pub enum ImportProblem {
         element: Item,
         /// Its type.
         kind: &'static str,
-        /// What helps.
+        /// Help.
         advice: &'static str,
     },
     /// Cells of two types.
@@ -160,7 +160,7 @@ pub enum ImportProblem {
         determinant: f64,
         /// Where.
         position: Vec<f64>,
-        /// What helps, in brackets; empty for cells of first order.
+        /// Help, in brackets; empty for cells of first order.
         advice: &'static str,
     },
     /// The Jacobian determinant nearly vanishes along a part of a cell: it could not be proved positive.
@@ -259,7 +259,7 @@ pub enum Note {
     Turned {
         /// The surface or region.
         part: String,
-        /// How many cells it has.
+        /// Number of its cells.
         cells: usize,
     },
     /// Points at one place that cells do not share: the mesh is not connected there.
@@ -372,11 +372,11 @@ pub(in crate::mesh) fn dimensions(dimension: usize) -> &'static str {
         .unwrap_or("more dimensions")
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Line(line) => write!(f, "line {line}"),
-            Place::Byte(offset) => write!(f, "byte {offset}"),
+            FilePosition::Line(line) => write!(f, "line {line}"),
+            FilePosition::Byte(offset) => write!(f, "byte {offset}"),
         }
     }
 }

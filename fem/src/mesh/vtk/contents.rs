@@ -21,7 +21,7 @@ pub(super) fn point(place: usize) -> Item {
     Item { what: WORDS.node, tag: place as u64 }
 }
 
-/// The contents, and a note of facets that no region is told of.
+/// The contents, and a note of facets that belong to no region.
 pub(super) fn contents<const D: usize>(
     grid: &Grid,
     reader: &VtkReader,

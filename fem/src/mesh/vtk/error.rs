@@ -1,27 +1,27 @@
-//! What can be wrong with a VTK file.
+//! Errors of VTK files.
 
 use std::fmt;
 
 use thiserror::Error;
 
-use crate::mesh::imported::{ImportProblem, Place};
+use crate::mesh::imported::{FilePosition, ImportProblem};
 
-/// Why a VTK file gives no mesh.
+/// The reason why a VTK file gives no mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VtkError {
     /// The file's name, as it was given.
     pub file: String,
-    /// What is wrong.
+    /// The problem.
     pub problem: VtkProblem,
 }
 
-/// What is wrong with a VTK file. Points and cells are counted from 0, as VTK does.
+/// Problems of a VTK file. Points and cells are counted from 0, as VTK does.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum VtkProblem {
     /// The file cannot be read.
     #[error("{reason}")]
     Unreadable {
-        /// What the operating system says.
+        /// The operating system's error.
         reason: String,
     },
     /// No VTK file.
@@ -33,23 +33,23 @@ pub enum VtkProblem {
     /// A VTK file of another sort.
     #[error("the file holds {found}; an unstructured grid of one piece is read")]
     NotOneGrid {
-        /// What it holds.
+        /// Its content.
         found: String,
     },
     /// Something else stands where a number, a name or a mark should, or the file ends.
-    #[error("{place}: expected {expected}, found {found}")]
+    #[error("{position}: expected {expected}, found {found}")]
     Unexpected {
         /// Where.
-        place: Place,
-        /// What should stand there.
+        position: FilePosition,
+        /// The expected text.
         expected: String,
-        /// What stands there, shortened.
+        /// The text found, shortened.
         found: String,
     },
     /// A part of the file is missing.
     #[error("there is no {what}")]
     Missing {
-        /// What is missing.
+        /// The missing item.
         what: String,
     },
     /// The values of an array cannot be read.
@@ -57,7 +57,7 @@ pub enum VtkProblem {
     Array {
         /// The array's name.
         array: String,
-        /// What is wrong with it.
+        /// The problem.
         reason: String,
     },
     /// A type of cell that VTK does not have, or that has another number of points.
@@ -69,7 +69,7 @@ pub enum VtkProblem {
         code: i64,
         /// Number of its points.
         points: usize,
-        /// What is read.
+        /// The supported types.
         advice: &'static str,
     },
     /// A cell's points do not lie in the connectivity.
@@ -126,7 +126,7 @@ pub enum VtkProblem {
         /// The numbers that exist.
         existing: Vec<i64>,
     },
-    /// What the file says gives no mesh.
+    /// The content of the file gives no mesh.
     #[error(transparent)]
     Contents(#[from] ImportProblem),
 }

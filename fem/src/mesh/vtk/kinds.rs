@@ -55,7 +55,7 @@ const KINDS: [Kind; 20] = [
     kind(27, "quadratic pyramid", 3, 13, 5, None),
 ];
 
-/// What helps where a cell is not supported.
+/// Help where a cell is not supported.
 pub(super) fn advice(kind: &Kind) -> &'static str {
     match kind.code {
         23 | 25..=27 | 32..=34 => {
@@ -65,7 +65,7 @@ pub(super) fn advice(kind: &Kind) -> &'static str {
     }
 }
 
-/// What is read, where a type is not known.
+/// The types that are read, where a type is not known.
 pub(super) const KNOWN: &str = "vertices, lines, triangles, quadrilaterals, tetrahedra, hexahedra, wedges and pyramids of \
      first and second order, with all their points, are known";
 

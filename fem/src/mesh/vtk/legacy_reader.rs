@@ -2,7 +2,7 @@
 
 use super::array::{NumberType, Values};
 use super::error::VtkProblem;
-use crate::mesh::imported::{Place, shortened};
+use crate::mesh::imported::{FilePosition, shortened};
 
 type Result<T> = std::result::Result<T, VtkProblem>;
 
@@ -20,11 +20,11 @@ impl<'a> Reader<'a> {
         Reader { bytes, at: 0, binary: false }
     }
 
-    /// What stands at an offset is not what should.
+    /// An unexpected text at an offset.
     pub(super) fn unexpected(&self, at: usize, expected: &str) -> VtkProblem {
         let mut problem = super::markup::unexpected(self.bytes, at, expected);
-        if let (VtkProblem::Unexpected { place, .. }, true) = (&mut problem, self.binary) {
-            *place = Place::Byte(at);
+        if let (VtkProblem::Unexpected { position, .. }, true) = (&mut problem, self.binary) {
+            *position = FilePosition::Byte(at);
         }
         problem
     }

@@ -1,7 +1,7 @@
 //! The little of XML that VTK's files use: elements with attributes, text and children.
 
 use super::error::VtkProblem;
-use crate::mesh::imported::{Place, shortened};
+use crate::mesh::imported::{FilePosition, shortened};
 
 /// An element.
 #[derive(Debug, Default)]
@@ -194,12 +194,12 @@ fn plain(text: String) -> String {
     marks.into_iter().fold(text, |text, (mark, character)| text.replace(mark, character))
 }
 
-/// What stands at an offset is not what should.
+/// An unexpected text at an offset.
 pub(super) fn unexpected(bytes: &[u8], at: usize, expected: &str) -> VtkProblem {
     let line = 1 + bytes[..at].iter().filter(|&&byte| byte == b'\n').count();
     let found = match bytes[at..].split(|&byte| byte == b'\n').next() {
         Some(found) if at < bytes.len() => format!("{:?}", shortened(found)),
         _ => "the end of the file".to_owned(),
     };
-    VtkProblem::Unexpected { place: Place::Line(line), expected: expected.to_owned(), found }
+    VtkProblem::Unexpected { position: FilePosition::Line(line), expected: expected.to_owned(), found }
 }

@@ -19,7 +19,7 @@ use super::Mesh;
 use super::imported::{self, Imported};
 use grid::Grid;
 
-pub use super::imported::{ImportProblem, Item, Note, Place};
+pub use super::imported::{FilePosition, ImportProblem, Item, Note};
 pub use array::VtkArray;
 pub use error::{VtkError, VtkProblem};
 
@@ -32,7 +32,7 @@ pub struct VtkMesh<const D: usize> {
     pub point_data: Vec<VtkArray>,
     /// The file's arrays on cells, for the cells of the mesh.
     pub cell_data: Vec<VtkArray>,
-    /// What the file holds and the mesh does not show.
+    /// Notes on content of the file that the mesh does not show.
     pub notes: Vec<Note>,
 }
 

@@ -18,7 +18,7 @@ pub(super) const AXIS_LINE: f64 = 0.7;
 /// Distance between neighbouring things \[pt\].
 pub(super) const GAP: f64 = 4.0;
 
-/// How values are laid along an axis.
+/// Scales of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Scale {
     /// Even steps for even differences.

@@ -60,7 +60,7 @@ impl Segment {
     }
 }
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stroke {
     pub colour: Colour,
@@ -80,7 +80,7 @@ impl Stroke {
     }
 }
 
-/// What a drawing is made of.
+/// Elements of a drawing.
 #[derive(Clone, Debug)]
 pub(super) enum Item {
     Path { segments: Vec<Segment>, fill: Option<Colour>, stroke: Option<Stroke>, clip: Option<Rectangle> },

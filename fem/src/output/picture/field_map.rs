@@ -40,6 +40,7 @@ pub struct FieldMap<'a> {
     displacement: Option<(&'a Field<2>, f64)>,
     title: String,
     unit: Option<String>,
+    axes: [String; 2],
     colours: ColourMap,
     levels: Option<usize>,
     range: Option<[f64; 2]>,
@@ -75,6 +76,7 @@ impl<'a> FieldMap<'a> {
             displacement: None,
             title: String::new(),
             unit: Some(String::new()),
+            axes: ["x".into(), "y".into()],
             colours: ColourMap::default(),
             levels: None,
             range: None,
@@ -102,6 +104,12 @@ impl<'a> FieldMap<'a> {
     /// The unit of length at the axes; none unless one is given.
     pub fn length_unit(mut self, unit: &str) -> Self {
         self.unit = Some(unit.into());
+        self
+    }
+
+    /// The names of the horizontal and the vertical coordinate, x and y unless given: a section of a body in space has others.
+    pub fn axes(mut self, horizontal: &str, vertical: &str) -> Self {
+        self.axes = [horizontal.into(), vertical.into()];
         self
     }
 
@@ -153,7 +161,7 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// Draws a line, as of an obstacle, with a name for the legend.
+    /// Draws a line, as of the ground below a body, with a name for the legend.
     pub fn line(mut self, points: &[[f64; 2]], name: &str, colour: Colour) -> Self {
         self.lines.push((points.to_vec(), name.into(), Stroke::solid(colour, 1.4)));
         self
@@ -321,6 +329,7 @@ impl Picture for FieldMap<'_> {
         let layout = Layout {
             title: &self.title,
             unit: self.unit.as_deref(),
+            axes: [&self.axes[0], &self.axes[1]],
             largest: self.largest,
             window,
             bar: Some((shading, self.label.clone())),

@@ -13,11 +13,13 @@ const BAR: f64 = 12.0;
 /// Least height of a colour bar \[pt\].
 const BAR_HEIGHT: f64 = 90.0;
 
-/// What stands about a body.
+/// The surroundings of a body on its page.
 pub(super) struct Layout<'a> {
     pub title: &'a str,
     /// Unit of length, for the labels of the axes; no axes without it.
     pub unit: Option<&'a str>,
+    /// Names of the horizontal and the vertical coordinate.
+    pub axes: [&'a str; 2],
     /// Largest width and height of the body's area \[pt\].
     pub largest: [f64; 2],
     /// Lower left and upper right corner of what is shown.
@@ -36,8 +38,8 @@ impl Layout<'_> {
             Some("") => name.to_owned(),
             Some(unit) => format!("{name} [{unit}]"),
         };
-        let x = Axis::new(&label("x"), Scale::Linear, [low[0], high[0]])?;
-        let y = Axis::new(&label("y"), Scale::Linear, [low[1], high[1]])?;
+        let x = Axis::new(&label(self.axes[0]), Scale::Linear, [low[0], high[0]])?;
+        let y = Axis::new(&label(self.axes[1]), Scale::Linear, [low[1], high[1]])?;
         let scale = (self.largest[0] / (high[0] - low[0])).min(self.largest[1] / (high[1] - low[1]));
         let (width, height) = (scale * (high[0] - low[0]), scale * (high[1] - low[1]));
         let mut frame = Frame { area: Rectangle { left: 0.0, top: 0.0, width, height }, x, y };

@@ -141,6 +141,7 @@ impl Picture for MeshDrawing<'_> {
         let layout = Layout {
             title: &self.title,
             unit: self.unit.as_deref(),
+            axes: ["x", "y"],
             largest: self.largest,
             window: self.window.unwrap_or_else(|| with_margin(bounds(&outline), 0.04)),
             bar: None,

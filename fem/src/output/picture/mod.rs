@@ -41,7 +41,7 @@ pub use panel::Panel;
 /// Resolution of PNG files unless another one is asked for.
 pub const DOTS_PER_INCH: f64 = 250.0;
 
-/// Why a picture could not be drawn or written.
+/// Errors of drawing or writing a picture.
 #[derive(Debug, Error)]
 pub enum PictureError {
     /// There is nothing to draw.
@@ -112,7 +112,7 @@ pub enum PictureError {
     /// An interval without length.
     #[error("the range of {name} from {low} to {high} has no length")]
     Range {
-        /// What the range belongs to.
+        /// The name of the values.
         name: String,
         /// Lower end.
         low: f64,
@@ -130,19 +130,19 @@ pub enum PictureError {
     /// The embedded font cannot be read.
     #[error("the embedded font cannot be read: {reason}")]
     Font {
-        /// What the reader of the font says.
+        /// The font reader's error.
         reason: String,
     },
     /// The picture cannot be encoded.
     #[error("the picture cannot be encoded: {reason}")]
     Encoding {
-        /// What the encoder says.
+        /// The encoder's error.
         reason: String,
     },
     /// The file cannot be written.
     #[error("the picture cannot be written: {source}")]
     Write {
-        /// What the system says, with the name of the file.
+        /// The system's error, with the name of the file.
         source: std::io::Error,
     },
 }

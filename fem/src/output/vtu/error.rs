@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why a `.vtu` file could not be written.
+/// Errors of writing a `.vtu` file.
 #[derive(Debug, Error)]
 pub enum VtuError {
     /// Data of the wrong length.
@@ -64,13 +64,13 @@ pub enum VtuError {
     /// The data cannot be encoded.
     #[error("the data cannot be encoded as .vtu: {reason}")]
     Encoding {
-        /// What the encoder says.
+        /// The encoder's error.
         reason: String,
     },
     /// The file cannot be written.
     #[error("the .vtu file cannot be written: {source}")]
     Write {
-        /// What the system says, with the name of the file.
+        /// The system's error, with the name of the file.
         source: std::io::Error,
     },
 }

@@ -6,7 +6,7 @@ use faer::prelude::Solve;
 use faer::{Mat, Par};
 
 use crate::linear_algebra::partial_solves::lower_times_transposed;
-use crate::linear_algebra::{Entry, LinearAlgebraError, SymmetricFactor};
+use crate::linear_algebra::{Entry, LinearAlgebraError, SymmetricFactor, Transpose};
 
 /// The factor of K and its Schur complement.
 #[derive(Debug)]
@@ -92,12 +92,15 @@ impl Condensation {
         &self,
         b: &[f64],
         dense: Option<&PartialPivLu<f64>>,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<Vec<f64>, LinearAlgebraError> {
         let mut y = self.factor.solve_lower(b)?;
         if let Some(dense) = dense {
             let load = as_column(&self.condensed_load(&y));
-            let solution = if transposed { dense.solve_transpose(&load) } else { dense.solve(&load) };
+            let solution = match transpose {
+                Transpose::No => dense.solve(&load),
+                Transpose::Yes => dense.solve_transpose(&load),
+            };
             let first = y.len() - self.unknowns.len();
             y[first..].copy_from_slice(&self.shifted(&column(&solution)));
         }

@@ -1,6 +1,8 @@
 //! Condensed solutions by their residuals.
 
 use super::*;
+use crate::linear_algebra::backward_error::Residual;
+use crate::threads::Threads;
 
 const SIDE: usize = 12;
 
@@ -28,17 +30,17 @@ fn load() -> Vec<f64> {
     (0..SIDE * SIDE).map(|k| (k as f64 * 0.7).sin()).collect()
 }
 
-fn rest(sum: &Sum, x: &[f64], b: &[f64], transposed: bool) -> Vec<f64> {
-    Residual::of(&SumSide { sum, transposed }, x, b).unwrap().rest
+fn rest(sum: &Sum, x: &[f64], b: &[f64], transpose: Transpose) -> Vec<f64> {
+    Residual::of(&sum.side(transpose), Threads::new(3), x, b).unwrap().rest
 }
 
 fn check(solver: &mut CondensedSolver, matrix: &CsrMatrix) {
     let b = load();
     solver.set_matrix(matrix.clone()).unwrap();
-    for transposed in [false, true] {
-        let found = solver.solve_side(&b, 0.0, transposed).unwrap();
-        let matrix = Sum { base: Arc::new(matrix.clone()), additions: vec![] };
-        let rest = rest(&matrix, &found.solution, &b, transposed);
+    for transpose in [Transpose::No, Transpose::Yes] {
+        let found = solver.solve_with(&b, 0.0, transpose).unwrap();
+        let matrix = Sum::of(matrix.clone());
+        let rest = rest(&matrix, &found.solution, &b, transpose);
         assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
     }
 }
@@ -104,18 +106,16 @@ fn changed_entries_make_the_same_matrix() {
         .iter()
         .map(|entry| Entry { value: shifted.get(entry.row as usize, entry.column as usize), ..*entry })
         .collect();
-    let mut plain = TangentSolver::default();
-    let solvers: [(&mut dyn LinearSolver, _, _, _); 3] = [
+    let solvers: [(&mut dyn CondensingSolver, _, _, _); 2] = [
         (&mut condensed, &linear_part, &entries, &whole),
-        (&mut plain, &linear_part, &entries, &whole),
         (&mut refused, &indefinite, &shifted_entries, &shifted),
     ];
     for (solver, linear_part, entries, whole) in solvers {
         solver.set_changed(linear_part, entries).unwrap();
-        for transposed in [false, true] {
-            let found = solver.solve_side(&b, 0.0, transposed).unwrap();
-            let whole = Sum { base: Arc::new(whole.clone()), additions: vec![] };
-            let rest = rest(&whole, &found.solution, &b, transposed);
+        for transpose in [Transpose::No, Transpose::Yes] {
+            let found = solver.solve_with(&b, 0.0, transpose).unwrap();
+            let whole = Sum::of(whole.clone());
+            let rest = rest(&whole, &found.solution, &b, transpose);
             assert!(norm(&rest) <= 1e-12 * norm(&b), "residual {:e}", norm(&rest));
         }
         let missing = [Entry { row: 0, column: 100, value: 1.0 }];

@@ -27,7 +27,7 @@ fn system(n: usize, degree: usize, drift: f64) -> (Constraints<3>, CsrMatrix, Ve
     constraints.fix_component("bottom", 2, |_: &[f64; 3]| 0.0).unwrap();
     let form = body::balance(&body::Data { drift }, &body::Omega::on("all"));
     let assembler = Assembler::new(&mesh);
-    let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
+    let mut problem = Problem::new(&form, &space).assembler(&assembler);
     let zero = vec![0.0; space.unknowns()];
     let mut elimination = Elimination::of(&[&constraints]).unwrap();
     let residual = problem.residual(&zero).unwrap();
@@ -75,11 +75,11 @@ fn unsymmetric_systems_and_their_transposes_go_to_gmres() {
     let (constraints, matrix, load) = system(4, 2, 0.3);
     let mut solver = MultigridSolver::new(&constraints, options()).unwrap();
     solver.set_matrix(matrix.clone()).unwrap();
-    for transposed in [false, true] {
-        let solution = solver.solve_side(&load, 0.0, transposed).unwrap().solution;
-        let product = match transposed {
-            false => matrix.multiply(&solution),
-            true => matrix.multiply_transposed(&solution),
+    for transpose in [Transpose::No, Transpose::Yes] {
+        let solution = solver.solve_with(&load, 0.0, transpose).unwrap().solution;
+        let product = match transpose {
+            Transpose::No => matrix.multiply(&solution),
+            Transpose::Yes => matrix.multiply_transposed(&solution),
         };
         assert!(distance(&product.unwrap(), &load) < 1e-8);
     }
@@ -99,8 +99,8 @@ fn a_body_that_floats_or_slides_is_named_by_its_motions() {
         let mut direct = TangentSolver::default();
         let solvers: [&mut dyn LinearSolver; 2] = [&mut multigrid, &mut direct];
         for (number, solver) in solvers.into_iter().enumerate() {
-            let mut problem = FormProblem::new(&form, &assembler, &space).unwrap();
-            let found = problem.solve_affine(constraints, solver);
+            let problem = Problem::new(&form, &space).assembler(&assembler);
+            let found = problem.constrained(constraints).solver(solver).solve();
             let Err(error) = found else {
                 // Where nothing pulls along a free motion, conjugate gradients find one of the solutions.
                 assert_eq!((number, motions), (0, 3), "a floating body is solved");

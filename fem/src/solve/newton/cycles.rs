@@ -2,7 +2,7 @@
 
 use super::Iteration;
 use super::convergence::SMALL_STEP;
-use super::history::NewtonFailure;
+use super::report::NewtonFailure;
 use crate::linear_algebra::vector::norm;
 
 /// Residuals whose norms agree to this part are the same.

@@ -3,10 +3,12 @@
 use std::time::Instant;
 
 use super::TangentSolver;
-use crate::linear_algebra::backward_error::{ACCEPTED, Residual, Side};
+use crate::linear_algebra::Transpose;
+use crate::linear_algebra::backward_error::{ACCEPTED, Refinement};
+use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::krylov::{BESIDE_TERMS, ROUGH, ROUNDS};
-use crate::linear_algebra::vector::{add_scaled, norm};
+use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{GmresError, GmresOptions, GmresReport, LinearAlgebraError, gmres};
 use crate::solve::linear_solver::{LinearSolution, SolverError};
 
@@ -15,12 +17,12 @@ impl TangentSolver {
         &mut self,
         b: &[f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         loop {
             let mut x = vec![0.0; b.len()];
             let start = Instant::now();
-            let result = self.run_gmres_by_rows(b, &mut x, absolute_tolerance, transposed);
+            let result = self.run_gmres_by_rows(b, &mut x, absolute_tolerance, transpose);
             self.report.solve_seconds += start.elapsed().as_secs_f64();
             let report = match result {
                 Ok(report) => report,
@@ -81,53 +83,41 @@ impl TangentSolver {
         b: &[f64],
         x: &mut [f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<GmresReport, GmresError<SolverError>> {
         let failed = |error: LinearAlgebraError| GmresError::Operator(error.into());
-        let side = Side::of(self.system().map_err(GmresError::Operator)?, transposed);
-        let mut report = match self.run_gmres(b, x, absolute_tolerance, transposed) {
-            // Rounding kept it from its tolerance.
-            Err(GmresError::Stagnated(report) | GmresError::NotConverged(report))
-                if report.relative_residual <= self.options.accepted =>
-            {
-                report
-            }
-            found => found?,
-        };
-        let mut residual = Residual::of(&side, x, b).map_err(failed)?;
-        let mut error = residual.worst().error;
+        let side = Side::of(self.system().map_err(GmresError::Operator)?, transpose);
+        // Rounding may keep it from its tolerance.
+        let found = self.run_gmres(b, x, absolute_tolerance, transpose);
+        let mut report = stopped(found, self.options.accepted)?;
+        let mut found = Refinement::new(&side, self.options.threads, b, x.to_vec()).map_err(failed)?;
         // What is good enough for the caller need not be exact, but no equation may be left aside.
         let is_enough = report.relative_residual * norm(b) <= absolute_tolerance;
         let exact = BESIDE_TERMS * self.options.tolerance;
         let level = if is_enough { exact.max(ROUGH) } else { exact };
         for _ in 0..ROUNDS {
+            let error = found.residual.worst().error;
             if error <= level {
                 return Ok(report);
             }
-            let mut change = vec![0.0; b.len()];
-            let further = match self.run_gmres(&residual.rest, &mut change, 0.0, transposed) {
-                Ok(further) => further,
+            let further = found.go_on(|rest, change| -> Result<GmresReport, Failed> {
                 // Part of a residual is better than nothing.
-                Err(GmresError::Stagnated(further) | GmresError::NotConverged(further)) => further,
-                Err(error) => return Err(error),
-            };
-            report.iterations += further.iterations;
-            add_scaled(&mut change, 1.0, x);
-            let next = Residual::of(&side, &change, b).map_err(failed)?;
-            let next_error = next.worst().error;
+                Ok(stopped(self.run_gmres(rest, change, 0.0, transpose), f64::INFINITY)?)
+            });
+            report.iterations += further.map_err(|Failed(error)| error)?.iterations;
+            let next_error = found.next.worst().error;
             if next_error >= error {
                 break;
             }
-            let stalled = next_error > 0.5 * error;
-            x.copy_from_slice(&change);
-            (residual, error) = (next, next_error);
-            if stalled {
+            found.accept();
+            x.copy_from_slice(&found.x);
+            if next_error > 0.5 * error {
                 break;
             }
         }
         let scale = norm(b);
-        report.relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };
-        residual.check(&side, x, level.max(ACCEPTED)).map_err(failed)?;
+        report.relative_residual = if scale == 0.0 { 0.0 } else { norm(&found.residual.rest) / scale };
+        found.check(level.max(ACCEPTED)).map_err(failed)?;
         Ok(report)
     }
 
@@ -136,7 +126,7 @@ impl TangentSolver {
         b: &[f64],
         x: &mut [f64],
         absolute_tolerance: f64,
-        transposed: bool,
+        transpose: Transpose,
     ) -> Result<GmresReport, GmresError<SolverError>> {
         let matrix = self.system().map_err(GmresError::Operator)?;
         let factor = self.factor.as_ref().ok_or(GmresError::Operator(SolverError::NoMatrix))?;
@@ -149,19 +139,54 @@ impl TangentSolver {
             absolute_tolerance,
             restart: self.options.restart,
             max_iterations: self.options.max_iterations,
-            operator_norm: Some(if transposed { matrix.column_sum_norm() } else { matrix.row_sum_norm() }),
+            operator_norm: Some(if transpose == Transpose::Yes {
+                matrix.column_sum_norm()
+            } else {
+                matrix.row_sum_norm()
+            }),
             flexible: false,
             threads: self.options.threads,
         };
         gmres(
-            |v, w| match transposed {
-                false => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
-                true => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
+            |v, w| match transpose {
+                Transpose::No => matrix.multiply_on(self.options.threads, v, w).map_err(SolverError::from),
+                Transpose::Yes => matrix.multiply_transposed_into(v, w).map_err(SolverError::from),
             },
             |v| factor.solve_in_place(v).map_err(SolverError::from),
             b,
             x,
             &options,
         )
+    }
+}
+
+/// A run that stopped at a residual of at most this size, relative to the right-hand side, is as good as one that met its
+/// tolerance.
+fn stopped(
+    found: Result<GmresReport, GmresError<SolverError>>,
+    accepted: f64,
+) -> Result<GmresReport, GmresError<SolverError>> {
+    match found {
+        Err(GmresError::Stagnated(report) | GmresError::NotConverged(report))
+            if report.relative_residual <= accepted =>
+        {
+            Ok(report)
+        }
+        found => found,
+    }
+}
+
+/// What keeps GMRES from going on.
+struct Failed(GmresError<SolverError>);
+
+impl From<GmresError<SolverError>> for Failed {
+    fn from(error: GmresError<SolverError>) -> Self {
+        Failed(error)
+    }
+}
+
+impl From<LinearAlgebraError> for Failed {
+    fn from(error: LinearAlgebraError) -> Self {
+        Failed(GmresError::Operator(error.into()))
     }
 }

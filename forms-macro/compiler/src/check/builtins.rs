@@ -48,7 +48,7 @@ pub enum Constant {
     Identity,
     /// The identity of tensors, of rank 4.
     TensorIdentity,
-    /// What maps each tensor to its symmetric part.
+    /// The tensor that maps each tensor to its symmetric part.
     SymmetricIdentity,
     Dimension,
     Pi,

@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use proc_macro2::Ident;
 
 use super::{Term, builtins};
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::declared_type::{LARGEST, report_extent};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Shape, Tensor, Truth};
 
-/// What an expression stands for.
+/// The value of an expression.
 #[derive(Clone)]
 pub enum Value {
     Tensor(Tensor),
@@ -51,12 +51,12 @@ pub struct Evaluator<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Functions being inlined, outermost first.
     pub(super) calls: Vec<usize>,
-    /// What a function gave for arguments, so that an equal call is not unfolded again.
+    /// Results of calls by their arguments, so that an equal call is not unfolded again.
     pub(super) given_calls: HashMap<Call, Option<Value>>,
     /// Too large to go on, which has been reported.
     pub(super) exhausted: bool,
     /// Where the operands of the operation at hand stand (a `let` name's value stands elsewhere).
-    pub(super) uses: HashMap<Tensor, Place>,
+    pub(super) uses: HashMap<Tensor, SourceSpan>,
     /// Functions of the module and `let`s stay names, as a formula shows them.
     pub(super) outlined: bool,
     /// Field index of each `Given` or `History` member.
@@ -91,7 +91,7 @@ impl<'a> Evaluator<'a> {
         let mut values = Vec::new();
         for (index, argument) in arguments.iter().enumerate() {
             let operator = Operator::Field { field: index, order: 0 };
-            let node = self.arena.push(operator, fields[index].shape.clone(), Place::of(&argument.name));
+            let node = self.arena.push(operator, fields[index].shape.clone(), SourceSpan::of(&argument.name));
             values.push(Some(Value::Tensor(node)));
         }
         for (index, field) in fields.iter().enumerate().skip(arguments.len()) {
@@ -102,8 +102,8 @@ impl<'a> Evaluator<'a> {
         }
         match &self.module.functions[function].foreign {
             Some(foreign) => {
-                let place = Place::of(&self.module.functions[function].name);
-                self.inline_foreign(function, foreign, values, place)
+                let span = SourceSpan::of(&self.module.functions[function].name);
+                self.inline_foreign(function, foreign, values, span)
             }
             None => self.inline(function, values),
         }
@@ -153,7 +153,7 @@ impl<'a> Evaluator<'a> {
                 "in `{name}` more than {MOST_CALLS} calls or {MOST_DEPTH} operations stand one inside the other"
             );
             let help = "compute it in fewer steps, or in a function written in Rust";
-            self.diagnostics.error_with_help(Place::of(name), message, help);
+            self.diagnostics.error_with_help(SourceSpan::of(name), message, help);
         }
     }
 
@@ -174,14 +174,14 @@ impl<'a> Evaluator<'a> {
                         rank,
                         self.describe(*tensor)
                     );
-                    self.diagnostics.error(body.result.place, message);
+                    self.diagnostics.error(body.result.span, message);
                     return None;
                 }
             }
             (Value::Form(_), Output::Form | Output::Energy | Output::Functional) => {}
             (Value::Tensor(_), _) => {
                 self.diagnostics.error_with_help(
-                    body.result.place,
+                    body.result.span,
                     format!("`{}` is declared to give integrals, its body gives a density", function.name),
                     "write `integral(Region, density)`",
                 );
@@ -190,7 +190,7 @@ impl<'a> Evaluator<'a> {
             (Value::Form(_), Output::Value(rank)) => {
                 let message =
                     format!("`{}` is declared to give a `{}`, its body gives integrals", function.name, rank);
-                self.diagnostics.error(body.result.place, message);
+                self.diagnostics.error(body.result.span, message);
                 return None;
             }
         }
@@ -202,7 +202,7 @@ impl<'a> Evaluator<'a> {
         if !std::mem::replace(&mut self.exhausted, true) {
             let (nodes, terms) = (MOST_NODES / 1_000, MOST_TERMS / 1_000);
             self.diagnostics.error_with_help(
-                Place::of(name),
+                SourceSpan::of(name),
                 format!(
                     "`{name}` unfolds to more than {nodes} thousand operations or {terms} thousand integrals: functions are inlined at each call"
                 ),
@@ -238,51 +238,51 @@ impl<'a> Evaluator<'a> {
     }
 
     pub(super) fn evaluate(&mut self, expression: &Expression, scope: &Scope) -> Option<Value> {
-        let place = expression.place;
+        let span = expression.span;
         let tensor = match &expression.kind {
             ExpressionKind::Mistake => return None,
-            ExpressionKind::Number(value) => self.arena.push(Operator::Number(*value), vec![], place),
-            ExpressionKind::Name(name) => return self.name(name, place, scope),
-            ExpressionKind::Call(name, arguments) => return self.call(name, arguments, place, scope),
+            ExpressionKind::Number(value) => self.arena.push(Operator::Number(*value), vec![], span),
+            ExpressionKind::Name(name) => return self.name(name, span, scope),
+            ExpressionKind::Call(name, arguments) => return self.call(name, arguments, span, scope),
             ExpressionKind::Block(block) => return self.block(block, scope),
             ExpressionKind::Negate(inner) => match self.evaluate(inner, scope)? {
                 Value::Form(terms) => return Some(Value::Form(self.scale_terms(terms, None))),
                 Value::Tensor(inner) => {
                     let shape = self.arena.shape(inner).to_vec();
-                    self.arena.push(Operator::Negate(inner), shape, place)
+                    self.arena.push(Operator::Negate(inner), shape, span)
                 }
             },
             ExpressionKind::Declared(rank, inner) => {
                 let tensor = self.tensor(inner, scope, "`let`")?;
                 if self.arena.shape(tensor) != rank.shape(self.dimension) {
                     let message = format!("declared to be a `{}`, this is {}", rank, self.describe(tensor));
-                    self.diagnostics.error(inner.place, message);
+                    self.diagnostics.error(inner.span, message);
                     return None;
                 }
                 tensor
             }
             ExpressionKind::Binary(operator, left, right) => {
-                let places = [left.place, right.place];
+                let places = [left.span, right.span];
                 let (left, right) = (self.evaluate(left, scope), self.evaluate(right, scope));
                 match (left?, right?) {
                     (Value::Tensor(left), Value::Tensor(right)) => {
                         self.uses = [left, right].into_iter().zip(places).collect();
-                        self.binary(*operator, left, right, place)?
+                        self.binary(*operator, left, right, span)?
                     }
-                    (left, right) => return self.binary_form(*operator, left, right, place),
+                    (left, right) => return self.binary_form(*operator, left, right, span),
                 }
             }
             ExpressionKind::Index(base, indices) => {
                 let base = self.tensor(base, scope, "an index")?;
-                self.index(base, indices, place)?
+                self.index(base, indices, span)?
             }
             ExpressionKind::Array(entries) => {
-                let places = entries.iter().map(|entry| entry.place);
+                let places = entries.iter().map(|entry| entry.span);
                 let values: Vec<_> =
                     entries.iter().map(|entry| self.tensor(entry, scope, "an array")).collect();
                 let values = values.into_iter().collect::<Option<Vec<_>>>()?;
                 self.uses = values.iter().copied().zip(places).collect();
-                self.stack(values, place)?
+                self.stack(values, span)?
             }
             ExpressionKind::Repeat(entry, count, counted) => {
                 let value = self.tensor(entry, scope, "an array");
@@ -291,20 +291,20 @@ impl<'a> Evaluator<'a> {
                     report_extent(*counted, self.diagnostics);
                     return None;
                 };
-                self.stack(vec![value?; count], place)?
+                self.stack(vec![value?; count], span)?
             }
             ExpressionKind::If(condition, taken, otherwise) => {
                 let truth = self.condition(condition, scope);
                 let (taken, otherwise) = (self.block(taken, scope), self.block(otherwise, scope));
                 match (truth?, taken?, otherwise?) {
                     (truth, Value::Tensor(taken), Value::Tensor(otherwise)) => {
-                        self.select(truth, taken, otherwise, place)?
+                        self.select(truth, taken, otherwise, span)?
                     }
                     _ => {
                         let help =
                             "put the `if` into the density: `integral(Region, if .. { .. } else { .. })`";
                         self.diagnostics.error_with_help(
-                            place,
+                            span,
                             "an `if` cannot choose between integrals",
                             help,
                         );
@@ -322,7 +322,7 @@ impl<'a> Evaluator<'a> {
             Value::Tensor(tensor) => Some(tensor),
             Value::Form(_) => {
                 self.diagnostics
-                    .error(expression.place, format!("{user} takes a value, this is a sum of integrals"));
+                    .error(expression.span, format!("{user} takes a value, this is a sum of integrals"));
                 None
             }
         }
@@ -334,7 +334,7 @@ impl<'a> Evaluator<'a> {
         truth: Truth,
         taken: Tensor,
         otherwise: Tensor,
-        place: Place,
+        span: SourceSpan,
     ) -> Option<Tensor> {
         let (first, second) = (self.arena.shape(taken).to_vec(), self.arena.shape(otherwise).to_vec());
         let shape = match (self.arena.is_zero(taken), self.arena.is_zero(otherwise)) {
@@ -347,16 +347,16 @@ impl<'a> Evaluator<'a> {
                     self.describe(taken),
                     self.describe(otherwise)
                 );
-                self.diagnostics.error(place, message);
+                self.diagnostics.error(span, message);
                 return None;
             }
         };
         let mut fit = |branch: Tensor| match self.arena.shape(branch) == shape {
             true => branch,
-            false => self.arena.push(Operator::Zero, shape.clone(), place),
+            false => self.arena.push(Operator::Zero, shape.clone(), span),
         };
         let (taken, otherwise) = (fit(taken), fit(otherwise));
-        Some(self.arena.push(Operator::Select(truth, taken, otherwise), shape, place))
+        Some(self.arena.push(Operator::Select(truth, taken, otherwise), shape, span))
     }
 
     pub(super) fn condition(&mut self, condition: &Condition, scope: &Scope) -> Option<Truth> {

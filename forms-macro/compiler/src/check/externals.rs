@@ -4,7 +4,7 @@
 use proc_macro2::Ident;
 
 use super::evaluate::{Evaluator, Scope};
-use crate::diagnostics::Place;
+use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::{Expression, MemberKind};
 use crate::tensor::{External, Operator, Tensor};
 
@@ -14,21 +14,21 @@ impl Evaluator<'_> {
         &mut self,
         index: usize,
         arguments: &[Expression],
-        place: Place,
+        span: SourceSpan,
         scope: &Scope,
     ) -> Option<Tensor> {
         let external = &self.module.externals[index];
-        self.counted(&external.name, &external.arguments, arguments.len(), place)?;
+        self.counted(&external.name, &external.arguments, arguments.len(), span)?;
         let values = self.shaped(&external.name, &external.arguments, arguments, scope);
         let arguments = values.into_iter().collect::<Option<Vec<_>>>()?;
         let shape = external.output.shape(self.dimension);
         let operator = Operator::External { function: External::Function(index), arguments, order: 0 };
-        Some(self.arena.push(operator, shape, place))
+        Some(self.arena.push(operator, shape, span))
     }
 
     /// The data member of this name that is a table.
     pub(super) fn table(&self, name: &Ident) -> Option<usize> {
-        let mut members = self.module.data.iter().flat_map(|data| &data.members);
+        let mut members = self.module.members();
         members.position(|member| member.name == *name && member.kind == MemberKind::Table)
     }
 
@@ -37,32 +37,32 @@ impl Evaluator<'_> {
         &mut self,
         member: usize,
         arguments: &[Expression],
-        place: Place,
+        span: SourceSpan,
         scope: &Scope,
     ) -> Option<Tensor> {
-        let name = self.module.data.iter().flat_map(|data| &data.members).nth(member)?.name.to_string();
+        let name = self.module.members().nth(member)?.name.to_string();
         let [argument] = arguments else {
             let message = format!("the table `{name}` takes 1 argument, not {}", arguments.len());
-            self.diagnostics.error_with_help(place, message, format!("write `{name}(s)`, with a scalar s"));
+            self.diagnostics.error_with_help(span, message, format!("write `{name}(s)`, with a scalar s"));
             return None;
         };
         let value = self.tensor(argument, scope, &format!("`{name}`"))?;
         if !self.arena.shape(value).is_empty() {
             let message =
                 format!("the argument of the table `{name}` is a scalar, this is {}", self.describe(value));
-            self.diagnostics.error(argument.place, message);
+            self.diagnostics.error(argument.span, message);
             return None;
         }
         let operator =
             Operator::External { function: External::Table(member), arguments: vec![value], order: 0 };
-        Some(self.arena.push(operator, vec![], place))
+        Some(self.arena.push(operator, vec![], span))
     }
 
     /// A function of a square tensor that gives one of the same shape.
     pub(super) fn of_square(
         &mut self,
         a: Tensor,
-        place: Place,
+        span: SourceSpan,
         name: &str,
         function: External,
     ) -> Option<Tensor> {
@@ -70,18 +70,18 @@ impl Evaluator<'_> {
         match shape[..] {
             [rows, columns] if rows == columns && rows <= LARGEST => {
                 let operator = Operator::External { function, arguments: vec![a], order: 0 };
-                Some(self.arena.push(operator, shape, place))
+                Some(self.arena.push(operator, shape, span))
             }
             _ => {
                 let message = format!("`{name}` needs a symmetric tensor, this is {}", self.describe(a));
-                self.diagnostics.error(place, message);
+                self.diagnostics.error(span, message);
                 None
             }
         }
     }
 
     /// Reports what stands in an expression whose gradient is taken and has none.
-    pub(super) fn check_gradient(&mut self, expression: Tensor, place: Place) -> Option<()> {
+    pub(super) fn check_gradient(&mut self, expression: Tensor, span: SourceSpan) -> Option<()> {
         if self.histories.is_empty() {
             return Some(());
         }
@@ -98,7 +98,7 @@ impl Evaluator<'_> {
             name.unwrap_or_default()
         );
         let help = "where a gradient is needed, project to a space and pass a `Given` field";
-        self.diagnostics.error_with_help(place, message, help);
+        self.diagnostics.error_with_help(span, message, help);
         None
     }
 }

@@ -4,7 +4,7 @@ use super::Term;
 use super::builtins::{self, Constant};
 use super::evaluate::{Evaluator, Scope, Value};
 use super::regions::check_existence;
-use crate::diagnostics::Place;
+use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::*;
 use crate::tensor::{Geometry, Operator, Tensor, Variable};
 
@@ -13,7 +13,7 @@ impl Evaluator<'_> {
         &mut self,
         region: &Expression,
         density: &Expression,
-        place: Place,
+        span: SourceSpan,
         scope: &Scope,
     ) -> Option<Value> {
         let regions = &self.module.regions;
@@ -27,7 +27,7 @@ impl Evaluator<'_> {
         };
         if let (None, Some(swapped)) = (found, swapped) {
             let help = format!("write `integral({}, density)`", swapped.name);
-            self.diagnostics.error_with_help(density.place, "the region comes first in `integral`", help);
+            self.diagnostics.error_with_help(density.span, "the region comes first in `integral`", help);
             self.tensor(region, scope, "`integral`");
             return None;
         }
@@ -47,7 +47,7 @@ impl Evaluator<'_> {
                 }
             };
             self.diagnostics.error_with_help(
-                region.place,
+                region.span,
                 "the first argument of `integral` is not a declared region",
                 help,
             );
@@ -60,19 +60,19 @@ impl Evaluator<'_> {
             return None;
         }
         check_existence(&self.arena, density, &regions[index], self.diagnostics);
-        // The whole call is the density's place: errors on linearity speak of the integral.
-        let _ = place;
+        // The whole call is the density's span: errors on linearity speak of the integral.
+        let _ = span;
         Some(Value::Form(vec![Term { region: index, density }]))
     }
 
     pub(super) fn derivative(
         &mut self,
         arguments: &[Expression],
-        place: Place,
+        span: SourceSpan,
         scope: &Scope,
     ) -> Option<Value> {
         if self.is_shape(&arguments[1]) {
-            return self.shape_derivative(arguments, place, scope);
+            return self.shape_derivative(arguments, span, scope);
         }
         let form = self.evaluate(&arguments[0], scope);
         let field = self.tensor(&arguments[1], scope, "`derivative`");
@@ -86,7 +86,7 @@ impl Evaluator<'_> {
             }
             Operator::Geometry(_) => {
                 self.diagnostics.error_with_help(
-                    arguments[1].place,
+                    arguments[1].span,
                     "this moves with the shape of the domain, not by itself",
                     "write `derivative(form, shape, direction)` with a vector field as direction",
                 );
@@ -94,7 +94,7 @@ impl Evaluator<'_> {
             }
             _ => {
                 self.diagnostics.error_with_help(
-                    arguments[1].place,
+                    arguments[1].span,
                     "`derivative` differentiates with respect to a field, and this is not one",
                     "name an argument of the form; `diff(expression, name)` differentiates by any `let` name",
                 );
@@ -107,14 +107,14 @@ impl Evaluator<'_> {
                 self.describe(field),
                 self.describe(direction)
             );
-            self.diagnostics.error(arguments[2].place, message);
+            self.diagnostics.error(arguments[2].span, message);
             return None;
         }
         // Outlined, a call hides what its function depends on; the check has been made.
         let stands = self.outlined || self.stands_in(variable, &form);
         if !stands && !self.is_named_in(&arguments[1], &arguments[0]) {
             self.diagnostics.error_with_help(
-                arguments[1].place,
+                arguments[1].span,
                 "this field does not stand in what is differentiated: the derivative would be zero everywhere",
                 "differentiate by a field of the first argument, or leave this derivative out",
             );
@@ -127,7 +127,7 @@ impl Evaluator<'_> {
                 true => Operator::Gateaux { expression, variable, direction },
                 false => Operator::Zero,
             };
-            self.arena.push(operator, shape, place)
+            self.arena.push(operator, shape, span)
         };
         Some(match form {
             Value::Tensor(density) => Value::Tensor(gateaux(density)),
@@ -149,7 +149,12 @@ impl Evaluator<'_> {
     }
 
     /// `derivative(form, shape, direction)`: of integrals with their measures, of a value without.
-    fn shape_derivative(&mut self, arguments: &[Expression], place: Place, scope: &Scope) -> Option<Value> {
+    fn shape_derivative(
+        &mut self,
+        arguments: &[Expression],
+        span: SourceSpan,
+        scope: &Scope,
+    ) -> Option<Value> {
         let form = self.evaluate(&arguments[0], scope);
         let direction = self.tensor(&arguments[2], scope, "`derivative`");
         let (form, direction) = (form?, direction?);
@@ -157,13 +162,13 @@ impl Evaluator<'_> {
             let message =
                 format!("the shape moves along a vector field, this is {}", self.describe(direction));
             let help = "give a displacement of the points, `Theta: State<Vector>` or `Theta: Test<Vector>`";
-            self.diagnostics.error_with_help(arguments[2].place, message, help);
+            self.diagnostics.error_with_help(arguments[2].span, message, help);
             return None;
         }
         let mut gateaux = |expression: Tensor, entity: Option<Entity>| {
             let shape = self.arena.shape(expression).to_vec();
             let operator = Operator::Gateaux { expression, variable: Variable::Shape(entity), direction };
-            self.arena.push(operator, shape, place)
+            self.arena.push(operator, shape, span)
         };
         Some(match form {
             Value::Tensor(value) => Value::Tensor(gateaux(value, None)),
@@ -207,7 +212,7 @@ impl Evaluator<'_> {
     pub(super) fn partial(
         &mut self,
         arguments: &[Expression],
-        place: Place,
+        span: SourceSpan,
         scope: &Scope,
     ) -> Option<Tensor> {
         let expression = self.tensor(&arguments[0], scope, "`diff`");
@@ -226,12 +231,12 @@ impl Evaluator<'_> {
             | Operator::Identity
             | Operator::SymmetricIdentity
             | Operator::Geometry(_) => {
-                self.diagnostics.error(arguments[1].place, "`diff` by a constant: there is nothing to vary");
+                self.diagnostics.error(arguments[1].span, "`diff` by a constant: there is nothing to vary");
                 return None;
             }
             _ => {
                 self.diagnostics.error_with_help(
-                    arguments[1].place,
+                    arguments[1].span,
                     "`diff` differentiates by a name, and this is an expression",
                     "give it a name first: `let w = ..; diff(f(w), w)`",
                 );
@@ -240,15 +245,15 @@ impl Evaluator<'_> {
         };
         if matches!(variable, Variable::Node(node) if !self.arena.reachable(&[expression]).contains(&node)) {
             self.diagnostics.error_with_help(
-                arguments[1].place,
+                arguments[1].span,
                 "this name does not stand in the expression: the derivative would be zero everywhere",
                 "use the name itself in the expression, not what it stands for: `let w = ..; diff(f(w), w)`",
             );
             return None;
         }
         let shape = [self.arena.shape(expression), self.arena.shape(name)].concat();
-        self.limit_rank(&shape, "diff", place)?;
-        Some(self.arena.push(Operator::Partial(expression, variable), shape, place))
+        self.limit_rank(&shape, "diff", span)?;
+        Some(self.arena.push(Operator::Partial(expression, variable), shape, span))
     }
 
     /// Terms times a factor, or negated.
@@ -259,8 +264,8 @@ impl Evaluator<'_> {
                 Some(factor) => Operator::Scale(factor, term.density),
                 None => Operator::Negate(term.density),
             };
-            // Keep the density's own place: that is where a later mistake is.
-            let own = self.arena.place(term.density);
+            // Keep the density's own span: that is where a later mistake is.
+            let own = self.arena.span(term.density);
             scaled.push(Term { region: term.region, density: self.arena.push(operator, vec![], own) });
         }
         scaled
@@ -271,7 +276,7 @@ impl Evaluator<'_> {
         operator: BinaryOperator,
         left: Value,
         right: Value,
-        place: Place,
+        span: SourceSpan,
     ) -> Option<Value> {
         use BinaryOperator::*;
         match (operator, left, right) {
@@ -290,14 +295,14 @@ impl Evaluator<'_> {
             }
             (Divide, Value::Form(terms), Value::Tensor(divisor)) => {
                 let divisor = self.constant_factor(divisor)?;
-                let one = self.arena.push(Operator::Number(1.0), vec![], place);
-                let factor = self.arena.push(Operator::Divide(one, divisor), vec![], place);
+                let one = self.arena.push(Operator::Number(1.0), vec![], span);
+                let factor = self.arena.push(Operator::Divide(one, divisor), vec![], span);
                 Some(Value::Form(self.scale_terms(terms, Some(factor))))
             }
             _ => {
                 let help = "integrals are added, subtracted, and multiplied or divided by a constant";
                 self.diagnostics.error_with_help(
-                    place,
+                    span,
                     "this operation between integrals has no meaning",
                     help,
                 );
@@ -306,13 +311,13 @@ impl Evaluator<'_> {
         }
     }
 
-    /// What stands before an integral must not vary in space.
+    /// The factor of an integral must not vary in space.
     pub(super) fn constant_factor(&mut self, factor: Tensor) -> Option<Tensor> {
         let factor = self.expect_scalar(factor, "a factor of an integral")?;
         for node in self.arena.reachable(&[factor]) {
             if matches!(self.arena.node(node).operator, Operator::Field { .. } | Operator::Geometry(_)) {
                 self.diagnostics.error_with_help(
-                    self.arena.place(node),
+                    self.arena.span(node),
                     "this varies in space and cannot stand outside the integral",
                     "move it into the density",
                 );

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use super::Term;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::{ArgumentRole, Function};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor, Variable};
 
@@ -44,7 +44,7 @@ pub fn check_form(
         .collect();
     if tests.is_empty() {
         diagnostics.error_with_help(
-            Place::of(&function.name),
+            SourceSpan::of(&function.name),
             format!("the form `{}` has no test function", function.name),
             "add an argument `v: Test<..>`, or declare it `-> Functional` or `-> Energy`",
         );
@@ -70,7 +70,7 @@ pub fn check_functional(function: &Function, diagnostics: &mut Diagnostics) -> b
     let mut right = true;
     for argument in function.arguments.iter().filter(|argument| argument.role == ArgumentRole::Test) {
         diagnostics.error_with_help(
-            Place::of(&argument.name),
+            SourceSpan::of(&argument.name),
             format!("`{}` is a number: it has no test function", function.name),
             "declare it `-> Form`, or drop this argument",
         );
@@ -172,7 +172,7 @@ impl Algebra<'_> {
             (Free, other) | (other, Free) => return Some(other),
             (Linear(first), Linear(second)) => (first, second),
         };
-        let place = self.arena.place(whole);
+        let span = self.arena.span(whole);
         let shared = first.iter().find(|test| second.contains(test));
         if let Some(test) = shared {
             let name = &self.fields[*test].name;
@@ -180,7 +180,7 @@ impl Algebra<'_> {
                 format!("this product is not linear in the test function: `{name}` stands in both factors");
             let help =
                 "keep it in one of them; for an energy declare `-> Energy` and leave the test function out";
-            self.diagnostics.error_with_help(place, message, help);
+            self.diagnostics.error_with_help(span, message, help);
             return None;
         }
         let [v, w] =
@@ -192,7 +192,7 @@ impl Algebra<'_> {
         );
         let help =
             "each term has one test function: one of the two was meant to be an unknown, or another term";
-        self.diagnostics.error_with_help(place, message, help);
+        self.diagnostics.error_with_help(span, message, help);
         None
     }
 
@@ -250,7 +250,7 @@ impl Algebra<'_> {
     fn without(&mut self, part: Tensor, names: &[&str]) {
         let message = format!("this term does not contain the test function `{}`", names.join("` or `"));
         let help = "every term of a form is linear in a test function: multiply by it, or move the term out";
-        self.diagnostics.error_with_help(self.arena.place(part), message, help);
+        self.diagnostics.error_with_help(self.arena.span(part), message, help);
     }
 
     fn free(&mut self, a: Tensor, user: &str) -> Option<Dependence> {
@@ -259,7 +259,7 @@ impl Algebra<'_> {
             let name = tests.first().map(|test| self.fields[*test].name.as_str()).unwrap_or_default();
             let message = format!("not linear in the test function `{name}`: it stands inside {user}");
             let help = "a form is a sum of terms, each a product of one test function with things free of it";
-            self.diagnostics.error_with_help(self.arena.place(a), message, help);
+            self.diagnostics.error_with_help(self.arena.span(a), message, help);
             return None;
         }
         Some(Free)

@@ -20,7 +20,7 @@ use std::collections::HashMap;
 
 use proc_macro2::Ident;
 
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::*;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Tensor};
 
@@ -40,7 +40,7 @@ pub struct CheckedFunction {
     pub content: Content,
 }
 
-/// What a checked function is.
+/// Kinds of checked functions.
 pub enum Content {
     /// Linear in its test functions.
     Form(Vec<Term>),
@@ -120,7 +120,7 @@ pub fn fields_of(module: &Module, function: &Function, dimension: usize) -> Vec<
 
 /// The members of the data struct that are fields.
 pub fn field_members(module: &Module) -> impl Iterator<Item = &Member> {
-    let members = module.data.iter().flat_map(|data| &data.members);
+    let members = module.members();
     members
         .filter(|member| matches!(member.kind, MemberKind::Given | MemberKind::Carried | MemberKind::History))
 }
@@ -169,7 +169,7 @@ fn check_value(function: &Function, diagnostics: &mut Diagnostics) -> bool {
             function.name, argument.name
         );
         let help = "give the rank alone, `Scalar`, `Vector` or `Tensor`: forms may pass what they like";
-        diagnostics.error_with_help(Place::of(&argument.name), message, help);
+        diagnostics.error_with_help(SourceSpan::of(&argument.name), message, help);
         right = false;
     }
     right
@@ -177,17 +177,19 @@ fn check_value(function: &Function, diagnostics: &mut Diagnostics) -> bool {
 
 /// Names declared twice, or declared though they are built in.
 fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
-    let members = module.data.iter().flat_map(|data| &data.members).map(|member| &member.name);
+    let members = module.data.iter().flat_map(Data::own).map(|member| &member.name);
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
     let data = module.data.iter().map(|data| &data.name);
     let externals = module.externals.iter().map(|external| &external.name);
     for name in data.clone().chain(regions.clone()).chain(functions.clone()) {
-        if is_reserved(&name.to_string()) {
+        let required = *name == Data::REQUIRED && module.data.iter().any(Data::has_defaults);
+        if required || is_reserved(&name.to_string()) {
             let message = format!("the name `{name}` is used by the compiled module itself");
-            diagnostics.error_with_help(Place::of(name), message, "choose another name");
+            diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
         }
     }
+    check_extension(module, diagnostics);
     check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
@@ -195,9 +197,29 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
             // Rust takes it for the region's pattern, too.
             if module.regions.iter().any(|region| region.name == *name) {
                 let message = format!("`{name}` is a region of this module, and no argument");
-                diagnostics.error_with_help(Place::of(name), message, "choose another name");
+                diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
             }
         }
+    }
+}
+
+/// Names of the base's members, declared again.
+fn check_extension(module: &Module, diagnostics: &mut Diagnostics) {
+    let Some(data) = module.data.as_ref() else { return };
+    let path = data.base.as_ref().map_or(data.name.to_string(), |path| path.to_string().replace(' ', ""));
+    let inherited = |name: &Ident| data.members.iter().any(|member| member.depth > 0 && member.name == *name);
+    for Member { name, .. } in data.own() {
+        if inherited(name) {
+            let message = format!("`{name}` is a member of `{path}`, which these data extend");
+            diagnostics.error_with_help(SourceSpan::of(name), message, "leave it out: forms read the base's");
+        }
+    }
+    let regions = module.regions.iter().map(|region| &region.name);
+    let functions = module.functions.iter().map(|function| &function.name);
+    let externals = module.externals.iter().map(|external| &external.name);
+    for name in regions.chain(functions).chain(externals).filter(|name| inherited(name)) {
+        let message = format!("`{name}` is a member of `{path}`, which the data of this module extend");
+        diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
     }
 }
 
@@ -207,7 +229,7 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
         let text = name.to_string();
         check_not_built_in(name, diagnostics);
         if seen.insert(text, ()).is_some() {
-            diagnostics.error(Place::of(name), format!("the name `{name}` is declared twice"));
+            diagnostics.error(SourceSpan::of(name), format!("the name `{name}` is declared twice"));
         }
     }
 }
@@ -222,7 +244,7 @@ fn check_not_built_in(name: &Ident, diagnostics: &mut Diagnostics) {
     let text = name.to_string();
     if builtins::is_built_in(&text) {
         diagnostics.error_with_help(
-            Place::of(name),
+            SourceSpan::of(name),
             format!("`{name}` is built in and cannot be declared again"),
             format!("call this one `{name}_`, or `{name}` with a word that says which"),
         );

@@ -1,47 +1,47 @@
-//! What a name stands for: a local, a datum, geometry; and what to say of one that is not known.
+//! Resolution of names: a local, a datum, geometry; and the message for one that is not known.
 
 use proc_macro2::Ident;
 
 use super::builtins::{self, Constant};
 use super::elsewhere;
 use super::evaluate::{Evaluator, Scope, Value};
-use crate::diagnostics::Place;
+use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::{Expression, ExpressionKind, MemberKind};
 use crate::tensor::{Geometry, Operator};
 
 impl Evaluator<'_> {
-    pub(super) fn name(&mut self, name: &Ident, place: Place, scope: &Scope) -> Option<Value> {
+    pub(super) fn name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) -> Option<Value> {
         let text = name.to_string();
         if let Some(value) = scope.get(&text) {
             // A field is a field wherever it is named: mistakes are told where it is used.
             if let Some(Value::Tensor(tensor)) = value {
                 let node = self.arena.node(*tensor).clone();
                 if matches!(node.operator, Operator::Field { order: 0, .. } | Operator::Parameter(_)) {
-                    return Some(Value::Tensor(self.arena.push(node.operator, node.shape, place)));
+                    return Some(Value::Tensor(self.arena.push(node.operator, node.shape, span)));
                 }
             }
             return value.clone();
         }
         if let Some((field, shape)) = self.given.get(&text).cloned() {
             let operator = Operator::Field { field, order: 0 };
-            return Some(Value::Tensor(self.arena.push(operator, shape, place)));
+            return Some(Value::Tensor(self.arena.push(operator, shape, span)));
         }
-        let members = self.module.data.iter().flat_map(|data| &data.members);
+        let members = self.module.members();
         if let Some((index, member)) = members.enumerate().find(|(_, member)| member.name == *name) {
             if member.kind == MemberKind::Table {
                 let help = format!("write `{text}(s)`, with a scalar s");
-                self.diagnostics.error_with_help(place, format!("`{text}` is a table, not a value"), help);
+                self.diagnostics.error_with_help(span, format!("`{text}` is a table, not a value"), help);
                 return None;
             }
             let shape = member.rank.shape(self.dimension);
-            return Some(Value::Tensor(self.arena.push(Operator::Parameter(index), shape, place)));
+            return Some(Value::Tensor(self.arena.push(Operator::Parameter(index), shape, span)));
         }
         if let Some(constant) = builtins::constant(&text) {
             let d = self.dimension;
             let (operator, shape) = match constant {
                 Constant::Shape => {
                     self.diagnostics.error_with_help(
-                        place,
+                        span,
                         "`shape` is the shape of the domain, not a value",
                         "write `derivative(form, shape, direction)` with a vector field as direction",
                     );
@@ -57,46 +57,45 @@ impl Evaluator<'_> {
                 Constant::Dimension => (Operator::Number(d as f64), vec![]),
                 Constant::Pi => (Operator::Number(std::f64::consts::PI), vec![]),
             };
-            let value = self.arena.push(operator, shape, place);
+            let value = self.arena.push(operator, shape, span);
             return Some(Value::Tensor(self.name_constant(constant, value)));
         }
         if !self.module.is_mistaken(name) {
-            self.unknown_name(name, place, scope);
+            self.unknown_name(name, span, scope);
         }
         None
     }
 
-    pub(super) fn unknown_name(&mut self, name: &Ident, place: Place, scope: &Scope) {
+    pub(super) fn unknown_name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) {
         let text = name.to_string();
         if text.contains('·') {
             let help = format!("write `dot({})`", text.replace('·', ", "));
             self.diagnostics.error_with_help(
-                place,
+                span,
                 format!("`{text}` is one identifier to Rust, not a product"),
                 help,
             );
         } else if self.module.regions.iter().any(|region| region.name == *name) {
             let help = format!("write `integral({text}, density)`");
-            self.diagnostics.error_with_help(place, format!("`{text}` is a region, not a value"), help);
+            self.diagnostics.error_with_help(span, format!("`{text}` is a region, not a value"), help);
         } else if builtins::builtin(&text).is_some()
             || self.function(name).is_some()
             || self.module.externals.iter().any(|external| external.name == *name)
         {
             self.diagnostics.error_with_help(
-                place,
+                span,
                 format!("`{text}` is a function, not a value"),
                 format!("write `{text}(..)`"),
             );
         } else {
-            let members =
-                self.module.data.iter().flat_map(|data| &data.members).map(|member| member.name.to_string());
+            let members = self.module.members().map(|member| member.name.to_string());
             let own: Vec<String> = scope.keys().cloned().chain(members).collect();
             let built_in = builtins::CONSTANTS.iter().map(|entry| entry.0);
             let message = format!("the name `{text}` is not known here");
             let help = suggestion(&text, &own, built_in).unwrap_or_else(|| {
                 "arguments, `let` names, members of the data struct and built-in names are known".into()
             });
-            self.diagnostics.error_with_help(place, message, help);
+            self.diagnostics.error_with_help(span, message, help);
         }
     }
 
@@ -108,11 +107,11 @@ impl Evaluator<'_> {
         &mut self,
         name: &Ident,
         arguments: &[Expression],
-        place: Place,
+        span: SourceSpan,
         scope: &Scope,
     ) {
         let text = name.to_string();
-        let member = self.module.data.iter().flat_map(|data| &data.members).find(|one| one.name == *name);
+        let member = self.module.members().find(|one| one.name == *name);
         if scope.contains_key(&text) || member.is_some() || builtins::constant(&text).is_some() {
             // What stands between the parentheses may be the mistake, which has been told.
             if !arguments.iter().any(|argument| matches!(argument.kind, ExpressionKind::Mistake)) {
@@ -123,10 +122,10 @@ impl Evaluator<'_> {
         }
         if self.module.regions.iter().any(|region| region.name == *name) {
             let help = format!("write `integral({text}, density)`");
-            self.diagnostics.error_with_help(place, format!("`{text}` is a region, not a function"), help);
+            self.diagnostics.error_with_help(span, format!("`{text}` is a region, not a function"), help);
             return;
         }
-        let tables = self.module.data.iter().flat_map(|data| &data.members);
+        let tables = self.module.members();
         let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
         let externals = self.module.externals.iter().map(|external| &external.name);
         let functions = self.module.functions.iter().map(|function| &function.name);
@@ -135,7 +134,7 @@ impl Evaluator<'_> {
         let message = format!("the function `{name}` is not known here");
         let help = suggestion(&text, &own, built_in)
             .unwrap_or_else(|| format!("declare `fn {name}(..)` in this module"));
-        self.diagnostics.error_with_help(Place::of(name), message, help);
+        self.diagnostics.error_with_help(SourceSpan::of(name), message, help);
     }
 
     /// Reports parentheses after what is a value: `gap(x + u)`, `u(0)`, `k (a + b)`.
@@ -151,7 +150,7 @@ impl Evaluator<'_> {
             _ => None,
         };
         let numbers: Option<Vec<f64>> = arguments.iter().map(number).collect();
-        let axes = match self.name(name, Place::of(name), scope) {
+        let axes = match self.name(name, SourceSpan::of(name), scope) {
             Some(Value::Tensor(value)) => self.arena.shape(value).len(),
             Some(Value::Form(_)) => 0,
             // Its own mistake has been told.
@@ -169,7 +168,7 @@ impl Evaluator<'_> {
             _ => format!("write `{name} * (..)` for a product"),
         };
         self.diagnostics.error_with_help(
-            Place::of(name),
+            SourceSpan::of(name),
             format!("`{name}` is a value, not a function"),
             help,
         );

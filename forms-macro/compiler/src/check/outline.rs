@@ -6,7 +6,7 @@ use proc_macro2::Ident;
 use super::builtins::Constant;
 use super::evaluate::{Evaluator, Value};
 use super::{CheckedFunction, Content, fields_of};
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::*;
 use crate::tensor::{Named, Operator, Tensor};
 
@@ -37,17 +37,17 @@ impl Evaluator<'_> {
         function: usize,
         rank: Rank,
         values: Vec<Option<Value>>,
-        place: Place,
+        span: SourceSpan,
     ) -> Value {
         let arguments = values.into_iter().filter_map(|value| match value {
             Some(Value::Tensor(tensor)) => Some(tensor),
             _ => None,
         });
         let named = Named::Call { function, arguments: arguments.collect(), directions: vec![] };
-        Value::Tensor(self.arena.push(Operator::Named(named), rank.shape(self.dimension), place))
+        Value::Tensor(self.arena.push(Operator::Named(named), rank.shape(self.dimension), span))
     }
 
-    /// What a `let` gives a name to; what is only another name or a number stays as it is.
+    /// Names the value of a `let`; another name or a number stays as it is.
     pub(super) fn name_value(&mut self, name: &Ident, value: Value) -> Value {
         let Value::Tensor(tensor) = value else { return value };
         let name = name.to_string();
@@ -68,8 +68,8 @@ impl Evaluator<'_> {
     }
 
     fn label(&mut self, name: String, value: Tensor) -> Tensor {
-        let (shape, place) = (self.arena.shape(value).to_vec(), self.arena.place(value));
-        self.arena.push(Operator::Named(Named::Value { name, value }), shape, place)
+        let (shape, span) = (self.arena.shape(value).to_vec(), self.arena.span(value));
+        self.arena.push(Operator::Named(Named::Value { name, value }), shape, span)
     }
 
     fn is_leaf(&self, tensor: Tensor) -> bool {
@@ -79,7 +79,7 @@ impl Evaluator<'_> {
 
     fn is_taken(&self, name: &str) -> bool {
         let arguments = self.calls.iter().flat_map(|call| &self.module.functions[*call].arguments);
-        let members = self.module.data.iter().flat_map(|data| &data.members);
+        let members = self.module.members();
         arguments
             .map(|argument| &argument.name)
             .chain(members.map(|member| &member.name))

@@ -1,4 +1,4 @@
-//! What exists on a region: the normal on facets only, the two sides of a facet on interior facets only;
+//! Quantities that exist on a region: the normal on facets only, the two sides of a facet on interior facets only;
 //! and there, what needs a side.
 
 use proc_macro2::Ident;
@@ -17,7 +17,7 @@ pub fn check_existence(arena: &Arena, density: Tensor, region: &Region, diagnost
             (Operator::Geometry(Geometry::Curvature), Entity::Cells) => "the curvature",
             (Operator::Restrict(..), Entity::Cells | Entity::Facets) => {
                 diagnostics.error_with_help(
-                    arena.place(node),
+                    arena.span(node),
                     format!(
                         "only interior facets have two sides, and `{name}` consists of {}",
                         entity.plural()
@@ -29,7 +29,7 @@ pub fn check_existence(arena: &Arena, density: Tensor, region: &Region, diagnost
             _ => continue,
         };
         diagnostics.error_with_help(
-            arena.place(node),
+            arena.span(node),
             format!("{what} does not exist inside cells, and `{name}` consists of cells"),
             "integrate this over a region declared `#[facets]`",
         );
@@ -53,7 +53,7 @@ pub fn check_sides(
         let what = match (&arena.node(node).operator, side) {
             (Operator::Restrict(..), Some(_)) => {
                 diagnostics.error_with_help(
-                    arena.place(node),
+                    arena.span(node),
                     "this has a side of the facet already, and takes no second one",
                     "restrict it once; a direction of `derivative` gets the sides of the field that it varies",
                 );
@@ -69,7 +69,7 @@ pub fn check_sides(
             _ => continue,
         };
         diagnostics.error_with_help(
-            arena.place(node),
+            arena.span(node),
             format!("{what} has two values on {facet}, one from each of its cells"),
             "say which around it, or around the expression in which it stands: `avg(..)`, `jump(..)`, `this(..)`, `other(..)`",
         );

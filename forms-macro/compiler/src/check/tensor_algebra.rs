@@ -2,24 +2,24 @@
 
 use super::evaluate::Evaluator;
 use super::operators::LARGEST_RANK;
-use crate::diagnostics::Place;
+use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind};
 use crate::tensor::{LinearMap, Operator, Tensor};
 
 impl Evaluator<'_> {
     /// Reports a result of more axes than the language has.
-    pub(super) fn limit_rank(&mut self, shape: &[usize], name: &str, place: Place) -> Option<()> {
+    pub(super) fn limit_rank(&mut self, shape: &[usize], name: &str, span: SourceSpan) -> Option<()> {
         if shape.len() > LARGEST_RANK {
             let message = format!("`{name}` would give a tensor of rank {}", shape.len());
             let help = format!("the largest rank is {LARGEST_RANK}: contract first");
-            self.diagnostics.error_with_help(place, message, help);
+            self.diagnostics.error_with_help(span, message, help);
             return None;
         }
         Some(())
     }
 
     /// Last two axes of the first with first two axes of the second.
-    pub(super) fn double_dot(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+    pub(super) fn double_dot(&mut self, a: Tensor, b: Tensor, span: SourceSpan) -> Option<Tensor> {
         let (left, right) = (self.arena.shape(a).to_vec(), self.arena.shape(b).to_vec());
         if left.len() < 2 || right.len() < 2 {
             let low = if left.len() < 2 { a } else { b };
@@ -40,32 +40,32 @@ impl Evaluator<'_> {
                 right[0],
                 right[1]
             );
-            self.diagnostics.error(place, message);
+            self.diagnostics.error(span, message);
             return None;
         }
         if left.len() == 2 && right.len() == 2 {
-            return Some(self.arena.push(Operator::Inner(a, b), vec![], place));
+            return Some(self.arena.push(Operator::Inner(a, b), vec![], span));
         }
         let shape = [&left[..left.len() - 2], &right[2..]].concat();
-        self.limit_rank(&shape, "ddot", place)?;
-        Some(self.arena.push(Operator::DoubleContract(a, b), shape, place))
+        self.limit_rank(&shape, "ddot", span)?;
+        Some(self.arena.push(Operator::DoubleContract(a, b), shape, span))
     }
 
     /// a × b of two vectors; in the plane also of a vector and a scalar, which stands for s e_z.
-    pub(super) fn cross(&mut self, a: Tensor, b: Tensor, place: Place) -> Option<Tensor> {
+    pub(super) fn cross(&mut self, a: Tensor, b: Tensor, span: SourceSpan) -> Option<Tensor> {
         let (left, right) = (self.arena.shape(a).to_vec(), self.arena.shape(b).to_vec());
         match (&left[..], &right[..]) {
-            ([3], [3]) => Some(self.arena.push(Operator::Cross(a, b), vec![3], place)),
-            ([2], [2]) => Some(self.arena.push(Operator::Cross(a, b), vec![], place)),
+            ([3], [3]) => Some(self.arena.push(Operator::Cross(a, b), vec![3], span)),
+            ([2], [2]) => Some(self.arena.push(Operator::Cross(a, b), vec![], span)),
             // s e_z × b
             ([], [2]) => {
-                let turned = self.arena.push(Operator::Map(LinearMap::Perpendicular, b), right, place);
-                Some(self.arena.push(Operator::Scale(a, turned), vec![2], place))
+                let turned = self.arena.push(Operator::Map(LinearMap::Perpendicular, b), right, span);
+                Some(self.arena.push(Operator::Scale(a, turned), vec![2], span))
             }
             ([2], []) => {
-                let turned = self.arena.push(Operator::Map(LinearMap::Perpendicular, a), left, place);
-                let product = self.arena.push(Operator::Scale(b, turned), vec![2], place);
-                Some(self.arena.push(Operator::Negate(product), vec![2], place))
+                let turned = self.arena.push(Operator::Map(LinearMap::Perpendicular, a), left, span);
+                let product = self.arena.push(Operator::Scale(b, turned), vec![2], span);
+                Some(self.arena.push(Operator::Negate(product), vec![2], span))
             }
             _ => {
                 let message = format!(
@@ -74,42 +74,42 @@ impl Evaluator<'_> {
                     self.describe(b)
                 );
                 let help = "in the plane one of the two may be a scalar, which stands for s e_z";
-                self.diagnostics.error_with_help(place, message, help);
+                self.diagnostics.error_with_help(span, message, help);
                 None
             }
         }
     }
 
     /// |a| of any rank.
-    pub(super) fn norm(&mut self, a: Tensor, place: Place) -> Tensor {
-        self.arena.push(Operator::Norm(a), vec![], place)
+    pub(super) fn norm(&mut self, a: Tensor, span: SourceSpan) -> Tensor {
+        self.arena.push(Operator::Norm(a), vec![], span)
     }
 
     /// a / |a|, and zero where a is.
-    pub(super) fn normalize(&mut self, a: Tensor, place: Place) -> Tensor {
+    pub(super) fn normalize(&mut self, a: Tensor, span: SourceSpan) -> Tensor {
         let shape = self.arena.shape(a).to_vec();
-        let norm = self.norm(a, place);
-        self.arena.push(Operator::DivideOrZero(a, norm), shape, place)
+        let norm = self.norm(a, span);
+        self.arena.push(Operator::DivideOrZero(a, norm), shape, span)
     }
 
     /// √(a² + b²)
-    pub(super) fn hypotenuse(&mut self, a: Tensor, b: Tensor, place: Place) -> Tensor {
-        let both = self.arena.push(Operator::Stack(vec![a, b]), vec![2], place);
-        self.norm(both, place)
+    pub(super) fn hypotenuse(&mut self, a: Tensor, b: Tensor, span: SourceSpan) -> Tensor {
+        let both = self.arena.push(Operator::Stack(vec![a, b]), vec![2], span);
+        self.norm(both, span)
     }
 
     /// curl: of a vector in three dimensions a vector; in two of a vector a scalar, of a scalar a vector.
-    pub(super) fn curl(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+    pub(super) fn curl(&mut self, a: Tensor, span: SourceSpan) -> Option<Tensor> {
         let shape = self.arena.shape(a).to_vec();
         let result = match (self.dimension, &shape[..]) {
             (3, [3]) => vec![3],
             (2, [2]) => vec![],
             // (∂_1 s, −∂_0 s), a quarter turn of the gradient to the right
             (2, []) => {
-                let gradient = self.gradient(a, place)?;
+                let gradient = self.gradient(a, span)?;
                 let turned = Operator::Map(LinearMap::Perpendicular, gradient);
-                let turned = self.arena.push(turned, vec![2], place);
-                return Some(self.arena.push(Operator::Negate(turned), vec![2], place));
+                let turned = self.arena.push(turned, vec![2], span);
+                return Some(self.arena.push(Operator::Negate(turned), vec![2], span));
             }
             _ => {
                 let message =
@@ -119,23 +119,23 @@ impl Evaluator<'_> {
                 return None;
             }
         };
-        let gradient = self.gradient(a, place)?;
-        Some(self.arena.push(Operator::Map(LinearMap::Curl, gradient), result, place))
+        let gradient = self.gradient(a, span)?;
+        Some(self.arena.push(Operator::Map(LinearMap::Curl, gradient), result, span))
     }
 
     /// (a_0, a_1) → (−a_1, a_0)
-    pub(super) fn perpendicular(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+    pub(super) fn perpendicular(&mut self, a: Tensor, span: SourceSpan) -> Option<Tensor> {
         if self.arena.shape(a) != [2] {
             let message = format!("`perp` needs a vector of two components, this is {}", self.describe(a));
             let help = "in three dimensions a vector perpendicular to two others is `cross(a, b)`";
             self.diagnostics.error_with_help(self.place_of(a), message, help);
             return None;
         }
-        Some(self.arena.push(Operator::Map(LinearMap::Perpendicular, a), vec![2], place))
+        Some(self.arena.push(Operator::Map(LinearMap::Perpendicular, a), vec![2], span))
     }
 
     /// The diagonal of a square tensor, or the tensor of a diagonal.
-    pub(super) fn diagonal(&mut self, a: Tensor, place: Place) -> Option<Tensor> {
+    pub(super) fn diagonal(&mut self, a: Tensor, span: SourceSpan) -> Option<Tensor> {
         let (map, shape) = match self.arena.shape(a)[..] {
             [n, m] if n == m => (LinearMap::Diagonal, vec![n]),
             [n] => (LinearMap::DiagonalTensor, vec![n, n]),
@@ -146,21 +146,21 @@ impl Evaluator<'_> {
                 return None;
             }
         };
-        Some(self.arena.push(Operator::Map(map, a), shape, place))
+        Some(self.arena.push(Operator::Map(map, a), shape, span))
     }
 
     /// `identity(3)`
-    pub(super) fn identity_of_size(&mut self, size: &Expression, place: Place) -> Option<Tensor> {
+    pub(super) fn identity_of_size(&mut self, size: &Expression, span: SourceSpan) -> Option<Tensor> {
         let extent = match self.written_number(size) {
             Some(value) if (1.0..=16.0).contains(&value) && value.fract() == 0.0 => value as usize,
             _ => {
                 let message = "`identity` takes a whole number from 1 to 16 that is written down";
                 let help = "write `identity(3)`, or `I` for the identity of the dimension";
-                self.diagnostics.error_with_help(size.place, message, help);
+                self.diagnostics.error_with_help(size.span, message, help);
                 return None;
             }
         };
-        Some(self.arena.push(Operator::Identity, vec![extent; 2], place))
+        Some(self.arena.push(Operator::Identity, vec![extent; 2], span))
     }
 
     /// The value of an expression of numbers and `D`.

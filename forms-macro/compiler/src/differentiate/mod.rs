@@ -125,7 +125,7 @@ struct Lowering<'a> {
     /// As checked.
     fields: Vec<FieldInfo>,
     known: HashMap<Tensor, Tensor>,
-    /// What `diff(e, w)` differentiates by.
+    /// The variable of `diff(e, w)`.
     names: HashSet<Tensor>,
     /// Too large to go on, which has been reported.
     exhausted: bool,
@@ -162,12 +162,12 @@ impl Lowering<'_> {
         direction: usize,
         fields: &[FieldInfo],
     ) -> Tensor {
-        let place = self.arena.place(expression);
+        let span = self.arena.span(expression);
         let operator = Operator::Field { field: direction, order: 0 };
-        let direction = self.arena.push(operator, fields[direction].shape.clone(), place);
+        let direction = self.arena.push(operator, fields[direction].shape.clone(), span);
         let shape = self.arena.shape(expression).to_vec();
         let operator = Operator::Gateaux { expression, variable: Variable::Field(field), direction };
-        self.arena.push(operator, shape, place)
+        self.arena.push(operator, shape, span)
     }
 
     /// The same expression without operators of differentiation. A node without any keeps its identity,
@@ -177,7 +177,7 @@ impl Lowering<'_> {
             return *known;
         }
         let node = self.arena.node(tensor).clone();
-        let place = node.place;
+        let span = node.span;
         let lowered = match node.operator {
             Operator::Gateaux { expression, variable, direction } => {
                 let expression = self.lower(expression);
@@ -185,7 +185,7 @@ impl Lowering<'_> {
                 let variable = self.lower_variable(variable);
                 let seed = Seed::Toward { variable, direction, with_gradient: true };
                 self.derive(expression, seed)
-                    .unwrap_or_else(|| self.arena.push(Operator::Zero, node.shape, place))
+                    .unwrap_or_else(|| self.arena.push(Operator::Zero, node.shape, span))
             }
             Operator::Gradient(expression) => {
                 let expression = self.lower(expression);
@@ -193,7 +193,7 @@ impl Lowering<'_> {
                     self.arena.node(expression).operator
                 {
                     let operator = Operator::Field { field, order: order + 1 };
-                    self.arena.push(operator, node.shape, place)
+                    self.arena.push(operator, node.shape, span)
                 } else {
                     let directions: Vec<_> =
                         (0..self.dimension).map(|axis| self.derive(expression, Seed::Along(axis))).collect();
@@ -221,7 +221,7 @@ impl Lowering<'_> {
                     new
                 };
                 let operator = map_operands(&operator, &mut change);
-                if changed { self.arena.push(operator, node.shape, place) } else { tensor }
+                if changed { self.arena.push(operator, node.shape, span) } else { tensor }
             }
         };
         let lowered = self.apart(tensor, lowered);
@@ -236,7 +236,7 @@ impl Lowering<'_> {
             return lowered;
         }
         let node = self.arena.node(lowered).clone();
-        self.arena.push(node.operator, node.shape, node.place)
+        self.arena.push(node.operator, node.shape, node.span)
     }
 
     fn lower_variable(&mut self, variable: Variable) -> Variable {
@@ -251,7 +251,7 @@ impl Lowering<'_> {
             if !std::mem::replace(&mut self.exhausted, true) {
                 let message = "the derivatives of this unfold to more than a million operations";
                 let help = "differentiate fewer times, or by tensors of lower rank";
-                self.diagnostics.error_with_help(self.arena.place(expression), message, help);
+                self.diagnostics.error_with_help(self.arena.span(expression), message, help);
             }
             return None;
         }
@@ -262,8 +262,8 @@ impl Lowering<'_> {
             for order in 1..=highest {
                 let last = directions[order - 1];
                 let shape = [self.arena.shape(last), &[self.dimension]].concat();
-                let place = self.arena.place(last);
-                let gradient = self.arena.push(Operator::Gradient(last), shape, place);
+                let span = self.arena.span(last);
+                let gradient = self.arena.push(Operator::Gradient(last), shape, span);
                 directions.push(self.lower(gradient));
             }
         }
@@ -294,9 +294,9 @@ impl Lowering<'_> {
 
     /// The unit tensor of a shape whose `entry`-th component (row-major) is one.
     fn unit(&mut self, shape: &[usize], entry: usize, origin: Tensor) -> Tensor {
-        let place = self.arena.place(origin);
+        let span = self.arena.span(origin);
         let Some((first, rest)) = shape.split_first() else {
-            return self.arena.share(Operator::Number(1.0), vec![], place);
+            return self.arena.share(Operator::Number(1.0), vec![], span);
         };
         let stride: usize = rest.iter().product();
         let mut rows = Vec::new();
@@ -304,10 +304,10 @@ impl Lowering<'_> {
             rows.push(if entry / stride == row {
                 self.unit(rest, entry % stride, origin)
             } else {
-                self.arena.share(Operator::Zero, rest.to_vec(), place)
+                self.arena.share(Operator::Zero, rest.to_vec(), span)
             });
         }
-        self.arena.share(Operator::Stack(rows), shape.to_vec(), place)
+        self.arena.share(Operator::Stack(rows), shape.to_vec(), span)
     }
 
     /// From one tensor like `model` per index of the trailing axes to one tensor with those axes.
@@ -317,7 +317,7 @@ impl Lowering<'_> {
         directions: &[Option<Tensor>],
         trailing: &[usize],
     ) -> Tensor {
-        let place = self.arena.place(model);
+        let span = self.arena.span(model);
         let shape = self.arena.shape(model).to_vec();
         let mut entries = Vec::new();
         for index in multi_indices(&shape) {
@@ -325,9 +325,9 @@ impl Lowering<'_> {
                 entries.push(match direction {
                     Some(direction) if index.is_empty() => *direction,
                     Some(direction) => {
-                        self.arena.share(Operator::Component(*direction, index.clone()), vec![], place)
+                        self.arena.share(Operator::Component(*direction, index.clone()), vec![], span)
                     }
-                    None => self.arena.share(Operator::Zero, vec![], place),
+                    None => self.arena.share(Operator::Zero, vec![], span),
                 });
             }
         }
@@ -339,8 +339,8 @@ impl Lowering<'_> {
         let Some((first, rest)) = shape.split_first() else { return entries[0] };
         let stride = entries.len() / first;
         let rows = entries.chunks(stride).map(|row| self.nest(row.to_vec(), rest, origin)).collect();
-        let place = self.arena.place(origin);
-        self.arena.share(Operator::Stack(rows), shape.to_vec(), place)
+        let span = self.arena.span(origin);
+        self.arena.share(Operator::Stack(rows), shape.to_vec(), span)
     }
 
     /// The additive parts of a density, or the density as one part if they are too many: a sum of shared sums
@@ -371,7 +371,7 @@ impl Lowering<'_> {
 
     /// Splits a scalar density at `+`, `-` and factors that are parameters only.
     fn additive_parts(&mut self, density: Tensor) -> Vec<Tensor> {
-        let place = self.arena.place(density);
+        let span = self.arena.span(density);
         match self.arena.node(density).operator.clone() {
             Operator::Add(a, b) => {
                 let mut parts = self.additive_parts(a);
@@ -380,26 +380,26 @@ impl Lowering<'_> {
             }
             Operator::Negate(a) => {
                 let parts = self.additive_parts(a);
-                parts.into_iter().map(|part| self.arena.push(Operator::Negate(part), vec![], place)).collect()
+                parts.into_iter().map(|part| self.arena.push(Operator::Negate(part), vec![], span)).collect()
             }
             Operator::Scale(a, factor) | Operator::Scale(factor, a) if self.is_parameter(factor) => {
                 let parts = self.additive_parts(a);
                 parts
                     .into_iter()
-                    .map(|part| self.arena.push(Operator::Scale(factor, part), vec![], place))
+                    .map(|part| self.arena.push(Operator::Scale(factor, part), vec![], span))
                     .collect()
             }
             Operator::Divide(a, divisor) if self.is_parameter(divisor) => {
                 let parts = self.additive_parts(a);
                 parts
                     .into_iter()
-                    .map(|part| self.arena.push(Operator::Divide(part, divisor), vec![], place))
+                    .map(|part| self.arena.push(Operator::Divide(part, divisor), vec![], span))
                     .collect()
             }
             Operator::Restrict(side, a) => {
                 let parts = self.additive_parts(a);
                 let operators = parts.into_iter().map(|part| Operator::Restrict(side, part));
-                operators.map(|operator| self.arena.push(operator, vec![], place)).collect()
+                operators.map(|operator| self.arena.push(operator, vec![], span)).collect()
             }
             _ => vec![density],
         }

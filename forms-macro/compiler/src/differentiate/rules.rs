@@ -15,7 +15,7 @@ use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
 use crate::tensor::{Arena, FieldInfo, Geometry, Named, Operator, Tensor, Truth, Variable};
 
-/// What is varied, and how.
+/// The variable and its direction.
 #[derive(Clone, Copy, Debug)]
 pub enum Seed {
     /// A variable moves in a direction; a field's gradient moves with it if `with_gradient`
@@ -274,7 +274,7 @@ impl<'a> Differentiation<'a> {
 
     fn no_third_derivative(&mut self, tensor: Tensor) {
         self.diagnostics.error_with_help(
-            self.arena.place(tensor),
+            self.arena.span(tensor),
             "third derivatives of a field are not available",
             "second derivatives are the highest, `hess(u)`: for more, make a derivative an unknown of its own",
         );
@@ -323,7 +323,7 @@ impl<'a> Differentiation<'a> {
             Geometry::Normal | Geometry::Curvature => {
                 let message = "the gradient of the normal is not available";
                 self.diagnostics.error_with_help(
-                    self.arena.place(tensor),
+                    self.arena.span(tensor),
                     message,
                     "its trace is the built-in `curvature`",
                 );
@@ -411,7 +411,7 @@ impl<'a> Differentiation<'a> {
     }
 
     fn push(&mut self, operator: Operator, shape: Vec<usize>, origin: Tensor) -> Tensor {
-        let place = self.arena.place(origin);
-        self.arena.share(operator, shape, place)
+        let span = self.arena.span(origin);
+        self.arena.share(operator, shape, span)
     }
 }

@@ -16,7 +16,7 @@ use quote::quote;
 /// The name of the variable. Emitted code reads it, too, so that cargo builds anew when it changes.
 pub const VARIABLE: &str = "FORMS_DUMP";
 
-/// What is asked for, and the text so far.
+/// The request, and the text so far.
 #[derive(Debug, Default)]
 pub struct Dump {
     wanted: Vec<String>,
@@ -53,7 +53,7 @@ fn is(wanted: &str, name: &str) -> bool {
     wanted == "all" || wanted == name
 }
 
-/// What makes cargo build anew when the variable changes.
+/// Tokens that make cargo build anew when the variable changes.
 pub fn tracker() -> TokenStream {
     quote! { const _: ::core::option::Option<&::core::primitive::str> = ::core::option_env!(#VARIABLE); }
 }

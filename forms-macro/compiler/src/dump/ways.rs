@@ -1,4 +1,4 @@
-//! What a backend can make of a kernel beside direct loops, in operations per element: a reference tensor on affine
+//! Ways of a backend to run a kernel beside direct loops, in operations per element: a reference tensor on affine
 //! cells, sum factorisation on tensor-product cells. Fields at points are not in it: they are the same for all.
 
 use std::collections::BTreeSet;

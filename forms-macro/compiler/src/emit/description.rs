@@ -1,4 +1,4 @@
-//! What the compiler knows of an integral, as a `contract::Integral`.
+//! Description of an integral, as a `contract::Integral`.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -14,7 +14,7 @@ pub struct Argument {
     pub side: Side,
 }
 
-/// What is told of an integral that has no test (or no trial) function.
+/// The description of an integral that has no test (or no trial) function.
 pub const NO_ARGUMENT: Argument = Argument { number: 0, side: Side::This };
 
 /// The variant of `contract::Side`.

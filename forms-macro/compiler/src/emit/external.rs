@@ -6,7 +6,7 @@ use quote::{format_ident, quote, quote_spanned};
 
 use crate::parse::syntax::{External, MemberKind, Module};
 
-/// What emitted code calls things outside the module.
+/// Names in emitted code of things outside the module.
 pub struct ExternalNames {
     /// The type of each function in this dimension.
     pub functions: Vec<Ident>,
@@ -17,7 +17,7 @@ pub struct ExternalNames {
 impl ExternalNames {
     pub fn new(module: &Module, dimension: usize) -> Self {
         let mut next = 0;
-        let tables = module.data.iter().flat_map(|data| &data.members).map(|member| {
+        let tables = module.members().map(|member| {
             let index = next;
             next += usize::from(member.kind == MemberKind::Table);
             index

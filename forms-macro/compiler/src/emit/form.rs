@@ -3,6 +3,7 @@
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
+use super::data::way;
 use super::formula;
 use super::integrals::emit_integrals;
 use super::model::snake_case;
@@ -142,15 +143,10 @@ fn own(name: &str) -> Ident {
 
 fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     let (own_data, own_inputs) = (own("data"), own("inputs"));
-    let parameters = module
-        .data
-        .iter()
-        .flat_map(|data| &data.members)
-        .filter(|member| member.kind == MemberKind::Param)
-        .map(|member| {
-            let (name, text) = (&member.name, member.name.to_string());
-            quote! { #own_inputs.push_parameter(#text, &#own_data.#name); }
-        });
+    let parameters = module.members().filter(|member| member.kind == MemberKind::Param).map(|member| {
+        let (way, text) = (way(member), member.name.to_string());
+        quote! { #own_inputs.push_parameter(#text, &#own_data.#way); }
+    });
     let arguments = function.arguments.iter().map(|argument| match argument.role {
         ArgumentRole::Unknown | ArgumentRole::Test => quote! { ::core::option::Option::None },
         _ => {
@@ -159,11 +155,10 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         }
     });
     let given = field_members(module).map(|member| {
-        let name = &member.name;
-        quote! { ::core::option::Option::Some(::core::clone::Clone::clone(#own_data.#name.source())) }
+        let way = way(member);
+        quote! { ::core::option::Option::Some(::core::clone::Clone::clone(#own_data.#way.source())) }
     });
-    let tables = module.data.iter().flat_map(|data| &data.members);
-    let tables = tables.filter(|member| member.kind == MemberKind::Table).map(|member| &member.name);
+    let tables = module.members().filter(|member| member.kind == MemberKind::Table).map(way);
     // No argument names an energy's test function per unknown, nor a tangent's direction per unknown.
     let unknowns =
         function.arguments.iter().filter(|argument| argument.role == ArgumentRole::Unknown).count();

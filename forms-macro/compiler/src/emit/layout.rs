@@ -1,4 +1,4 @@
-//! What a kernel reads: `contract::Requirements`, and the layout of its field data.
+//! Inputs of a kernel: `contract::Requirements`, and the layout of its field data.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// What the kernel reads, from the terminals that its roots hold.
+    /// The kernel's inputs, from the terminals that its roots hold.
     pub fn new(graph: &Graph, fields: &[FieldInfo], dimension: usize, roots: &[Scalar]) -> Self {
         let terminals = graph.reachable(roots);
         let reads = |test: &dyn Fn(&Node) -> bool| terminals.iter().any(|scalar| test(graph.node(*scalar)));

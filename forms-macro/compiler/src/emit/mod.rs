@@ -1,6 +1,7 @@
 //! Stage 5: [`Optimised`] functions → Rust: the data struct, the regions, a constructor per function, and
 //! behind it a module with the form's type and its kernels.
 
+mod data;
 mod description;
 mod external;
 mod form;
@@ -35,7 +36,7 @@ pub fn emit(
     formulas: &[Option<Shown>],
     backend: &syn::Path,
 ) -> TokenStream {
-    let data = module.data.as_ref().map(|data| emit_data(data, &module.mistaken));
+    let data = module.data.as_ref().map(|data| data::emit_data(data, module));
     // A name declared twice, or one that belongs to the emitted code, has been reported: the first stands.
     let mut taken: BTreeSet<String> = module.data.iter().map(|data| data.name.to_string()).collect();
     let mut is_first = |name: &Ident| !is_reserved(&name.to_string()) && taken.insert(name.to_string());
@@ -84,28 +85,6 @@ pub fn emit(
     }
 }
 
-fn emit_data(data: &Data, mistaken: &[Mistaken]) -> TokenStream {
-    let Data { attributes, visibility, name, members } = data;
-    if let Some(path) = imported_path(attributes) {
-        return quote! { #[allow(unused_imports)] #visibility use #path as #name; };
-    }
-    let mut taken = BTreeSet::new();
-    let members = members.iter().filter(|member| taken.insert(member.name.to_string())).map(emit_member);
-    let unread = mistaken.iter().filter_map(|mistaken| match mistaken {
-        Mistaken::Member(member) => Some(emit_member(member)),
-        Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) | Mistaken::Function { .. } => None,
-    });
-    let members = members.chain(unread);
-    let derived = derived(attributes);
-    quote! {
-        #(#attributes)*
-        #derived
-        #visibility struct #name<const D: ::core::primitive::usize> {
-            #(#members),*
-        }
-    }
-}
-
 /// The traits that every declaration derives, but for those that its own attributes do.
 fn derived(attributes: &[syn::Attribute]) -> TokenStream {
     let mut own = Vec::new();
@@ -119,29 +98,6 @@ fn derived(attributes: &[syn::Attribute]) -> TokenStream {
     let clone = (!own.iter().any(|name| name == "Clone")).then(|| quote! { ::core::clone::Clone, });
     let debug = (!own.iter().any(|name| name == "Debug")).then(|| quote! { ::core::fmt::Debug, });
     quote! { #[derive(#clone #debug)] }
-}
-
-fn emit_member(member: &Member) -> TokenStream {
-    let Member { attributes, name, kind, rank } = member;
-    let value = value_type(*rank);
-    let ty = match kind {
-        MemberKind::Param => value,
-        MemberKind::Given | MemberKind::Carried => quote! { contract::Given<#value, D> },
-        MemberKind::History => quote! { contract::History<#value, D> },
-        MemberKind::Table => quote! { contract::Table },
-    };
-    quote! { #(#attributes)* pub #name: #ty }
-}
-
-/// `[[f64; D]; 2]` for a matrix of two rows.
-fn value_type(rank: Rank) -> TokenStream {
-    rank.extents().iter().rev().fold(quote! { ::core::primitive::f64 }, |entry, extent| {
-        let extent = match extent {
-            Extent::Dimension => quote! { D },
-            Extent::Fixed(number) => quote! { #number },
-        };
-        quote! { [#entry; #extent] }
-    })
 }
 
 fn emit_region(region: &Region) -> TokenStream {

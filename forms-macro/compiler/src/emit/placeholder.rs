@@ -1,4 +1,4 @@
-//! What a function with a mistake is written as, so that the rest of the crate gets no further errors.
+//! Placeholders for functions with a mistake, so that the rest of the crate gets no further errors.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;

@@ -14,7 +14,7 @@ use crate::tensor::{External, Function};
 pub struct Body {
     pub statements: TokenStream,
     pub results: Vec<TokenStream>,
-    /// How many operations that is.
+    /// Number of operations.
     pub operations: usize,
 }
 

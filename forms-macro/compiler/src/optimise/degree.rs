@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::tensor::{Arena, Geometry, Operator, Tensor};
 
-/// What contributes to a degree.
+/// Contributions to a degree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     /// A field's derivative of an order.

@@ -25,7 +25,7 @@ impl SidedField {
     }
 }
 
-/// What a coefficient stands before: a component, and which derivative of it.
+/// The factor beside a coefficient: a component, and which derivative of it.
 pub type Slot = (usize, Derivative);
 
 /// Slot → coefficient.

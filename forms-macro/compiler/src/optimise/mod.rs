@@ -59,7 +59,7 @@ pub enum Dependence {
     Nonlinear,
 }
 
-/// What residual and tangent integrals have in common.
+/// The common part of residual and tangent integrals.
 #[derive(Clone, Debug)]
 pub struct Description {
     pub region: usize,
@@ -81,7 +81,7 @@ pub struct BilinearIntegral {
     pub trial: SidedField,
     pub symmetric: bool,
     pub plan: BilinearPlan,
-    /// What each plan would cost, the cheapest first: that is the one taken.
+    /// The cost of each plan, the cheapest first: that is the one taken.
     pub candidates: Vec<Candidate>,
 }
 
@@ -99,7 +99,7 @@ pub struct Setting<'a> {
     pub entities: &'a [Entity],
 }
 
-/// Why a function cannot become kernels.
+/// Reasons why a function cannot become kernels.
 pub enum Failure {
     /// An integral that is not linear in the argument of this name, which `check` rules out.
     NotLinear(String),
@@ -163,7 +163,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
     Ok(planned)
 }
 
-/// What was planned, unless it is too large; an error is the name of an argument in which an integral is not linear.
+/// The planned function, unless it is too large; an error is the name of an argument in which an integral is not linear.
 fn checked<T>(result: Result<T, String>, graph: &Graph) -> Result<T, Failure> {
     if graph.exhausted { Err(Failure::TooLarge) } else { result.map_err(Failure::NotLinear) }
 }
@@ -172,7 +172,7 @@ fn checked<T>(result: Result<T, String>, graph: &Graph) -> Result<T, Failure> {
 pub fn parameter_offsets(module: &Module, dimension: usize) -> Vec<usize> {
     let mut next = 0;
     let mut offsets = Vec::new();
-    for member in module.data.iter().flat_map(|data| &data.members) {
+    for member in module.members() {
         offsets.push(next);
         if member.kind == MemberKind::Param {
             next += member.rank.shape(dimension).iter().product::<usize>();
@@ -403,7 +403,7 @@ fn densities(terms: &[Term], scalariser: &mut Scalariser, degrees: &mut Degrees)
         .collect()
 }
 
-/// What is positive where a kink of a nonlinear integral is "on".
+/// Values that are positive where a kink of a nonlinear integral is "on".
 fn switches(
     group: &Group,
     arena: &crate::tensor::Arena,

@@ -7,7 +7,7 @@ use super::linear::{Coefficients, of_component};
 use super::scalar::{Argument, Graph, Node, Scalar};
 use super::straight_line::{Code, Level, Value};
 
-/// How the blocks of a bilinear integral are computed.
+/// Plans for the blocks of a bilinear integral.
 #[derive(Clone, Debug, Default)]
 pub struct BilinearPlan {
     /// Factors of a test node, free of the weight.
@@ -53,7 +53,7 @@ impl BilinearPlan {
         self.sums[sum].push((test, trial));
     }
 
-    /// What the kernel's functions cost.
+    /// Cost of the kernel's functions.
     pub fn operations(&self, graph: &Graph) -> Operations {
         let roots: Vec<Scalar> = self.roots().copied().collect();
         let mut code = Code::new(graph, &roots);

@@ -18,7 +18,7 @@ pub fn equal(graph: &Graph, a: Scalar, b: Scalar) -> bool {
     Expansion::new(graph).are_equal(a, b)
 }
 
-/// What several proofs expand: shared nodes are expanded once.
+/// Expansions that several proofs use: shared nodes are expanded once.
 pub struct Expansion<'g> {
     graph: &'g Graph,
     known: HashMap<Scalar, Option<Rc<Polynomial>>>,

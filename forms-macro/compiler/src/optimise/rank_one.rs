@@ -1,4 +1,4 @@
-//! What is of rank one in a matrix of coefficients: terms c_kl = r_k s_l, found where products of powers agree.
+//! Parts of rank one of a matrix of coefficients: terms c_kl = r_k s_l, found where products of powers agree.
 
 use std::collections::BTreeMap;
 
@@ -127,7 +127,7 @@ fn monomials(graph: &Graph, scalar: Scalar) -> Vec<Monomial> {
     }
 }
 
-/// What stands across from `term` in a matrix of rank one, given the other two corners of the rectangle.
+/// The corner opposite `term` in a matrix of rank one, given the other two corners of the rectangle.
 fn corner(term: &Monomial, first: &Monomial, second: &Monomial) -> Monomial {
     // Not by a quotient where there is none, which would round.
     match (first == term, second == term) {

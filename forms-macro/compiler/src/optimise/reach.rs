@@ -1,4 +1,4 @@
-//! What scalars are made of: operands, all nodes below, and which nodes hold a terminal.
+//! Reachability among scalars: operands, all nodes below, and which nodes hold a terminal.
 
 use super::scalar::{Graph, Node, Scalar};
 

@@ -175,7 +175,7 @@ impl<'a> Code<'a> {
         self.push(Instruction::Number((value + 0.0).to_bits()))
     }
 
-    /// What the function of a level computes itself for these results, operands first.
+    /// The nodes that the function of a level computes itself for these results, operands first.
     pub fn own(&self, roots: &[Value], level: Level) -> Vec<Value> {
         let mut own: Vec<Value> = Vec::new();
         let mut pending: Vec<Value> = roots.to_vec();

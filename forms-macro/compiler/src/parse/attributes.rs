@@ -5,7 +5,7 @@ use quote::ToTokens;
 use syn::{AttrStyle, Attribute, Meta};
 
 use super::syntax::Entity;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 
 /// First words of attributes that change nothing about a body: lints, documentation, and what tools read.
 const HARMLESS: &[&str] = &["allow", "expect", "warn", "deny", "forbid", "doc", "rustfmt", "clippy"];
@@ -20,7 +20,7 @@ pub fn of_declaration(attributes: Vec<Attribute>, diagnostics: &mut Diagnostics)
             _ => attribute.path().is_ident("cfg"),
         };
         match conditional {
-            true => report_cfg(Place::of(&attribute), diagnostics),
+            true => report_cfg(SourceSpan::of(&attribute), diagnostics),
             false => kept.push(outer(attribute)),
         }
     }
@@ -43,7 +43,7 @@ pub fn marker(attribute: &Attribute, diagnostics: &mut Diagnostics) -> Option<En
     let (name, entity) = Entity::MARKERS.iter().find(|(name, _)| attribute.path().is_ident(name))?;
     if !matches!(attribute.meta, Meta::Path(_)) {
         let message = format!("`#[{name}]` takes nothing");
-        diagnostics.error_with_help(Place::of(attribute), message, format!("write `#[{name}]`"));
+        diagnostics.error_with_help(SourceSpan::of(attribute), message, format!("write `#[{name}]`"));
     }
     Some(*entity)
 }
@@ -65,7 +65,7 @@ pub fn check_inside(tokens: impl ToTokens, diagnostics: &mut Diagnostics) {
             match start {
                 Some(start) if group.delimiter() == Delimiter::Bracket => {
                     let whole: TokenStream = tokens[start..=index].iter().cloned().collect();
-                    check_one(group.stream(), Place::of(&whole), diagnostics);
+                    check_one(group.stream(), SourceSpan::of(&whole), diagnostics);
                 }
                 _ => check_inside(group.stream(), diagnostics),
             }
@@ -73,24 +73,24 @@ pub fn check_inside(tokens: impl ToTokens, diagnostics: &mut Diagnostics) {
     }
 }
 
-fn check_one(content: TokenStream, place: Place, diagnostics: &mut Diagnostics) {
+fn check_one(content: TokenStream, span: SourceSpan, diagnostics: &mut Diagnostics) {
     let word = match content.into_iter().next() {
         Some(TokenTree::Ident(word)) => word.to_string(),
         _ => String::new(),
     };
     match word.as_str() {
         word if HARMLESS.contains(&word) => {}
-        "cfg" | "cfg_attr" => report_cfg(place, diagnostics),
+        "cfg" | "cfg_attr" => report_cfg(span, diagnostics),
         _ => {
             let help = "leave it out: attributes stand before functions, structs and members";
-            diagnostics.error_with_help(place, "this attribute has no meaning in a weak form", help);
+            diagnostics.error_with_help(span, "this attribute has no meaning in a weak form", help);
         }
     }
 }
 
-fn report_cfg(place: Place, diagnostics: &mut Diagnostics) {
+fn report_cfg(span: SourceSpan, diagnostics: &mut Diagnostics) {
     diagnostics.error_with_help(
-        place,
+        span,
         "`#[cfg]` has no meaning inside a forms module: its compiler does not see which case holds",
         "put it before the whole module, and write one module for each case",
     );

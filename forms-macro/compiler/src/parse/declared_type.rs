@@ -4,9 +4,9 @@ use proc_macro2::Ident;
 use syn::{Expr, GenericArgument, Lit, PathArguments, Type};
 
 use super::syntax::{Extent, Rank};
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 
-/// Why there is no [`Rank`].
+/// Reasons why there is no [`Rank`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unread {
     /// The word is none that stands for a shape: the caller says what may stand there.
@@ -61,7 +61,7 @@ pub fn rank(ty: &Type, diagnostics: &mut Diagnostics) -> Result<Rank, Unread> {
             0 => format!("`{word}` has no extents of its own"),
             _ => format!("`{word}` has {count} {extents}, not {}", arguments.len()),
         };
-        diagnostics.error_with_help(Place::of(ty), message, format!("write {usage}"));
+        diagnostics.error_with_help(SourceSpan::of(ty), message, format!("write {usage}"));
         return Err(Unread::Reported);
     }
     let extents: Vec<_> = arguments.iter().map(|argument| extent(argument, diagnostics)).collect();
@@ -85,12 +85,12 @@ fn extent(argument: &GenericArgument, diagnostics: &mut Diagnostics) -> Option<E
         }
         _ => {}
     }
-    report_extent(Place::of(argument), diagnostics);
+    report_extent(SourceSpan::of(argument), diagnostics);
     None
 }
 
 /// Reports what is no extent.
-pub fn report_extent(place: Place, diagnostics: &mut Diagnostics) {
+pub fn report_extent(span: SourceSpan, diagnostics: &mut Diagnostics) {
     let message = format!("an extent is a whole number from 1 to {LARGEST}, or `D`, the dimension");
-    diagnostics.error_with_help(place, message, "write `Vector<3>` or `Matrix<D, 3>`");
+    diagnostics.error_with_help(span, message, "write `Vector<3>` or `Matrix<D, 3>`");
 }

@@ -7,7 +7,7 @@ use super::declared_type::{self, Unread};
 use super::syntax::*;
 use super::whole_number::WholeNumber;
 use crate::check::elsewhere;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 
 /// Reads `{ let ..; result }`.
 pub fn read_block(block: &syn::Block, diagnostics: &mut Diagnostics) -> Option<Block> {
@@ -27,7 +27,7 @@ pub fn read_block(block: &syn::Block, diagnostics: &mut Diagnostics) -> Option<B
             }
             other => {
                 diagnostics.error_with_help(
-                    Place::of(other),
+                    SourceSpan::of(other),
                     "unsupported statement in a weak form",
                     "a body is a list of `let name = ..;` and one final expression without semicolon",
                 );
@@ -36,7 +36,7 @@ pub fn read_block(block: &syn::Block, diagnostics: &mut Diagnostics) -> Option<B
         }
     }
     if result.is_none() && complete {
-        diagnostics.error(Place::of(block), "this body has no final expression, so it gives nothing");
+        diagnostics.error(SourceSpan::of(block), "this body has no final expression, so it gives nothing");
     }
     match (complete, result) {
         (true, Some(result)) => Some(Block { lets, result: Box::new(result) }),
@@ -51,12 +51,12 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
     };
     let (Pat::Ident(name @ PatIdent { by_ref: None, subpat: None, .. }), Some(init)) = (pattern, &local.init)
     else {
-        diagnostics.error(Place::of(local), "unsupported `let`: write `let name = expression;`");
+        diagnostics.error(SourceSpan::of(local), "unsupported `let`: write `let name = expression;`");
         return None;
     };
     if name.mutability.is_some() || init.diverge.is_some() {
         diagnostics.error(
-            Place::of(local),
+            SourceSpan::of(local),
             "unsupported `let`: names in a weak form are neither mutable nor conditional",
         );
         return None;
@@ -68,33 +68,33 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
         Err(Unread::Reported) => return None,
         Err(Unread::Unknown) => {
             let help = "leave it out, or write `Scalar`, `Vector` or `Tensor`";
-            diagnostics.error_with_help(Place::of(ty), "this type is not known here", help);
+            diagnostics.error_with_help(SourceSpan::of(ty), "this type is not known here", help);
             return None;
         }
     };
-    let declared = Expression { place: value.place, kind: ExpressionKind::Declared(rank, Box::new(value)) };
+    let declared = Expression { span: value.span, kind: ExpressionKind::Declared(rank, Box::new(value)) };
     Some((name.ident.clone(), declared))
 }
 
 /// Reads an expression. What cannot be read becomes [`ExpressionKind::Mistake`], after a report, so that
 /// the mistakes in the rest of the body are told in the same run.
 pub fn read(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
-    let mistake = Expression { place: Place::of(expression), kind: ExpressionKind::Mistake };
+    let mistake = Expression { span: SourceSpan::of(expression), kind: ExpressionKind::Mistake };
     Some(read_expression(expression, diagnostics).unwrap_or(mistake))
 }
 
 /// `None` after a report.
 fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
-    let place = Place::of(expression);
+    let span = SourceSpan::of(expression);
     let kind = match expression {
         Expr::Paren(inner) => {
-            return read(&inner.expr, diagnostics).map(|inner| Expression { place, ..inner });
+            return read(&inner.expr, diagnostics).map(|inner| Expression { span, ..inner });
         }
         Expr::Group(inner) => return read(&inner.expr, diagnostics),
         Expr::Block(block) if block.label.is_none() => {
             ExpressionKind::Block(read_block(&block.block, diagnostics)?)
         }
-        Expr::Lit(literal) => ExpressionKind::Number(read_number(&literal.lit, place, diagnostics)?),
+        Expr::Lit(literal) => ExpressionKind::Number(read_number(&literal.lit, span, diagnostics)?),
         Expr::Path(path) => match path.path.get_ident() {
             Some(name) => ExpressionKind::Name(name.clone()),
             None => {
@@ -155,12 +155,12 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
         }
         Expr::Repeat(repeat) => {
             let entry = read(&repeat.expr, diagnostics);
-            let place = Place::of(&repeat.len);
+            let span = SourceSpan::of(&repeat.len);
             let count = WholeNumber::read(&repeat.len);
             if count.is_none() {
-                declared_type::report_extent(place, diagnostics);
+                declared_type::report_extent(span, diagnostics);
             }
-            ExpressionKind::Repeat(Box::new(entry?), count?, place)
+            ExpressionKind::Repeat(Box::new(entry?), count?, span)
         }
         Expr::If(branch) => read_if(branch, diagnostics)?,
         Expr::MethodCall(call) => {
@@ -209,7 +209,7 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
             return unsupported(expression, "this Rust syntax", help, diagnostics);
         }
     };
-    Some(Expression { place, kind })
+    Some(Expression { span, kind })
 }
 
 fn read_if(branch: &ExprIf, diagnostics: &mut Diagnostics) -> Option<ExpressionKind> {
@@ -217,7 +217,7 @@ fn read_if(branch: &ExprIf, diagnostics: &mut Diagnostics) -> Option<ExpressionK
     let taken = read_block(&branch.then_branch, diagnostics);
     let Some((_, otherwise)) = &branch.else_branch else {
         diagnostics.error_with_help(
-            Place::of(branch),
+            SourceSpan::of(branch),
             "this `if` has no `else`",
             "a weak form needs a value in both cases: add `else { 0 }` or what is meant",
         );
@@ -262,7 +262,7 @@ fn read_condition(condition: &Expr, diagnostics: &mut Diagnostics) -> Option<Con
 
 fn not_a_condition(condition: &Expr, diagnostics: &mut Diagnostics) -> Option<Condition> {
     diagnostics.error_with_help(
-        Place::of(condition),
+        SourceSpan::of(condition),
         "this is not a condition",
         "compare two scalars with `< <= > >= == !=`, and join with `&& || !`",
     );
@@ -277,7 +277,7 @@ fn read_indices(index: &Expr, diagnostics: &mut Diagnostics) -> Option<Vec<Index
     let indices: Option<Vec<_>> = read.into_iter().collect();
     if indices.is_none() {
         diagnostics.error_with_help(
-            Place::of(index),
+            SourceSpan::of(index),
             "an index is a whole number known here",
             "write `u[0]`, `u[D - 1]`, `F[0][1]` or `F[(0, 1)]`, and for more than one entry `u[0..2]` or `F[(.., 1)]`",
         );
@@ -299,33 +299,34 @@ fn read_index(index: &Expr) -> Option<Index> {
         }
         other => IndexKind::One(WholeNumber::read(other)?),
     };
-    Some(Index { place: Place::of(index), kind })
+    Some(Index { span: SourceSpan::of(index), kind })
 }
 
-fn read_number(literal: &Lit, place: Place, diagnostics: &mut Diagnostics) -> Option<f64> {
+/// The number that a literal stands for. `None` after a report.
+pub(super) fn read_number(literal: &Lit, span: SourceSpan, diagnostics: &mut Diagnostics) -> Option<f64> {
     let (digits, suffix) = match literal {
         Lit::Int(integer) => (integer.base10_digits().to_string(), integer.suffix().to_string()),
         Lit::Float(float) => (float.base10_digits().to_string(), float.suffix().to_string()),
         Lit::Str(text) if matches!(text.value().as_str(), "+" | "-") => {
             let message = "unsupported literal: a weak form has numbers only";
             let help = "the sides of an interior facet are `this(u)` and `other(u)`";
-            diagnostics.error_with_help(place, message, help);
+            diagnostics.error_with_help(span, message, help);
             return None;
         }
         _ => {
-            diagnostics.error(place, "unsupported literal: a weak form has numbers only");
+            diagnostics.error(span, "unsupported literal: a weak form has numbers only");
             return None;
         }
     };
     match (digits.parse::<f64>(), suffix.as_str()) {
         (Ok(value), "" | "f64") if value.is_finite() => Some(value),
         (_, "" | "f64") => {
-            diagnostics.error(place, "this number does not fit a 64-bit float");
+            diagnostics.error(span, "this number does not fit a 64-bit float");
             None
         }
         _ => {
             diagnostics.error_with_help(
-                place,
+                span,
                 format!("the suffix `{suffix}` has no meaning here"),
                 "every number is real: leave it out",
             );
@@ -341,7 +342,7 @@ fn unsupported<T>(
     diagnostics: &mut Diagnostics,
 ) -> Option<T> {
     diagnostics.error_with_help(
-        Place::of(tokens),
+        SourceSpan::of(tokens),
         format!("unsupported syntax in a weak form: {what}"),
         help,
     );

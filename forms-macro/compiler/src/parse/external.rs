@@ -8,14 +8,14 @@ use syn::{FnArg, ForeignItem, ForeignItemFn, ItemForeignMod, Path, ReturnType};
 use super::declared_type::{self, Unread};
 use super::syntax::{ArgumentRole, External, Mistaken, Module};
 use super::{attributes, read_argument};
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 
 /// Reads the functions of an `extern` block; what cannot be read is reported, and its name is known.
 pub fn read(block: ItemForeignMod, module: &mut Module, diagnostics: &mut Diagnostics) {
     block.attrs.iter().for_each(|one| attributes::check_inside(one, diagnostics));
     if block.abi.name.as_ref().is_none_or(|name| name.value() != "Rust") {
         diagnostics.error_with_help(
-            Place::of(&block.abi),
+            SourceSpan::of(&block.abi),
             "a form calls functions that are written in Rust",
             "write `extern \"Rust\" { .. }`; a Rust function may call others",
         );
@@ -30,7 +30,7 @@ pub fn read(block: ItemForeignMod, module: &mut Module, diagnostics: &mut Diagno
                 }
             }
             other => diagnostics.error_with_help(
-                Place::of(&other),
+                SourceSpan::of(&other),
                 "unsupported item in an `extern` block",
                 "it holds functions: `fn flux(g: Vector, k: Scalar) -> Vector;`",
             ),
@@ -44,7 +44,7 @@ fn read_function(item: ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<E
     others.into_iter().for_each(|one| attributes::check_inside(one, diagnostics));
     if let Some(second) = places.get(1) {
         let message = format!("`{}` is found in one place", item.sig.ident);
-        diagnostics.error_with_help(Place::of(second), message, "leave one `#[at(..)]`");
+        diagnostics.error_with_help(SourceSpan::of(second), message, "leave one `#[at(..)]`");
     }
     attributes::check_inside(&item.sig, diagnostics);
     let signature = &item.sig;
@@ -55,7 +55,7 @@ fn read_function(item: ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<E
         && signature.variadic.is_none();
     if !plain {
         diagnostics.error_with_help(
-            Place::of(signature),
+            SourceSpan::of(signature),
             format!("unsupported signature of `{}`: here it has no generics or qualifiers", signature.ident),
             "the function itself is generic over `R: Real` (and the dimension); here stand its shapes",
         );
@@ -64,13 +64,13 @@ fn read_function(item: ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<E
     let path = read_path(&item, diagnostics)?;
     let arguments: Vec<_> = signature.inputs.iter().map(|input| read_shape(input, diagnostics)).collect();
     let arguments = arguments.into_iter().collect::<Option<Vec<_>>>();
-    let (output, place) = match &signature.output {
-        ReturnType::Type(_, ty) => (declared_type::rank(ty, diagnostics), Place::of(ty)),
-        ReturnType::Default => (Err(Unread::Unknown), Place::of(&signature.ident)),
+    let (output, span) = match &signature.output {
+        ReturnType::Type(_, ty) => (declared_type::rank(ty, diagnostics), SourceSpan::of(ty)),
+        ReturnType::Default => (Err(Unread::Unknown), SourceSpan::of(&signature.ident)),
     };
     if let Err(Unread::Unknown) = output {
         diagnostics.error_with_help(
-            place,
+            span,
             format!("`{}` does not say what it gives", signature.ident),
             "the return type of a function written in Rust is `Scalar`, `Vector` or `Tensor`",
         );
@@ -89,7 +89,7 @@ fn read_shape(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<super::Arg
     let argument = read_argument(input, diagnostics)?;
     if argument.role != ArgumentRole::Plain {
         diagnostics.error_with_help(
-            Place::of(input),
+            SourceSpan::of(input),
             "a function written in Rust takes values, not roles",
             format!("write `{}: Scalar`, `Vector` or `Tensor`", argument.name),
         );
@@ -106,7 +106,7 @@ fn read_path(item: &ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<Toke
     };
     let Ok(path) = attribute.parse_args::<Path>() else {
         diagnostics.error_with_help(
-            Place::of(attribute),
+            SourceSpan::of(attribute),
             "`#[at(..)]` takes the path of the function",
             format!("write `#[at(crate::laws::{name})]`"),
         );

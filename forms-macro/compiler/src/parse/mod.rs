@@ -4,6 +4,7 @@ pub mod attributes;
 pub mod declared_type;
 mod expression;
 mod external;
+mod member;
 pub mod nesting;
 pub mod raw;
 pub mod syntax;
@@ -11,7 +12,8 @@ pub mod whole_number;
 
 use syn::{Fields, FnArg, Generics, Item, ItemFn, ItemMod, ItemStruct, Pat, PatIdent, ReturnType, Type};
 
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
+use crate::reuse::extension::{self, Base};
 use declared_type::Unread;
 use syntax::*;
 
@@ -26,11 +28,11 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
         mistaken: Vec::new(),
     };
     if let Some(unsafety) = item.unsafety {
-        diagnostics.error(Place::of(&unsafety), "a forms module is not `unsafe`");
+        diagnostics.error(SourceSpan::of(&unsafety), "a forms module is not `unsafe`");
     }
     let Some((_, items)) = item.content else {
         diagnostics.error_with_help(
-            Place::of(&module.name),
+            SourceSpan::of(&module.name),
             "`#[forms]` needs the module's body",
             format!("write `mod {} {{ .. }}` with the forms inside the braces", module.name),
         );
@@ -50,7 +52,7 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
             // Read by `reuse::uses`.
             Item::Use(item) => item.attrs.iter().for_each(|one| attributes::check_inside(one, diagnostics)),
             other => diagnostics.error_with_help(
-                Place::of(&other),
+                SourceSpan::of(&other),
                 "unsupported item in a forms module",
                 "a forms module holds one data struct, regions (`#[cells]`, `#[facets]`, `#[interior_facets]`), and functions",
             ),
@@ -68,13 +70,14 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
     let entity = markers.first().copied().unwrap_or(Entity::Cells);
     if !is_plain(&item.generics) {
         diagnostics.error_with_help(
-            Place::of(&item.generics),
+            SourceSpan::of(&item.generics),
             format!("`{}` cannot be generic", item.ident),
             "the dimension is generic by itself; ranks are `Scalar`, `Vector` and `Tensor`",
         );
     }
     match item.fields {
         Fields::Unit => {
+            let attributes = extension::of_region(&item.ident, attributes, diagnostics);
             if markers.len() != 1 {
                 let (message, help) = match markers.is_empty() {
                     true => (
@@ -86,7 +89,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
                         "a region consists of one kind: keep one of `#[cells]`, `#[facets]`, `#[interior_facets]`",
                     ),
                 };
-                diagnostics.error_with_help(Place::of(&item.ident), message, help);
+                diagnostics.error_with_help(SourceSpan::of(&item.ident), message, help);
                 module.mistaken.push(Mistaken::Region(item.ident.clone()));
             }
             module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, entity });
@@ -94,95 +97,47 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
         Fields::Named(fields) if module.data.is_none() => {
             if let Some(marker) = marked.first() {
                 diagnostics.error_with_help(
-                    Place::of(marker),
+                    SourceSpan::of(marker),
                     format!("`{}` has members, and a region has none", item.ident),
                     "leave the marker out, or write a region as `pub struct Omega;`",
                 );
             }
+            let (attributes, base) = extension::base(attributes);
             let mut members = Vec::new();
             for field in &fields.named {
-                match (read_member(field, diagnostics), &field.ident) {
+                match (member::read(field, diagnostics), &field.ident) {
+                    (Some(member), _) if base.hides(&member) => {
+                        let message =
+                            format!("`{}` is the member that holds the data that these extend", member.name);
+                        diagnostics.error_with_help(
+                            SourceSpan::of(&member.name),
+                            message,
+                            "choose another name",
+                        );
+                        module.mistaken.push(Mistaken::Member(member));
+                    }
                     (Some(member), _) => members.push(member),
                     (None, Some(name)) => {
-                        module.mistaken.push(Mistaken::Member(likely_member(name, &field.ty)));
+                        module.mistaken.push(Mistaken::Member(member::likely(name, field)));
                     }
                     (None, None) => {}
                 }
             }
-            module.data = Some(Data { attributes, visibility: item.vis, name: item.ident, members });
+            let Base { path, incomplete } = base;
+            let (visibility, name) = (item.vis, item.ident);
+            module.data = Some(Data { attributes, visibility, name, base: path, incomplete, members });
         }
         Fields::Named(_) => diagnostics.error_with_help(
-            Place::of(&item.ident),
+            SourceSpan::of(&item.ident),
             "a forms module has one data struct",
             "move these members into the first one",
         ),
         Fields::Unnamed(_) => diagnostics.error_with_help(
-            Place::of(&item.ident),
+            SourceSpan::of(&item.ident),
             "a data struct needs named members",
             "write `pub struct Data { lambda: Param, .. }`",
         ),
     }
-}
-
-fn read_member(field: &syn::Field, diagnostics: &mut Diagnostics) -> Option<Member> {
-    let name = field.ident.clone()?;
-    let found = match declared_type::word(&field.ty) {
-        Some((outer, inner)) => {
-            let kind = match outer.to_string().as_str() {
-                "Param" => Some(MemberKind::Param),
-                "Given" => Some(MemberKind::Given),
-                "Carried" => Some(MemberKind::Carried),
-                "Table" => Some(MemberKind::Table),
-                "History" => Some(MemberKind::History),
-                _ => None,
-            };
-            match (kind, inner) {
-                (Some(MemberKind::Table), None) => Ok((MemberKind::Table, Rank::SCALAR)),
-                (Some(MemberKind::Table), Some(_)) => Err(Unread::Unknown),
-                (Some(MemberKind::Param), None) => Ok((MemberKind::Param, Rank::SCALAR)),
-                (Some(kind), Some(inner)) => declared_type::rank(inner, diagnostics).map(|rank| (kind, rank)),
-                _ => Err(Unread::Unknown),
-            }
-        }
-        None => Err(Unread::Unknown),
-    };
-    let (kind, rank) = match found {
-        Ok(found) => found,
-        Err(Unread::Reported) => return None,
-        Err(Unread::Unknown) => {
-            diagnostics.error_with_help(
-                Place::of(&field.ty),
-                format!("`{name}` has a type that is not known here"),
-                "write `Param`, `Param<Vector>`, `Param<Tensor>`, `Given<Scalar>`, `Given<Vector>`, `Given<Tensor>`, `Table`, or `Carried<..>`, `History<..>` as `Given<..>`",
-            );
-            return None;
-        }
-    };
-    if let Some((equals, value)) = &field.default {
-        let place = Place::of(&quote::quote! { #equals #value });
-        let help = "give the value where the struct is made";
-        diagnostics.error_with_help(place, format!("the member `{name}` has no value of its own"), help);
-    }
-    let attributes = attributes::of_declaration(field.attrs.clone(), diagnostics);
-    Some(Member { attributes, name, kind, rank })
-}
-
-/// What a member with a mistaken type was most likely meant to be.
-fn likely_member(name: &proc_macro2::Ident, ty: &Type) -> Member {
-    let text = quote::ToTokens::to_token_stream(ty).to_string();
-    let kind = match &text {
-        text if text.contains("Table") => MemberKind::Table,
-        text if text.contains("Hist") => MemberKind::History,
-        text if text.contains("Carr") => MemberKind::Carried,
-        text if text.contains("Given") => MemberKind::Given,
-        _ => MemberKind::Param,
-    };
-    let rank = match text {
-        text if text.contains('V') => Rank::VECTOR,
-        text if text.contains(['T', 'M']) => Rank::TENSOR,
-        _ => Rank::SCALAR,
-    };
-    Member { attributes: vec![], name: name.clone(), kind, rank }
 }
 
 /// What is known of a function, should its signature have a mistake.
@@ -225,7 +180,7 @@ pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Func
         && matches!(before.safety, syn::Safety::Default);
     if !plain {
         diagnostics.error_with_help(
-            Place::of(&item.sig),
+            SourceSpan::of(&item.sig),
             format!(
                 "unsupported signature of `{}`: a function of a weak form has no generics or qualifiers",
                 before.ident
@@ -244,16 +199,16 @@ pub fn read_function(item: ItemFn, diagnostics: &mut Diagnostics) -> Option<Func
             None => complete = false,
         }
     }
-    let (output, place) = match &item.sig.output {
-        ReturnType::Type(_, ty) => (read_output(ty, diagnostics), Place::of(ty)),
-        ReturnType::Default => (Err(Unread::Unknown), Place::of(&item.sig.ident)),
+    let (output, span) = match &item.sig.output {
+        ReturnType::Type(_, ty) => (read_output(ty, diagnostics), SourceSpan::of(ty)),
+        ReturnType::Default => (Err(Unread::Unknown), SourceSpan::of(&item.sig.ident)),
     };
     let output = match output {
         Ok(output) => output,
         Err(Unread::Reported) => return None,
         Err(Unread::Unknown) => {
             diagnostics.error_with_help(
-                place,
+                span,
                 format!("`{}` does not say what it gives", item.sig.ident),
                 "the return type is one of `Scalar`, `Vector`, `Tensor`, `Form`, `Energy`, `Functional`",
             );
@@ -279,13 +234,13 @@ fn is_name(pattern: &PatIdent) -> bool {
 
 fn read_argument(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<Argument> {
     let FnArg::Typed(input) = input else {
-        diagnostics.error(Place::of(input), "unsupported argument: a form has no `self`");
+        diagnostics.error(SourceSpan::of(input), "unsupported argument: a form has no `self`");
         return None;
     };
     let pattern = match &*input.pat {
         Pat::Ident(pattern) if is_name(pattern) => pattern,
         other => {
-            diagnostics.error(Place::of(other), "unsupported argument pattern: an argument is a name");
+            diagnostics.error(SourceSpan::of(other), "unsupported argument pattern: an argument is a name");
             return None;
         }
     };
@@ -304,7 +259,7 @@ fn read_argument(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<Argumen
         Err(Unread::Reported) => return None,
         Err(Unread::Unknown) => {
             diagnostics.error_with_help(
-                Place::of(&input.ty),
+                SourceSpan::of(&input.ty),
                 format!("the argument `{}` has a type that is not known here", pattern.ident),
                 "write `Scalar`, `Vector`, `Tensor`, or one of them in `Unknown<..>`, `Test<..>`, `State<..>`",
             );

@@ -6,7 +6,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use syn::{Attribute, Visibility};
 
 use super::whole_number::WholeNumber;
-use crate::diagnostics::Place;
+use crate::diagnostics::SourceSpan;
 
 /// A module of weak forms.
 pub struct Module {
@@ -15,7 +15,7 @@ pub struct Module {
     pub regions: Vec<Region>,
     pub functions: Vec<Function>,
     pub externals: Vec<External>,
-    /// What has a mistake in its declaration: the names exist, and their uses are no further mistakes.
+    /// Names with a mistake in their declaration: they exist, and their uses are no further mistakes.
     pub mistaken: Vec<Mistaken>,
 }
 
@@ -29,7 +29,15 @@ impl Module {
             | Mistaken::Import(name)
             | Mistaken::Function { name, .. } => name,
         });
-        names.any(|other| other == name)
+        // What the base did not bring may be any name.
+        let incomplete = self.data.as_ref().is_some_and(|data| data.incomplete);
+        let region = || self.regions.iter().any(|region| region.name == *name);
+        names.any(|other| other == name) || (incomplete && !region())
+    }
+
+    /// The members of the data struct: those of its base first.
+    pub fn members(&self) -> impl Iterator<Item = &Member> + Clone {
+        self.data.iter().flat_map(|data| &data.members)
     }
 }
 
@@ -58,7 +66,28 @@ pub struct Data {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
+    /// The path of the data struct that this one extends.
+    pub base: Option<TokenStream>,
+    /// A base's members are not known, which has been reported.
+    pub incomplete: bool,
     pub members: Vec<Member>,
+}
+
+impl Data {
+    /// The member of the emitted struct that holds the base's data.
+    pub const BASE: &'static str = "base";
+    /// The emitted struct of what has no default.
+    pub const REQUIRED: &'static str = "Required";
+
+    /// The members that are declared here.
+    pub fn own(&self) -> impl Iterator<Item = &Member> {
+        self.members.iter().filter(|member| member.depth == 0)
+    }
+
+    /// Has one of them a default? Then a struct of the others is emitted, too.
+    pub fn has_defaults(&self) -> bool {
+        self.own().any(|member| member.default.is_some())
+    }
 }
 
 /// `lambda: Param` or `gap: Given<Scalar>`.
@@ -67,6 +96,10 @@ pub struct Member {
     pub name: Ident,
     pub kind: MemberKind,
     pub rank: Rank,
+    /// How many bases away it is declared.
+    pub depth: usize,
+    /// Each component, unless another value is given.
+    pub default: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,7 +192,7 @@ impl fmt::Display for Rank {
     }
 }
 
-/// What a region consists of.
+/// The entities of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Entity {
     Cells,
@@ -204,7 +237,7 @@ pub struct Function {
     pub foreign: Option<Foreign>,
 }
 
-/// What is known of an imported function.
+/// An imported function.
 pub struct Foreign {
     /// "`stress` in contact/src/operators.rs:12".
     pub origin: String,
@@ -241,7 +274,7 @@ pub enum ArgumentRole {
     State,
 }
 
-/// What a function gives.
+/// The result of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
     Value(Rank),
@@ -257,12 +290,12 @@ pub struct Block {
 }
 
 pub struct Expression {
-    pub place: Place,
+    pub span: SourceSpan,
     pub kind: ExpressionKind,
 }
 
 pub enum ExpressionKind {
-    /// What could not be read, and has been reported.
+    /// An expression that could not be read, and has been reported.
     Mistake,
     /// `let name: Vector = value`
     Declared(Rank, Box<Expression>),
@@ -273,8 +306,8 @@ pub enum ExpressionKind {
     Binary(BinaryOperator, Box<Expression>, Box<Expression>),
     Index(Box<Expression>, Vec<Index>),
     Array(Vec<Expression>),
-    /// `[entry; 3]`, with the place of the count.
-    Repeat(Box<Expression>, WholeNumber, Place),
+    /// `[entry; 3]`, with the span of the count.
+    Repeat(Box<Expression>, WholeNumber, SourceSpan),
     If(Box<Condition>, Block, Block),
     Block(Block),
 }
@@ -317,9 +350,9 @@ impl Condition {
     }
 }
 
-/// What is taken of one axis.
+/// The part of one axis.
 pub struct Index {
-    pub place: Place,
+    pub span: SourceSpan,
     pub kind: IndexKind,
 }
 
@@ -341,7 +374,7 @@ pub enum BinaryOperator {
     Divide,
 }
 
-/// What stands between `if` and `{`.
+/// The condition between `if` and `{`.
 pub enum Condition {
     Compare(Comparison, Expression, Expression),
     And(Box<Condition>, Box<Condition>),

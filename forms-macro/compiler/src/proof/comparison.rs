@@ -6,7 +6,7 @@ use super::data::{Random, combination, points};
 use super::emitted::{Function, Integral, read};
 use super::source::Source;
 use crate::check::{CheckedFunction, Content};
-use crate::reference::{Condition, Evaluator, Patience};
+use crate::reference::{Budget, Condition, Evaluator};
 use crate::tensor::{FieldRole, Side};
 
 /// Arguments nearer to a kink or a singularity than this are not compared.
@@ -16,10 +16,10 @@ const MAGNITUDE: f64 = 1e6;
 /// Relative to the largest intermediate number: 4e6 units in the last place, for what cancels twice.
 const TOLERANCE: f64 = 1e-9;
 
-/// What the reference may cost for all numbers of a module, in products: two to five seconds.
-const PATIENCE: u64 = 2_000_000_000;
+/// The budget of the reference for all numbers of a module, in products: two to five seconds.
+const BUDGET: u64 = 2_000_000_000;
 
-/// How many numbers were compared, and how many were left out as badly conditioned or for lack of patience.
+/// How many numbers were compared, and how many were left out as badly conditioned or for lack of budget.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     pub compared: usize,
@@ -35,7 +35,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
     let module = source.module();
     let emitted = read(source.emitted());
     let mut tally = Tally::default();
-    let patience = &Patience::new(PATIENCE);
+    let budget = &Budget::new(BUDGET);
     for checked in &checked {
         let name = module.functions[checked.function].name.to_string();
         let emitted = emitted.get(&name).ok_or_else(|| format!("`{name}` was not emitted"))?;
@@ -62,7 +62,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
         let comparison = Comparison {
             checked,
             emitted,
-            patience,
+            budget,
             regions,
             count_of_regions,
             seed,
@@ -79,7 +79,7 @@ pub fn compare(source: &Source, seed: u64) -> Result<Tally, Difference> {
 struct Comparison<'a> {
     checked: &'a CheckedFunction,
     emitted: &'a Function,
-    patience: &'a Patience,
+    budget: &'a Budget,
     /// The module's region of each region of the emitted form.
     regions: Vec<usize>,
     count_of_regions: usize,
@@ -150,7 +150,7 @@ impl Comparison<'_> {
         let mut expected = 0.0;
         let mut condition = Condition { distance: f64::INFINITY, magnitude: 1.0 };
         for (index, (weight, point)) in points.iter().enumerate() {
-            let evaluator = Evaluator::new(self.checked, point, self.patience);
+            let evaluator = Evaluator::new(self.checked, point, self.budget);
             expected += weight * reference(&evaluator, index);
             let own = evaluator.condition();
             condition.distance = condition.distance.min(own.distance);
@@ -358,7 +358,7 @@ impl Comparison<'_> {
         self.near(&what, dot(&found, &test.coefficients), points, reference, tally)
     }
 
-    /// What is proved of single integrals holds: their sums have been compared already.
+    /// Proved properties of single integrals hold: their sums have been compared already.
     fn claims(&self, tally: &mut Tally) -> Result<(), Difference> {
         let [first, second] = &self.nodes;
         let states = |run: &dyn Fn(&Points) -> Vec<f64>| [run(&self.here), run(&self.elsewhere)];
@@ -408,7 +408,7 @@ impl Comparison<'_> {
         Ok(())
     }
 
-    /// What a kernel says that its functions cost is what stands in them.
+    /// The stated cost of a kernel's functions is the number of operations in them.
     fn counted(&self, integral: &Integral, methods: &[&str]) -> Result<(), Difference> {
         for method in methods {
             let claimed = integral.kernel.constants["OPERATIONS"].member(method).index();

@@ -34,7 +34,7 @@ impl Random {
         (0..count).map(|_| self.number()).collect()
     }
 
-    /// What moves with the shape relies on the length of a normal.
+    /// Quantities that move with the shape rely on the length of a normal.
     fn unit_vector(&mut self, dimension: usize) -> Vec<f64> {
         let mut vector = self.numbers(dimension);
         let length = vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
@@ -84,7 +84,7 @@ pub fn points(
     random: &mut Random,
 ) -> Vec<(f64, Point)> {
     let dimension = checked.dimension;
-    let members = module.data.iter().flat_map(|data| &data.members);
+    let members = module.members();
     let parameters: Vec<Vec<f64>> = members
         .map(|member| match member.kind {
             MemberKind::Param => random.numbers(member.rank.shape(dimension).iter().product()),

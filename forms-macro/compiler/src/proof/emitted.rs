@@ -11,7 +11,7 @@ use crate::tensor::Side;
 
 use super::interpreter::{Scope, Value, evaluate, run};
 
-/// What was emitted for one function in one dimension.
+/// The kernels of one function in one dimension, as emitted.
 #[derive(Default)]
 pub struct Function {
     /// Types of the constructor's arguments that are plain names.

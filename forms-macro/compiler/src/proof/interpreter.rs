@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use crate::reference::error_function;
 use syn::{Expr, Lit, Member, Pat, Stmt, UnOp};
 
-/// What an emitted expression gives.
+/// The value of an emitted expression.
 #[derive(Clone, Debug)]
 pub enum Value {
     Number(f64),
@@ -177,7 +177,7 @@ pub fn evaluate(expression: &Expr, scope: &Scope) -> Value {
     }
 }
 
-/// What a name, a member or an element stands for.
+/// The value of a name, a member or an element.
 fn place<'s>(expression: &Expr, scope: &'s Scope) -> &'s Value {
     match expression {
         Expr::Path(path) => {

@@ -50,7 +50,7 @@ impl Source {
         planned.map(|planned| planned.graph.work()).max().unwrap_or(0)
     }
 
-    /// What the attribute gives.
+    /// The output of the attribute.
     pub fn emitted(&self) -> TokenStream {
         let attribute = format!("dimension = {}", self.dimension);
         crate::forms(attribute.parse().expect("tokens"), self.tokens())

@@ -4,17 +4,17 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::budget::Budget;
+use super::environment::{Environment, SIDES, index_of_size};
 use super::functions;
 use super::matrices::*;
 use super::number::Number;
-use super::patience::Patience;
 use super::point::{Jet, Point};
-use super::surroundings::{SIDES, Surroundings, place_of_size};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::parse::syntax::Comparison;
 use crate::tensor::{Function, Geometry, NEARLY_ZERO, Operator, Side, Tensor, Truth, Variable};
 
-/// How well the numbers of a walk are conditioned.
+/// Condition of the numbers of a walk.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
     /// The smallest distance of an argument from a kink, a jump or a singularity.
@@ -26,7 +26,7 @@ pub struct Condition {
 /// A field moves on one side of a facet: its index, the side, where to.
 pub type Move<'a> = (usize, Side, &'a Jet);
 
-/// What is known already, per node and side.
+/// Known results, per node and side.
 type Known = HashMap<(Tensor, Side), Rc<Vec<Number>>>;
 
 /// Evaluates one function at one point.
@@ -34,14 +34,14 @@ pub struct Evaluator<'a> {
     pub(super) checked: &'a CheckedFunction,
     pub(super) point: &'a Point,
     condition: Cell<Condition>,
-    pub(super) patience: &'a Patience,
+    pub(super) budget: &'a Budget,
 }
 
 impl<'a> Evaluator<'a> {
-    /// Gives up when it loses patience: what it finds then means nothing, and its condition has an infinite magnitude.
-    pub fn new(checked: &'a CheckedFunction, point: &'a Point, patience: &'a Patience) -> Self {
+    /// Gives up when its budget is exhausted: what it finds then means nothing, and its condition has an infinite magnitude.
+    pub fn new(checked: &'a CheckedFunction, point: &'a Point, budget: &'a Budget) -> Self {
         let condition = Cell::new(Condition { distance: f64::INFINITY, magnitude: 0.0 });
-        Evaluator { checked, point, condition, patience }
+        Evaluator { checked, point, condition, budget }
     }
 
     /// Of everything evaluated so far.
@@ -91,7 +91,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Σ of a region's densities, differentiated once along each of the moves.
-    fn sum(&self, region: usize, around: &Surroundings, moves: &[Move]) -> f64 {
+    fn sum(&self, region: usize, around: &Environment, moves: &[Move]) -> f64 {
         let mut around = around.clone();
         for (field, side, jet) in moves {
             let moving = Rc::make_mut(&mut around.fields[*side as usize][*field]);
@@ -119,21 +119,21 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Row-major components of a node.
-    fn walk(&self, tensor: Tensor, around: &Surroundings) -> Rc<Vec<Number>> {
+    fn walk(&self, tensor: Tensor, around: &Environment) -> Rc<Vec<Number>> {
         self.walk_known(tensor, around, &mut Known::new())
     }
 
-    fn walk_known(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Rc<Vec<Number>> {
+    fn walk_known(&self, tensor: Tensor, around: &Environment, known: &mut Known) -> Rc<Vec<Number>> {
         if let Some(known) = known.get(&(tensor, around.side)) {
             return known.clone();
         }
-        if self.patience.is_lost() {
+        if self.budget.is_exhausted() {
             self.condition.set(Condition { magnitude: f64::INFINITY, ..self.condition.get() });
             let count = self.checked.arena.shape(tensor).iter().product();
             return Rc::new(vec![Number::real(f64::NAN); count]);
         }
         let mut numbers = self.rule(tensor, around, known);
-        self.patience.spend(&numbers);
+        self.budget.spend(&numbers);
         if let Some(added) = around.added.get(&tensor) {
             numbers.iter_mut().zip(added).for_each(|(number, added)| *number = number.plus(added));
         }
@@ -161,7 +161,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn rule(&self, tensor: Tensor, around: &Surroundings, known: &mut Known) -> Vec<Number> {
+    fn rule(&self, tensor: Tensor, around: &Environment, known: &mut Known) -> Vec<Number> {
         use Operator::*;
         let (arena, dimension) = (&self.checked.arena, self.checked.dimension);
         let shape = arena.shape(tensor).to_vec();
@@ -177,7 +177,7 @@ impl<'a> Evaluator<'a> {
             Parameter(index) => around.parameters[*index].to_vec(),
             Field { field, order } => around.fields[around.side as usize][*field][*order].clone(),
             Restrict(side, a) => {
-                self.walk_known(*a, &Surroundings { side: *side, ..around.clone() }, known).to_vec()
+                self.walk_known(*a, &Environment { side: *side, ..around.clone() }, known).to_vec()
             }
             Geometry(geometry) => self.geometry(*geometry, around),
             Add(a, b) => pairs(&walk(*a), &walk(*b), self::Number::plus),
@@ -291,7 +291,7 @@ impl<'a> Evaluator<'a> {
                     _ => 0,
                 };
                 let direction =
-                    SIDES.map(|side| self.jet(*direction, orders, &Surroundings { side, ..around.clone() }));
+                    SIDES.map(|side| self.jet(*direction, orders, &Environment { side, ..around.clone() }));
                 let moved = self.moved(around, *variable, &direction);
                 let Variable::Shape(Some(entity)) = variable else {
                     return self.slope(*expression, &moved, around.level);
@@ -305,7 +305,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn geometry(&self, geometry: Geometry, around: &Surroundings) -> Vec<Number> {
+    fn geometry(&self, geometry: Geometry, around: &Environment) -> Vec<Number> {
         // The outward normal of the other cell is the opposite one.
         let (side, sign) = match around.side {
             Side::This => (0, 1.0),
@@ -313,7 +313,7 @@ impl<'a> Evaluator<'a> {
         };
         match geometry {
             Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea => {
-                vec![around.sizes[side][place_of_size(geometry)].clone()]
+                vec![around.sizes[side][index_of_size(geometry)].clone()]
             }
             Geometry::Curvature => vec![Number::real(sign * self.point.curvature)],
             Geometry::Normal => around.normal[side].iter().map(|entry| entry.scaled(sign)).collect(),
@@ -348,16 +348,16 @@ impl<'a> Evaluator<'a> {
     }
 
     /// ∂/∂x_axis: fields move by their gradients, the position by a unit vector.
-    fn along(&self, tensor: Tensor, axis: usize, around: &Surroundings) -> Vec<Number> {
+    fn along(&self, tensor: Tensor, axis: usize, around: &Environment) -> Vec<Number> {
         self.slope(tensor, &self.shifted(axis, around), around.level)
     }
 
-    fn slope(&self, tensor: Tensor, around: &Surroundings, level: usize) -> Vec<Number> {
+    fn slope(&self, tensor: Tensor, around: &Environment, level: usize) -> Vec<Number> {
         self.walk(tensor, around).iter().map(|number| number.slope(level)).collect()
     }
 
     /// An expression with its derivatives in space up to an order, as [`Jet`].
-    fn jet(&self, tensor: Tensor, orders: usize, around: &Surroundings) -> Vec<Vec<Number>> {
+    fn jet(&self, tensor: Tensor, orders: usize, around: &Environment) -> Vec<Vec<Number>> {
         let (dimension, level) = (self.checked.dimension, around.level);
         let mut jet = vec![self.walk(tensor, around).to_vec()];
         if orders > 0 {

@@ -4,18 +4,18 @@
 //! Nothing here imports a later stage. Derivatives are taken by dual numbers, so that no rule of
 //! differentiation is shared with `differentiate`.
 
+mod budget;
+mod environment;
 mod evaluator;
 mod functions;
 mod matrices;
 mod moving_points;
 mod number;
-mod patience;
 mod point;
-mod surroundings;
 
+pub use budget::Budget;
 pub use evaluator::{Condition, Evaluator};
 pub use functions::error_function;
-pub use patience::Patience;
 pub use point::{Jet, Point};
 
 mod tests;

@@ -1,12 +1,12 @@
-//! What a form reads at a point after all points have moved by ε Θ, at fixed reference coordinates. Nothing is
+//! Inputs of a form at a point after all points have moved by ε Θ, at fixed reference coordinates. Nothing is
 //! linearised by hand: the map's gradient F = I + ε ∇Θ is inverted, and normals and measures are pulled through it.
 
 use std::rc::Rc;
 
+use super::environment::{Environment, SIDES};
 use super::evaluator::Evaluator;
 use super::matrices::{cofactor, determinant, identity, matrix_product, pairs, total, transposed};
 use super::number::Number;
-use super::surroundings::{SIDES, Surroundings};
 use crate::parse::syntax::Entity;
 use crate::tensor::{FieldRole, Function, Tensor};
 
@@ -20,8 +20,8 @@ impl Evaluator<'_> {
         self.order_of(expression, &carried).unwrap_or(0).max(1)
     }
 
-    /// The surroundings after the points have moved.
-    pub(super) fn after_points_moved(&self, around: &Surroundings, directions: &Directions) -> Surroundings {
+    /// The environment after the points have moved.
+    pub(super) fn after_points_moved(&self, around: &Environment, directions: &Directions) -> Environment {
         let (dimension, level) = (self.checked.dimension, around.level);
         let mut moved = around.clone();
         moved.level += 1;
@@ -47,7 +47,7 @@ impl Evaluator<'_> {
     }
 
     /// The measure after the points have moved, divided by what it was.
-    pub(super) fn measure(&self, entity: Entity, around: &Surroundings, directions: &Directions) -> Number {
+    pub(super) fn measure(&self, entity: Entity, around: &Environment, directions: &Directions) -> Number {
         let dimension = self.checked.dimension;
         let gradient = self.gradient_of_map(&directions[0], around.level);
         match entity {

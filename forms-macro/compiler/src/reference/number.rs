@@ -25,7 +25,7 @@ impl Number {
         Number(first)
     }
 
-    /// What stands before ε_level, the last infinitesimal in use.
+    /// The coefficient of ε_level, the last infinitesimal in use.
     pub fn slope(&self, level: usize) -> Self {
         assert!(self.0.len() <= 2 << level, "an infinitesimal after ε_{level} is in use");
         match self.0.len() > 1 << level {

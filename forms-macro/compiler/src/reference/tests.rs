@@ -2,7 +2,7 @@
 
 use super::functions::{function, power};
 use super::number::Number;
-use super::{Evaluator, Patience, Point};
+use super::{Budget, Evaluator, Point};
 use crate::proof::source::Source;
 use crate::tensor::Function;
 
@@ -106,7 +106,7 @@ fn source(body: &str) -> Source {
 
 fn value(body: &str) -> f64 {
     let checked = source(body).checked().expect("no mistake");
-    Evaluator::new(&checked[0], &point(), &Patience::new(u64::MAX)).components()[0]
+    Evaluator::new(&checked[0], &point(), &Budget::new(u64::MAX)).components()[0]
 }
 
 #[test]
@@ -137,13 +137,13 @@ fn derivatives_in_space_and_by_variables() {
     near("if s > 0.5 { max(s, a) } else { sqrt(-s) }", 2.5);
 }
 
-/// Derivatives inside derivatives multiply; a walk without patience gives up, and says so.
+/// Derivatives inside derivatives multiply; a walk without budget gives up, and says so.
 #[test]
-fn a_walk_gives_up_when_it_loses_patience() {
+fn a_walk_gives_up_when_its_budget_is_exhausted() {
     let checked = source("hess(exp(s * s))[0][1]").checked().expect("no mistake");
     let with = |products: u64| {
-        let (point, patience) = (point(), Patience::new(products));
-        let evaluator = Evaluator::new(&checked[0], &point, &patience);
+        let (point, budget) = (point(), Budget::new(products));
+        let evaluator = Evaluator::new(&checked[0], &point, &budget);
         (evaluator.components()[0], evaluator.condition().magnitude)
     };
     // ∂²/∂x∂y of exp(s²), s = 0.8, ∇s = (1.5, −2), s_xy = 0.4.

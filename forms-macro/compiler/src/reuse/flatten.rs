@@ -3,7 +3,8 @@
 use quote::quote;
 use syn::{Item, ItemMod};
 
-use super::import::{Arrived, add_functions, read, written_here};
+use super::extension;
+use super::import::{Arrived, add_declarations, add_functions, read, written_here};
 use super::payload::write;
 use super::uses;
 use crate::diagnostics::Diagnostics;
@@ -13,21 +14,33 @@ use crate::parse::parse;
 /// earlier ones only. The last segment but one of an import's path says from which.
 pub fn flatten(file: &str, name: &str, library: &str) -> String {
     let mut texts: Vec<(String, String)> = Vec::new();
-    for item in modules(library) {
-        let arrived = arrive(&item, &texts);
+    for mut item in modules(library) {
+        let mut arrived = arrive(&item, &texts);
+        add_declarations(&mut item, &mut arrived, &mut Diagnostics::default());
         let mut module = parse(item.clone(), &mut Diagnostics::default());
         let imported = add_functions(arrived, &item, &mut module, &mut Diagnostics::default());
         texts.push((item.ident.to_string(), write(&item, &imported, false).text));
     }
     let item = modules(file).into_iter().find(|item| item.ident == name);
     let mut item = item.unwrap_or_else(|| panic!("no module `{name}`"));
-    let arrived = arrive(&item, &texts);
+    let mut arrived = arrive(&item, &texts);
     let mut diagnostics = Diagnostics::default();
+    add_declarations(&mut item, &mut arrived, &mut diagnostics);
     let mut module = parse(item.clone(), &mut diagnostics);
     let imported = add_functions(arrived, &item, &mut module, &mut diagnostics);
     assert!(diagnostics.is_empty(), "{diagnostics:?}");
     if let Some((_, items)) = &mut item.content {
         items.retain(|item| !matches!(item, Item::Use(_)));
+        for item in items.iter_mut() {
+            if let Item::Struct(item) = item {
+                item.attrs.retain(|attribute| {
+                    !["extended", "imported"].iter().any(|word| attribute.path().is_ident(word))
+                });
+                for field in &mut item.fields {
+                    field.attrs = extension::of_member(std::mem::take(&mut field.attrs));
+                }
+            }
+        }
         items.extend(written_here(&imported).into_iter().map(|(mut function, _)| {
             function.attrs.retain(|attribute| attribute.path().is_ident("doc"));
             Item::Fn(function)
@@ -57,4 +70,27 @@ fn arrive(item: &ItemMod, texts: &[(String, String)]) -> Vec<Arrived> {
     };
     let received: Vec<String> = imports.iter().map(|import| text(import.path.to_string())).collect();
     read(imports, &received, &mut diagnostics)
+}
+
+/// A base's members, and its own base's, are as if they were declared in the module.
+#[test]
+fn a_base_is_written_out() {
+    let library = "mod a { struct Data { /// λ\n lambda: Param } fn law(s: Scalar) -> Scalar { lambda * s } }
+        mod b { #[extends(super::a::Data)] struct Data { #[default(1)] gap: Given<Scalar> }
+            #[facets] struct Wall; pub fn both(s: Scalar) -> Scalar { lambda * gap * s } }";
+    let text = flatten(
+        "mod c { use super::b::{Wall, both};
+            #[extends(super::b::Data)] struct Data { load: Param }
+            pub fn work(u: State<Scalar>) -> Functional { integral(Wall, load * both(u)) } }",
+        "c",
+        library,
+    );
+    let item: ItemMod = syn::parse_str(&text).expect("a module");
+    let mut diagnostics = Diagnostics::default();
+    let module = parse(item, &mut diagnostics);
+    let names: Vec<String> = module.members().map(|member| member.name.to_string()).collect();
+    assert_eq!(names, ["lambda", "gap", "load"]);
+    assert_eq!(module.regions.len(), 1);
+    crate::check::check(&module, 2, &mut diagnostics);
+    assert!(diagnostics.is_empty(), "{diagnostics:?}");
 }

@@ -6,11 +6,11 @@ use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident};
 use syn::{Item, ItemFn, ItemMod, Visibility};
 
-use super::needs;
 use super::payload::{Payload, origin_of, rename_calls};
 use super::uses::Import;
+use super::{extension, needs};
 use crate::check::builtins::nearest;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::read_function;
 use crate::parse::syntax::{Foreign, Mistaken, Module};
 
@@ -40,7 +40,7 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
         match Payload::read(text, import.name.span()) {
             Some(payload) => arrived.push(Arrived { import, payload }),
             None => diagnostics.error(
-                Place::of(&import.name),
+                SourceSpan::of(&import.name),
                 format!("`{}` does not come from a forms module", import.name),
             ),
         }
@@ -48,23 +48,38 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
     arrived
 }
 
-/// Puts the data struct and the regions that are imported among the module's own; `#[imported(path)]` tells them apart.
-pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>) {
+/// Puts the data struct and the regions that are imported among the module's own, `#[imported(path)]` tells them apart; and
+/// the members of the base among those of the data struct.
+pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
+    // Those of a module stand in the order in which it declares them, whatever that of the imports.
+    let mut modules: Vec<String> = Vec::new();
+    let mut declarations = Vec::new();
     arrived.retain(|Arrived { import, payload }| {
-        let found = payload.items().find_map(|item| match item {
-            Item::Struct(item) if item.ident == import.name => Some(item),
+        if import.extends {
+            extension::add(items, import, payload, diagnostics);
+            return false;
+        }
+        let found = payload.items().enumerate().find_map(|(place, item)| match item {
+            Item::Struct(item) if item.ident == import.name => Some((place, item)),
             _ => None,
         });
-        let Some(found) = found else { return true };
+        let Some((place, found)) = found else { return true };
         let mut declaration = found.clone();
         let path = &import.path;
         declaration.ident = import.local.clone();
         declaration.vis = import.visibility.clone();
         declaration.attrs.push(syn::parse_quote! { #[imported(#path)] });
-        items.push(Item::Struct(declaration));
+        let module = modules.iter().position(|identity| *identity == payload.identity);
+        let module = module.unwrap_or_else(|| {
+            modules.push(payload.identity.clone());
+            modules.len() - 1
+        });
+        declarations.push((module, place, Item::Struct(declaration)));
         false
     });
+    declarations.sort_by_key(|(module, place, _)| (*module, *place));
+    items.extend(declarations.into_iter().map(|(_, _, declaration)| declaration));
 }
 
 /// Adds the imported functions to the module that `item` was read to; what is wrong is reported on the import's name.
@@ -164,14 +179,14 @@ pub fn imported_path(attributes: &[syn::Attribute]) -> Option<&proc_macro2::Toke
 /// The name in the payload of the function that is asked for.
 fn find(import: &Import, payload: &Payload, diagnostics: &mut Diagnostics) -> Option<String> {
     let (name, module) = (&import.name, &payload.item.ident);
-    let place = Place::of(name);
+    let span = SourceSpan::of(name);
     for item in payload.items() {
         match item {
             Item::Fn(item) if item.sig.ident == *name => {
                 if matches!(item.vis, Visibility::Inherited) {
                     let origin = origin_of(&item.attrs).unwrap_or_default();
                     let message = format!("{origin} is private in the forms module `{module}`");
-                    diagnostics.error_with_help(place, message, format!("declare it `pub fn {name}`"));
+                    diagnostics.error_with_help(span, message, format!("declare it `pub fn {name}`"));
                     return None;
                 }
                 return Some(name.to_string());
@@ -193,8 +208,8 @@ fn find(import: &Import, payload: &Payload, diagnostics: &mut Diagnostics) -> Op
         .collect();
     let message = format!("the forms module `{module}` has no function `{name}`");
     match nearest(&name.to_string(), public.iter().map(String::as_str)) {
-        Some(near) => diagnostics.error_with_help(place, message, format!("did you mean `{near}`?")),
-        None => diagnostics.error_with_help(place, message, format!("it has `{}`", public.join("`, `"))),
+        Some(near) => diagnostics.error_with_help(span, message, format!("did you mean `{near}`?")),
+        None => diagnostics.error_with_help(span, message, format!("it has `{}`", public.join("`, `"))),
     }
     None
 }

@@ -4,13 +4,15 @@
 //! `macro_rules!` with the module's own text, re-exported under the names of its functions ([`carrier`], [`payload`]). A
 //! module with imports expands, where it stands, to a call of the first import's path; the carrier found there calls
 //! [`resume`] with its text and the rest of the module; that calls the next import, until all texts are there and the module
-//! is compiled. rustc resolves the paths, so imports obey Rust's own rules, in any order of modules and across crates.
+//! is compiled. rustc resolves the paths, so imports obey Rust's own rules, in any order of modules and across crates. The data
+//! that a module's extend come the same way ([`extension`]).
 //!
 //! ```text
 //! ItemMod ─uses→ [Import] ─resume, once per import→ [Payload] ─import→ functions of the Module
 //! ```
 
 pub mod carrier;
+pub mod extension;
 #[cfg(test)]
 pub mod flatten;
 pub mod import;
@@ -23,19 +25,19 @@ use quote::{quote, quote_spanned};
 use syn::parse::{Parse, ParseStream};
 use uses::Import;
 
-/// What stands between two calls: what is compiled, and the texts that have arrived.
+/// The state between two calls: the item that is compiled, and the texts that have arrived.
 pub struct State {
-    /// What the macro was told, and the word that says which macro it is.
+    /// The macro's arguments, and the word that says which macro it is.
     pub attribute: TokenStream,
     pub subject: Subject,
     pub received: Vec<Literal>,
 }
 
-/// What is being compiled.
+/// The item that is compiled.
 pub enum Subject {
     /// The module of `#[forms]`.
     Module(Box<syn::ItemMod>),
-    /// What stands in `form!`.
+    /// The content of `form!`.
     Form(TokenStream),
 }
 

@@ -1,4 +1,4 @@
-//! What imported functions need of the importing module: members of the data struct and regions, matched by name.
+//! Needs of imported functions: members of the data struct and regions, matched by name.
 //!
 //! An imported function reads the importing module's `lambda`. The member must be there, with the same rank; whether it is
 //! constant (`Param`) or varies (`Given`) is the importing module's choice.
@@ -9,9 +9,10 @@ use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
+use super::extension::is_extends;
 use super::payload::Payload;
 use super::uses::Import;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::declared_type::{self, word};
 use crate::parse::syntax::Rank;
 
@@ -35,7 +36,7 @@ pub fn check(
         free_names(item.block.to_token_stream(), typed.collect(), &mut names);
     }
     let (theirs, ours) = (Declarations::of(&payload.item), Declarations::of(item));
-    let place = Place::of(&import.name);
+    let span = SourceSpan::of(&import.name);
     let (mut missing, mut complete) = (Vec::new(), true);
     for (name, ty) in theirs.members.iter().filter(|(name, _)| names.contains(name)) {
         match ours.members.iter().find(|(other, _)| other == name) {
@@ -43,9 +44,10 @@ pub fn check(
             Some((_, own)) => {
                 let message = format!("`{}` reads `{name}` as `{ty}`, and here it is `{own}`", import.name);
                 let help = format!("the ranks must agree: declare `{name}: {ty}`");
-                diagnostics.error_with_help(place, message, help);
+                diagnostics.error_with_help(span, message, help);
                 complete = false;
             }
+            None if ours.incomplete => complete = false,
             None => missing.push((name, ty)),
         }
     }
@@ -53,7 +55,7 @@ pub fn check(
         let message =
             format!("`{}` calls `{external}`, which is written in Rust and cannot be imported", import.name);
         let help = "import functions that do not call it, or take what it gives as an argument";
-        diagnostics.error_with_help(place, message, help);
+        diagnostics.error_with_help(span, message, help);
         complete = false;
     }
     if !missing.is_empty() {
@@ -65,7 +67,7 @@ pub fn check(
             Some(data) => format!("add `{}` to `{data}`", lines.join(", ")),
             None => format!("declare `pub struct Data {{ {} }}`", lines.join(", ")),
         };
-        diagnostics.error_with_help(place, message, help);
+        diagnostics.error_with_help(span, message, help);
         complete = false;
     }
     for (name, marker) in theirs.regions.iter().filter(|(name, _)| names.contains(name)) {
@@ -77,7 +79,7 @@ pub fn check(
             ),
             None => format!("`{}` integrates over `{name}`, which this module does not declare", import.name),
         };
-        diagnostics.error_with_help(place, message, format!("declare `#[{marker}] pub struct {name};`"));
+        diagnostics.error_with_help(span, message, format!("declare `#[{marker}] pub struct {name};`"));
         complete = false;
     }
     complete
@@ -95,10 +97,12 @@ fn externals(item: &ItemMod) -> impl Iterator<Item = String> {
     })
 }
 
-/// What a module declares beside its functions: names with the texts of their types and markers.
+/// The declarations of a module beside its functions: names with the texts of their types and markers.
 #[derive(Default)]
 struct Declarations {
     data: Option<String>,
+    /// A base's members are not known, which has been reported.
+    incomplete: bool,
     members: Vec<(String, String)>,
     regions: Vec<(String, String)>,
 }
@@ -111,6 +115,7 @@ impl Declarations {
             match &item.fields {
                 Fields::Named(fields) => {
                     found.data = Some(item.ident.to_string());
+                    found.incomplete = item.attrs.iter().any(is_extends);
                     found.members.extend(fields.named.iter().filter_map(|field| {
                         let ty = field.ty.to_token_stream().to_string().replace(' ', "");
                         Some((field.ident.as_ref()?.to_string(), ty.replace(',', ", ")))

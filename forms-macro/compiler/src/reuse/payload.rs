@@ -20,6 +20,7 @@ use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Attribute, Item, ItemFn, ItemMod, Visibility};
 
+use super::extension::is_extends;
 use super::import::Imported;
 use super::needs::REGION_MARKERS;
 
@@ -41,10 +42,15 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
                 let mut item = item.clone();
                 item.attrs.retain(|attribute| {
                     REGION_MARKERS.iter().any(|marker| attribute.path().is_ident(marker))
+                        || attribute.path().is_ident("doc")
+                        || is_extends(attribute)
                 });
                 item.vis = Visibility::Inherited;
                 for field in &mut item.fields {
-                    field.attrs.clear();
+                    // What a member is called in formulas, and what is said of it there.
+                    field.attrs.retain(|attribute| {
+                        ["doc", "inherited"].iter().any(|kept| attribute.path().is_ident(kept))
+                    });
                     field.vis = Visibility::Inherited;
                 }
                 content.extend(item.into_token_stream());

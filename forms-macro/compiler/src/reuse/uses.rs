@@ -1,11 +1,12 @@
-//! `use` declarations of a forms module → [`Import`]s.
+//! `use` declarations of a forms module, and `#[extends(..)]` → [`Import`]s.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::{Item, ItemUse, UseTree, Visibility};
 
+use super::extension;
 use crate::check::builtins::is_built_in;
-use crate::diagnostics::{Diagnostics, Place};
+use crate::diagnostics::{Diagnostics, SourceSpan};
 
 /// One name that is imported.
 pub struct Import {
@@ -17,18 +18,25 @@ pub struct Import {
     pub local: Ident,
     /// Private: the function is called here. Otherwise it is a function of this module, too.
     pub visibility: Visibility,
+    /// The data that this module's extend, from `#[extends(path)]`.
+    pub extends: bool,
 }
 
-/// The imports of a module in their order. Names of the vocabulary need none, and do no harm.
+/// The imports of a module in their order, that of the base of its data among them. Names of the vocabulary need none, and do
+/// no harm.
 pub fn read<'a>(items: impl Iterator<Item = &'a Item>, diagnostics: &mut Diagnostics) -> Vec<Import> {
     let mut imports = Vec::new();
     for item in items {
-        if let Item::Use(item) = item {
-            let start = match item.leading_colon {
-                Some(colon) => quote! { #colon },
-                None => TokenStream::new(),
-            };
-            read_tree(item, &item.tree, start, &mut imports, diagnostics);
+        match item {
+            Item::Use(item) => {
+                let start = match item.leading_colon {
+                    Some(colon) => quote! { #colon },
+                    None => TokenStream::new(),
+                };
+                read_tree(item, &item.tree, start, &mut imports, diagnostics);
+            }
+            Item::Struct(item) => extension::read(item, &mut imports, diagnostics),
+            _ => {}
         }
     }
     imports
@@ -44,7 +52,7 @@ fn read_tree(
     let mut leaf = |name: &Ident, local: &Ident| {
         if name == "self" {
             diagnostics.error_with_help(
-                Place::of(name),
+                SourceSpan::of(name),
                 "a module cannot be imported into a forms module, its functions can",
                 "name them: `use path::{stress, strain};`",
             );
@@ -54,6 +62,7 @@ fn read_tree(
                 name: name.clone(),
                 local: local.clone(),
                 visibility: item.vis.clone(),
+                extends: false,
             });
         }
     };
@@ -70,7 +79,7 @@ fn read_tree(
             }
         }
         UseTree::Glob(glob) => diagnostics.error_with_help(
-            Place::of(glob),
+            SourceSpan::of(glob),
             "a forms module cannot import everything: the macro does not see which names there are",
             "name the functions: `use path::{stress, strain};`; the vocabulary itself needs no `use`",
         ),

@@ -28,7 +28,7 @@ pub struct Shown {
     pub content: Equation,
     /// First variation of an energy, tangents, each with what it is.
     pub derivatives: Vec<(String, Equation)>,
-    /// What the names stand for, in the order of their use.
+    /// Definitions of the names, in the order of their use.
     pub definitions: Vec<Equation>,
     /// Members of the data struct that stand anywhere, by index.
     pub members: Vec<usize>,
@@ -217,11 +217,11 @@ fn vary(
         if arena.reachable(&[term.density]).len() > MOST_DIFFERENTIATED {
             return Some((None, field));
         }
-        let place = arena.place(term.density);
-        let direction = arena.push(Operator::Field { field, order: 0 }, shape.clone(), place);
+        let span = arena.span(term.density);
+        let direction = arena.push(Operator::Field { field, order: 0 }, shape.clone(), span);
         let variable = Variable::Field(unknown);
         let operator = Operator::Gateaux { expression: term.density, variable, direction };
-        let density = arena.push(operator, vec![], place);
+        let density = arena.push(operator, vec![], span);
         let density = outlines.carry_out(arena, density, fields)?;
         let density = Simplifier::new(outlines, arena, fields).simplify(density);
         if !arena.is_zero(density) {
@@ -273,7 +273,7 @@ fn list(
     let module: &Module = outlines.module;
     let reader = outlines.reader(arena, fields, names);
     let given = |name: &str| {
-        let mut members = module.data.iter().flat_map(|data| &data.members);
+        let mut members = module.members();
         members.position(|member| member.name == name)
     };
     for node in arena.reachable(roots) {

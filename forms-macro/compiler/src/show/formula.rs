@@ -32,7 +32,7 @@ pub enum Infix {
     Outer,
 }
 
-/// What stands around a formula.
+/// The surroundings of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fence {
     /// |a|.

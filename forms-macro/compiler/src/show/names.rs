@@ -62,7 +62,7 @@ pub struct Namer {
 impl Namer {
     /// Names of a letter with a number, `s1` and so on, which no name of the module is.
     pub fn new(module: &Module, fields: &[FieldInfo], arena: &Arena) -> Self {
-        let members = module.data.iter().flat_map(|data| &data.members).map(|member| member.name.to_string());
+        let members = module.members().map(|member| member.name.to_string());
         let functions = module.functions.iter().flat_map(|function| {
             let arguments = function.arguments.iter().map(|argument| argument.name.to_string());
             arguments.chain([function.name.to_string()])

@@ -3,7 +3,7 @@
 use super::formula::{Fence, Formula, Infix, Level, Measure};
 use super::symbols::Symbol;
 
-/// How the parts of a formula are written.
+/// Notations of the parts of a formula.
 pub trait Notation {
     /// Everything stands on one line: a fraction is `a/b`, and parentheses say what belongs together.
     const FLAT: bool;

@@ -31,7 +31,7 @@ pub struct Definition {
     pub value: Option<Tensor>,
 }
 
-/// What the functions of a module are, in one dimension.
+/// The definitions of a module's functions, in one dimension.
 pub struct Outlines<'a> {
     pub module: &'a Module,
     pub dimension: usize,
@@ -91,12 +91,12 @@ impl<'a> Outlines<'a> {
             directions[varied.len() - 1][argument] = Some(field);
             let Some(value) = base.value else { continue };
             let operator = Operator::Field { field, order: 0 };
-            let direction = arena.push(operator, shape, arena.place(value));
+            let direction = arena.push(operator, shape, arena.span(value));
             let derivative = self.derive(&mut arena, value, Variable::Field(argument), direction, &fields)?;
             sum = match (sum, derivative) {
                 (Some(sum), Some(one)) => {
                     let shape = arena.shape(sum).to_vec();
-                    Some(arena.push(Operator::Add(sum, one), shape, arena.place(sum)))
+                    Some(arena.push(Operator::Add(sum, one), shape, arena.span(sum)))
                 }
                 (one, None) | (None, one) => one,
             };
@@ -131,7 +131,7 @@ impl<'a> Outlines<'a> {
             let last = directions[order];
             let shape = [arena.shape(last), &[self.dimension]].concat();
             let operator = gradient(arena, last);
-            directions.push(arena.push(operator, shape, arena.place(last)));
+            directions.push(arena.push(operator, shape, arena.span(last)));
         }
         let seed = Seed::Toward { variable, direction, with_gradient: true };
         let mut diagnostics = Diagnostics::default();
@@ -155,7 +155,7 @@ impl<'a> Outlines<'a> {
                     let [expression, direction] = [expression, direction].map(|operand| known[&operand]);
                     match self.derive(arena, expression, variable, direction, fields)? {
                         Some(derivative) => Simplifier::new(self, arena, fields).simplify(derivative),
-                        None => arena.push(Operator::Zero, node.shape, node.place),
+                        None => arena.push(Operator::Zero, node.shape, node.span),
                     }
                 }
                 operator => {
@@ -164,7 +164,7 @@ impl<'a> Outlines<'a> {
                         changed |= known[&operand] != operand;
                         known[&operand]
                     });
-                    if changed { arena.push(operator, node.shape, node.place) } else { one }
+                    if changed { arena.push(operator, node.shape, node.span) } else { one }
                 }
             };
             known.insert(one, carried);
@@ -194,7 +194,7 @@ impl<'a> Outlines<'a> {
                 let body = self.body(arena, function, &arguments, &directions, fields)?;
                 match body {
                     Some(body) => self.inline(arena, body, fields, known)?,
-                    None => arena.push(Operator::Zero, node.shape, node.place),
+                    None => arena.push(Operator::Zero, node.shape, node.span),
                 }
             }
             operator => {
@@ -213,7 +213,7 @@ impl<'a> Outlines<'a> {
                 }
                 match complete {
                     false => return None,
-                    true if changed => arena.push(operator, node.shape, node.place),
+                    true if changed => arena.push(operator, node.shape, node.span),
                     true => tensor,
                 }
             }
@@ -222,7 +222,7 @@ impl<'a> Outlines<'a> {
         Some(inlined)
     }
 
-    /// What a call stands for, with its arguments and directions in place; the inner `None` is zero.
+    /// The value of a call, with its arguments and directions in place; the inner `None` is zero.
     pub fn body(
         &mut self,
         arena: &mut Arena,
@@ -247,10 +247,10 @@ impl<'a> Outlines<'a> {
         for (value, field) in values.iter_mut().zip(&definition.fields) {
             if field.role.is_data() && value.is_none() {
                 let here = fields.iter().position(|one| one.role.is_data() && one.name == field.name)?;
-                let place = arguments.first().map(|argument| arena.place(*argument));
-                let place = place.or_else(|| definition.value.map(|value| definition.arena.place(value)))?;
+                let span = arguments.first().map(|argument| arena.span(*argument));
+                let span = span.or_else(|| definition.value.map(|value| definition.arena.span(value)))?;
                 let operator = Operator::Field { field: here, order: 0 };
-                *value = Some(arena.push(operator, field.shape.clone(), place));
+                *value = Some(arena.push(operator, field.shape.clone(), span));
             }
         }
         let Some(value) = definition.value else { return Some(None) };
@@ -298,14 +298,14 @@ impl<'a> Outlines<'a> {
         let Some(definition) = self.definition(function, &[]) else { return false };
         let Some(value) = definition.value else { return true };
         let mut arena = Arena::default();
-        let place = definition.arena.place(value);
+        let span = definition.arena.span(value);
         let mut values = Vec::new();
         for (index, field) in definition.fields.iter().enumerate() {
             let operator = match zero.get(index) {
                 Some(true) => Operator::Zero,
                 _ => Operator::Field { field: index, order: 0 },
             };
-            values.push(Some(arena.push(operator, field.shape.clone(), place)));
+            values.push(Some(arena.push(operator, field.shape.clone(), span)));
         }
         let value = substitute(&definition.arena, value, &values, &mut arena);
         let value = Simplifier::new(self, &mut arena, &definition.fields).simplify(value);
@@ -356,7 +356,7 @@ fn substitute(source: &Arena, tensor: Tensor, values: &[Option<Tensor>], target:
                 for _ in 0..*order {
                     let shape = [target.shape(value), &[node.shape[node.shape.len() - 1]]].concat();
                     let operator = gradient(target, value);
-                    value = target.push(operator, shape, node.place);
+                    value = target.push(operator, shape, node.span);
                 }
                 value
             }
@@ -366,7 +366,7 @@ fn substitute(source: &Arena, tensor: Tensor, values: &[Option<Tensor>], target:
                 if let Operator::Partial(_, Variable::Node(variable)) = &mut operator {
                     *variable = copied.get(variable).copied().unwrap_or(*variable);
                 }
-                target.push(operator, node.shape.clone(), node.place)
+                target.push(operator, node.shape.clone(), node.span)
             }
         };
         copied.insert(one, new);

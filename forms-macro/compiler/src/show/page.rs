@@ -1,4 +1,4 @@
-//! What rustdoc shows of a function: its formulas as MathML, their LaTeX, and what the letters mean.
+//! The rustdoc page of a function: its formulas as MathML, their LaTeX, and what the letters mean.
 
 use syn::{Attribute, Expr, Lit, Meta};
 
@@ -149,7 +149,7 @@ fn meanings(shown: &Shown, module: &Module, function: &Function) -> Vec<String> 
         let region = &module.regions[*region];
         lines.push(named(&region.name, &region.attributes));
     }
-    let members: Vec<_> = module.data.iter().flat_map(|data| &data.members).collect();
+    let members: Vec<_> = module.members().collect();
     lines.extend(
         shown.members.iter().map(|member| named(&members[*member].name, &members[*member].attributes)),
     );

@@ -113,7 +113,7 @@ impl Reader<'_> {
 
     pub fn field(&self, field: usize) -> Formula {
         let info = &self.fields[field];
-        let members = self.module.data.iter().flat_map(|data| &data.members);
+        let members = self.module.members();
         let member = members.filter(|_| info.role.is_data()).find(|member| member.name == info.name);
         match member {
             Some(member) => Formula::Symbol(symbol(&member.name, &member.attributes)),
@@ -122,7 +122,7 @@ impl Reader<'_> {
     }
 
     fn parameter(&self, index: usize) -> Formula {
-        let mut members = self.module.data.iter().flat_map(|data| &data.members);
+        let mut members = self.module.members();
         match members.nth(index) {
             Some(member) => Formula::Symbol(symbol(&member.name, &member.attributes)),
             None => Formula::word("parameter"),
@@ -169,7 +169,7 @@ impl Reader<'_> {
         Formula::call(head, arguments.iter().map(|argument| self.read(*argument)).collect())
     }
 
-    /// What the node is the gradient of, as a formula.
+    /// The operand of a gradient, as a formula.
     fn gradient_of(&self, tensor: Tensor) -> Option<Formula> {
         match self.arena.node(tensor).operator {
             Operator::Field { field, order: 1 } => Some(self.field(field)),

@@ -1,4 +1,4 @@
-//! What a derivative is simplified by before it is shown: zeros and ones vanish, signs and numbers come to
+//! Simplification of derivatives before they are shown: zeros and ones vanish, signs and numbers come to
 //! the front, equal terms join, and the derivative of a linear function is the function itself.
 
 use std::collections::HashMap;
@@ -290,7 +290,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
                 true => direction,
                 false => {
                     let shape = self.arena.shape(*one).to_vec();
-                    self.arena.push(Operator::Zero, shape, self.arena.place(origin))
+                    self.arena.push(Operator::Zero, shape, self.arena.span(origin))
                 }
             });
             let row = row.collect();
@@ -415,7 +415,7 @@ impl<'o, 'm> Simplifier<'o, 'm> {
     }
 
     fn push(&mut self, operator: Operator, shape: Vec<usize>, origin: Tensor) -> Tensor {
-        let place = self.arena.place(origin);
-        self.arena.share(operator, shape, place)
+        let span = self.arena.span(origin);
+        self.arena.share(operator, shape, span)
     }
 }

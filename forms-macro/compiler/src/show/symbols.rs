@@ -38,7 +38,7 @@ pub const GREEK: &[(&str, char)] = &[
     ("Omega", 'Ω'),
 ];
 
-/// What stands above or beside a letter.
+/// Accents, primes and indices of a letter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Accent {
     Hat,

@@ -1,4 +1,4 @@
-//! What must hold of the attribute for any tokens whatever. The fuzz target includes this file.
+//! Properties of the attribute for any tokens whatever. The fuzz target includes this file.
 
 use proc_macro2::TokenStream;
 

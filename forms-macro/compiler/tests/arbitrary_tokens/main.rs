@@ -90,6 +90,11 @@ const CORPUS: &[&str] = &[
             integral(Omega, det(G) + inner(G, F))
         }
     }",
+    "mod defaults {
+        struct Data { #[default(0)] f: Given<Vector>, #[default(-1.5)] k: Param, #[default(0)] B: Carried<Matrix<3, D>>, g: Param }
+        #[cells] struct Omega;
+        fn work(u: Unknown<Vector>) -> Energy { integral(Omega, k * g * dot(f, u) + inner(B, B)) }
+    }",
     "mod mixed {
         #[cells] struct Omega;
         fn stokes(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
@@ -204,6 +209,36 @@ fn token_soup() {
             1 => quote::quote! { mod m { #inside } },
             _ => quote::quote! { mod m { fn f(u: Vector) -> Scalar { #inside } } },
         });
+    }
+}
+
+/// A module whose data extend those of a text that arrives, both of them changed.
+#[test]
+fn mutated_extensions() {
+    let base = "#[identity(\"a\", \"1\")] mod a { struct Data { #[inherited(1)] k: Param, law: Table, f: Given<Vector> }
+        #[facets] struct Wall; #[origin(\"`g` in a\")] pub fn g(s: Scalar) -> Scalar { k * s } }";
+    let module =
+        "mod b { #[extends(super::a::Data)] pub struct Data { #[default(0)] m: Param, g: Given<Vector> }
+        #[cells] struct Omega;
+        fn work(u: Unknown<Vector>) -> Energy { integral(Omega, k * m * law(dot(f, u)) * dot(u, g)) } }";
+    let resume = |base: TokenStream, module: TokenStream| {
+        let text = base.to_string();
+        let state = quote::quote! { #text (dimension = 2) module { #module } [] };
+        let mut file = quote::quote! { struct Before; };
+        file.extend(forms_compiler::resume_forms(state));
+        file
+    };
+    let [base, module] = [base, module].map(|text| text.parse::<TokenStream>().expect("tokens"));
+    let output = resume(base.clone(), module.clone()).to_string();
+    assert!(output.contains("base . base . k") && !output.contains("compile_error"), "{output}");
+    for seed in 0..count(3_000) {
+        let mut random = Random(seed as u64);
+        let base = if random.below(2) == 0 { mutate(base.clone(), &mut random) } else { base.clone() };
+        let module = mutate(mutate(module.clone(), &mut random), &mut random);
+        let text = format!("seed {seed}: {base}\n{module}");
+        let output = catch_unwind(AssertUnwindSafe(|| resume(base, module)));
+        let output = output.unwrap_or_else(|_| panic!("the compiler panicked on {text}"));
+        assert!(syn::parse2::<syn::File>(output).is_ok(), "the output is not Rust, {text}");
     }
 }
 

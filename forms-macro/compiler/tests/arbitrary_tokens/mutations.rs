@@ -118,6 +118,13 @@ const WORDS: &[&str] = &[
     "Table",
     "History",
     "Carried",
+    "extends",
+    "extended",
+    "inherited",
+    "imported",
+    "default",
+    "base",
+    "Required",
 ];
 
 const LITERALS: &[&str] = &[

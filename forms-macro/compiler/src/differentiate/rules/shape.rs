@@ -124,7 +124,7 @@ impl Differentiation<'_> {
             }
             Geometry::Curvature => {
                 self.diagnostics.error_with_help(
-                    self.arena.place(tensor),
+                    self.arena.span(tensor),
                     "the derivative of the curvature by the shape is not available",
                     "leave the terms with `curvature` out of what is differentiated by `shape`",
                 );

@@ -4,7 +4,7 @@ use super::templates::{CONDITIONS, CONSTANTS, FACET_CONSTANTS, FREE, LINEAR, Tem
 use super::{Choices, Shape};
 use crate::check::builtins;
 
-/// What may stand at a place.
+/// The kinds of expressions that may stand at a place.
 #[derive(Clone, Copy)]
 pub struct Limits {
     /// About so many operators.

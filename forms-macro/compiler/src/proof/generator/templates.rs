@@ -1,4 +1,4 @@
-//! What a random expression is made of: templates per shape, with holes for smaller expressions.
+//! Ingredients of random expressions: templates per shape, with holes for smaller expressions.
 //!
 //! Holes: `{s} {v} {t} {q}` is a scalar, vector, tensor or fourth-order tensor; a capital letter is one that
 //! is linear in the test function at hand; `'` after it means that one derivative in space is taken of it,

@@ -1,0 +1,156 @@
+//! Contact problem: a contact law on a space, and the drivers that solve its direct and its adjoint problem.
+
+use std::fmt;
+
+use forms_fem::assemble::BlockPattern;
+use forms_fem::prelude::*;
+
+use crate::forms;
+use crate::law::{ContactLaw, WithAdjoint, WithIndicator};
+
+/// A contact law on a space, ready to be solved. The law is any forms module of which [`contact_law!`](crate::contact_law)
+/// says what is what; the paper's, unless another is given.
+#[derive(Clone)]
+pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
+    /// Runs the kernels.
+    pub assembler: Assembler<D>,
+    /// V^h.
+    pub space: Arc<Space<D>>,
+    /// The law's forms with their data and regions.
+    pub law: L,
+    /// u = u_D on Γ_D. Adjoint states vanish there.
+    pub constraints: Constraints<D>,
+    pattern: Arc<BlockPattern<D>>,
+    /// How facets of Γ_C are split at a displacement; none where they are integrated as a whole.
+    split: Option<Split<D, L>>,
+}
+
+/// Splits the facets of Γ_C for a law at a displacement.
+type Split<const D: usize, L> = fn(&Assembler<D>, &L, &Field<D>) -> Result<Assembler<D>, AssemblyError>;
+
+/// How finely an indicator is sampled along a facet before the facet is split: the degree of its interpolation in the plane,
+/// where on straight facets of degree k it has degree k; triangles along an edge in space.
+pub(crate) const RESOLUTION: usize = 8;
+
+impl<const D: usize, L: fmt::Debug> fmt::Debug for ContactProblem<D, L> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unknowns = self.space.unknowns();
+        f.debug_struct("ContactProblem").field("unknowns", &unknowns).field("law", &self.law).finish()
+    }
+}
+
+impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
+    /// Prepares the matrix pattern that all states share. The quadrature should be of a given degree
+    /// (`Quadrature::Degree`): by default each integral has its own, and that of a derivative may be lower, so that at kinks
+    /// an adjoint problem would not be the adjoint of what was solved.
+    ///
+    /// # Errors
+    /// When the matrix is too large to be numbered.
+    pub fn new(
+        assembler: Assembler<D>,
+        space: &Arc<Space<D>>,
+        law: L,
+        constraints: Constraints<D>,
+    ) -> Result<Self, AssemblyError> {
+        let pattern = BlockPattern::new(&[space], &[space])
+            .map_err(|source| AssemblyError::LinearAlgebra { form: "direct", source })?;
+        let (space, pattern) = (space.clone(), Arc::new(pattern));
+        Ok(ContactProblem { assembler, space, law, constraints, pattern, split: None })
+    }
+
+    /// The same with the facets of Γ_C split at the zeros of the law's indicator at each iterate, so that \[·\]₋ and
+    /// Heaviside's function of it are integrated as exactly as what is smooth: an attribute of the integrals over Γ_C, for all
+    /// states and the shape gradient. For (14) the integrand vanishes where a facet is split, so that its tangent, (21)
+    /// and the shape derivative need no further term. Newton's method then stops on the residual, not on an active set.
+    pub fn with_split_facets(mut self) -> Self
+    where
+        L: WithIndicator<D>,
+    {
+        self.split = Some(|assembler, law, u| {
+            assembler.split_at_zeros(&law.indicator(u), law.contact_region(), RESOLUTION)
+        });
+        self
+    }
+
+    /// Whether facets of Γ_C are split.
+    pub(crate) fn splits_facets(&self) -> bool {
+        self.split.is_some()
+    }
+
+    /// The assembler of what reads the contact zone of a displacement: [`ContactProblem::assembler`], with facets of Γ_C split
+    /// if that was asked for.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn assembler_at(&self, u: &Field<D>) -> Result<Assembler<D>, AssemblyError> {
+        match self.split {
+            None => Ok(self.assembler.clone()),
+            Some(split) => split(&self.assembler, &self.law, u),
+        }
+    }
+
+    /// The direct problem, from u = 0 with u_D imposed unless its builder is told otherwise.
+    ///
+    /// # Errors
+    /// A parameter out of its range.
+    pub fn direct(&self) -> Result<Problem<'_, L::Direct, D>, AssemblyError> {
+        let form = self.law.direct();
+        self.law.check(form.name())?;
+        let problem = Problem::owning(form, &self.space)
+            .assembler(&self.assembler)
+            .constrained(&self.constraints)
+            .with_pattern(&self.pattern);
+        Ok(match self.split {
+            None => problem,
+            Some(split) => problem.assembler_at(move |u| split(&self.assembler, &self.law, &u[0])),
+        })
+    }
+
+    /// Any problem for a state that vanishes on Γ_D, as an adjoint state at the displacement u.
+    ///
+    /// # Errors
+    /// A parameter out of its range, data that do not fit.
+    pub fn state<F: Form<D> + Clone>(
+        &self,
+        form: F,
+        u: &Field<D>,
+    ) -> Result<Problem<'_, F, D>, AssemblyError> {
+        self.state_by(form, self.assembler_at(u)?)
+    }
+
+    /// [`ContactProblem::state`] with an assembler of its own.
+    pub(crate) fn state_by<F: Form<D> + Clone>(
+        &self,
+        form: F,
+        assembler: Assembler<D>,
+    ) -> Result<Problem<'_, F, D>, AssemblyError> {
+        self.law.check(form.name())?;
+        Ok(Problem::owning(form, &self.space)
+            .assembler(assembler)
+            .vanishing(&self.constraints)
+            .with_pattern(&self.pattern))
+    }
+
+    /// The adjoint problem of the law's criterion at the displacement u. A solver that has solved the direct problem reuses
+    /// its analysis and, where it can, its factor.
+    ///
+    /// # Errors
+    /// As [`ContactProblem::state`].
+    pub fn adjoint(&self, u: &Field<D>) -> Result<Problem<'_, L::Adjoint, D>, AssemblyError>
+    where
+        L: WithAdjoint<D>,
+    {
+        self.state(self.law.adjoint(u), u)
+    }
+
+    /// J at a displacement.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn criterion(&self, u: &Field<D>) -> Result<f64, AssemblyError>
+    where
+        L: WithAdjoint<D>,
+    {
+        self.assembler_at(u)?.functional(&self.law.criterion(u))
+    }
+}

@@ -1,0 +1,205 @@
+//! Contact laws: what the drivers ask of a forms module.
+
+use forms_fem::prelude::*;
+
+/// A forms module with its data and regions bound, that states a contact problem: [`contact_law!`](crate::contact_law) writes
+/// this for a module's `Model`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no contact law in {D} dimensions",
+    note = "name what the drivers need of its forms module: `contact_law!(module {{ direct: direct, region: gamma_c }})`"
+)]
+pub trait ContactLaw<const D: usize>: Clone {
+    /// The direct problem R(u; v) = 0.
+    type Direct: Form<D> + Clone;
+
+    /// The direct problem with the law's data.
+    fn direct(&self) -> Self::Direct;
+
+    /// Name in the mesh of Γ_C, the potential contact boundary.
+    fn contact_region(&self) -> &str;
+
+    /// Whether the law's parameters are in their range.
+    ///
+    /// # Errors
+    /// [`AssemblyError::ParameterRange`] in the name of the form that was to be solved.
+    fn check(&self, form: &'static str) -> Result<(), AssemblyError>;
+}
+
+/// A contact law with a scalar whose sign tells what touches: facets can be split at its zeros.
+#[diagnostic::on_unimplemented(
+    message = "the contact law `{Self}` names no contact indicator, and facets are split at its zeros",
+    note = "add `indicator: name` of a scalar of u to its `contact_law!`"
+)]
+pub trait WithIndicator<const D: usize>: ContactLaw<D> {
+    /// β(u), positive where there is contact.
+    type Indicator: Expression<D>;
+
+    /// The indicator at a displacement.
+    fn indicator(&self, u: &Field<D>) -> Self::Indicator;
+}
+
+/// A contact law with a criterion J(u) and its adjoint problem.
+#[diagnostic::on_unimplemented(
+    message = "the contact law `{Self}` names no criterion with an adjoint problem",
+    note = "add `criterion: name` and `adjoint: name` to its `contact_law!`"
+)]
+pub trait WithAdjoint<const D: usize>: ContactLaw<D> {
+    /// J.
+    type Criterion: Functional<D>;
+    /// The adjoint problem, affine in p: derivative(direct(u, p), u, q) + derivative(criterion(u), u, q).
+    type Adjoint: Form<D> + Clone;
+
+    /// The criterion at a displacement.
+    fn criterion(&self, u: &Field<D>) -> Self::Criterion;
+
+    /// The adjoint problem at a displacement.
+    fn adjoint(&self, u: &Field<D>) -> Self::Adjoint;
+}
+
+/// A contact law with the derivative of its criterion by the shape.
+#[diagnostic::on_unimplemented(
+    message = "the contact law `{Self}` names no shape gradient",
+    note = "add `shape_gradient: name` (and `diameter_gradient: name`) to its `contact_law!`"
+)]
+pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
+    /// derivative(criterion(u) + direct(u, p), shape, Θ), linear in Θ.
+    type ShapeGradient: Form<D>;
+    /// derivative(criterion(u) + direct(u, p), h, growth), linear in the growth of the cells' diameters.
+    type DiameterGradient: Form<D>;
+
+    /// The volume form of the shape derivative at a displacement and an adjoint state.
+    fn shape_gradient(&self, u: &Field<D>, p: &Field<D>) -> Self::ShapeGradient;
+
+    /// Contribution of the cells' diameters h.
+    fn diameter_gradient(&self, u: &Field<D>, p: &Field<D>) -> Self::DiameterGradient;
+}
+
+/// Makes a contact law of a forms module's `Model`: says which of its functions are what.
+///
+/// ```
+/// # use forms_fem::prelude::*;
+/// use forms_contact::contact_law;
+///
+/// /// Penalty contact with a flat obstacle.
+/// #[forms]
+/// pub mod penalty {
+///     use forms_contact::operators::linear_elastic::stress;
+///     use forms_contact::operators::obstacle::penetration;
+///
+///     pub struct Data {
+///         lambda: Param,
+///         mu: Param,
+///         stiffness: Param,
+///         obstacle_normal: Given<Vector>,
+///         gap: Given<Scalar>,
+///     }
+///     #[cells]
+///     pub struct Omega;
+///     #[facets]
+///     pub struct GammaC;
+///
+///     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+///         integral(Omega, inner(stress(u), eps(v)))
+///             + integral(GammaC, stiffness * pos_part(penetration(u)) * dot(v, obstacle_normal))
+///     }
+/// }
+/// contact_law!(penalty { direct: direct, region: gamma_c });
+/// ```
+///
+/// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
+/// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `positive: parameter`, a member of the data (`base.parameter`
+/// of extended data) that has to be positive. A function that the module does not have is an error at its name here.
+#[macro_export]
+macro_rules! contact_law {
+    ($module:ident {
+        direct: $direct:ident,
+        region: $region:ident
+        $(, indicator: $indicator:ident)?
+        $(, criterion: $criterion:ident, adjoint: $adjoint:ident
+            $(, shape_gradient: $shape_gradient:ident, diameter_gradient: $diameter_gradient:ident)?)?
+        $(, positive: $($positive:ident).+)*
+        $(,)?
+    }) => {
+        impl<const D: usize> $crate::law::ContactLaw<D> for $module::Model<D>
+        where
+            $crate::fem::Dim: $crate::fem::Dimension<D>,
+        {
+            type Direct = $module::$direct::Compiled<D>;
+
+            fn direct(&self) -> Self::Direct {
+                $module::Model::$direct(self)
+            }
+
+            fn contact_region(&self) -> &str {
+                &self.regions.$region.0.name
+            }
+
+            fn check(&self, form: &'static str) -> Result<(), $crate::fem::AssemblyError> {
+                let _ = form;
+                $(
+                    let value = self.data.$($positive).+;
+                    // A value that is not finite is named when the form is bound to its data.
+                    if value <= 0.0 {
+                        let (range, parameter) = ("positive", stringify!($($positive).+));
+                        return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
+                    }
+                )*
+                Ok(())
+            }
+        }
+        $(
+            impl<const D: usize> $crate::law::WithIndicator<D> for $module::Model<D>
+            where
+                $crate::fem::Dim: $crate::fem::Dimension<D>,
+            {
+                type Indicator = $module::$indicator::Compiled<D>;
+
+                fn indicator(&self, u: &$crate::fem::Field<D>) -> Self::Indicator {
+                    $module::Model::$indicator(self, u)
+                }
+            }
+        )?
+        $(
+            impl<const D: usize> $crate::law::WithAdjoint<D> for $module::Model<D>
+            where
+                $crate::fem::Dim: $crate::fem::Dimension<D>,
+            {
+                type Criterion = $module::$criterion::Compiled<D>;
+                type Adjoint = $module::$adjoint::Compiled<D>;
+
+                fn criterion(&self, u: &$crate::fem::Field<D>) -> Self::Criterion {
+                    $module::Model::$criterion(self, u)
+                }
+
+                fn adjoint(&self, u: &$crate::fem::Field<D>) -> Self::Adjoint {
+                    $module::Model::$adjoint(self, u)
+                }
+            }
+            $(
+                impl<const D: usize> $crate::law::WithShapeGradient<D> for $module::Model<D>
+                where
+                    $crate::fem::Dim: $crate::fem::Dimension<D>,
+                {
+                    type ShapeGradient = $module::$shape_gradient::Compiled<D>;
+                    type DiameterGradient = $module::$diameter_gradient::Compiled<D>;
+
+                    fn shape_gradient(
+                        &self,
+                        u: &$crate::fem::Field<D>,
+                        p: &$crate::fem::Field<D>,
+                    ) -> Self::ShapeGradient {
+                        $module::Model::$shape_gradient(self, u, p)
+                    }
+
+                    fn diameter_gradient(
+                        &self,
+                        u: &$crate::fem::Field<D>,
+                        p: &$crate::fem::Field<D>,
+                    ) -> Self::DiameterGradient {
+                        $module::Model::$diameter_gradient(self, u, p)
+                    }
+                }
+            )?
+        )?
+    };
+}

@@ -1,0 +1,26 @@
+//! Functionals of which each process integrates its part. Problems are solved on several processes by
+//! [`Problem::on`](forms_fem::solve::Problem::on) the world.
+
+use forms_fem::prelude::*;
+
+use crate::error::DistributedError;
+use crate::world::World;
+
+/// The value of a functional: each process integrates over its own cells.
+///
+/// # Errors
+/// What does not fit, on any process.
+pub fn distributed_functional<G: Functional<D>, const D: usize>(
+    world: &World,
+    assembler: &Assembler<D>,
+    functional: &G,
+) -> Result<f64, DistributedError<AssemblyError>> {
+    let cells = world.own_cells(assembler.mesh());
+    let own = assembler.clone().on_owned_cells(cells).map_err(|source| AssemblyError::Region {
+        form: functional.name(),
+        symbol: "this process's cells",
+        source,
+    });
+    let own = world.agree(own.and_then(|local| local.functional(functional)))?;
+    Ok(world.sum(&[own])?[0])
+}

@@ -1,0 +1,61 @@
+//! Frictionless contact by Nitsche's method, and an adjoint state.
+
+use forms_contact::operators::obstacle;
+use forms_fem::prelude::*;
+
+#[forms]
+mod nitsche {
+    use forms_contact::operators::linear_elastic::stress;
+    use forms_contact::operators::obstacle::{augmented_stress, gamma, nitsche_test, normal_component};
+
+    #[extends(forms_contact::operators::obstacle::Data)] // n_y, g, γ₀, θ
+    pub struct Data {
+        pub lambda: Param,
+        pub mu: Param,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct GammaC;
+
+    fn normal_stress(w: Vector) -> Scalar {
+        normal_component(stress(w))
+    }
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let pressure = neg_part(augmented_stress(normal_stress(u), u));
+        integral(Omega, inner(stress(u), eps(v)))
+            - integral(GammaC, theta / gamma() * normal_stress(u) * normal_stress(v))
+            - integral(GammaC, pressure / gamma() * nitsche_test(normal_stress(v), v))
+    }
+    pub fn energy(u: State<Vector>) -> Functional {
+        integral(Omega, inner(stress(u), eps(u)) / 2)
+    }
+    /// The discrete adjoint (21): nothing typed by hand.
+    pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(energy(u), u, q)
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?);
+    let space = Space::vector(&mesh, 2)?;
+    let mut constraints = Constraints::new(&space);
+    constraints.fix("top", |_| [0.0, -0.1])?;
+
+    let gap = Given::function(|x: &[f64; 2]| x[1] + 0.1 * (x[0] - 1.0).powi(2));
+    let base =
+        obstacle::Data { obstacle_normal: Given::constant([0.0, -1.0]), gap, gamma0: 20.0, theta: 1.0 };
+    let data = nitsche::Data { base, lambda: 1.0, mu: 1.0 };
+    let model = nitsche::Model { data, regions: nitsche::Regions::default().gamma_c("bottom") };
+
+    // One degree for all integrals, so that the adjoint is that of what was solved.
+    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
+    let direct = model.direct();
+    let solved = Problem::new(&direct, &space).assembler(&assembler).constrained(&constraints).solve()?;
+    let u = solved.field();
+    let adjoint = model.adjoint(u);
+    let p = Problem::new(&adjoint, &space).assembler(&assembler).vanishing(&constraints).solve()?;
+    println!("energy {:.4}, Newton steps {}", solved.functional(&model.energy(u))?, solved.iterations());
+    println!("p in the middle of the contact {:?}", p.field().evaluate(&[1.0, 0.0])?);
+    Ok(())
+}

@@ -1,0 +1,38 @@
+//! README's programs: what stands there is what is compiled and run here, and its numbers are right.
+
+use std::process::Command;
+
+const README: &str = include_str!("../../README.md");
+
+/// Runs a program that stands in README.
+fn run(program: &str, text: &str) -> String {
+    let block = format!("```rust\n{text}```\n");
+    assert!(README.contains(&block), "README.md does not show this program:\n{text}");
+    let output = Command::new(program).output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn numbers(printed: &str) -> Vec<f64> {
+    let words = printed.split(|character: char| !character.is_ascii_digit() && !".-e".contains(character));
+    words.filter_map(|word| word.parse().ok()).collect()
+}
+
+#[test]
+fn contact_with_its_adjoint() {
+    let printed = run(env!("CARGO_BIN_EXE_readme_contact"), include_str!("../readme/contact.rs"));
+    let numbers = numbers(&printed);
+    // The energy of what was pressed in, and Newton's method ends in a few steps.
+    assert!(numbers[0] > 0.0 && numbers[0] < 0.05 && numbers[1] < 12.0, "{printed}");
+}
+
+#[test]
+fn a_stretched_bar_of_rubber() {
+    let text = include_str!("../readme/rubber.rs");
+    assert!(text.lines().count() <= 35);
+    let stress = numbers(&run(env!("CARGO_BIN_EXE_readme_rubber"), text));
+    // Between a bar that is free across (0.5 to 0.6) and one that is held all along: F = diag(1.25, 1, 1).
+    let held = 1.25 - 1.0 / 1.25 + 3.0 * 1.25_f64.ln() / 1.25;
+    assert!(stress.len() == 9 && stress[0] > 0.4 && stress[0] < held, "{stress:?}, held {held}");
+    assert!(stress[4].abs() < 0.2 * stress[0], "{stress:?}");
+}

@@ -1,0 +1,71 @@
+//! Sinks for element matrices and vectors, batch by batch.
+
+use super::AssemblyError;
+
+/// Takes the results of a batch.
+pub(super) trait Sink {
+    /// Memory for `count` results of `size` numbers each, that of entity `first` first.
+    fn room(&mut self, first: usize, count: usize, size: usize) -> &mut [f64];
+    /// The memory that was given last has been filled.
+    fn filled(&mut self, first: usize, count: usize, size: usize) -> Result<(), AssemblyError>;
+}
+
+/// Callback for element matrices or vectors: the first entity, and those of it and its successors.
+pub(super) type Deliver<'a> = &'a mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>;
+
+/// Hands over each batch from a buffer.
+pub(super) struct Buffered<'a> {
+    buffer: Vec<f64>,
+    deliver: Deliver<'a>,
+}
+
+impl<'a> Buffered<'a> {
+    pub fn new(deliver: Deliver<'a>) -> Self {
+        Buffered { buffer: vec![], deliver }
+    }
+}
+
+impl Sink for Buffered<'_> {
+    #[inline]
+    fn room(&mut self, _: usize, count: usize, size: usize) -> &mut [f64] {
+        if self.buffer.len() < count * size {
+            self.buffer.resize(count * size, 0.0);
+        }
+        &mut self.buffer[..count * size]
+    }
+
+    #[inline]
+    fn filled(&mut self, first: usize, count: usize, size: usize) -> Result<(), AssemblyError> {
+        (self.deliver)(first, &self.buffer[..count * size])
+    }
+}
+
+/// Writes to memory of the caller, over what is there or in addition to it.
+pub(super) struct Direct<'a> {
+    pub target: &'a mut [f64],
+    /// Where results are made before they are added; `None`: they are not added.
+    pub addend: Option<&'a mut Vec<f64>>,
+}
+
+impl Sink for Direct<'_> {
+    #[inline(always)]
+    fn room(&mut self, first: usize, count: usize, size: usize) -> &mut [f64] {
+        match &mut self.addend {
+            None => &mut self.target[first * size..][..count * size],
+            Some(addend) => {
+                addend.resize(count * size, 0.0);
+                &mut addend[..]
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn filled(&mut self, first: usize, count: usize, size: usize) -> Result<(), AssemblyError> {
+        if let Some(addend) = &self.addend {
+            for (sum, value) in self.target[first * size..][..count * size].iter_mut().zip(&addend[..]) {
+                *sum += *value;
+            }
+        }
+        Ok(())
+    }
+}

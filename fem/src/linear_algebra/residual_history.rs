@@ -1,0 +1,62 @@
+//! What `main` prints of a Krylov method's report: the last residuals of its history, which may be a thousand.
+
+use std::fmt;
+
+use super::gmres::GmresReport;
+use super::krylov::KrylovReport;
+
+/// Residuals that are printed.
+const LAST: usize = 5;
+
+/// A history by its length and its end.
+struct History<'a>(&'a [f64]);
+
+impl fmt::Debug for History<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let last = &self.0[self.0.len().saturating_sub(LAST)..];
+        match self.0.len() - last.len() {
+            0 => write!(f, "{last:?}"),
+            before => write!(f, "{before} residuals, then {last:?}"),
+        }
+    }
+}
+
+impl fmt::Debug for KrylovReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("KrylovReport")
+            .field("iterations", &self.iterations)
+            .field("relative_residual", &self.relative_residual)
+            .field("history", &History(&self.history))
+            .finish()
+    }
+}
+
+impl fmt::Debug for GmresReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("GmresReport")
+            .field("iterations", &self.iterations)
+            .field("relative_residual", &self.relative_residual)
+            .field("history", &History(&self.history))
+            .field("at_rounding", &self.at_rounding)
+            .finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::linear_algebra::{GmresReport, KrylovReport};
+    use crate::solve::SolverError;
+
+    #[test]
+    fn an_error_prints_the_end_of_its_history() {
+        let history: Vec<f64> = (0..1000).map(|k| 1.0 / f64::from(k + 1)).collect();
+        let report = GmresReport { history: history.clone(), iterations: 999, ..GmresReport::default() };
+        let printed = format!("{:?}", SolverError::NotConverged(report));
+        assert!(printed.contains("995 residuals, then [") && printed.len() < 300, "{printed}");
+        let report = KrylovReport { history, iterations: 999, relative_residual: 1e-3 };
+        let printed = format!("{:?}", SolverError::Krylov { method: "cg", why: "no".into(), report });
+        assert!(printed.contains("0.001]") && printed.len() < 300, "{printed}");
+        let short = KrylovReport { history: vec![1.0, 0.5], ..KrylovReport::default() };
+        assert!(format!("{short:?}").contains("history: [1.0, 0.5]"), "{short:?}");
+    }
+}

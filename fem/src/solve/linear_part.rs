@@ -1,0 +1,243 @@
+//! Linear part of a problem: the integrals that no iterate changes, assembled once, and one tangent that is updated in place.
+
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::ops::Range;
+use std::sync::Arc;
+
+use forms_core::contract::{Form, Role};
+
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, TouchedEntries};
+use crate::field::{Field, FieldView};
+use crate::linear_algebra::error::check_size;
+use crate::linear_algebra::vector::add_scaled;
+use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
+use crate::space::Space;
+
+/// A form, the spaces of its unknowns and test functions, and who assembles it.
+pub(super) struct System<'a, F, const D: usize, const N: usize> {
+    pub form: Held<'a, F>,
+    pub assembler: Cow<'a, Assembler<D>>,
+    /// Who assembles the nonlinear integrals at an iterate, where that depends on the iterate.
+    pub assembler_at: Option<AssemblerAt<'a, D>>,
+    pub spaces: [Arc<Space<D>>; N],
+    /// Positions of the tangent's entries, from the first use on.
+    pub pattern: OnceCell<Arc<BlockPattern<D>>>,
+}
+
+/// A form that is lent, or kept.
+pub(super) enum Held<'a, F> {
+    Lent(&'a F),
+    Own(F),
+}
+
+impl<F> std::ops::Deref for Held<'_, F> {
+    type Target = F;
+
+    fn deref(&self) -> &F {
+        match self {
+            Held::Lent(form) => form,
+            Held::Own(form) => form,
+        }
+    }
+}
+
+/// The assembler for the nonlinear integrals at given unknowns.
+pub(super) type AssemblerAt<'a, const D: usize> =
+    Box<dyn Fn(&[Field<D>]) -> Result<Assembler<D>, AssemblyError> + 'a>;
+
+/// What no iterate changes, and the matrix.
+pub(super) struct Assembled {
+    /// How often the form's histories had been committed when this was assembled.
+    pub commits: u64,
+    /// The residual at 0 of the integrals that are constant or linear in the unknowns.
+    load: Vec<f64>,
+    /// Whether there are linear integrals.
+    linear: bool,
+    /// The tangent of the linear integrals; if `updated`, also that of the others at some iterate.
+    matrix: BlockMatrix,
+    updated: bool,
+    /// What the nonlinear integrals touch, and the linear ones' values there (none without linear integrals).
+    touched: TouchedEntries,
+    linear_values: Vec<f64>,
+}
+
+impl Assembled {
+    /// Takes the nonlinear integrals out of the matrix, in a time proportional to what they touch.
+    fn restore(&mut self) {
+        if !std::mem::replace(&mut self.updated, false) {
+            return;
+        }
+        let mut linear = &self.linear_values[..];
+        for places in &self.touched.places {
+            let values = &mut self.matrix.values_mut()[places.clone()];
+            if self.linear {
+                let (own, later) = linear.split_at(places.len());
+                values.copy_from_slice(own);
+                linear = later;
+            } else {
+                values.fill(0.0);
+            }
+        }
+    }
+
+    /// The matrix as it is.
+    pub fn matrix(&self) -> &BlockMatrix {
+        &self.matrix
+    }
+
+    /// The tangent of the linear integrals, where it serves to know it apart from the whole.
+    pub fn linear_part(&mut self) -> Option<&BlockMatrix> {
+        self.restore();
+        self.changed().is_some().then_some(&self.matrix)
+    }
+
+    /// The places where the whole differs from the linear part, if it does not differ everywhere.
+    pub fn changed(&self) -> Option<&[Range<usize>]> {
+        (self.linear && !self.changes_everywhere()).then_some(&self.touched.places)
+    }
+
+    /// The places that nonlinear integrals touch.
+    pub fn touched(&self) -> &[Range<usize>] {
+        &self.touched.places
+    }
+
+    fn changes_everywhere(&self) -> bool {
+        let changed: usize = self.touched.places.iter().map(|places| places.len()).sum();
+        changed == self.matrix.values().len()
+    }
+}
+
+impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
+    /// The matrix pattern: blocks that the form leaves empty are not stored, nor those that the assembler's cells leave empty.
+    pub fn pattern(&self) -> Result<&Arc<BlockPattern<D>>, AssemblyError> {
+        if let Some(known) = self.pattern.get() {
+            return Ok(known);
+        }
+        let spaces = self.spaces.each_ref();
+        let pattern = BlockPattern::for_cells_of(&*self.form, &spaces, &spaces, &self.assembler)?;
+        Ok(self.pattern.get_or_init(|| Arc::new(pattern)))
+    }
+
+    /// Number of unknowns of all spaces.
+    pub fn unknowns(&self) -> usize {
+        self.spaces.iter().map(|space| space.unknowns()).sum()
+    }
+
+    /// The parts of a vector over all unknowns that belong to the spaces.
+    pub fn views<'u>(&'u self, u: &'u [f64]) -> Result<[FieldView<'u, D>; N], AssemblyError> {
+        check_size("the vector of all unknowns", self.unknowns(), u.len()).map_err(|why| self.misfit(why))?;
+        let mut rest = u;
+        Ok(self.spaces.each_ref().map(|space| {
+            let (values, later) = rest.split_at(space.unknowns());
+            rest = later;
+            FieldView { space, values, finite: false }
+        }))
+    }
+
+    /// The fields of a vector over all unknowns.
+    pub fn fields(&self, u: &[f64]) -> [Field<D>; N] {
+        let mut offset = 0;
+        self.spaces.each_ref().map(|space| {
+            let values = u[offset..offset + space.unknowns()].to_vec();
+            offset += space.unknowns();
+            Field::of_known(space, values)
+        })
+    }
+
+    /// Who assembles the nonlinear integrals at u.
+    fn assembler_at(&self, u: &[f64]) -> Result<Cow<'_, Assembler<D>>, AssemblyError> {
+        match &self.assembler_at {
+            Some(choose) => Ok(Cow::Owned(choose(&self.fields(u))?)),
+            None => Ok(Cow::Borrowed(&*self.assembler)),
+        }
+    }
+
+    fn misfit(&self, source: LinearAlgebraError) -> AssemblyError {
+        AssemblyError::LinearAlgebra { form: self.form.name(), source }
+    }
+
+    /// The name of an unknown in the form.
+    pub fn unknown_name(&self, number: usize) -> &'static str {
+        let fields = self.form.fields();
+        fields.iter().find(|field| field.role == Role::Unknown(number)).map_or("unknown", |field| field.name)
+    }
+
+    /// Assembles what no iterate changes, in the memory of an earlier assembly.
+    pub fn assemble(&self, commits: u64, earlier: Option<Assembled>) -> Result<Assembled, AssemblyError> {
+        let (form, pattern) = (&*self.form, self.pattern()?);
+        let zero = self.spaces.each_ref().map(Field::zero);
+        let (zero, spaces) = (zero.each_ref(), self.spaces.each_ref());
+        let load = self.assembler.residual_parts(form, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?;
+        let mut assembled = match earlier {
+            Some(earlier) => Assembled { commits, load, ..earlier },
+            None => {
+                let touched = pattern.touched(form, Parts::NONLINEAR)?;
+                let (matrix, linear_values) = (BlockMatrix::zero(pattern.sparsity()), vec![]);
+                let linear = pattern.has_tangent(form, Parts::LINEAR_AND_CONSTANT);
+                Assembled { commits, load, linear, matrix, updated: false, touched, linear_values }
+            }
+        };
+        if assembled.linear {
+            let Assembled { matrix, linear_values, touched, .. } = &mut assembled;
+            self.assembler.assemble_tangent(
+                form,
+                &zero,
+                &spaces,
+                Parts::LINEAR_AND_CONSTANT,
+                pattern,
+                matrix,
+            )?;
+            linear_values.clear();
+            linear_values.reserve_exact(touched.places.iter().map(|places| places.len()).sum());
+            for places in &touched.places {
+                linear_values.extend_from_slice(&matrix.values()[places.clone()]);
+            }
+            assembled.updated = false;
+        }
+        Ok(assembled)
+    }
+
+    /// The residual at u.
+    pub fn residual(&self, assembled: &mut Assembled, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let mut residual = assembled.load.clone();
+        if assembled.linear {
+            assembled.restore();
+            let mut linear = vec![0.0; residual.len()];
+            let product = assembled.matrix.multiply_on(self.assembler.threads(), u, &mut linear);
+            product.map_err(|why| self.misfit(why))?;
+            add_scaled(&mut residual, 1.0, &linear);
+        }
+        add_scaled(&mut residual, 1.0, &self.nonlinear_residual(u)?);
+        Ok(residual)
+    }
+
+    /// The residual of the nonlinear integrals at u.
+    pub fn nonlinear_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
+        self.assembler_at(u)?.residual_of(&*self.form, &views, &spaces, Parts::NONLINEAR)
+    }
+
+    /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
+    pub fn update(&self, assembled: &mut Assembled, u: &[f64]) -> Result<(), AssemblyError> {
+        let mut views = self.views(u)?;
+        // Nothing else is read: a pass over all values would cost more than the update.
+        for (number, (view, touched)) in views.iter_mut().zip(&assembled.touched.unknowns).enumerate() {
+            let finite =
+                |unknowns: &Range<usize>| view.values[unknowns.clone()].iter().all(|u| u.is_finite());
+            if !touched.iter().all(finite) {
+                let (form, field) = (self.form.name(), self.unknown_name(number));
+                return Err(AssemblyError::NotFinite { form, field, position: None });
+            }
+            view.finite = true;
+        }
+        let (assembler, spaces) = (self.assembler_at(u)?, self.spaces.each_ref());
+        let overwrites = !assembled.linear && assembled.changes_everywhere();
+        if !overwrites {
+            assembled.restore();
+        }
+        assembled.updated = true;
+        let (form, pattern, matrix) = (&*self.form, self.pattern()?, &mut assembled.matrix);
+        assembler.tangent_of(form, &views, &spaces, Parts::NONLINEAR, pattern, matrix, !overwrites)
+    }
+}

@@ -1,0 +1,136 @@
+//! Condensed Newton iteration, where the nonlinearity lives on few unknowns: the same iterates as on all unknowns, but
+//! between the first and the last one only what the nonlinearity reads and touches is computed.
+
+use std::sync::Arc;
+
+use super::convergence::{Norms, Rounding, mark};
+use super::{Iteration, NewtonFailure, NonlinearProblem, Step};
+use crate::linear_algebra::vector::{add_scaled, norm};
+use crate::linear_algebra::{CsrMatrix, Entry};
+use crate::solve::condensed_solver::{CondensedSystem, additions};
+use crate::solve::elimination::Elimination;
+use crate::solve::linear_solver::{CondensingSolver, SolverError};
+
+type Outcome<T, P> = Result<T, NewtonFailure<<P as NonlinearProblem>::Error>>;
+
+/// The entries of the tangent at u, reduced, at the places where it may differ from the linear part.
+pub(super) fn changed_entries<P: NonlinearProblem>(
+    problem: &mut P,
+    elimination: &mut Elimination,
+    u: &[f64],
+) -> Outcome<Vec<Entry>, P> {
+    let tangent = problem.tangent(u).map_err(NewtonFailure::Assembly)?;
+    let places = tangent.changed.unwrap_or_default();
+    elimination.reduce_places(&tangent.matrix, places).map_err(NewtonFailure::Mismatch)
+}
+
+impl Iteration<'_> {
+    /// Iterates from the first iterate, whose residual is given, as long as it converges and the solver condenses.
+    /// Afterwards u is the last iterate of the history on all unknowns. False: nothing was done.
+    pub(super) fn iterate_condensed<P: NonlinearProblem>(
+        &mut self,
+        problem: &mut P,
+        elimination: &mut Elimination,
+        linear_part: &Arc<CsrMatrix>,
+        residual: &[f64],
+        solver: &mut dyn CondensingSolver,
+    ) -> Outcome<bool, P> {
+        let Some(nonlinear) = problem.nonlinear_residual(&self.u).map_err(NewtonFailure::Assembly)? else {
+            return Ok(false);
+        };
+        let mut nonlinear = elimination.reduce(&nonlinear).map_err(NewtonFailure::Mismatch)?;
+        // R(u₀ + x) = K x + N(u₀ + x) − b.
+        let mut b = elimination.reduce(residual).map_err(NewtonFailure::Mismatch)?;
+        b.iter_mut().zip(&nonlinear).for_each(|(b, n)| *b = n - *b);
+        let mut entries = changed_entries(problem, elimination, &self.u)?;
+        let mut watched: Vec<u32> = entries.iter().flat_map(|entry| [entry.row, entry.column]).collect();
+        watched.sort_unstable();
+        watched.dedup();
+        let start: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
+        // The increment since u₀, up to date in the watched unknowns.
+        let mut x = vec![0.0; b.len()];
+        let mut known: Option<(CondensedSystem, Vec<f64>)> = None;
+        let failed = NewtonFailure::LinearSolver;
+        loop {
+            let touched: Vec<u32> = (0..x.len() as u32).filter(|i| nonlinear[*i as usize] != 0.0).collect();
+            let added = additions(linear_part, &entries).map_err(failed)?;
+            let holds = known.as_ref().is_some_and(|(system, _)| solver.covers(system, &added, &touched));
+            if !holds {
+                // The iterate is completed with the factor that it belongs to.
+                if let Some((system, x_c)) = known.take() {
+                    self.complete(elimination, &start, &solver.complete(system, &x_c).map_err(failed)?)?;
+                    let full = elimination.free().iter().map(|unknown| self.u[*unknown]);
+                    x = full.zip(&start).map(|(u, start)| u - start).collect();
+                }
+                if !solver.cover(&added, &touched).map_err(failed)? {
+                    return Ok(self.history.len() > 1);
+                }
+                let system = solver.condensed_system(&b, &watched).map_err(failed)?;
+                let x_c = system.condensed(&x);
+                known = Some((system, x_c));
+            }
+            let Some((system, x_c)) = &mut known else { return Ok(false) };
+            let reduced_residual = system.residual(x_c, &nonlinear);
+            let step = solver.condensed_step(linear_part, added, &reduced_residual).map_err(failed)?;
+            add_scaled(x_c, 1.0, &step);
+            system.update(x_c, &mut x).map_err(failed)?;
+            let moved = |i: usize| start[i] + x[i] - self.u[elimination.free()[i]];
+            let lengths = self.fields.norms_over(&watched, moved);
+            for &i in &watched {
+                self.u[elimination.free()[i as usize]] = start[i as usize] + x[i as usize];
+            }
+            let found = problem.nonlinear_residual(&self.u).map_err(NewtonFailure::Assembly)?;
+            nonlinear = elimination.reduce(&found.unwrap_or_default()).map_err(NewtonFailure::Mismatch)?;
+            // Rows outside of c hold; N may have got beyond c.
+            let mut residual = nonlinear.clone();
+            let reduced_residual = system.residual(x_c, &nonlinear);
+            let condensed = system.unknowns().iter().zip(&reduced_residual);
+            condensed.for_each(|(place, value)| residual[*place as usize] = *value);
+            let norms = Norms {
+                residual: self.fields.norms(&residual),
+                u: self.fields.norms_over(&watched, |i| start[i] + x[i]),
+                step: Some(lengths),
+                mark: mark(&watched.iter().map(|i| start[*i as usize] + x[*i as usize]).collect::<Vec<_>>()),
+            };
+            let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
+            let condensed_unknowns = Some(x_c.len());
+            let step = Step {
+                length: norms.step.as_deref().map(norm),
+                damping: Some(1.0),
+                linear_iterations: Some(0),
+                condensed_unknowns,
+            };
+            self.record(norm(&residual), norms, active, step);
+            // What ends the iteration is said of the whole residual.
+            let last = !norm(&residual).is_finite()
+                || self.has_converged(&Rounding::Unknown)
+                || self.may_be_rounding()
+                || self.check_progress::<P::Error>().is_err();
+            if last {
+                break;
+            }
+            entries = changed_entries(problem, elimination, &self.u)?;
+        }
+        if let Some((system, x_c)) = known {
+            self.complete(elimination, &start, &solver.complete(system, &x_c).map_err(failed)?)?;
+        }
+        Ok(true)
+    }
+
+    /// u = u₀ + x on the free unknowns.
+    fn complete<E>(
+        &mut self,
+        elimination: &Elimination,
+        start: &[f64],
+        x: &[f64],
+    ) -> Result<(), NewtonFailure<E>> {
+        if let Some(unknown) = x.iter().position(|value| !value.is_finite()) {
+            let singular = crate::linear_algebra::LinearAlgebraError::Singular { unknown, ratio: 0.0 };
+            return Err(NewtonFailure::LinearSolver(SolverError::LinearAlgebra(singular)));
+        }
+        for ((unknown, start), x) in elimination.free().iter().zip(start).zip(x) {
+            self.u[*unknown] = start + x;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,248 @@
+//! Newton's options, iterates, solution and failures.
+
+use std::fmt;
+
+use super::line_search::LineSearch;
+#[cfg(doc)]
+use super::newton;
+use crate::assemble::AssemblyError;
+use crate::linear_algebra::LinearAlgebraError;
+use crate::solve::linear_solver::SolverError;
+
+/// The end of Newton's method: its tolerances, and whether steps are shortened on the way.
+///
+/// An iterate is the solution when for every field of the problem (an unknown of a form; norms are over free unknowns)
+///
+/// 1. ‖R_f‖₂ ≤ `relative_tolerance` × the field's ‖R_f‖₂ at the start, with the prescribed values imposed. A field without a
+///    load there, which other fields drive, is measured by the largest residual that it came to instead.
+/// 2. The step still to be expected, ‖δ_f‖₂ of the last whole step times the factor by which residuals fell in it (of the
+///    field whose residual fell least), is at most 100 `relative_tolerance` × ‖u_f‖₂. A start that is far off makes the first
+///    residual large; this part of the criterion does not depend on it.
+///
+/// No residual can be smaller than rounding: where the iteration stalls above the tolerance, or a field has had no other
+/// residual, the forces that balance are added up row by row from the tangent ([`NonlinearProblem::balancing_forces`]),
+/// and a residual at their rounding level (10⁻¹⁴ of them, 10⁻¹² if it does not fall any more) counts as zero.
+///
+/// [`NonlinearProblem::balancing_forces`]: super::NonlinearProblem::balancing_forces
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewtonOptions {
+    /// Tolerance of residuals and of expected steps, as above.
+    pub relative_tolerance: f64,
+    /// Converged in any case at ‖R‖₂ ≤ `absolute_tolerance` over all fields \[unit of R\].
+    pub absolute_tolerance: f64,
+    /// Most steps.
+    pub max_iterations: usize,
+    /// Whether steps are shortened where a whole one is too long.
+    pub line_search: LineSearch,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            relative_tolerance: 1e-10,
+            absolute_tolerance: 1e-300,
+            max_iterations: 50,
+            line_search: LineSearch::Off,
+        }
+    }
+}
+
+/// One iterate in Newton's history, and the step that led to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewtonStep {
+    /// 0 for the start.
+    pub iteration: usize,
+    /// ‖R‖₂ on free unknowns \[unit of R\].
+    pub residual: f64,
+    /// Residual divided by the residual at the start (0 if that is 0).
+    pub relative_residual: f64,
+    /// ‖R‖₂ of each field, in the order of the form's unknowns.
+    pub field_residuals: Vec<f64>,
+    /// Number of active quadrature points at this iterate.
+    pub active_points: Option<usize>,
+    /// Whether the active set differs from that of the iterate before.
+    pub active_set_changed: Option<bool>,
+    /// ‖δu‖₂ of the step that led here; none at the start.
+    pub step: Option<f64>,
+    /// Krylov iterations of that step (0 for a direct solution).
+    pub linear_iterations: Option<usize>,
+    /// The part of the Newton step that was taken: 1 unless a line search shortened it.
+    pub damping: Option<f64>,
+    /// Unknowns of the system of that step, where it was condensed to those that the nonlinearity touches.
+    pub condensed_unknowns: Option<usize>,
+}
+
+impl NewtonStep {
+    /// The start of an iteration, with ‖R‖₂ there.
+    pub fn start(residual: f64) -> Self {
+        NewtonStep {
+            iteration: 0,
+            residual,
+            relative_residual: if residual == 0.0 { 0.0 } else { 1.0 },
+            field_residuals: vec![residual],
+            active_points: None,
+            active_set_changed: None,
+            step: None,
+            linear_iterations: None,
+            damping: None,
+            condensed_unknowns: None,
+        }
+    }
+}
+
+/// The solution and how it was reached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewtonSolution {
+    /// All unknowns, with the prescribed values.
+    pub u: Vec<f64>,
+    /// R(u) on all unknowns: the reactions on the prescribed ones, about zero on the others.
+    pub residual: Vec<f64>,
+    /// The start and each iterate.
+    pub history: Vec<NewtonStep>,
+}
+
+impl NewtonSolution {
+    /// Number of Newton steps.
+    pub fn iterations(&self) -> usize {
+        self.history.len().saturating_sub(1)
+    }
+}
+
+/// Why Newton's method failed.
+#[derive(Debug, thiserror::Error)]
+pub enum NewtonFailure<E> {
+    /// The iterations are used up.
+    #[error("no convergence within {iterations} iterations")]
+    NotConverged {
+        /// Steps made.
+        iterations: usize,
+    },
+    /// An earlier iterate came back: its residual again and again, or once with its active set.
+    /// [`LineSearch::OnResidual`] often helps.
+    #[error(
+        "it repeats itself: iteration {first} came back after {period} more, with the same residual; \
+         shorter steps may help (LineSearch::OnResidual)"
+    )]
+    Cycling {
+        /// Iterate that was reached again.
+        first: usize,
+        /// Steps in between.
+        period: usize,
+    },
+    /// Steps hardly change u any more, but the residual is above the tolerance, and above the rounding of the forces that
+    /// balance in it: it cannot be computed any better, or the tangent is not its derivative.
+    #[error(
+        "the residual stagnates above the tolerance, though steps are small: it is not computed more accurately, or the \
+         tangent is not its derivative"
+    )]
+    Stagnated,
+    /// The residual became NaN or infinite.
+    #[error("the residual is not finite")]
+    NotFinite,
+    /// A line search on the potential was asked for, but an unsymmetric tangent has no potential.
+    #[error(
+        "a line search on the potential needs one, but the tangent is not symmetric (asymmetry {asymmetry:e}); \
+         LineSearch::OnResidual needs none"
+    )]
+    NoPotential {
+        /// [`BlockMatrix::asymmetry`](crate::linear_algebra::BlockMatrix::asymmetry) of the tangent.
+        asymmetry: f64,
+    },
+    /// No step along a descent direction, however short, lowers the potential, or gives a finite residual.
+    #[error("the line search found no step that it could take")]
+    NoDescent,
+    /// The linear solver failed.
+    #[error("the linear solver failed: {0}")]
+    LinearSolver(#[source] SolverError),
+    /// Sizes disagree, or prescribed values are unfit.
+    #[error("the problem does not fit together: {0}")]
+    Mismatch(#[source] LinearAlgebraError),
+    /// Assembly of the residual, the tangent or the active set failed.
+    #[error("assembly failed: {0}")]
+    Assembly(#[source] E),
+}
+
+/// A failure of Newton's method with the history up to it.
+#[derive(thiserror::Error)]
+#[error("{}: {why}", stage(history))]
+pub struct NewtonError<E: std::error::Error> {
+    /// The reason.
+    pub why: NewtonFailure<E>,
+    /// The iterates before the failure.
+    pub history: Vec<NewtonStep>,
+    /// The last iterate.
+    pub u: Vec<f64>,
+}
+
+/// How far it came: without an iterate there was no Newton's method yet, as in an affine problem.
+fn stage(history: &[NewtonStep]) -> String {
+    match history.len() {
+        0 => "the problem was not solved".to_owned(),
+        count => format!("Newton's method failed at iteration {}", count - 1),
+    }
+}
+
+impl<E: std::error::Error> From<NewtonFailure<E>> for NewtonError<E> {
+    fn from(why: NewtonFailure<E>) -> Self {
+        NewtonError { why, history: vec![], u: vec![] }
+    }
+}
+
+impl From<AssemblyError> for NewtonError<AssemblyError> {
+    fn from(error: AssemblyError) -> Self {
+        NewtonFailure::Assembly(error).into()
+    }
+}
+
+impl From<SolverError> for NewtonError<AssemblyError> {
+    fn from(error: SolverError) -> Self {
+        NewtonFailure::LinearSolver(error).into()
+    }
+}
+
+/// Iterates that [`NewtonError`] prints.
+const PRINTED: usize = 6;
+
+/// Fields whose residuals stand in the line of an iterate.
+const SHOWN_FIELDS: usize = 6;
+
+// It is what `main` prints of an error that it returns: lines for a reader, not every unknown and every field.
+impl<E: std::error::Error> fmt::Debug for NewtonError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")?;
+        let earlier = self.history.len().saturating_sub(PRINTED);
+        if !self.history.is_empty() {
+            write!(
+                f,
+                "\n{:>9}  {:>11}  {:>11}  {:>7}  {:>13}",
+                "iteration", "residual", "step", "damping", "active points"
+            )?;
+        }
+        if earlier > 0 {
+            write!(f, "\n{:>9}  ({earlier} before)", "...")?;
+        }
+        for step in &self.history[earlier..] {
+            write!(f, "\n{step}")?;
+        }
+        write!(f, "\n{} unknowns", self.u.len())
+    }
+}
+
+impl fmt::Display for NewtonStep {
+    /// One line of a table: iteration, residual, step, damping, active points, and the residuals of several fields.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.4e}"));
+        let damping = self.damping.map_or_else(|| "-".to_owned(), |damping| format!("{damping:.4}"));
+        let active = self.active_points.map_or_else(|| "-".to_owned(), |count| count.to_string());
+        let (residual, step) = (shown(Some(self.residual)), shown(self.step));
+        write!(f, "{:>9}  {residual:>11}  {step:>11}  {damping:>7}  {active:>13}", self.iteration)?;
+        if self.field_residuals.len() > 1 {
+            let shown = self.field_residuals.iter().take(SHOWN_FIELDS).map(|value| format!("{value:.3e}"));
+            write!(f, "  by field {}", shown.collect::<Vec<_>>().join(", "))?;
+        }
+        if self.field_residuals.len() > SHOWN_FIELDS {
+            write!(f, ", ...")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,64 @@
+//! Errors of linear solvers told in a problem's own terms: field, component, position, rigid motions.
+
+use forms_core::contract::Form;
+
+use super::Problem;
+use crate::linear_algebra::{LinearAlgebraError, free_motions};
+use crate::solve::{Elimination, SolverError};
+
+impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
+    /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
+    /// that does not hold with those of its unknown.
+    pub(super) fn named(&self, error: SolverError, elimination: &Elimination) -> SolverError {
+        let unknown = match error {
+            SolverError::LinearAlgebra(
+                LinearAlgebraError::Singular { unknown, .. }
+                | LinearAlgebraError::IllConditioned { unknown, .. }
+                | LinearAlgebraError::Inaccurate { row: unknown, .. },
+            ) => unknown,
+            _ => return error,
+        };
+        let mut index = elimination.free().get(unknown).copied().unwrap_or(0);
+        for (number, space) in self.system.spaces.iter().enumerate() {
+            if index < space.unknowns() {
+                let components = space.components();
+                let field = self.system.unknown_name(number);
+                let component = (components > 1).then_some(index % components);
+                let position = space.positions()[index / components].to_vec();
+                return match error {
+                    SolverError::LinearAlgebra(LinearAlgebraError::Inaccurate { backward_error, .. }) => {
+                        SolverError::Inaccurate { field, component, position, backward_error }
+                    }
+                    SolverError::LinearAlgebra(LinearAlgebraError::IllConditioned { condition, .. }) => {
+                        // A body that can move rigidly is singular, whatever rounding makes of its matrix.
+                        let (motions, ratio) = (self.free_motions(number, elimination), 1.0 / condition);
+                        if motions.is_empty() {
+                            SolverError::IllConditioned { field, component, position, condition }
+                        } else {
+                            SolverError::Undetermined { field, component, position, ratio, motions }
+                        }
+                    }
+                    SolverError::LinearAlgebra(LinearAlgebraError::Singular { ratio, .. }) => {
+                        let motions = self.free_motions(number, elimination);
+                        SolverError::Undetermined { field, component, position, ratio, motions }
+                    }
+                    error => error,
+                };
+            }
+            index -= space.unknowns();
+        }
+        error
+    }
+
+    /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.
+    fn free_motions(&self, number: usize, elimination: &Elimination) -> Vec<String> {
+        let (spaces, space) = (&self.system.spaces, &self.system.spaces[number]);
+        let Some(assembled) = self.assembled.as_ref().filter(|_| space.components() == D) else {
+            return vec![];
+        };
+        let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
+        // What cannot be said is left out: the error is reported in any case.
+        let residual = |motion: &[f64], forces: &[f64]| elimination.null_space_residual(motion, forces);
+        free_motions(assembled.matrix(), offset, space.positions(), residual).unwrap_or_default()
+    }
+}

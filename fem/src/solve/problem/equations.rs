@@ -1,0 +1,102 @@
+//! A problem as the system of equations that Newton's method solves, with the integrals that no iterate changes assembled
+//! once, and sums over processes where there are several.
+
+use std::borrow::Cow;
+use std::time::Instant;
+
+use forms_core::contract::Form;
+
+use super::Problem;
+use crate::assemble::AssemblyError;
+use crate::linear_algebra::BlockMatrix;
+use crate::solve::communicator::{agreed, all_active, summed};
+use crate::solve::{ActivePoints, NonlinearProblem, Tangent};
+
+impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
+    fn own_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let (system, assembled) = self.ready()?;
+        let start = Instant::now();
+        let residual = system.residual(assembled, u);
+        self.seconds += start.elapsed().as_secs_f64();
+        residual
+    }
+
+    fn update(&mut self, u: &[f64]) -> Result<(), AssemblyError> {
+        let (system, assembled) = self.ready()?;
+        let start = Instant::now();
+        system.update(assembled, u)?;
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn own_active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
+        let start = Instant::now();
+        let set = self.system.assembler.active_set_of(&*self.system.form, &self.system.views(u)?)?;
+        self.seconds += start.elapsed().as_secs_f64();
+        // A point with several switches counts once; which of them are on tells sets apart.
+        Ok(set.map(|bits| {
+            let on = bits.iter().enumerate().filter(|(_, bits)| **bits != 0);
+            ActivePoints::from_numbers(on.map(|(point, bits)| point << 32 | *bits as usize))
+        }))
+    }
+}
+
+impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_, F, D, N> {
+    type Error = AssemblyError;
+
+    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let own = self.own_residual(u);
+        summed(self.communicator, self.system.form.name(), own)
+    }
+
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
+        let own = self.update(u);
+        agreed(self.communicator, self.system.form.name(), own)?;
+        // Which places change is known of this process's part alone.
+        let alone = self.communicator.is_none();
+        let (_, assembled) = self.ready()?;
+        let changed = assembled.changed().filter(|_| alone);
+        Ok(Tangent { matrix: Cow::Borrowed(assembled.matrix()), changed })
+    }
+
+    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
+        match self.communicator {
+            Some(_) => Ok(None),
+            None => Ok(self.ready()?.1.linear_part()),
+        }
+    }
+
+    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
+        if self.communicator.is_some() {
+            return Ok(None);
+        }
+        let (system, _) = self.ready()?;
+        let start = Instant::now();
+        let residual = system.nonlinear_residual(u);
+        self.seconds += start.elapsed().as_secs_f64();
+        residual.map(Some)
+    }
+
+    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
+        if self.system.assembler_at.is_some() {
+            return Ok(None);
+        }
+        let (own, form) = (self.own_active_points(u), self.system.form.name());
+        match (agreed(self.communicator, form, own)?, self.communicator) {
+            (Some(own), Some(communicator)) => all_active(communicator, own)
+                .map(Some)
+                .map_err(|source| AssemblyError::Communication { form, source }),
+            (own, _) => Ok(own),
+        }
+    }
+
+    fn field_sizes(&self) -> Vec<usize> {
+        self.system.spaces.iter().map(|space| space.unknowns()).collect()
+    }
+
+    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let own = self.tangent(u).map(|tangent| tangent.balancing_forces(amplitudes));
+        // All processes must come to the same judgement of convergence.
+        summed(self.communicator, self.system.form.name(), own)
+    }
+}

@@ -1,0 +1,141 @@
+//! A solution: fields, history, reactions, and what is computed from them.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Expression, Functional};
+use thiserror::Error;
+
+use super::{NewtonStep, SolverReport};
+use crate::assemble::{Assembler, AssemblyError, PointValues};
+use crate::dimension::{Dim, Dimension};
+use crate::field::Field;
+use crate::mesh::MeshError;
+use crate::space::Space;
+
+/// A solution of a [`Problem`](super::Problem) with N unknowns.
+#[derive(Clone, Debug)]
+pub struct Solved<const D: usize, const N: usize = 1> {
+    /// The unknowns, in the order of the form's arguments.
+    pub fields: [Field<D>; N],
+    /// The start and each iterate; of an affine problem the one system that was solved.
+    pub history: Vec<NewtonStep>,
+    /// R(u) on all unknowns, space after space: reactions where values are prescribed, about zero elsewhere.
+    pub residual: Vec<f64>,
+    /// What the linear solver did since it was made, where it tells.
+    pub report: Option<SolverReport>,
+    /// Seconds spent in assembly for this problem so far.
+    pub assembly_seconds: f64,
+    /// Seconds of this solution in all.
+    pub seconds: f64,
+    pub(super) assembler: Assembler<D>,
+}
+
+/// A reaction that does not exist.
+#[derive(Debug, Error)]
+pub enum ReactionError {
+    /// No such region.
+    #[error(transparent)]
+    Region(#[from] MeshError),
+    /// No such unknown.
+    #[error("there is no unknown {number}; the problem has {count} (numbered from 0)")]
+    Unknown {
+        /// The number asked for.
+        number: usize,
+        /// Their number.
+        count: usize,
+    },
+}
+
+impl<const D: usize, const N: usize> Solved<D, N> {
+    /// Number of Newton steps; 1 of an affine problem.
+    pub fn iterations(&self) -> usize {
+        self.history.len().saturating_sub(1)
+    }
+
+    /// The value of a functional, with the quadrature that the problem was solved with.
+    ///
+    /// # Errors
+    /// As [`Assembler::functional`].
+    pub fn functional<F: Functional<D>>(&self, functional: &F) -> Result<f64, AssemblyError> {
+        self.assembler.functional(functional)
+    }
+
+    /// A derived quantity at points of the domain.
+    ///
+    /// # Errors
+    /// As [`Assembler::at_points`].
+    pub fn at_points<E: Expression<D>>(
+        &self,
+        expression: &E,
+        points: &[[f64; D]],
+    ) -> Result<PointValues<D>, AssemblyError> {
+        self.assembler.at_points(expression, points)
+    }
+
+    /// A derived quantity as a field on a space, by projection.
+    ///
+    /// # Errors
+    /// As [`Assembler::project`].
+    pub fn project<E: Expression<D>>(
+        &self,
+        expression: &E,
+        space: &Arc<Space<D>>,
+    ) -> Result<Field<D>, AssemblyError>
+    where
+        Dim: Dimension<D>,
+    {
+        self.assembler.project(expression, space)
+    }
+
+    /// The resultant of the forces by which the constraints of an unknown hold the nodes of a facet or cell region, one
+    /// number per component \[the form's residual: force, or force per depth in the plane; of a scalar unknown, flux\]:
+    /// ΣR(u) over these nodes. Where values are prescribed these are the supports' forces on the body; where unknowns are
+    /// related, as by sliding, periodic conditions or a rigid body, they are the forces that keep the relations. The load
+    /// on free nodes is balanced there, and contact that stands in the form is no constraint: neither counts.
+    ///
+    /// A node on the edge of two regions counts in both: over the whole boundary the forces of supports balance the loads.
+    ///
+    /// # Errors
+    /// [`ReactionError::Region`], [`ReactionError::Unknown`].
+    pub fn reaction_of(&self, unknown: usize, region: &str) -> Result<Vec<f64>, ReactionError> {
+        let field = self.fields.get(unknown).ok_or(ReactionError::Unknown { number: unknown, count: N })?;
+        let offset = self.fields[..unknown].iter().map(|field| field.values().len()).sum();
+        resultant(field.space(), &self.residual[offset..], region)
+    }
+}
+
+impl<const D: usize> Solved<D, 1> {
+    /// The unknown.
+    pub fn field(&self) -> &Field<D> {
+        &self.fields[0]
+    }
+
+    /// The unknown alone.
+    pub fn into_field(self) -> Field<D> {
+        let [field] = self.fields;
+        field
+    }
+
+    /// [`Solved::reaction_of`] the only unknown.
+    ///
+    /// # Errors
+    /// [`ReactionError::Region`].
+    pub fn reaction(&self, region: &str) -> Result<Vec<f64>, ReactionError> {
+        self.reaction_of(0, region)
+    }
+}
+
+/// The sum of a space's part of a residual over the nodes of a region, one number per component.
+fn resultant<const D: usize>(
+    space: &Arc<Space<D>>,
+    residual: &[f64],
+    region: &str,
+) -> Result<Vec<f64>, ReactionError> {
+    let components = space.components();
+    let mut sums = vec![0.0; components];
+    for node in space.nodes_on(region)? {
+        let at_node = &residual[node as usize * components..][..components];
+        sums.iter_mut().zip(at_node).for_each(|(sum, value)| *sum += value);
+    }
+    Ok(sums)
+}

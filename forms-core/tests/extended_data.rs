@@ -1,0 +1,376 @@
+//! Data that extend another module's, and defaults: what forms read through a base is what they read from members of their
+//! own.
+
+mod toy_backend;
+
+use forms_core::contract::*;
+use forms_core::contract::{Dim, Dimension};
+use forms_core::{form, forms};
+use toy_backend::mesh::Mesh;
+use toy_backend::random::Random;
+use toy_backend::{Nodal, expression, functional, residual, tangent};
+
+/// Extends what extends another, before both.
+#[forms(crate = forms_core)]
+pub mod loaded {
+    pub use super::library::contact::{GammaC, Omega, direct, pressure};
+
+    /// Data of the loaded body.
+    #[extends(super::library::contact::Data)]
+    pub struct Data {
+        /// Force per volume.
+        #[default(0)]
+        pub force: Param<Vector>,
+        /// Weight of J.
+        #[default(-2.5)]
+        weight: Param,
+        #[default(0)]
+        twist: Param<Matrix<2, D>>,
+    }
+    /// J.
+    pub fn criterion(u: State<Vector>) -> Functional {
+        integral(Omega, weight * dot(force, u) + mu * dot(u, u) + inner(twist, twist))
+            + integral(GammaC, gap * law(pressure(u)))
+    }
+    pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+    /// By a member of the base's base, and of the base.
+    pub fn by_stiffness(u: State<Vector>, p: State<Vector>) -> Functional {
+        derivative(direct(u, p) + criterion(u), mu, 1)
+    }
+    pub fn by_gap(u: State<Vector>, p: State<Vector>, change: State<Scalar>) -> Functional {
+        derivative(direct(u, p) + criterion(u), gap, change)
+    }
+    pub fn slope(u: State<Vector>) -> Scalar {
+        diff(mu * mu * pressure(u), mu)
+    }
+}
+
+mod library {
+    use forms_core::forms;
+
+    #[forms(crate = forms_core)]
+    pub mod contact {
+        use crate::elasticity::stress;
+
+        #[extends(crate::elasticity::Data)]
+        pub struct Data {
+            #[doc(alias = "g")]
+            pub gap: Given<Scalar>,
+            pub gamma0: Param,
+            #[default(0.25)]
+            pub friction: Given<Scalar>,
+            #[default(0)]
+            pub drift: Carried<Vector>,
+        }
+        #[cells]
+        pub struct Omega;
+        #[facets]
+        pub struct GammaC;
+
+        pub fn pressure(w: Vector) -> Scalar {
+            pos_part(gamma0 / h * (dot(w, n) - gap) - dot(stress(w) * n, n))
+        }
+        pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+            integral(Omega, inner(stress(u), grad(v)) - dot(drift, v))
+                + integral(GammaC, (pressure(u) + friction) * dot(v, n))
+        }
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod elasticity {
+    pub struct Data {
+        #[doc(alias = "λ")]
+        pub lambda: Given<Scalar>,
+        pub mu: Param,
+        pub law: Table,
+    }
+    pub fn stress(w: Vector) -> Tensor {
+        2 * mu * eps(w) + lambda * tr(eps(w)) * I
+    }
+}
+
+/// Data that extend others, imported as the type that they are; and data whose members all have defaults.
+#[forms(crate = forms_core)]
+pub mod imported {
+    pub use super::library::contact::{Data, Omega};
+
+    pub fn mass(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, mu * gamma0 * u * v)
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod all_by_default {
+    pub use super::library::contact::Omega;
+
+    pub struct Data {
+        #[default(2.1)]
+        pub rho: Param,
+    }
+    pub fn mass(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, rho * u * v)
+    }
+}
+
+/// What `loaded` means, with all members in one struct.
+#[forms(crate = forms_core)]
+pub mod typed_out {
+    pub struct Data {
+        weight: Param,
+        force: Param<Vector>,
+        gamma0: Param,
+        law: Table,
+        gap: Given<Scalar>,
+        mu: Param,
+        friction: Given<Scalar>,
+        lambda: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct GammaC;
+
+    fn sigma(w: Vector) -> Tensor {
+        2 * mu * eps(w) + lambda * tr(eps(w)) * I
+    }
+    fn pressure(w: Vector) -> Scalar {
+        pos_part(gamma0 / h * (dot(w, n) - gap) - dot(sigma(w) * n, n))
+    }
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(sigma(u), grad(v))) + integral(GammaC, (pressure(u) + friction) * dot(v, n))
+    }
+    pub fn criterion(u: State<Vector>) -> Functional {
+        integral(Omega, weight * dot(force, u) + mu * dot(u, u)) + integral(GammaC, gap * law(pressure(u)))
+    }
+    pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+    /// R(u; p) + J(u), a number.
+    pub fn sum(u: State<Vector>, p: State<Vector>) -> Functional {
+        direct(u, p) + criterion(u)
+    }
+}
+
+const GAMMA0: f64 = 3.0;
+const GAP: f64 = 0.05;
+
+fn law() -> Table {
+    Table::linear(&[[-1.0, 0.5], [0.5, 1.0], [4.0, 3.0]]).unwrap()
+}
+
+fn lambda<const D: usize>() -> Given<f64, D> {
+    Given::function(|x: &[f64; D]| 1.0 + x[0])
+}
+
+fn base<const D: usize>(mu: f64, gap: Given<f64, D>) -> library::contact::Data<D> {
+    let base = elasticity::Data { lambda: lambda(), mu, law: law() };
+    library::contact::Required { base, gap, gamma0: GAMMA0 }.into()
+}
+
+fn extended<const D: usize>(mu: f64, gap: Given<f64, D>) -> loaded::Data<D> {
+    loaded::Data { force: [0.3; D], ..loaded::Required { base: base(mu, gap) }.into() }
+}
+
+fn whole<const D: usize>(mu: f64, gap: Given<f64, D>) -> typed_out::Data<D> {
+    typed_out::Data {
+        weight: -2.5,
+        force: [0.3; D],
+        gamma0: GAMMA0,
+        law: law(),
+        gap,
+        mu,
+        friction: Given::constant(0.25),
+        lambda: lambda(),
+    }
+}
+
+/// Sums are ordered differently, so the last bits may differ.
+fn close(mine: &[f64], theirs: &[f64], tolerance: f64) {
+    assert_eq!(mine.len(), theirs.len());
+    let size = theirs.iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
+    assert!(size > 1e-3);
+    for (mine, theirs) in mine.iter().zip(theirs) {
+        assert!((mine - theirs).abs() <= tolerance * size, "{mine} and {theirs}");
+    }
+}
+
+struct Body<const D: usize> {
+    mesh: Mesh<D>,
+    u: Nodal,
+    p: Nodal,
+    change: Nodal,
+}
+
+impl<const D: usize> Body<D> {
+    fn new() -> Self {
+        let mut random = Random(11);
+        let mesh = Mesh::<D>::cube(&mut random);
+        let nodes = mesh.nodes.len();
+        let [u, p, change] = [(D, 0.2), (D, 0.1), (1, 0.5)]
+            .map(|(components, centre)| random.field(nodes, components, centre, 0.3));
+        Body { mesh, u, p, change }
+    }
+}
+
+fn check_forms<const D: usize>()
+where
+    Dim: Dimension<D>,
+{
+    let Body { mesh, u, p, .. } = Body::<D>::new();
+    let gap = Given::constant(GAP);
+    let model = loaded::Model {
+        regions: loaded::Regions::default().gamma_c("boundary"),
+        ..loaded::Model::new(extended(0.7, gap.clone()))
+    };
+    let other = typed_out::Model {
+        regions: typed_out::Regions::default().gamma_c("boundary"),
+        ..typed_out::Model::new(whole(0.7, gap))
+    };
+    let unknowns = [u.clone()];
+    let (mine, theirs) = (model.direct(), other.direct());
+    close(
+        &residual::<f64, _, D>(&mesh, &mine, &unknowns),
+        &residual::<f64, _, D>(&mesh, &theirs, &unknowns),
+        1e-14,
+    );
+    let mine = tangent::<f64, _, D>(&mesh, &mine, &unknowns);
+    close(&mine.concat(), &tangent::<f64, _, D>(&mesh, &theirs, &unknowns).concat(), 1e-14);
+    let (mine, theirs) = (model.adjoint(u.source()), other.adjoint(u.source()));
+    let unknowns = [p];
+    close(
+        &residual::<f64, _, D>(&mesh, &mine, &unknowns),
+        &residual::<f64, _, D>(&mesh, &theirs, &unknowns),
+        1e-14,
+    );
+    let (mine, theirs) = (model.criterion(u.source()), other.criterion(u.source()));
+    close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);
+}
+
+#[test]
+fn members_of_bases_are_members() {
+    check_forms::<2>();
+    check_forms::<3>();
+}
+
+#[test]
+fn data_that_extend_others_are_imported_as_they_are() {
+    let Body { mesh, change, .. } = Body::<2>::new();
+    let omega = library::contact::Omega::on("all");
+    let mine = imported::mass(&base(0.7, Given::constant(GAP)), &omega);
+    let theirs = all_by_default::mass(&all_by_default::Required::<2> {}.into(), &omega);
+    let unknowns = [change];
+    let [mine, theirs] =
+        [tangent::<f64, _, 2>(&mesh, &mine, &unknowns), tangent::<f64, _, 2>(&mesh, &theirs, &unknowns)];
+    close(&mine.concat(), &theirs.concat(), 1e-14);
+}
+
+/// A constructor asks for imported regions in the order of their own module, whatever that of the imports.
+#[test]
+fn imported_regions_keep_their_order() {
+    let data = extended::<2>(0.7, Given::constant(GAP));
+    let direct = loaded::direct(&data, &loaded::Omega::on("all"), &loaded::GammaC::on("boundary"));
+    let symbols: Vec<&str> = direct.inputs().regions.iter().map(|region| region.symbol).collect();
+    assert_eq!(symbols, ["Omega", "GammaC"]);
+}
+
+/// Central differences of what `typed_out` gives.
+fn check_derivatives<const D: usize>()
+where
+    Dim: Dimension<D>,
+{
+    let Body { mesh, u, p, change } = Body::<D>::new();
+    // On the far side of the contact's kink everywhere.
+    let (mu, gap) = (0.01, -1.0);
+    let regions = typed_out::Regions::default().gamma_c("boundary");
+    let sum = |mu: f64, gap: Given<f64, D>| {
+        let model = typed_out::Model { data: whole(mu, gap), regions: regions.clone() };
+        functional(&mesh, &model.sum(u.source(), p.source()), &[])
+    };
+    let model = loaded::Model {
+        regions: loaded::Regions::default().gamma_c("boundary"),
+        ..loaded::Model::new(extended(mu, Given::constant(gap)))
+    };
+    let step = 1e-5;
+    let by_mu = (sum(mu + step, Given::constant(gap)) - sum(mu - step, Given::constant(gap))) / (2.0 * step);
+    let found = functional(&mesh, &model.by_stiffness(u.source(), p.source()), &[]);
+    close(&[found], &[by_mu], 1e-7);
+    let by_gap = (sum(mu, Given::constant(gap + step)) - sum(mu, Given::constant(gap - step))) / (2.0 * step);
+    let one = Nodal { values: change.values.iter().map(|_| 1.0).collect(), ..change };
+    let found = functional(&mesh, &model.by_gap(u.source(), p.source(), one.source()), &[]);
+    close(&[found], &[by_gap], 1e-7);
+}
+
+#[test]
+fn one_may_differentiate_by_a_bases_members() {
+    check_derivatives::<2>();
+    check_derivatives::<3>();
+}
+
+#[test]
+fn defaults_stand_where_nothing_was_given() {
+    let data = base::<3>(0.7, Given::constant(GAP));
+    let constant = |source: &Source<3>| match source {
+        Source::Constant(values) => values.clone(),
+        _ => panic!("no constant"),
+    };
+    assert_eq!(constant(data.friction.source()), [0.25]);
+    assert_eq!(constant(data.drift.source()), [0.0; 3]);
+    let data: loaded::Data<3> = loaded::Required { base: data }.into();
+    assert_eq!((data.force, data.weight, data.twist), ([0.0; 3], -2.5, [[0.0; 3]; 2]));
+    assert_eq!(data.base.base.mu, 0.7);
+}
+
+/// Parameters are told by their own names, and a base's signs and documentation stand in formulas.
+#[test]
+fn names_and_signs_of_the_base_are_kept() {
+    let model = loaded::Model::<2>::new(extended(0.7, Given::constant(GAP)));
+    let criterion = model.criterion(Given::<[f64; 2], 2>::constant([0.0; 2]).source().clone());
+    let names = &criterion.inputs().parameter_names;
+    assert_eq!(names[..4], ["mu", "gamma0", "force[0]", "force[1]"]);
+    let formula = criterion.formula().unicode;
+    assert!(formula.contains("g law(") && formula.contains("λ tr"), "{formula}");
+}
+
+/// The partial derivative by a base's member, against differences.
+#[test]
+fn a_value_is_differentiated_by_a_bases_member() {
+    let Body { mesh, u, .. } = Body::<3>::new();
+    let on_facets = |mu: f64| {
+        let data = extended(mu, Given::constant(-1.0));
+        let pressure = expression(&mesh, &loaded::pressure(&data, u.source()), (Entity::Facets, "boundary"));
+        let slope = expression(&mesh, &loaded::slope(&data, u.source()), (Entity::Facets, "boundary"));
+        (pressure.concat().iter().map(|pressure| mu * mu * pressure).collect::<Vec<f64>>(), slope.concat())
+    };
+    let (mu, step) = (0.01, 1e-5);
+    let ((ahead, _), (behind, _)) = (on_facets(mu + step), on_facets(mu - step));
+    let differences: Vec<f64> =
+        ahead.iter().zip(behind).map(|(ahead, behind)| (ahead - behind) / (2.0 * step)).collect();
+    close(&on_facets(mu).1, &differences, 1e-7);
+}
+
+/// An operator that reads members of its base asks `form!` for them.
+#[test]
+fn a_form_without_a_module_imports_what_reads_a_base() {
+    let Body { mesh, u, .. } = Body::<2>::new();
+    let imported = form!(
+        use library::contact::pressure;
+        |u: State<Vector>| -> Functional { integral(facets("boundary"), pressure(u)) },
+        gamma0: Param = 3.0,
+        gap: Given<Scalar> = 0.05,
+        lambda: Param = 1.5,
+        mu: Param = 0.7,
+        crate = forms_core,
+    );
+    let typed = form!(
+        |u: State<Vector>| -> Functional {
+            let sigma = 1.4 * eps(u) + 1.5 * div(u) * I;
+            integral(facets("boundary"), pos_part(3 / h * (dot(u, n) - 0.05) - dot(sigma * n, n)))
+        },
+        crate = forms_core,
+    );
+    let (mine, theirs) = (imported(u.source()), typed(u.source()));
+    close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);
+}
