@@ -45,7 +45,9 @@ pub mod boundary_form {
         inner(stress(u), eps(p)) - dot(body_force, p)
     }
 
-    /// (11) on a free boundary.
+    /// (11) on a free boundary, with continuous states: ∫ Θ·n (M(u) + κ N(u) + ∂_n N(u) + σ(u):ε(p) − f·p). The same integral
+    /// with the discrete u_h and p_h is (20).
+    #[doc(alias = "(20)")]
     pub fn on_free(u: State<Vector>, p: State<Vector>, Theta: State<Vector>) -> Functional {
         integral(Free, dot(Theta, n) * (explicit(u) + energy(u, p)))
     }

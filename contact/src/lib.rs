@@ -2,9 +2,19 @@
 //! (2023): the direct problem, its adjoint states and criteria as declared forms, and the drivers that
 //! solve them.
 //!
-//! [`operators`] are there to be imported into forms; [`nitsche`] holds the paper's equations. A [`ContactProblem`] solves direct → adjoint on any mesh, for any
-//! [`law`]; [`paper_law`] is the paper's with its three adjoint states;
-//! [`shape_gradient`] differentiates the criterion by the shape, as the volume form of the discrete problem; [`boundary_form`] is the paper's form on the boundary; [`hollow_cylinder`] is the paper's experiment; [`hertz`] holds contacts with closed forms; [`shape_problem`] hands contact to a descent of shapes, with the criteria of [`load_and_pressure`], too; [`threshold`] says when γ₀ is too small.
+//! | module | what | equations |
+//! | --- | --- | --- |
+//! | [`nitsche`] | the paper's forms | (14), (21), (22), (41) |
+//! | [`operators`] | stresses, gap, γ, Nitsche's terms, to be imported into forms | (15) |
+//! | [`contact_problem`] | a law on a space, and its drivers: direct → adjoint | |
+//! | [`law`] | what the drivers ask of a law; [`contact_law!`] makes one of your own module | |
+//! | [`paper_law`] | the paper's law with its three adjoint states | |
+//! | [`shape_gradient`] | the derivative by the shape, as the volume form of the discrete problem | |
+//! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
+//! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
+//! | [`threshold`] | when γ₀ is too small | |
+//! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
+//!
 //! Nothing here knows an element or loops over cells.
 
 pub mod boundary_form;

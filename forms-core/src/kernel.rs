@@ -76,7 +76,7 @@ pub enum Order {
 pub enum Side {
     /// The cell that owns the facet.
     This,
-    /// The cell across an interior facet, or the opposite body of a contact pair.
+    /// The cell across an interior facet.
     Other,
 }
 
@@ -85,7 +85,7 @@ pub enum Side {
 pub struct FieldSlot {
     /// Index into [`crate::form::Inputs::sources`] and [`crate::form::Form::fields`].
     pub field: usize,
-    /// Value or gradient.
+    /// Value, gradient or second derivatives.
     pub order: Order,
     /// Side of the facet.
     pub side: Side,

@@ -14,8 +14,10 @@
 //! ```
 //!
 //! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
-//! two sides. The kernels are called by `factors` in `element_matrices.rs` and by `compute_in_lanes` in `element_vectors.rs`;
-//! `fixed` and `reference_tensor` call them in the same order.
+//! two sides. Who calls which function of a kernel, on cells and facets alike: of a tangent `cell` in `compute_in_lanes` and
+//! `point`, `test`, `trial` in `factors` of `element_matrices.rs`, `pair` and `finish` in `pairs.rs`; of a residual all in
+//! `element_vectors.rs`; of functionals and derived fields in `functional.rs` and `derived.rs`. `fixed` and
+//! `reference_tensor` call them in the same order.
 
 mod action;
 mod batch;

@@ -13,6 +13,7 @@ mod contrasts;
 pub mod elimination;
 mod linear_part;
 pub mod linear_solver;
+pub mod linear_system;
 pub mod load_steps;
 pub mod lu_solver;
 pub mod multigrid_solver;
@@ -26,8 +27,9 @@ pub mod tangent_solver;
 
 pub use communicator::{CommunicationError, Communicator};
 pub use condensed_solver::CondensedSolver;
-pub use elimination::{Elimination, solve_linear, solve_linear_transposed};
+pub use elimination::Elimination;
 pub use linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
+pub use linear_system::{solve_linear, solve_linear_transposed};
 pub use load_steps::{LoadPath, LoadStep, LoadStepError, LoadSteps};
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};

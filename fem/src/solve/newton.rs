@@ -16,7 +16,7 @@ use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
-use condensed::changed_entries;
+use condensed::share_linear_part;
 use convergence::{Fields, Norms, Rounding, mark};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
@@ -229,23 +229,6 @@ impl Residuals {
     }
 }
 
-/// Tells a condensing solver the part that all tangents share, reduced; none where there is no such solver or part.
-fn share_linear_part<P: NonlinearProblem>(
-    problem: &mut P,
-    elimination: &mut Elimination,
-    solver: &mut dyn LinearSolver,
-) -> Result<Option<Arc<CsrMatrix>>, NewtonFailure<P::Error>> {
-    let Some(solver) = solver.as_condensing() else { return Ok(None) };
-    // With related unknowns the reduced matrix is no submatrix, and is made anew for each tangent.
-    if !elimination.only_prescribes() {
-        return Ok(None);
-    }
-    let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)? else { return Ok(None) };
-    let reduced = Arc::new(elimination.reduce_matrix(matrix).map_err(NewtonFailure::Mismatch)?);
-    solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
-    Ok(Some(reduced))
-}
-
 /// Length and kind of the step to an iterate.
 #[derive(Clone, Copy, Default)]
 struct Step {
@@ -326,33 +309,6 @@ impl Iteration<'_> {
             }
         }
         .map_err(NewtonFailure::LinearSolver)
-    }
-
-    /// Lets a condensing solver iterate on the unknowns that the nonlinearity touches, as far as that goes. The residuals are
-    /// those of the last iterate.
-    fn condense<P: NonlinearProblem>(
-        &mut self,
-        problem: &mut P,
-        elimination: &mut Elimination,
-        linear_part: &Arc<CsrMatrix>,
-        guess: Option<Vec<f64>>,
-        residuals: Residuals,
-        solver: &mut dyn LinearSolver,
-    ) -> Result<Residuals, NewtonFailure<P::Error>> {
-        let Some(solver) = solver.as_condensing() else { return Ok(residuals) };
-        if let Some(guess) = guess {
-            let entries = changed_entries(problem, elimination, &guess)?;
-            solver.expect_changed(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
-        }
-        if self.options.line_search != LineSearch::Off
-            || !solver.condenses()
-            || !self.iterate_condensed(problem, elimination, linear_part, &residuals.full, solver)?
-        {
-            return Ok(residuals);
-        }
-        let residuals = Residuals::at(problem, elimination, &self.u)?;
-        self.replace_last_residual(elimination, &residuals.reduced);
-        Ok(residuals)
     }
 
     /// Enters the current iterate into the history, with its residual and the norms of the whole step that led to it.

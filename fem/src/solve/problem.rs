@@ -1,7 +1,10 @@
 //! A compiled form with its spaces and constraints as a problem that solves itself.
 
+mod affine;
 mod diagnosis;
 mod equations;
+mod form_equations;
+mod setting;
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -9,21 +12,19 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use forms_core::contract::{Dependence, Form, Integral, LinearKernel, LinearVisitor};
+use forms_core::contract::Form;
 
+use self::form_equations::{FormEquations, newton_for_form};
 use super::communicator::Communicator;
-use super::elimination::{check_equations, solve_reduced};
 use super::linear_part::{Assembled, Held, System};
-use super::newton::newton_eliminating;
 use super::{
-    Elimination, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep, NonlinearProblem,
-    PerUnknown, Solved, Start, TangentSolver, Transpose,
+    Elimination, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep, PerUnknown, Solved,
+    Start, TangentSolver,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
-use crate::linear_algebra::vector::norm;
 use crate::space::Space;
 
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
@@ -125,8 +126,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
         self
     }
 
-    /// The conditions that the problem's solution differs by: zero where values are prescribed, the same relations. Adjoint
-    /// states are held like this.
+    /// These constraints with zero for the prescribed values and the same relations, as for adjoint states and increments.
     pub fn vanishing(mut self, constraints: &Constraints<D>) -> Self {
         self.constraints.push(Cow::Owned(constraints.homogeneous()));
         self
@@ -219,7 +219,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
         let constraints = constraints.each_ref().map(|one| &**one);
         let elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
         let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
-        let found = match is_affine(&*self.system.form) {
+        let found = match affine::is_affine(&*self.system.form) {
             true => self.solve_affine(elimination, solver.get()),
             false => self.iterate(elimination, constraints, solver.get()),
         };
@@ -235,51 +235,6 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
             seconds: begun.elapsed().as_secs_f64(),
             assembler: self.system.assembler.clone().into_owned(),
         })
-    }
-
-    /// One assembly, one linear system.
-    fn solve_affine(
-        &mut self,
-        mut elimination: Elimination,
-        solver: &mut dyn LinearSolver,
-    ) -> Result<Found, SolveError> {
-        let mut u = elimination.lifted().map_err(NewtonFailure::Mismatch)?;
-        let residual = self.residual(&u)?;
-        let load = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
-        let load: Vec<f64> = load.iter().map(|value| -value).collect();
-        // Of several processes each has a part of the matrix alone: the solver has to judge there.
-        let alone = self.communicator.is_none();
-        let tangent = self.tangent(&u)?;
-        let found = solve_reduced(&tangent.matrix, &load, &mut elimination, solver, Transpose::No);
-        let found = match found {
-            Ok(found) if alone => {
-                check_equations(&tangent.matrix, &load, &elimination, solver, &found, Transpose::No)
-                    .map(|()| found)
-            }
-            found => found,
-        };
-        let found = found.map_err(|error| NewtonFailure::LinearSolver(self.named(error, &elimination)))?;
-        for (&unknown, &value) in elimination.free().iter().zip(&found.solution) {
-            u[unknown] = value;
-        }
-        elimination.impose(&mut u).map_err(NewtonFailure::Mismatch)?;
-        let residual = self.residual(&u)?;
-        let reduced = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
-        let history = vec![
-            NewtonStep::start(norm(&load)),
-            NewtonStep {
-                iteration: 1,
-                relative_residual: if norm(&load) == 0.0 { 0.0 } else { norm(&reduced) / norm(&load) },
-                step: Some(norm(&found.solution)),
-                linear_iterations: Some(found.iterations),
-                damping: Some(1.0),
-                ..NewtonStep::start(norm(&reduced))
-            },
-        ];
-        if let Some(progress) = &mut self.progress {
-            history.iter().for_each(progress);
-        }
-        Ok((u, residual, history))
     }
 
     /// Semismooth Newton from the start.
@@ -304,7 +259,8 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
             Some(progress) => &mut **progress,
             None => &mut ignored,
         };
-        let found = newton_eliminating(self, elimination, Start { u, guess }, solver, &options, told);
+        let start = Start { u, guess };
+        let found = newton_for_form(&mut FormEquations(self), elimination, start, solver, &options, told);
         self.progress = progress;
         let found = found.map_err(|mut error| {
             if let NewtonFailure::LinearSolver(source) = error.why {
@@ -317,78 +273,6 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
             error
         })?;
         Ok((found.u, found.residual, found.history))
-    }
-
-    /// A guess at the first iterates: each vector field on the mesh moved by 1.05 times the mean of its prescribed
-    /// values, for a body that is moved at one side follows nearly as it is. None where nothing is moved.
-    fn extrapolate_prescribed(&self, u: &[f64], constraints: [&Constraints<D>; N]) -> Option<Vec<f64>> {
-        let mut guess = u.to_vec();
-        let mut offset = 0;
-        let mut moved = false;
-        for (space, constraints) in self.system.spaces.iter().zip(constraints) {
-            for component in 0..if space.components() == D { D } else { 0 } {
-                let of_component =
-                    constraints.prescribed().iter().filter(|(unknown, _)| *unknown % D == component);
-                let (count, sum) =
-                    of_component.fold((0.0, 0.0), |(count, sum), (_, value)| (count + 1.0, sum + value));
-                if sum != 0.0 {
-                    let values = guess[offset..offset + space.unknowns()].iter_mut();
-                    values.skip(component).step_by(D).for_each(|value| *value += 1.05 * sum / count);
-                    moved = true;
-                }
-            }
-            offset += space.unknowns();
-        }
-        moved.then_some(guess)
-    }
-
-    /// The constraints of each unknown: given, or none.
-    fn all_constraints(&self) -> Result<[Cow<'a, Constraints<D>>; N], AssemblyError> {
-        let mut given: [Option<Cow<'a, Constraints<D>>>; N] = [const { None }; N];
-        for constraints in &self.constraints {
-            let fits = |number: &usize| {
-                given[*number].is_none() && self.system.spaces[*number].numbers_as(constraints.space())
-            };
-            match (0..N).find(fits) {
-                Some(number) => given[number] = Some(constraints.clone()),
-                None => return Err(AssemblyError::Constraints { form: self.system.form.name() }),
-            }
-        }
-        let mut number = 0;
-        Ok(given.map(|given| {
-            let space = &self.system.spaces[number];
-            number += 1;
-            given.unwrap_or_else(|| Cow::Owned(Constraints::new(space)))
-        }))
-    }
-
-    fn check_spaces(&self, what: &'static str, given: [&Arc<Space<D>>; N]) -> Result<(), AssemblyError> {
-        match self.system.spaces.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
-            None => Ok(()),
-            Some(number) => {
-                let (form, field) = (self.system.form.name(), self.system.unknown_name(number));
-                Err(AssemblyError::OtherSpace { form, field, what })
-            }
-        }
-    }
-
-    /// On several processes the assembler takes this one's part of the cells, unless it has its own already.
-    fn share_cells(&mut self) -> Result<(), AssemblyError> {
-        let Some(communicator) = self.communicator else { return Ok(()) };
-        if self.system.assembler.has_owned_cells() {
-            return Ok(());
-        }
-        let mesh = self.system.spaces[0].mesh().clone();
-        let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
-        let whole = self.system.assembler.clone().into_owned();
-        let form = self.system.form.name();
-        let own = whole.on_owned_cells(part).map_err(|source| AssemblyError::Region {
-            form,
-            symbol: "this process's cells",
-            source,
-        })?;
-        self.system.assembler = Cow::Owned(own);
-        Ok(())
     }
 
     /// The system, with what no iterate changes assembled.
@@ -419,21 +303,3 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
 
 /// u, R(u) and the history.
 type Found = (Vec<f64>, Vec<f64>, Vec<NewtonStep>);
-
-/// Whether no integral of a form is nonlinear in its unknowns.
-fn is_affine<F: Form<D>, const D: usize>(form: &F) -> bool {
-    struct Seen {
-        nonlinear: bool,
-    }
-    impl<const D: usize> LinearVisitor<D> for Seen {
-        type Error = std::convert::Infallible;
-
-        fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Self::Error> {
-            self.nonlinear |= integral.dependence == Dependence::Nonlinear;
-            Ok(())
-        }
-    }
-    let mut seen = Seen { nonlinear: false };
-    let Ok(()) = form.residual(&mut seen);
-    !seen.nonlinear
-}

@@ -4,17 +4,17 @@
 use std::sync::Arc;
 
 use super::convergence::{Norms, Rounding, mark};
-use super::{Iteration, NewtonFailure, NonlinearProblem, Step};
+use super::{Iteration, LineSearch, NewtonFailure, NonlinearProblem, Residuals, Step};
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{CsrMatrix, Entry};
 use crate::solve::condensed_solver::{CondensedSystem, additions};
 use crate::solve::elimination::Elimination;
-use crate::solve::linear_solver::{CondensingSolver, SolverError};
+use crate::solve::linear_solver::{CondensingSolver, LinearSolver, SolverError};
 
 type Outcome<T, P> = Result<T, NewtonFailure<<P as NonlinearProblem>::Error>>;
 
 /// The entries of the tangent at u, reduced, at the places where it may differ from the linear part.
-pub(super) fn changed_entries<P: NonlinearProblem>(
+fn changed_entries<P: NonlinearProblem>(
     problem: &mut P,
     elimination: &mut Elimination,
     u: &[f64],
@@ -24,10 +24,54 @@ pub(super) fn changed_entries<P: NonlinearProblem>(
     elimination.reduce_places(&tangent.matrix, places).map_err(NewtonFailure::Mismatch)
 }
 
+/// Tells a condensing solver the part that all tangents share, reduced; none where there is no such solver or part.
+pub(super) fn share_linear_part<P: NonlinearProblem>(
+    problem: &mut P,
+    elimination: &mut Elimination,
+    solver: &mut dyn LinearSolver,
+) -> Result<Option<Arc<CsrMatrix>>, NewtonFailure<P::Error>> {
+    let Some(solver) = solver.as_condensing() else { return Ok(None) };
+    // With related unknowns the reduced matrix is no submatrix, and is made anew for each tangent.
+    if !elimination.only_prescribes() {
+        return Ok(None);
+    }
+    let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)? else { return Ok(None) };
+    let reduced = Arc::new(elimination.reduce_matrix(matrix).map_err(NewtonFailure::Mismatch)?);
+    solver.set_linear_part(&reduced).map_err(NewtonFailure::LinearSolver)?;
+    Ok(Some(reduced))
+}
+
 impl Iteration<'_> {
+    /// Lets a condensing solver iterate on the unknowns that the nonlinearity touches, as far as that goes. The residuals are
+    /// those of the last iterate.
+    pub(super) fn condense<P: NonlinearProblem>(
+        &mut self,
+        problem: &mut P,
+        elimination: &mut Elimination,
+        linear_part: &Arc<CsrMatrix>,
+        guess: Option<Vec<f64>>,
+        residuals: Residuals,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<Residuals, NewtonFailure<P::Error>> {
+        let Some(solver) = solver.as_condensing() else { return Ok(residuals) };
+        if let Some(guess) = guess {
+            let entries = changed_entries(problem, elimination, &guess)?;
+            solver.expect_changed(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
+        }
+        if self.options.line_search != LineSearch::Off
+            || !solver.condenses()
+            || !self.iterate_condensed(problem, elimination, linear_part, &residuals.full, solver)?
+        {
+            return Ok(residuals);
+        }
+        let residuals = Residuals::at(problem, elimination, &self.u)?;
+        self.replace_last_residual(elimination, &residuals.reduced);
+        Ok(residuals)
+    }
+
     /// Iterates from the first iterate, whose residual is given, as long as it converges and the solver condenses.
     /// Afterwards u is the last iterate of the history on all unknowns. False: nothing was done.
-    pub(super) fn iterate_condensed<P: NonlinearProblem>(
+    fn iterate_condensed<P: NonlinearProblem>(
         &mut self,
         problem: &mut P,
         elimination: &mut Elimination,

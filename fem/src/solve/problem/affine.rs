@@ -1,0 +1,97 @@
+//! Affine problems: one assembly, one linear system.
+
+use std::convert::Infallible;
+
+use forms_core::contract::{Dependence, Form, Integral, LinearKernel, LinearVisitor};
+
+use super::{Found, Problem};
+use crate::linear_algebra::vector::norm;
+use crate::solve::linear_system::{check_equations, solve_reduced};
+use crate::solve::{
+    Elimination, LinearSolver, NewtonFailure, NewtonStep, NonlinearProblem, SolveError, Transpose,
+};
+
+impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
+    /// One assembly, one linear system.
+    pub(super) fn solve_affine(
+        &mut self,
+        mut elimination: Elimination,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<Found, SolveError> {
+        let mut u = elimination.lifted().map_err(NewtonFailure::Mismatch)?;
+        let residual = self.residual(&u)?;
+        let load = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
+        let load: Vec<f64> = load.iter().map(|value| -value).collect();
+        // Of several processes each has a part of the matrix alone: the solver has to judge there.
+        let alone = self.communicator.is_none();
+        let tangent = self.tangent(&u)?;
+        let found = solve_reduced(&tangent.matrix, &load, &mut elimination, solver, Transpose::No);
+        let found = match found {
+            Ok(found) if alone => {
+                check_equations(&tangent.matrix, &load, &elimination, solver, &found, Transpose::No)
+                    .map(|()| found)
+            }
+            found => found,
+        };
+        let found = found.map_err(|error| NewtonFailure::LinearSolver(self.named(error, &elimination)))?;
+        for (&unknown, &value) in elimination.free().iter().zip(&found.solution) {
+            u[unknown] = value;
+        }
+        elimination.impose(&mut u).map_err(NewtonFailure::Mismatch)?;
+        let residual = self.residual(&u)?;
+        let reduced = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
+        let history = vec![
+            NewtonStep {
+                field_residuals: self.field_norms(&elimination, &load),
+                ..NewtonStep::start(norm(&load))
+            },
+            NewtonStep {
+                iteration: 1,
+                relative_residual: if norm(&load) == 0.0 { 0.0 } else { norm(&reduced) / norm(&load) },
+                step: Some(norm(&found.solution)),
+                linear_iterations: Some(found.iterations),
+                damping: Some(1.0),
+                field_residuals: self.field_norms(&elimination, &reduced),
+                ..NewtonStep::start(norm(&reduced))
+            },
+        ];
+        if let Some(progress) = &mut self.progress {
+            history.iter().for_each(progress);
+        }
+        Ok((u, residual, history))
+    }
+
+    /// The norm of each field's part of a reduced vector.
+    fn field_norms(&self, elimination: &Elimination, reduced: &[f64]) -> Vec<f64> {
+        let mut squares = [0.0; N];
+        let ends = self.system.spaces.iter().scan(0, |end, space| {
+            *end += space.unknowns();
+            Some(*end)
+        });
+        let ends: Vec<usize> = ends.collect();
+        for (unknown, value) in elimination.free().iter().zip(reduced) {
+            if let Some(field) = ends.iter().position(|end| unknown < end) {
+                squares[field] += value * value;
+            }
+        }
+        squares.iter().map(|square| square.sqrt()).collect()
+    }
+}
+
+/// Whether no integral of a form is nonlinear in its unknowns.
+pub(super) fn is_affine<F: Form<D>, const D: usize>(form: &F) -> bool {
+    struct Seen {
+        nonlinear: bool,
+    }
+    impl<const D: usize> LinearVisitor<D> for Seen {
+        type Error = Infallible;
+
+        fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Self::Error> {
+            self.nonlinear |= integral.dependence == Dependence::Nonlinear;
+            Ok(())
+        }
+    }
+    let mut seen = Seen { nonlinear: false };
+    let Ok(()) = form.residual(&mut seen);
+    !seen.nonlinear
+}

@@ -1,0 +1,58 @@
+//! Equations of any form behind one type, so that Newton's method for them is compiled once, in this crate.
+
+use crate::assemble::AssemblyError;
+use crate::linear_algebra::BlockMatrix;
+use crate::solve::{
+    ActivePoints, Elimination, LinearSolver, NewtonError, NewtonOptions, NewtonSolution, NewtonStep,
+    NonlinearProblem, Start, Tangent, newton_eliminating,
+};
+
+/// [`newton_eliminating`] for the problem of any form, compiled once: a user's form brings its kernels, not Newton's method.
+///
+/// # Errors
+/// As [`newton()`].
+pub(super) fn newton_for_form(
+    problem: &mut FormEquations<'_>,
+    elimination: Elimination,
+    start: Start,
+    solver: &mut dyn LinearSolver,
+    options: &NewtonOptions,
+    progress: &mut dyn FnMut(&NewtonStep),
+) -> Result<NewtonSolution, NewtonError<AssemblyError>> {
+    newton_eliminating(problem, elimination, start, solver, options, progress)
+}
+
+/// A problem of which nothing is known but its equations.
+pub(super) struct FormEquations<'a>(pub &'a mut dyn NonlinearProblem<Error = AssemblyError>);
+
+impl NonlinearProblem for FormEquations<'_> {
+    type Error = AssemblyError;
+
+    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        self.0.residual(u)
+    }
+
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
+        self.0.tangent(u)
+    }
+
+    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
+        self.0.linear_part()
+    }
+
+    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
+        self.0.nonlinear_residual(u)
+    }
+
+    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
+        self.0.active_points(u)
+    }
+
+    fn field_sizes(&self) -> Vec<usize> {
+        self.0.field_sizes()
+    }
+
+    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        self.0.balancing_forces(u, amplitudes)
+    }
+}

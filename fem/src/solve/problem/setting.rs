@@ -1,0 +1,93 @@
+//! Constraints, start and cells of a problem: what was given, checked and completed.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use forms_core::contract::Form;
+
+use super::Problem;
+use crate::assemble::AssemblyError;
+use crate::constraints::Constraints;
+use crate::space::Space;
+
+impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
+    /// A guess at the first iterates: each vector field on the mesh moved by 1.05 times the mean of its prescribed
+    /// values, for a body that is moved at one side follows nearly as it is. None where nothing is moved.
+    pub(super) fn extrapolate_prescribed(
+        &self,
+        u: &[f64],
+        constraints: [&Constraints<D>; N],
+    ) -> Option<Vec<f64>> {
+        let mut guess = u.to_vec();
+        let mut offset = 0;
+        let mut moved = false;
+        for (space, constraints) in self.system.spaces.iter().zip(constraints) {
+            for component in 0..if space.components() == D { D } else { 0 } {
+                let of_component =
+                    constraints.prescribed().iter().filter(|(unknown, _)| *unknown % D == component);
+                let (count, sum) =
+                    of_component.fold((0.0, 0.0), |(count, sum), (_, value)| (count + 1.0, sum + value));
+                if sum != 0.0 {
+                    let values = guess[offset..offset + space.unknowns()].iter_mut();
+                    values.skip(component).step_by(D).for_each(|value| *value += 1.05 * sum / count);
+                    moved = true;
+                }
+            }
+            offset += space.unknowns();
+        }
+        moved.then_some(guess)
+    }
+
+    /// The constraints of each unknown: given, or none.
+    pub(super) fn all_constraints(&self) -> Result<[Cow<'a, Constraints<D>>; N], AssemblyError> {
+        let mut given: [Option<Cow<'a, Constraints<D>>>; N] = [const { None }; N];
+        for constraints in &self.constraints {
+            let fits = |number: &usize| {
+                given[*number].is_none() && self.system.spaces[*number].numbers_as(constraints.space())
+            };
+            match (0..N).find(fits) {
+                Some(number) => given[number] = Some(constraints.clone()),
+                None => return Err(AssemblyError::Constraints { form: self.system.form.name() }),
+            }
+        }
+        let mut number = 0;
+        Ok(given.map(|given| {
+            let space = &self.system.spaces[number];
+            number += 1;
+            given.unwrap_or_else(|| Cow::Owned(Constraints::new(space)))
+        }))
+    }
+
+    pub(super) fn check_spaces(
+        &self,
+        what: &'static str,
+        given: [&Arc<Space<D>>; N],
+    ) -> Result<(), AssemblyError> {
+        match self.system.spaces.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
+            None => Ok(()),
+            Some(number) => {
+                let (form, field) = (self.system.form.name(), self.system.unknown_name(number));
+                Err(AssemblyError::OtherSpace { form, field, what })
+            }
+        }
+    }
+
+    /// On several processes the assembler takes this one's part of the cells, unless it has its own already.
+    pub(super) fn share_cells(&mut self) -> Result<(), AssemblyError> {
+        let Some(communicator) = self.communicator else { return Ok(()) };
+        if self.system.assembler.has_owned_cells() {
+            return Ok(());
+        }
+        let mesh = self.system.spaces[0].mesh().clone();
+        let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
+        let whole = self.system.assembler.clone().into_owned();
+        let form = self.system.form.name();
+        let own = whole.on_owned_cells(part).map_err(|source| AssemblyError::Region {
+            form,
+            symbol: "this process's cells",
+            source,
+        })?;
+        self.system.assembler = Cow::Owned(own);
+        Ok(())
+    }
+}
