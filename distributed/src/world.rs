@@ -8,15 +8,19 @@ use std::ops::Range;
 use std::process::ExitCode;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use forms_fem::mesh::Mesh;
-use forms_fem::output::{StandardOutput, program};
+use forms_fem::output::{StandardOutput, one_line, program, tell};
 use forms_fem::solve::{CommunicationError, Communicator};
 
 use crate::error::{DistributedError, PetscError};
 use crate::petsc::{self, call};
 use crate::rows::Rows;
 use crate::vector::DistributedVector;
+
+/// Time for a line on the standard error stream to reach the one who started the processes.
+const FORWARDING: Duration = Duration::from_millis(500);
 
 static STARTED: AtomicBool = AtomicBool::new(false);
 
@@ -48,12 +52,22 @@ impl World {
     /// A program on all processes: says on each why it failed there, and on the first if its standard output could not be
     /// written.
     pub fn run(run: impl FnOnce(&World) -> Result<(), Box<dyn Error>>) -> ExitCode {
-        program(|out| {
+        let mut failed = false;
+        let ended = program(|out| -> Result<(), String> {
             let world = World::start().map_err(|error| error.to_string())?;
-            let outcome = run(&world).map_err(|error| format!("process {}: {error}", world.rank()));
+            let outcome = run(&world);
             *out = world.output.take();
-            outcome
-        })
+            // Before the processes part, where all wait for each other, and with a moment for what is said to be forwarded:
+            // `mpirun` ends all of them when the first ends with a failure, and drops what it has not read.
+            if let Err(error) = outcome {
+                // One text, one write: the lines of several processes do not mingle.
+                tell(format!("error: process {}: {}", world.rank(), one_line(&error.to_string())));
+                std::thread::sleep(FORWARDING);
+                failed = true;
+            }
+            Ok(())
+        });
+        if failed { ExitCode::FAILURE } else { ended }
     }
 
     /// Prints a line, on the first process.
