@@ -21,14 +21,14 @@ pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
     pattern: Arc<BlockPattern<D>>,
-    /// How facets of Γ_C are split at a displacement; none where they are integrated as a whole.
+    /// Rule for splitting the facets of Γ_C at a displacement; none where they are integrated as a whole.
     split: Option<Split<D, L>>,
 }
 
 /// Splits the facets of Γ_C for a law at a displacement.
 type Split<const D: usize, L> = fn(&Assembler<D>, &L, &Field<D>) -> Result<Assembler<D>, AssemblyError>;
 
-/// How finely an indicator is sampled along a facet before the facet is split: the degree of its interpolation in the plane,
+/// Resolution of an indicator along a facet that may be split: the degree of its interpolation in the plane,
 /// where on straight facets of degree k it has degree k; triangles along an edge in space.
 pub(crate) const RESOLUTION: usize = 8;
 

@@ -58,7 +58,7 @@ where
     /// direct problem reuses its analysis and, where it can, its factor.
     ///
     /// # Errors
-    /// What does not fit, or why the system was not solved.
+    /// [`SolveError`], also for data that do not fit.
     pub fn solve_adjoint(
         &self,
         adjoint: Adjoint,

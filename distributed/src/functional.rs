@@ -9,7 +9,7 @@ use crate::world::World;
 /// The value of a functional: each process integrates over its own cells.
 ///
 /// # Errors
-/// What does not fit, on any process.
+/// Data that do not fit, on any process.
 pub fn distributed_functional<G: Functional<D>, const D: usize>(
     world: &World,
     assembler: &Assembler<D>,

@@ -17,7 +17,7 @@ pub(crate) struct DistributedMatrix<'w> {
     _world: &'w World,
     matrix: Object,
     pattern: Arc<SparsityPattern>,
-    /// How many held rows are this process's: their ones come after the local matrix's values.
+    /// Number of this process's held rows: their ones come after the local matrix's values.
     held: usize,
     values: Vec<f64>,
 }

@@ -115,7 +115,7 @@ pub mod all_by_default {
     }
 }
 
-/// What `loaded` means, with all members in one struct.
+/// The meaning of `loaded`, with all members in one struct.
 #[forms(crate = forms_core)]
 pub mod typed_out {
     pub struct Data {

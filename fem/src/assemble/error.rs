@@ -17,12 +17,12 @@ pub enum AssemblyError {
         /// The form.
         form: &'static str,
     },
-    /// What several processes do together was not done.
+    /// A failed exchange between processes, or an error on another one.
     #[error("form `{form}`: {source}")]
     Communication {
         /// The form.
         form: &'static str,
-        /// Why.
+        /// The reason.
         source: CommunicationError,
     },
     /// The layout of an element kernel does not fit the form or its cells.

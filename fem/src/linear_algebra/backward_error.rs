@@ -87,7 +87,7 @@ pub(crate) struct Refinement<'a, E> {
     b: &'a [f64],
     pub(crate) x: Vec<f64>,
     pub(crate) residual: Residual,
-    /// What the last step leads to.
+    /// Solution after the last step.
     candidate: Vec<f64>,
     pub(crate) next: Residual,
 }

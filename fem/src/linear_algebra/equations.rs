@@ -117,7 +117,7 @@ fn worst_of(all: impl Iterator<Item = WorstRow>) -> WorstRow {
 pub(crate) struct Side<'a> {
     matrix: &'a CsrMatrix,
     transpose: Transpose,
-    /// What is added, by rows of this side.
+    /// Additions to entries, by rows of this side.
     additions: Vec<Entry>,
 }
 

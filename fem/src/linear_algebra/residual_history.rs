@@ -1,4 +1,4 @@
-//! What `main` prints of a Krylov method's report: the last residuals of its history, which may be a thousand.
+//! Debug output of Krylov methods' reports: the last residuals of a history that may have a thousand.
 
 use std::fmt;
 

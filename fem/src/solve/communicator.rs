@@ -18,7 +18,7 @@ pub trait Communicator {
     /// The sums over all processes of as many numbers of each; the same on all.
     ///
     /// # Errors
-    /// Why the exchange failed.
+    /// [`CommunicationError::Exchange`].
     fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError>;
 }
 
@@ -28,7 +28,7 @@ pub enum CommunicationError {
     /// Others failed, and say why themselves.
     #[error("{count} of the other processes failed")]
     Elsewhere {
-        /// How many.
+        /// Their number.
         count: usize,
     },
     /// The exchange failed.

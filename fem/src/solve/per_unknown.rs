@@ -1,6 +1,6 @@
 //! One argument per unknown: a reference for a form with one unknown, an array of references for several.
 
-/// What is given for each of N unknowns: `&u` for one, `[&u, &p]` for two.
+/// References for each of N unknowns: `&u` for one, `[&u, &p]` for two.
 pub trait PerUnknown<'a, T, const N: usize> {
     /// One reference per unknown, in the order of the form's arguments.
     fn per_unknown(self) -> [&'a T; N];

@@ -87,7 +87,7 @@ impl Solver<'_> {
 /// Is called with the start and each iterate.
 type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
 
-/// Why a problem was not solved, with the iterates up to it.
+/// The reason for which a problem was not solved, with the iterates up to it.
 pub type SolveError = NewtonError<AssemblyError>;
 
 impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
@@ -130,11 +130,6 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     pub fn vanishing(mut self, constraints: &Constraints<D>) -> Self {
         self.constraints.push(Cow::Owned(constraints.homogeneous()));
         self
-    }
-
-    /// Other conditions than before, as for the next load. What was assembled stays.
-    pub fn set_constraints(&mut self, constraints: impl PerUnknown<'a, Constraints<D>, N>) {
-        self.constraints = constraints.per_unknown().map(Cow::Borrowed).into();
     }
 
     /// Another assembler than the default one: for its quadrature, its threads, its cells.

@@ -21,7 +21,7 @@ pub struct Solved<const D: usize, const N: usize = 1> {
     pub history: Vec<NewtonStep>,
     /// R(u) on all unknowns, space after space: reactions where values are prescribed, about zero elsewhere.
     pub residual: Vec<f64>,
-    /// What the linear solver did since it was made, where it tells.
+    /// Account of the linear solver since it was made, where it keeps one.
     pub report: Option<SolverReport>,
     /// Seconds spent in assembly for this problem so far.
     pub assembly_seconds: f64,

@@ -24,7 +24,7 @@ pub mod no_data {
     }
 }
 
-/// What a base would have brought is no further mistake, here and in modules that extend this one.
+/// Names that a base would have brought are no further mistakes, here and in modules that extend this one.
 #[forms(crate = forms_core)]
 pub mod of_a_function {
     use super::elasticity::stress;

@@ -174,7 +174,7 @@ pub struct NewtonError<E: std::error::Error> {
     pub u: Vec<f64>,
 }
 
-/// How far it came: without an iterate there was no Newton's method yet, as in an affine problem.
+/// The stage of a failure: without an iterate there was no Newton's method yet, as in an affine problem.
 fn stage(history: &[NewtonStep]) -> String {
     match history.len() {
         0 => "the problem was not solved".to_owned(),

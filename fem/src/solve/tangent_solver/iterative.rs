@@ -176,7 +176,7 @@ fn stopped(
     }
 }
 
-/// What keeps GMRES from going on.
+/// A failure of GMRES.
 struct Failed(GmresError<SolverError>);
 
 impl From<GmresError<SolverError>> for Failed {

@@ -48,7 +48,7 @@ pub fn emit_data(data: &Data, module: &Module) -> TokenStream {
     }
 }
 
-/// What has no default, and the data that are made of it.
+/// Members without a default as the struct `Required`, and the data that are made of it.
 fn emit_required(data: &Data, base: &Option<TokenStream>, members: &[&Member]) -> TokenStream {
     let Data { visibility, name, .. } = data;
     let required = format_ident!("{}", Data::REQUIRED);

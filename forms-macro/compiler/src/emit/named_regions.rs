@@ -14,7 +14,7 @@ pub fn regions_named(module: &Module, function: &Function) -> Vec<usize> {
         .collect()
 }
 
-/// How many regions a function with a mistake was most likely meant to integrate over: a misspelt name counts as the
+/// Most likely number of regions that a function with a mistake was meant to integrate over: a misspelt name counts as the
 /// nearest one, or as one more.
 pub fn likely_regions(module: &Module, function: &Function) -> usize {
     names(module, function).len()

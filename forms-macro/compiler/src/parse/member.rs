@@ -114,7 +114,7 @@ fn read_default(
     Some(number)
 }
 
-/// What a member with a mistaken type was most likely meant to be.
+/// The most likely meaning of a member with a mistaken type.
 pub fn likely(name: &Ident, field: &Field) -> Member {
     let text = field.ty.to_token_stream().to_string();
     let kind = match &text {

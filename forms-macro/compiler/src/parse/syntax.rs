@@ -96,7 +96,7 @@ pub struct Member {
     pub name: Ident,
     pub kind: MemberKind,
     pub rank: Rank,
-    /// How many bases away it is declared.
+    /// Number of bases up to its declaration; 0 for a member of the struct itself.
     pub depth: usize,
     /// Each component, unless another value is given.
     pub default: Option<f64>,

@@ -19,7 +19,7 @@ const TOLERANCE: f64 = 1e-9;
 /// The budget of the reference for all numbers of a module, in products: two to five seconds.
 const BUDGET: u64 = 2_000_000_000;
 
-/// How many numbers were compared, and how many were left out as badly conditioned or for lack of budget.
+/// Numbers that were compared, and those that were left out as badly conditioned or for lack of budget.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     pub compared: usize,

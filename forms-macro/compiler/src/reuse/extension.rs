@@ -108,7 +108,7 @@ fn data<'a>(import: &Import, payload: &'a Payload, diagnostics: &mut Diagnostics
     None
 }
 
-/// How many bases away a member is declared, from its `#[inherited(depth)]`.
+/// Number of bases up to a member's declaration, from its `#[inherited(depth)]`.
 pub fn depth(attributes: &[Attribute]) -> usize {
     let found = attributes.iter().find(|attribute| attribute.path().is_ident("inherited"));
     let depth = found.and_then(|attribute| attribute.parse_args::<LitInt>().ok());
@@ -120,9 +120,9 @@ pub fn of_member(attributes: Vec<Attribute>) -> Vec<Attribute> {
     attributes.into_iter().filter(|attribute| !attribute.path().is_ident("inherited")).collect()
 }
 
-/// What a data struct extends.
+/// Base of a data struct.
 pub struct Base {
-    /// Where the base is found from inside the module.
+    /// Path to the base from inside the module.
     pub path: Option<proc_macro2::TokenStream>,
     /// Members are missing, which has been reported.
     pub incomplete: bool,
