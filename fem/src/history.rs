@@ -129,7 +129,7 @@ impl<const D: usize> PointStorage<D> {
                     number(&mut entities[*cell as usize], *cell);
                 }
             }
-            Entity::Facets | Entity::InteriorFacets => {
+            Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
                 entities = vec![NONE; mesh.cell_count() * facets];
                 for facet in mesh.facet_region(region)? {
                     let place = facet.cell as usize * facets + usize::from(facet.local);
@@ -192,7 +192,7 @@ impl<const D: usize> Snapshot<'_, D> {
         let storage = self.storage;
         let index = match (storage.entity, facet) {
             (Entity::Cells, None) => storage.entities.get(cell as usize),
-            (Entity::Facets | Entity::InteriorFacets, Some(local)) => {
+            (Entity::Facets | Entity::InteriorFacets | Entity::Pairs, Some(local)) => {
                 storage.entities.get(cell as usize * storage.mesh.most_facets() + usize::from(local))
             }
             _ => None,

@@ -5,6 +5,7 @@
 
 use crate::dimension::Constants;
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
+use crate::pairing::Pairing;
 use crate::source::{FieldValue, Source};
 use crate::table::Table;
 
@@ -17,17 +18,33 @@ pub enum Entity {
     Facets,
     /// Interior facets, seen from both of their cells: ∫ … dS.
     InteriorFacets,
+    /// Exterior facets, each point of them with a point opposite to it: contact pairs.
+    Pairs,
 }
 
 /// A region of integration: declared in the module, bound by the user to a name of the mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// Cells, exterior or interior facets.
     pub entity: Entity,
     /// The name declared in the forms module (`GammaC`).
     pub symbol: &'static str,
-    /// The name in the mesh (`"contact"`).
+    /// The name in the mesh (`"contact"`); of pairs, the names of their surfaces, for messages.
     pub name: String,
+    /// The surfaces of [`Entity::Pairs`]; `None` for other entities.
+    pub pairing: Option<Pairing>,
+}
+
+impl Region {
+    /// Cells or facets by their name in the mesh.
+    pub fn named(entity: Entity, symbol: &'static str, name: impl Into<String>) -> Self {
+        Region { entity, symbol, name: name.into(), pairing: None }
+    }
+
+    /// Contact pairs.
+    pub fn of_pairs(symbol: &'static str, pairing: Pairing) -> Self {
+        Region { entity: Entity::Pairs, symbol, name: pairing.to_string(), pairing: Some(pairing) }
+    }
 }
 
 /// The part that a field plays in a form.

@@ -40,10 +40,32 @@ pub struct CellGeometry<L> {
     pub cell_volume: L,
     /// |F| \[length^(D-1)\]; zero in cell integrals, where no form can ask for it.
     pub facet_area: L,
-    /// h of the cell across an interior facet; zero elsewhere.
+    /// h of the cell across an interior facet, or of that of a pair's opposite point; zero elsewhere.
     pub opposite_diameter: L,
-    /// Volume of the cell across an interior facet; zero elsewhere.
+    /// Volume of that cell; zero elsewhere.
     pub opposite_volume: L,
+}
+
+/// The opposite point Y of a quadrature point X of a contact pair.
+#[derive(Clone, Copy, Debug)]
+pub struct OppositePoint<L, const D: usize> {
+    /// g, the distance of Y from X along [`OppositePoint::toward`], negative where the bodies overlap \[length\].
+    pub gap: L,
+    /// n_y, the unit vector from this body into the opposite one.
+    pub toward: [L; D],
+    /// Y.
+    pub position: [L; D],
+    /// The opposite body's outward unit normal at Y.
+    pub normal: [L; D],
+}
+
+impl<L: Lane, const D: usize> OppositePoint<L, D> {
+    /// That of a point which is not of a pair: zeros, which no form can ask for.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = L::splat(0.0);
+        OppositePoint { gap: zero, toward: [zero; D], position: [zero; D], normal: [zero; D] }
+    }
 }
 
 /// Geometry at a quadrature point.
@@ -58,6 +80,8 @@ pub struct PointGeometry<L, const D: usize> {
     pub normal: [L; D],
     /// κ = div n \[1/length\]; filled only where [`Requirements::curvature`] asks.
     pub curvature: L,
+    /// The opposite point of a contact pair, as far as the kernel reads it.
+    pub opposite: OppositePoint<L, D>,
 }
 
 /// Which derivative of a field a kernel reads.
@@ -76,7 +100,7 @@ pub enum Order {
 pub enum Side {
     /// The cell that owns the facet.
     This,
-    /// The cell across an interior facet.
+    /// The cell across an interior facet, or that of a contact pair's opposite point.
     Other,
 }
 
@@ -114,6 +138,14 @@ pub struct Requirements {
     pub opposite_diameter: bool,
     /// Reads [`CellGeometry::opposite_volume`].
     pub opposite_volume: bool,
+    /// Reads [`OppositePoint::gap`].
+    pub gap: bool,
+    /// Reads [`OppositePoint::toward`].
+    pub toward: bool,
+    /// Reads [`OppositePoint::position`].
+    pub opposite_position: bool,
+    /// Reads [`OppositePoint::normal`].
+    pub opposite_normal: bool,
     /// `test` or `trial` reads [`Basis::value`].
     pub basis_value: bool,
     /// `test` or `trial` reads [`Basis::gradient`].

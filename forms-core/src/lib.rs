@@ -8,7 +8,7 @@
 //! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`mod@form`] (how a
 //! form hands its kernels over), [`dimension`] (one bound for all forms), [`source`] (where data come from). Functions written in Rust compute with
 //! [`real`] and [`dual`] numbers, are called through [`external`], and may use [`spectral`] ones; a [`table`]
-//! is a law given by points, and [`history`] what a material remembers.
+//! is a law given by points, and [`history`] what a material remembers. [`pairing`] says which surfaces of a region of contact pairs meet.
 
 pub mod dimension;
 pub mod dual;
@@ -18,6 +18,7 @@ pub mod form;
 pub mod history;
 pub mod kernel;
 pub mod lane;
+pub mod pairing;
 pub mod real;
 pub mod source;
 pub mod spectral;
@@ -38,9 +39,10 @@ pub mod contract {
     pub use crate::history::{History, HistoryHandle, QuadratureValues};
     pub use crate::kernel::{
         Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Hessian, LinearKernel, Operations,
-        Order, PointGeometry, Requirements, Side,
+        OppositePoint, Order, PointGeometry, Requirements, Side,
     };
     pub use crate::lane::Lane;
+    pub use crate::pairing::{Facing, PairQuadrature, Pairing, Projection};
     pub use crate::real::Real;
     pub use crate::source::{DiscreteField, FieldHandle, FieldValue, Given, Source};
     pub use crate::spectral::{

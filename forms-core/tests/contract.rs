@@ -287,8 +287,13 @@ fn constant_coefficients_are_accumulated_and_contact_is_factored() {
                 opposite_volume: 0.0,
             });
             let fields = vec![0.5; K::REQUIREMENTS.field_length];
-            let geometry =
-                PointGeometry { weight: 1.0, position: [0.0; 3], normal: [0.0, 1.0, 0.0], curvature: 0.0 };
+            let geometry = PointGeometry {
+                weight: 1.0,
+                position: [0.0; 3],
+                normal: [0.0, 1.0, 0.0],
+                curvature: 0.0,
+                opposite: OppositePoint::none(),
+            };
             let point = kernel.point(&cell, &geometry, &fields);
             let basis = Basis { value: 0.0, gradient: [1.0, 0.0, 0.0] };
             let mut sum = K::zero();
@@ -430,10 +435,7 @@ fn a_form_tells_what_it_was_given() {
     let inputs = contract::Form::inputs(&form);
     // In this workspace's profiles the crate of this test is either not optimised, with assertions, or a release build.
     assert_eq!(inputs.optimised, !cfg!(debug_assertions));
-    assert_eq!(
-        inputs.regions,
-        [Region { entity: Entity::Facets, symbol: "GammaC", name: "boundary".into() }]
-    );
+    assert_eq!(inputs.regions, [Region::named(Entity::Facets, "GammaC", "boundary")]);
     assert_eq!(inputs.parameters, [1.3, 0.7, -0.4, 9.0, 0.0, -1.0]);
     assert_eq!(inputs.parameter_names, ["lambda", "mu", "theta", "gamma0", "n_y[0]", "n_y[1]"]);
     let roles: Vec<_> = contract::Form::fields(&form).iter().map(|field| (field.name, field.role)).collect();

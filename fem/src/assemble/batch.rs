@@ -7,7 +7,9 @@ mod checks;
 mod fields;
 mod side;
 
-use forms_core::contract::{Basis, CellGeometry, Hessian, Order, PointGeometry, Requirements, Side};
+use forms_core::contract::{
+    Basis, CellGeometry, Hessian, OppositePoint, Order, PointGeometry, Requirements, Side,
+};
 
 use self::fields::factorised;
 use self::side::{SideBuffers, SideTables};
@@ -356,6 +358,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             position: if reads_position { this.position(tables, q) } else { [zero; D] },
             normal: [zero; D],
             curvature: zero,
+            opposite: OppositePoint::none(),
         };
         let inverse = match &self.affine {
             Some(affine) => {

@@ -93,7 +93,9 @@ impl<'a> Entities<'a> {
         let name = &region.name;
         let found = match region.entity {
             Entity::Cells => mesh.cell_region(name).map(|cells| Entities::Cells(cells.into())),
-            Entity::Facets => mesh.facet_region(name).map(|facets| Entities::Facets(facets.into())),
+            Entity::Facets | Entity::Pairs => {
+                mesh.facet_region(name).map(|facets| Entities::Facets(facets.into()))
+            }
             Entity::InteriorFacets => {
                 mesh.interior_facet_region(name).map(|facets| Entities::InteriorFacets(facets.into()))
             }

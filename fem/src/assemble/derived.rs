@@ -121,7 +121,7 @@ impl<const D: usize> Assembler<D> {
                     self.mesh.runs_of_shape(cells).map(|run| group(run).map_err(quadrature)).collect()
                 })?
             }
-            Entity::Facets | Entity::InteriorFacets => {
+            Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
                 let facets = self.facets(form, entity, region)?;
                 let shape = self.mesh.shape_of_facets();
                 let rule = self.quadrature.facet_reference_rule(shape, degree).map_err(quadrature)?;
@@ -279,7 +279,7 @@ impl<const D: usize> Assembler<D> {
         entity: Entity,
         region: &str,
     ) -> Result<Entities<'_>, AssemblyError> {
-        Entities::of(&self.mesh, form, &Region { entity, symbol: "derived field", name: region.to_owned() })
+        Entities::of(&self.mesh, form, &Region::named(entity, "derived field", region))
     }
 
     /// (position, weight, value) at the points of a rule on the facet's own reference cell, facet after facet.

@@ -1,7 +1,7 @@
 //! Simplices: a square of triangles or a cube of tetrahedra with moved nodes, their boundary and the facets
 //! between them. Basis functions are linear or quadratic; cells are straight.
 
-use forms_core::contract::{Basis, CellGeometry, Entity, Hessian, PointGeometry, Side};
+use forms_core::contract::{Basis, CellGeometry, Entity, Hessian, OppositePoint, PointGeometry, Side};
 
 use super::random::Random;
 
@@ -257,7 +257,17 @@ fn build<const D: usize>(nodes: &[[f64; D]], cell: &Cell, opposite: Option<usize
                 values.iter().zip(&vertices).map(|(value, x)| value * x[axis]).sum()
             });
             let (basis, hessians) = functions(values, &gradients, &cell.edges).into_iter().unzip();
-            Point { geometry: PointGeometry { weight, position, normal, curvature: 0.0 }, basis, hessians }
+            Point {
+                geometry: PointGeometry {
+                    weight,
+                    position,
+                    normal,
+                    curvature: 0.0,
+                    opposite: OppositePoint::none(),
+                },
+                basis,
+                hessians,
+            }
         })
         .collect();
     Element {

@@ -81,6 +81,7 @@ fn geometry<L: Lane, const D: usize>(batch: &[&Element<D>], point: usize) -> Poi
         position: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.position[k])),
         normal: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.normal[k])),
         curvature: pack(batch, |element| element.points[point].geometry.curvature),
+        opposite: OppositePoint::none(),
     }
 }
 

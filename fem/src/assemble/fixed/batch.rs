@@ -4,7 +4,9 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{Basis, CellGeometry, FieldSlot, Order, PointGeometry, Requirements};
+use forms_core::contract::{
+    Basis, CellGeometry, FieldSlot, OppositePoint, Order, PointGeometry, Requirements,
+};
 
 use super::tables::{FieldTables, FixedTables};
 use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
@@ -206,6 +208,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
             position,
             normal: map.normal,
             curvature: zero,
+            opposite: OppositePoint::none(),
         }
     }
 

@@ -118,8 +118,7 @@ fn emit_region(region: &Region) -> TokenStream {
         impl #name {
             /// Binds this region to a name of the mesh.
             pub fn on(name: impl ::core::convert::Into<::std::string::String>) -> Self {
-                let name = ::core::convert::Into::into(name);
-                #name(contract::Region { entity: contract::Entity::#entity, symbol: #symbol, name })
+                #name(contract::Region::named(contract::Entity::#entity, #symbol, name))
             }
         }
     }

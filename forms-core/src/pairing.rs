@@ -1,0 +1,104 @@
+//! Surfaces of contact pairs: which facets look for opposite points, on which, and how.
+
+use std::fmt;
+
+/// A surface whose points look for opposite ones, and the surface on which they look.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Facing {
+    /// Name of the facets over which the pairs are integrated.
+    pub own: String,
+    /// Name of the facets on which opposite points lie; the same name for self contact.
+    pub opposite: String,
+}
+
+/// The direction in which an opposite point is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Projection {
+    /// Along the own outward normal: n_y = n(X).
+    #[default]
+    Ray,
+    /// The nearest point of the opposite surface: n_y = −n(Y).
+    Nearest,
+}
+
+/// The quadrature points of an own facet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PairQuadrature {
+    /// A rule on each piece of the facet that faces one opposite facet: exact where both surfaces are flat.
+    #[default]
+    Pieces,
+    /// The rule of the whole facet, whatever lies opposite to it.
+    WholeFacets,
+}
+
+/// The surfaces of a region of contact pairs and the way in which opposite points are found: what a user binds the region to.
+///
+/// A point for which none is found adds nothing to an integral over the pairs: it is free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pairing {
+    /// Surfaces and those opposite to them; their integrals add up.
+    pub surfaces: Vec<Facing>,
+    /// The direction of search.
+    pub projection: Projection,
+    /// The quadrature points.
+    pub quadrature: PairQuadrature,
+    /// The largest distance |g| at which a point counts as opposite \[length\]; `None` for two diameters of the own facet.
+    pub reach: Option<f64>,
+}
+
+impl Pairing {
+    /// Pairs of one surface's points with those of another: a biased (one-pass) formulation.
+    pub fn onto(own: impl Into<String>, opposite: impl Into<String>) -> Self {
+        let surfaces = vec![Facing { own: own.into(), opposite: opposite.into() }];
+        Pairing {
+            surfaces,
+            projection: Projection::default(),
+            quadrature: PairQuadrature::default(),
+            reach: None,
+        }
+    }
+
+    /// Pairs of each of two surfaces with the other: an unbiased (two-pass) formulation.
+    pub fn between(first: impl Into<String>, second: impl Into<String>) -> Self {
+        let (first, second) = (first.into(), second.into());
+        Pairing::onto(first.clone(), second.clone()).and(Pairing::onto(second, first))
+    }
+
+    /// Pairs of a surface with itself: self contact.
+    pub fn within(surface: impl Into<String>) -> Self {
+        let surface = surface.into();
+        Pairing::onto(surface.clone(), surface)
+    }
+
+    /// These pairs and the surfaces of others, found as these are.
+    pub fn and(mut self, others: Pairing) -> Self {
+        self.surfaces.extend(others.surfaces);
+        self
+    }
+
+    /// The same with opposite points found in another way.
+    pub fn by(self, projection: Projection) -> Self {
+        Pairing { projection, ..self }
+    }
+
+    /// The same at other quadrature points.
+    pub fn at(self, quadrature: PairQuadrature) -> Self {
+        Pairing { quadrature, ..self }
+    }
+
+    /// The same up to a distance \[length\].
+    pub fn within_reach(self, distance: f64) -> Self {
+        Pairing { reach: Some(distance), ..self }
+    }
+}
+
+/// The surfaces' names, for messages.
+impl fmt::Display for Pairing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, Facing { own, opposite }) in self.surfaces.iter().enumerate() {
+            let separator = if index > 0 { ", " } else { "" };
+            write!(f, "{separator}{own} onto {opposite}")?;
+        }
+        Ok(())
+    }
+}
