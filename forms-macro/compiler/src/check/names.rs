@@ -7,7 +7,7 @@ use super::elsewhere;
 use super::evaluate::{Evaluator, Scope, Value};
 use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::{Expression, ExpressionKind, MemberKind};
-use crate::tensor::{Geometry, Operator};
+use crate::tensor::Operator;
 
 impl Evaluator<'_> {
     pub(super) fn name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) -> Option<Value> {
@@ -36,6 +36,10 @@ impl Evaluator<'_> {
             let shape = member.rank.shape(self.dimension);
             return Some(Value::Tensor(self.arena.push(Operator::Parameter(index), shape, span)));
         }
+        if let Some(geometry) = builtins::of_pairs(&text) {
+            let shape = if geometry.is_vector() { vec![self.dimension] } else { vec![] };
+            return Some(Value::Tensor(self.arena.push(Operator::Geometry(geometry), shape, span)));
+        }
         if let Some(constant) = builtins::constant(&text) {
             let d = self.dimension;
             let (operator, shape) = match constant {
@@ -48,8 +52,7 @@ impl Evaluator<'_> {
                     return None;
                 }
                 Constant::Geometry(geometry) => {
-                    let vector = matches!(geometry, Geometry::Normal | Geometry::Position);
-                    (Operator::Geometry(geometry), if vector { vec![d] } else { vec![] })
+                    (Operator::Geometry(geometry), if geometry.is_vector() { vec![d] } else { vec![] })
                 }
                 Constant::Identity => (Operator::Identity, vec![d, d]),
                 Constant::TensorIdentity => (Operator::Identity, vec![d; 4]),
@@ -90,7 +93,8 @@ impl Evaluator<'_> {
         } else {
             let members = self.module.members().map(|member| member.name.to_string());
             let own: Vec<String> = scope.keys().cloned().chain(members).collect();
-            let built_in = builtins::CONSTANTS.iter().map(|entry| entry.0);
+            let of_pairs = builtins::OF_PAIRS.iter().map(|entry| entry.0);
+            let built_in = builtins::CONSTANTS.iter().map(|entry| entry.0).chain(of_pairs);
             let message = format!("the name `{text}` is not known here");
             let help = suggestion(&text, &own, built_in).unwrap_or_else(|| {
                 "arguments, `let` names, members of the data struct and built-in names are known".into()

@@ -66,6 +66,9 @@ impl Layout {
         ];
         let [opposite_diameter, opposite_volume] =
             [opposite(Geometry::Diameter), opposite(Geometry::CellVolume)];
+        let [gap, toward] = [has(Geometry::Gap), has(Geometry::Toward)];
+        let [opposite_position, opposite_normal] =
+            [has(Geometry::OppositePosition), has(Geometry::OppositeNormal)];
         let requirements = quote! {
             contract::Requirements {
                 diameter: #diameter,
@@ -76,10 +79,10 @@ impl Layout {
                 curvature: #curvature,
                 opposite_diameter: #opposite_diameter,
                 opposite_volume: #opposite_volume,
-                gap: false,
-                toward: false,
-                opposite_position: false,
-                opposite_normal: false,
+                gap: #gap,
+                toward: #toward,
+                opposite_position: #opposite_position,
+                opposite_normal: #opposite_normal,
                 basis_value: #basis_value,
                 basis_gradient: #basis_gradient,
                 hessian: #hessian,

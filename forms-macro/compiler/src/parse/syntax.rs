@@ -199,12 +199,23 @@ pub enum Entity {
     /// Exterior facets.
     Facets,
     InteriorFacets,
+    /// Exterior facets, each point with one opposite to it.
+    Pairs,
 }
 
 impl Entity {
     /// The marker before a region's struct.
-    pub const MARKERS: [(&'static str, Entity); 3] =
-        [("cells", Entity::Cells), ("facets", Entity::Facets), ("interior_facets", Entity::InteriorFacets)];
+    pub const MARKERS: [(&'static str, Entity); 4] = [
+        ("cells", Entity::Cells),
+        ("facets", Entity::Facets),
+        ("interior_facets", Entity::InteriorFacets),
+        ("pairs", Entity::Pairs),
+    ];
+
+    /// Are there two cells at each of its points?
+    pub fn is_two_sided(self) -> bool {
+        matches!(self, Entity::InteriorFacets | Entity::Pairs)
+    }
 
     /// For messages.
     pub fn plural(self) -> &'static str {
@@ -212,11 +223,12 @@ impl Entity {
             Entity::Cells => "cells",
             Entity::Facets => "exterior facets",
             Entity::InteriorFacets => "interior facets",
+            Entity::Pairs => "contact pairs",
         }
     }
 }
 
-/// `#[cells] struct Omega;`, `#[facets] struct GammaC;` or `#[interior_facets] struct Skeleton;`
+/// `#[cells] struct Omega;`, `#[facets] struct GammaC;`, `#[interior_facets] struct Skeleton;` or `#[pairs] struct Touch;`
 pub struct Region {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
