@@ -237,7 +237,7 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
 
 /// In a module with contact pairs what belongs to them has one meaning.
 fn check_not_of_pairs(module: &Module, diagnostics: &mut Diagnostics) {
-    if !module.regions.iter().any(|region| region.entity == Entity::Pairs) {
+    if !module.has_pairs() {
         return;
     }
     for member in module.members().filter(|member| builtins::of_pairs(&member.name.to_string()).is_some()) {

@@ -7,7 +7,7 @@ use super::elsewhere;
 use super::evaluate::{Evaluator, Scope, Value};
 use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::{Expression, ExpressionKind, MemberKind};
-use crate::tensor::Operator;
+use crate::tensor::{Geometry, Operator, Tensor};
 
 impl Evaluator<'_> {
     pub(super) fn name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) -> Option<Value> {
@@ -21,6 +21,11 @@ impl Evaluator<'_> {
                 }
             }
             return value.clone();
+        }
+        // A member of that name in a module with pairs is a mistake, which has been told.
+        let of_pairs = builtins::of_pairs(&text);
+        if let (Some(of_pairs), true) = (of_pairs, self.module.has_pairs()) {
+            return Some(Value::Tensor(self.of_pairs(of_pairs, span)));
         }
         if let Some((field, shape)) = self.given.get(&text).cloned() {
             let operator = Operator::Field { field, order: 0 };
@@ -36,9 +41,8 @@ impl Evaluator<'_> {
             let shape = member.rank.shape(self.dimension);
             return Some(Value::Tensor(self.arena.push(Operator::Parameter(index), shape, span)));
         }
-        if let Some(geometry) = builtins::of_pairs(&text) {
-            let shape = if geometry.is_vector() { vec![self.dimension] } else { vec![] };
-            return Some(Value::Tensor(self.arena.push(Operator::Geometry(geometry), shape, span)));
+        if let Some(of_pairs) = of_pairs {
+            return Some(Value::Tensor(self.of_pairs(of_pairs, span)));
         }
         if let Some(constant) = builtins::constant(&text) {
             let d = self.dimension;
@@ -67,6 +71,12 @@ impl Evaluator<'_> {
             self.unknown_name(name, span, scope);
         }
         None
+    }
+
+    /// What a contact pair has.
+    fn of_pairs(&mut self, geometry: Geometry, span: SourceSpan) -> Tensor {
+        let shape = if geometry.is_vector() { vec![self.dimension] } else { vec![] };
+        self.arena.push(Operator::Geometry(geometry), shape, span)
     }
 
     pub(super) fn unknown_name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) {

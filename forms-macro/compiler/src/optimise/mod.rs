@@ -167,8 +167,8 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
 
 /// The other side of a derived field, which has no region: that of pairs where the module has pairs and no interior facets.
 fn opposite_of_values(module: &Module) -> Opposite {
-    let has = |entity| module.regions.iter().any(|region| region.entity == entity);
-    match has(Entity::Pairs) && !has(Entity::InteriorFacets) {
+    let interior = module.regions.iter().any(|region| region.entity == Entity::InteriorFacets);
+    match module.has_pairs() && !interior {
         true => Opposite::PairedPoint,
         false => Opposite::SamePoint,
     }

@@ -20,6 +20,11 @@ pub struct Module {
 }
 
 impl Module {
+    /// Does it declare contact pairs?
+    pub fn has_pairs(&self) -> bool {
+        self.regions.iter().any(|region| region.entity == Entity::Pairs)
+    }
+
     /// Was the name declared with a mistake, which has been reported?
     pub fn is_mistaken(&self, name: &Ident) -> bool {
         let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
