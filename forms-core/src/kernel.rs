@@ -158,6 +158,29 @@ pub struct Requirements {
     pub field_length: usize,
 }
 
+impl Requirements {
+    /// Nothing is read.
+    pub const NONE: Requirements = Requirements {
+        diameter: false,
+        cell_volume: false,
+        facet_area: false,
+        position: false,
+        normal: false,
+        curvature: false,
+        opposite_diameter: false,
+        opposite_volume: false,
+        gap: false,
+        toward: false,
+        opposite_position: false,
+        opposite_normal: false,
+        basis_value: false,
+        basis_gradient: false,
+        hessian: false,
+        fields: &[],
+        field_length: 0,
+    };
+}
+
 /// Operations of one call of each of a kernel's functions, counted in the emitted code. An addition, a product, a
 /// contracted multiply-add, a quotient, a function or a comparison is one; a sign and a literal are none. With the
 /// numbers of nodes and points they say what a way to run the kernel costs.

@@ -92,6 +92,20 @@ impl Pairing {
     }
 }
 
+/// A surface that may touch itself.
+impl From<&str> for Pairing {
+    fn from(surface: &str) -> Self {
+        Pairing::within(surface)
+    }
+}
+
+/// A surface that may touch itself.
+impl From<String> for Pairing {
+    fn from(surface: String) -> Self {
+        Pairing::within(surface)
+    }
+}
+
 /// The surfaces' names, for messages.
 impl fmt::Display for Pairing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

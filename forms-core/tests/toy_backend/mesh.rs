@@ -12,7 +12,7 @@ pub struct Element<const D: usize> {
     pub nodes: Vec<usize>,
     pub cell: CellGeometry<f64>,
     pub points: Vec<Point<D>>,
-    /// An interior facet seen from its other cell, with the same points.
+    /// An interior facet seen from its other cell, with the same points; the opposite facet of a pair, with the opposite ones.
     pub across: Option<Box<Element<D>>>,
 }
 
@@ -34,12 +34,13 @@ pub struct Point<const D: usize> {
     pub hessians: Vec<Hessian<f64, D>>,
 }
 
-/// Nodes, cells ("all"), boundary facets ("boundary"), interior facets ("skeleton").
+/// Nodes, cells ("all"), boundary facets ("boundary"), interior facets ("skeleton"), boundary facets paired with others ("pairs").
 pub struct Mesh<const D: usize> {
     pub nodes: Vec<[f64; D]>,
     cells: Vec<Element<D>>,
     facets: Vec<Element<D>>,
     skeleton: Vec<Element<D>>,
+    pairs: Vec<Element<D>>,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -83,11 +84,10 @@ impl<const D: usize> Mesh<D> {
             let count = element.nodes.len();
             element.nodes = (cell * count..(cell + 1) * count).collect();
         };
-        self.skeleton
-            .iter_mut()
-            .filter_map(|element| element.across.as_mut())
-            .for_each(|element| renumber(element));
-        self.cells.iter_mut().chain(&mut self.facets).chain(&mut self.skeleton).for_each(renumber);
+        let two_sided = self.skeleton.iter_mut().chain(&mut self.pairs);
+        two_sided.filter_map(|element| element.across.as_mut()).for_each(|element| renumber(element));
+        let facets = self.facets.iter_mut().chain(&mut self.skeleton).chain(&mut self.pairs);
+        self.cells.iter_mut().chain(facets).for_each(renumber);
         self
     }
 
@@ -143,7 +143,9 @@ impl<const D: usize> Mesh<D> {
             }
         }
         let cells = cells.iter().map(|cell| build(&vertices, cell, None)).collect();
-        Mesh { nodes, cells, facets, skeleton }
+        let next = facets.iter().cycle().skip(1);
+        let pairs = facets.iter().zip(next).map(|(own, opposite)| paired(own, opposite)).collect();
+        Mesh { nodes, cells, facets, skeleton, pairs }
     }
 
     /// The elements of a region: all cells, or all facets of the boundary.
@@ -152,9 +154,24 @@ impl<const D: usize> Mesh<D> {
             (Entity::Cells, "all") => self.cells.iter().collect(),
             (Entity::Facets, "boundary") => self.facets.iter().collect(),
             (Entity::InteriorFacets, "skeleton") => self.skeleton.iter().collect(),
+            (Entity::Pairs, _) => self.pairs.iter().collect(),
             _ => panic!("no region `{name}` of {entity:?}"),
         }
     }
+}
+
+/// Point k of a facet with point k of another, wherever that is: what a pair is does not matter to a kernel.
+fn paired<const D: usize>(own: &Element<D>, opposite: &Element<D>) -> Element<D> {
+    let mut pair = own.clone();
+    pair.cell.opposite_diameter = opposite.cell.diameter;
+    pair.cell.opposite_volume = opposite.cell.cell_volume;
+    for (this, other) in pair.points.iter_mut().zip(&opposite.points) {
+        let (x, y, toward) = (this.geometry.position, other.geometry.position, this.geometry.normal);
+        let gap = (0..D).map(|k| toward[k] * (y[k] - x[k])).sum();
+        this.geometry.opposite = OppositePoint { gap, toward, position: y, normal: other.geometry.normal };
+    }
+    pair.across = Some(Box::new(opposite.clone()));
+    pair
 }
 
 /// A simplex: its vertices, its edges by local vertices (if they hold nodes), all its nodes.

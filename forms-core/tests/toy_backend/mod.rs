@@ -81,7 +81,18 @@ fn geometry<L: Lane, const D: usize>(batch: &[&Element<D>], point: usize) -> Poi
         position: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.position[k])),
         normal: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.normal[k])),
         curvature: pack(batch, |element| element.points[point].geometry.curvature),
-        opposite: OppositePoint::none(),
+        opposite: OppositePoint {
+            gap: pack(batch, |element| element.points[point].geometry.opposite.gap),
+            toward: std::array::from_fn(|k| {
+                pack(batch, |element| element.points[point].geometry.opposite.toward[k])
+            }),
+            position: std::array::from_fn(|k| {
+                pack(batch, |element| element.points[point].geometry.opposite.position[k])
+            }),
+            normal: std::array::from_fn(|k| {
+                pack(batch, |element| element.points[point].geometry.opposite.normal[k])
+            }),
+        },
     }
 }
 

@@ -46,7 +46,7 @@ struct RegionEntry {
 
 /// The words for regions: as a type, as a function in `integral`, as the marker of a declaration.
 const REGIONS: &[(&str, &str)] =
-    &[("Cells", "cells"), ("Facets", "facets"), ("InteriorFacets", "interior_facets")];
+    &[("Cells", "cells"), ("Facets", "facets"), ("InteriorFacets", "interior_facets"), ("Pairs", "pairs")];
 
 impl Parse for OneForm {
     fn parse(input: ParseStream) -> syn::Result<Self> {

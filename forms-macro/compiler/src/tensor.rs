@@ -30,6 +30,33 @@ pub enum Geometry {
     Position,
     /// κ = div n.
     Curvature,
+    /// g, the distance of a pair's opposite point.
+    Gap,
+    /// n_y, the unit vector toward a pair's opposite point.
+    Toward,
+    /// Y: what `other(x)` is on a pair.
+    OppositePosition,
+    /// The outward normal at Y: what `other(n)` is on a pair.
+    OppositeNormal,
+}
+
+impl Geometry {
+    /// Is it a vector? All others are scalars.
+    pub fn is_vector(self) -> bool {
+        use Geometry::*;
+        matches!(self, Normal | Position | Toward | OppositePosition | OppositeNormal)
+    }
+
+    /// May it differ between the points of a cell or facet?
+    pub fn varies(self) -> bool {
+        !matches!(self, Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea)
+    }
+
+    /// Does it belong to a contact pair?
+    pub fn is_of_pairs(self) -> bool {
+        use Geometry::*;
+        matches!(self, Gap | Toward | OppositePosition | OppositeNormal)
+    }
 }
 
 /// A cell beside a facet. Inside cells and on exterior facets there is only `This`.
@@ -37,7 +64,7 @@ pub enum Geometry {
 pub enum Side {
     /// The cell that owns the facet.
     This,
-    /// The cell across it.
+    /// The cell across it, or that of a pair's opposite point.
     Other,
 }
 
@@ -249,7 +276,7 @@ pub enum Operator {
         arguments: Vec<Tensor>,
         order: usize,
     },
-    /// The limit of an expression at an interior facet, from one of its two cells.
+    /// The limit of an expression at an interior facet, from one of its two cells; on a pair, its value at X or at Y.
     Restrict(Side, Tensor),
 
     /// ∇ of an expression: a new trailing axis.

@@ -143,6 +143,9 @@ pub const CONSTANTS: &[(&str, Constant)] = &[
     ("shape", Constant::Shape),
 ];
 
+/// What a contact pair has: names that stand for this where the module's data have no member of that name.
+pub const OF_PAIRS: &[(&str, Geometry)] = &[("gap", Geometry::Gap), ("toward", Geometry::Toward)];
+
 /// The called name, if it is built in: what it is, its number of arguments, how it is written.
 pub fn builtin(name: &str) -> Option<(Builtin, usize, &'static str)> {
     BUILTINS.iter().find(|entry| entry.0 == name).map(|entry| (entry.1, entry.2, entry.3))
@@ -151,6 +154,11 @@ pub fn builtin(name: &str) -> Option<(Builtin, usize, &'static str)> {
 /// The value's name, if it is built in.
 pub fn constant(name: &str) -> Option<Constant> {
     CONSTANTS.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
+}
+
+/// What the name stands for on contact pairs.
+pub fn of_pairs(name: &str) -> Option<Geometry> {
+    OF_PAIRS.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
 }
 
 /// Is the name taken?

@@ -165,6 +165,16 @@ impl Evaluator<'_> {
             self.diagnostics.error_with_help(arguments[2].span, message, help);
             return None;
         }
+        if let Value::Form(terms) = &form
+            && terms.iter().any(|term| self.module.regions[term.region].entity == Entity::Pairs)
+        {
+            self.diagnostics.error_with_help(
+                arguments[0].span,
+                "the derivative of integrals over contact pairs by the shape is not available",
+                "leave the integrals over `#[pairs]` out of what is differentiated by `shape`",
+            );
+            return None;
+        }
         let mut gateaux = |expression: Tensor, entity: Option<Entity>| {
             let shape = self.arena.shape(expression).to_vec();
             let operator = Operator::Gateaux { expression, variable: Variable::Shape(entity), direction };

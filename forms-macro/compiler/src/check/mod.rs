@@ -191,6 +191,7 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     }
     check_extension(module, diagnostics);
     check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
+    check_not_of_pairs(module, diagnostics);
     for function in &module.functions {
         check_names(function.arguments.iter().map(|argument| &argument.name), diagnostics);
         for Argument { name, .. } in &function.arguments {
@@ -231,6 +232,21 @@ fn check_names<'a>(names: impl Iterator<Item = &'a Ident>, diagnostics: &mut Dia
         if seen.insert(text, ()).is_some() {
             diagnostics.error(SourceSpan::of(name), format!("the name `{name}` is declared twice"));
         }
+    }
+}
+
+/// In a module with contact pairs what belongs to them has one meaning.
+fn check_not_of_pairs(module: &Module, diagnostics: &mut Diagnostics) {
+    if !module.has_pairs() {
+        return;
+    }
+    for member in module.members().filter(|member| builtins::of_pairs(&member.name.to_string()).is_some()) {
+        let name = &member.name;
+        diagnostics.error_with_help(
+            SourceSpan::of(name),
+            format!("`{name}` belongs to the contact pairs of this module and cannot be declared again"),
+            format!("call this member by another name, `initial_{name}` for one"),
+        );
     }
 }
 

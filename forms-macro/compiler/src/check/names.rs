@@ -7,7 +7,7 @@ use super::elsewhere;
 use super::evaluate::{Evaluator, Scope, Value};
 use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::{Expression, ExpressionKind, MemberKind};
-use crate::tensor::{Geometry, Operator};
+use crate::tensor::{Geometry, Operator, Tensor};
 
 impl Evaluator<'_> {
     pub(super) fn name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) -> Option<Value> {
@@ -21,6 +21,11 @@ impl Evaluator<'_> {
                 }
             }
             return value.clone();
+        }
+        // A member of that name in a module with pairs is a mistake, which has been told.
+        let of_pairs = builtins::of_pairs(&text);
+        if let (Some(of_pairs), true) = (of_pairs, self.module.has_pairs()) {
+            return Some(Value::Tensor(self.of_pairs(of_pairs, span)));
         }
         if let Some((field, shape)) = self.given.get(&text).cloned() {
             let operator = Operator::Field { field, order: 0 };
@@ -36,6 +41,9 @@ impl Evaluator<'_> {
             let shape = member.rank.shape(self.dimension);
             return Some(Value::Tensor(self.arena.push(Operator::Parameter(index), shape, span)));
         }
+        if let Some(of_pairs) = of_pairs {
+            return Some(Value::Tensor(self.of_pairs(of_pairs, span)));
+        }
         if let Some(constant) = builtins::constant(&text) {
             let d = self.dimension;
             let (operator, shape) = match constant {
@@ -48,8 +56,7 @@ impl Evaluator<'_> {
                     return None;
                 }
                 Constant::Geometry(geometry) => {
-                    let vector = matches!(geometry, Geometry::Normal | Geometry::Position);
-                    (Operator::Geometry(geometry), if vector { vec![d] } else { vec![] })
+                    (Operator::Geometry(geometry), if geometry.is_vector() { vec![d] } else { vec![] })
                 }
                 Constant::Identity => (Operator::Identity, vec![d, d]),
                 Constant::TensorIdentity => (Operator::Identity, vec![d; 4]),
@@ -64,6 +71,12 @@ impl Evaluator<'_> {
             self.unknown_name(name, span, scope);
         }
         None
+    }
+
+    /// What a contact pair has.
+    fn of_pairs(&mut self, geometry: Geometry, span: SourceSpan) -> Tensor {
+        let shape = if geometry.is_vector() { vec![self.dimension] } else { vec![] };
+        self.arena.push(Operator::Geometry(geometry), shape, span)
     }
 
     pub(super) fn unknown_name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) {
@@ -90,7 +103,8 @@ impl Evaluator<'_> {
         } else {
             let members = self.module.members().map(|member| member.name.to_string());
             let own: Vec<String> = scope.keys().cloned().chain(members).collect();
-            let built_in = builtins::CONSTANTS.iter().map(|entry| entry.0);
+            let of_pairs = builtins::OF_PAIRS.iter().map(|entry| entry.0);
+            let built_in = builtins::CONSTANTS.iter().map(|entry| entry.0).chain(of_pairs);
             let message = format!("the name `{text}` is not known here");
             let help = suggestion(&text, &own, built_in).unwrap_or_else(|| {
                 "arguments, `let` names, members of the data struct and built-in names are known".into()

@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use crate::check::regions::{check_existence, check_sides};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::diagnostics::Diagnostics;
-use crate::parse::syntax::{Entity, Region};
+use crate::parse::syntax::Region;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Geometry, Operator, Tensor, Variable};
 use rules::{Differentiation, Seed};
 
@@ -142,8 +142,8 @@ impl Lowering<'_> {
         for term in terms {
             let (density, region) = (self.lower(term.density), &regions[term.region]);
             check_existence(&self.arena, density, region, self.diagnostics);
-            if region.entity == Entity::InteriorFacets {
-                check_sides(&self.arena, fields, density, Some(&region.name), self.diagnostics);
+            if region.entity.is_two_sided() {
+                check_sides(&self.arena, fields, density, Some(region), self.diagnostics);
             }
         }
     }

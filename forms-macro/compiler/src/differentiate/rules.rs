@@ -320,6 +320,14 @@ impl<'a> Differentiation<'a> {
                 }
                 Some(self.push(Operator::Stack(entries), vec![self.dimension], tensor))
             }
+            Geometry::Gap | Geometry::Toward | Geometry::OppositePosition | Geometry::OppositeNormal => {
+                self.diagnostics.error_with_help(
+                    self.arena.span(tensor),
+                    "there is no gradient across a contact pair",
+                    "take gradients of fields at one of its points, `this(grad(u))` or `other(grad(u))`",
+                );
+                None
+            }
             Geometry::Normal | Geometry::Curvature => {
                 let message = "the gradient of the normal is not available";
                 self.diagnostics.error_with_help(

@@ -324,6 +324,14 @@ impl KernelWriter<'_> {
             Node::Geometry(Geometry::Normal, component) => quote! { geometry.normal[#component] },
             Node::Geometry(Geometry::Position, component) => quote! { geometry.position[#component] },
             Node::Geometry(Geometry::Curvature, _) => quote! { geometry.curvature },
+            Node::Geometry(Geometry::Gap, _) => quote! { geometry.opposite.gap },
+            Node::Geometry(Geometry::Toward, component) => quote! { geometry.opposite.toward[#component] },
+            Node::Geometry(Geometry::OppositePosition, component) => {
+                quote! { geometry.opposite.position[#component] }
+            }
+            Node::Geometry(Geometry::OppositeNormal, component) => {
+                quote! { geometry.opposite.normal[#component] }
+            }
             Node::Field { field, side, component, derivative } => {
                 let index = layout.position(*field, *side, *component, *derivative);
                 quote! { fields[#index] }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::description::name_of_side;
 use crate::optimise::scalar::{Derivative, Graph, Node, Scalar};
@@ -56,35 +56,30 @@ impl Layout {
                 }
             });
         }
-        let [diameter, cell_volume, facet_area, position, normal, curvature] = [
-            has(Geometry::Diameter),
-            has(Geometry::CellVolume),
-            has(Geometry::FacetArea),
-            has(Geometry::Position),
-            has(Geometry::Normal),
-            has(Geometry::Curvature),
+        let reads = [
+            ("diameter", has(Geometry::Diameter)),
+            ("cell_volume", has(Geometry::CellVolume)),
+            ("facet_area", has(Geometry::FacetArea)),
+            ("position", has(Geometry::Position)),
+            ("normal", has(Geometry::Normal)),
+            ("curvature", has(Geometry::Curvature)),
+            ("opposite_diameter", opposite(Geometry::Diameter)),
+            ("opposite_volume", opposite(Geometry::CellVolume)),
+            ("gap", has(Geometry::Gap)),
+            ("toward", has(Geometry::Toward)),
+            ("opposite_position", has(Geometry::OppositePosition)),
+            ("opposite_normal", has(Geometry::OppositeNormal)),
+            ("basis_value", basis_value),
+            ("basis_gradient", basis_gradient),
+            ("hessian", hessian),
         ];
-        let [opposite_diameter, opposite_volume] =
-            [opposite(Geometry::Diameter), opposite(Geometry::CellVolume)];
+        let reads = reads.iter().filter(|(_, reads)| *reads).map(|(name, _)| format_ident!("{name}"));
         let requirements = quote! {
             contract::Requirements {
-                diameter: #diameter,
-                cell_volume: #cell_volume,
-                facet_area: #facet_area,
-                position: #position,
-                normal: #normal,
-                curvature: #curvature,
-                opposite_diameter: #opposite_diameter,
-                opposite_volume: #opposite_volume,
-                gap: false,
-                toward: false,
-                opposite_position: false,
-                opposite_normal: false,
-                basis_value: #basis_value,
-                basis_gradient: #basis_gradient,
-                hessian: #hessian,
+                #(#reads: true,)*
                 fields: &[#(#slots),*],
                 field_length: #next,
+                ..contract::Requirements::NONE
             }
         };
         Layout { dimension, offsets, requirements }

@@ -110,6 +110,19 @@ fn emit_region(region: &Region) -> TokenStream {
         Entity::Cells => quote! { Cells },
         Entity::Facets => quote! { Facets },
         Entity::InteriorFacets => quote! { InteriorFacets },
+        Entity::Pairs => {
+            return quote! {
+                #(#attributes)*
+                #derived
+                #visibility struct #name(#[doc(hidden)] pub contract::Region);
+                impl #name {
+                    /// Binds this region to surfaces of the mesh; a name alone is a surface that may touch itself.
+                    pub fn on(pairing: impl ::core::convert::Into<contract::Pairing>) -> Self {
+                        #name(contract::Region::of_pairs(#symbol, ::core::convert::Into::into(pairing)))
+                    }
+                }
+            };
+        }
     };
     quote! {
         #(#attributes)*

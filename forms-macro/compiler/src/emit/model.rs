@@ -120,9 +120,12 @@ fn emit_regions(regions: &[Region], members: &[Ident]) -> TokenStream {
         })
         .collect();
     let declared = regions.iter().zip(members).zip(&defaults).map(|((region, member), default)| {
-        let Region { visibility, name, attributes, .. } = region;
+        let Region { visibility, name, attributes, entity } = region;
         let documented = attributes.iter().filter(|attribute| attribute.path().is_ident("doc"));
-        let text = format!("`\"{default}\"` unless another name is given.");
+        let text = match entity {
+            Entity::Pairs => format!("The surface `\"{default}\"` with itself unless others are given."),
+            _ => format!("`\"{default}\"` unless another name is given."),
+        };
         quote! {
             #(#documented)*
             ///
@@ -135,12 +138,21 @@ fn emit_regions(regions: &[Region], members: &[Ident]) -> TokenStream {
         quote! { #member: #name::on(#default) }
     });
     let own_name = Ident::new("name", Span::mixed_site());
-    let setters = regions.iter().zip(members).map(|(Region { visibility, name, .. }, member)| {
-        let text = format!("The regions with `{name}` under this name of the mesh.");
+    let setters = regions.iter().zip(members).map(|(Region { visibility, name, entity, .. }, member)| {
+        let (text, bound) = match entity {
+            Entity::Pairs => (
+                format!("The regions with `{name}` on these surfaces of the mesh."),
+                quote! { contract::Pairing },
+            ),
+            _ => (
+                format!("The regions with `{name}` under this name of the mesh."),
+                quote! { ::std::string::String },
+            ),
+        };
         let setter = format_ident!("{member}");
         quote! {
             #[doc = #text]
-            #visibility fn #setter(mut self, #own_name: impl ::core::convert::Into<::std::string::String>) -> Self {
+            #visibility fn #setter(mut self, #own_name: impl ::core::convert::Into<#bound>) -> Self {
                 self.#member = #name::on(#own_name);
                 self
             }

@@ -108,8 +108,10 @@ impl<'a> Degrees<'a> {
             Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) => zero,
             Field { field, order } => Degree::part(Part::Field { field: *field, order: *order }),
             Geometry(geometry) => match geometry {
-                self::Geometry::Position => Degree::part(Part::Position),
-                self::Geometry::Normal | self::Geometry::Curvature => Degree::part(Part::Normal),
+                self::Geometry::Position | self::Geometry::OppositePosition | self::Geometry::Gap => {
+                    Degree::part(Part::Position)
+                }
+                _ if geometry.varies() => Degree::part(Part::Normal),
                 _ => zero,
             },
             Negate(a) | Map(_, a) | Component(a, _) | Slice(a, _) | Restrict(_, a) => self.of(*a),

@@ -16,7 +16,6 @@ use super::plan::{BilinearPlan, Operations};
 use super::polynomial::Expansion;
 use super::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use super::{Description, Setting};
-use crate::tensor::Geometry;
 
 /// A bilinear integral's density, and what it is linear in.
 #[derive(Clone, Copy)]
@@ -312,9 +311,7 @@ fn accumulated(graph: &mut Graph, matrix: &Matrix, [rows, columns]: [usize; 2]) 
 pub fn varies_over_cell(node: &Node) -> bool {
     match node {
         Node::Field { .. } => true,
-        Node::Geometry(geometry, _) => {
-            matches!(geometry, Geometry::Normal | Geometry::Position | Geometry::Curvature)
-        }
+        Node::Geometry(geometry, _) => geometry.varies(),
         _ => false,
     }
 }

@@ -30,7 +30,7 @@ pub use factor::{Candidate, varies_over_cell};
 use linear::{Coefficients, Linear, SidedField, without};
 use plan::BilinearPlan;
 use scalar::{Graph, Node, Scalar};
-use scalarise::Scalariser;
+use scalarise::{Opposite, Scalariser};
 
 /// A function, ready to be written as kernels.
 pub struct Optimised {
@@ -119,25 +119,27 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         parameter_offsets: &offsets,
         dimension,
         side: Side::This,
+        opposite: opposite_of_values(module),
         known: HashMap::new(),
     };
     let mut degrees = Degrees::new(&arena);
 
     let entities: Vec<Entity> = module.regions.iter().map(|region| region.entity).collect();
-    let groups = group(&residual, &fields, &mut scalariser, &mut degrees);
+    let value = value.map(|value| (scalariser.components(value), arena.shape(value).to_vec()));
+    let groups = group(&residual, &fields, &entities, &mut scalariser, &mut degrees);
     let groups = join_on_cells(groups, &fields, &entities, scalariser.graph);
     let mut planned = Optimised {
         function,
         dimension,
         graph: Graph::default(),
-        value: value.map(|value| (scalariser.components(value), arena.shape(value).to_vec())),
+        value,
         residual: vec![],
         joined: vec![],
         tangent: vec![],
         joined_tangent: vec![],
         action: vec![],
         switches: vec![],
-        density: densities(&density, &mut scalariser, &mut degrees),
+        density: densities(&density, &entities, &mut scalariser, &mut degrees),
         fields,
     };
     let wholes = whole::groups(&groups, &planned.fields, scalariser.graph);
@@ -161,6 +163,15 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
     checked(Ok(()), &graph)?;
     planned.graph = graph;
     Ok(planned)
+}
+
+/// The other side of a derived field, which has no region: that of pairs where the module has pairs and no interior facets.
+fn opposite_of_values(module: &Module) -> Opposite {
+    let interior = module.regions.iter().any(|region| region.entity == Entity::InteriorFacets);
+    match module.has_pairs() && !interior {
+        true => Opposite::PairedPoint,
+        false => Opposite::SamePoint,
+    }
 }
 
 /// The planned function, unless it is too large; an error is the name of an argument in which an integral is not linear.
@@ -211,11 +222,13 @@ impl Group {
 fn group(
     residual: &[ResidualPart],
     fields: &[FieldInfo],
+    entities: &[Entity],
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<Group> {
     let mut groups: BTreeMap<(usize, Dependence), Group> = BTreeMap::new();
     for part in residual {
+        scalariser.opposite = Opposite::on(entities[part.region]);
         let density = scalariser.scalar(part.density);
         let mut tangent = Vec::new();
         for (trial, derivative) in &part.tangent {
@@ -384,9 +397,15 @@ fn linear_integral(
 }
 
 /// One integral per region on which something is left, as with forms.
-fn densities(terms: &[Term], scalariser: &mut Scalariser, degrees: &mut Degrees) -> Vec<ExpressionIntegral> {
+fn densities(
+    terms: &[Term],
+    entities: &[Entity],
+    scalariser: &mut Scalariser,
+    degrees: &mut Degrees,
+) -> Vec<ExpressionIntegral> {
     let mut regions: BTreeMap<usize, (Scalar, Degree)> = BTreeMap::new();
     for term in terms {
+        scalariser.opposite = Opposite::on(entities[term.region]);
         let density = scalariser.scalar(term.density);
         let (sum, degree) =
             regions.entry(term.region).or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));

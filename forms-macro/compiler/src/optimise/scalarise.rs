@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;
-use crate::parse::syntax::Comparison;
+use crate::parse::syntax::{Comparison, Entity};
 use crate::tensor::{
     Arena, External, Function, Geometry, LinearMap, NEARLY_ZERO, Operator, Selection, Side, Tensor, Truth,
 };
@@ -18,17 +18,36 @@ pub struct Scalariser<'a> {
     pub dimension: usize,
     /// The side from which the expression at hand is seen.
     pub side: Side,
-    pub known: HashMap<(Tensor, Side), Vec<Scalar>>,
+    /// Is the other side a pair's opposite point? Else it is across an interior facet.
+    pub opposite: Opposite,
+    pub known: HashMap<(Tensor, Side, Opposite), Vec<Scalar>>,
+}
+
+/// The place that is seen on [`Side::Other`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Opposite {
+    /// The same point, in the cell across an interior facet.
+    SamePoint,
+    /// Another point, opposite to this one in a contact pair.
+    PairedPoint,
+}
+
+impl Opposite {
+    /// On the entities of a region.
+    pub fn on(entity: Entity) -> Self {
+        if entity == Entity::Pairs { Opposite::PairedPoint } else { Opposite::SamePoint }
+    }
 }
 
 impl Scalariser<'_> {
     /// Row-major components.
     pub fn components(&mut self, tensor: Tensor) -> Vec<Scalar> {
-        if let Some(known) = self.known.get(&(tensor, self.side)) {
+        let key = (tensor, self.side, self.opposite);
+        if let Some(known) = self.known.get(&key) {
             return known.clone();
         }
         let components = self.expand(tensor);
-        self.known.insert((tensor, self.side), components.clone());
+        self.known.insert(key, components.clone());
         components
     }
 
@@ -277,15 +296,20 @@ impl Scalariser<'_> {
         }
     }
 
-    /// Geometry seen from a side: what belongs to a cell is that cell's, and the outward normal turns.
+    /// Geometry seen from a side: what belongs to a cell is that cell's; across an interior facet the outward normal turns,
+    /// and a pair's opposite point has a place and a normal of its own.
     fn geometry(&mut self, geometry: Geometry, component: usize) -> Scalar {
-        let this = self.graph.intern(Node::Geometry(geometry, component));
-        match (self.side, geometry) {
-            (Side::This, _) | (Side::Other, Geometry::Position | Geometry::FacetArea) => this,
-            (Side::Other, Geometry::Diameter | Geometry::CellVolume) => {
-                self.graph.intern(Node::Opposite(geometry))
+        use Geometry::*;
+        let mut intern = |geometry| self.graph.intern(Node::Geometry(geometry, component));
+        match (self.side, geometry, self.opposite) {
+            (Side::Other, Diameter | CellVolume, _) => self.graph.intern(Node::Opposite(geometry)),
+            (Side::Other, Position, Opposite::PairedPoint) => intern(OppositePosition),
+            (Side::Other, Normal, Opposite::PairedPoint) => intern(OppositeNormal),
+            (Side::Other, Normal | Curvature, _) => {
+                let this = intern(geometry);
+                self.graph.negate(this)
             }
-            (Side::Other, Geometry::Normal | Geometry::Curvature) => self.graph.negate(this),
+            _ => intern(geometry),
         }
     }
 

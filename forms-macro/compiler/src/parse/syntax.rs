@@ -20,6 +20,11 @@ pub struct Module {
 }
 
 impl Module {
+    /// Does it declare contact pairs?
+    pub fn has_pairs(&self) -> bool {
+        self.regions.iter().any(|region| region.entity == Entity::Pairs)
+    }
+
     /// Was the name declared with a mistake, which has been reported?
     pub fn is_mistaken(&self, name: &Ident) -> bool {
         let mut names = self.mistaken.iter().map(|mistaken| match mistaken {
@@ -199,12 +204,23 @@ pub enum Entity {
     /// Exterior facets.
     Facets,
     InteriorFacets,
+    /// Exterior facets, each point with one opposite to it.
+    Pairs,
 }
 
 impl Entity {
     /// The marker before a region's struct.
-    pub const MARKERS: [(&'static str, Entity); 3] =
-        [("cells", Entity::Cells), ("facets", Entity::Facets), ("interior_facets", Entity::InteriorFacets)];
+    pub const MARKERS: [(&'static str, Entity); 4] = [
+        ("cells", Entity::Cells),
+        ("facets", Entity::Facets),
+        ("interior_facets", Entity::InteriorFacets),
+        ("pairs", Entity::Pairs),
+    ];
+
+    /// Are there two cells at each of its points?
+    pub fn is_two_sided(self) -> bool {
+        matches!(self, Entity::InteriorFacets | Entity::Pairs)
+    }
 
     /// For messages.
     pub fn plural(self) -> &'static str {
@@ -212,11 +228,12 @@ impl Entity {
             Entity::Cells => "cells",
             Entity::Facets => "exterior facets",
             Entity::InteriorFacets => "interior facets",
+            Entity::Pairs => "contact pairs",
         }
     }
 }
 
-/// `#[cells] struct Omega;`, `#[facets] struct GammaC;` or `#[interior_facets] struct Skeleton;`
+/// `#[cells] struct Omega;`, `#[facets] struct GammaC;`, `#[interior_facets] struct Skeleton;` or `#[pairs] struct Touch;`
 pub struct Region {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,

@@ -315,6 +315,10 @@ impl<'a> Evaluator<'a> {
             Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea => {
                 vec![around.sizes[side][index_of_size(geometry)].clone()]
             }
+            // Random forms have no contact pairs.
+            Geometry::Gap | Geometry::Toward | Geometry::OppositePosition | Geometry::OppositeNormal => {
+                panic!("the reference evaluator has no contact pairs")
+            }
             Geometry::Curvature => vec![Number::real(sign * self.point.curvature)],
             Geometry::Normal => around.normal[side].iter().map(|entry| entry.scaled(sign)).collect(),
             Geometry::Position => around.position[side].clone(),

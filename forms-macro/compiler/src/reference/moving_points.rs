@@ -53,7 +53,7 @@ impl Evaluator<'_> {
         match entity {
             Entity::Cells => determinant(&gradient, dimension),
             // Nanson's formula.
-            Entity::Facets | Entity::InteriorFacets => {
+            Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
                 length(&matrix_product(&cofactor(&gradient, dimension), &around.normal[0], dimension))
             }
         }

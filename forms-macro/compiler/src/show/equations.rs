@@ -242,7 +242,7 @@ fn integrals(reader: &Reader, terms: &[Term]) -> Formula {
         let region = &reader.module.regions[term.region];
         let measure = match region.entity {
             Entity::Cells => Measure::Dx,
-            Entity::Facets => Measure::Ds,
+            Entity::Facets | Entity::Pairs => Measure::Ds,
             Entity::InteriorFacets => Measure::InteriorDs,
         };
         let (minus, density) = match reader.read(term.density) {

@@ -372,6 +372,8 @@ fn geometry(kind: Geometry) -> Formula {
         Geometry::FacetArea => Formula::Fence(Fence::Bars, Box::new(Formula::name("F"))),
         Geometry::Normal => Formula::name("n"),
         Geometry::Position => Formula::name("x"),
+        Geometry::Gap => Formula::name("gap"),
+        Geometry::Toward => Formula::name("n_y"),
         // What has no sign of its own is shown by its name.
         other => match lower(&other).as_str() {
             "curvature" => Formula::name("kappa"),

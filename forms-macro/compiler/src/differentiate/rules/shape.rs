@@ -122,6 +122,14 @@ impl Differentiation<'_> {
                 let turned = self.push(Operator::Negate(pulled), shape.clone(), tensor);
                 Some(self.push(Operator::Add(kept, turned), shape, tensor))
             }
+            Geometry::Gap | Geometry::Toward | Geometry::OppositePosition | Geometry::OppositeNormal => {
+                self.diagnostics.error_with_help(
+                    self.arena.span(tensor),
+                    "the derivative of contact pairs by the shape is not available",
+                    "leave what belongs to `#[pairs]` out of what is differentiated by `shape`",
+                );
+                None
+            }
             Geometry::Curvature => {
                 self.diagnostics.error_with_help(
                     self.arena.span(tensor),

@@ -2,7 +2,7 @@
 //! for a divisor x that has cancelled. So no NaN is hidden: u/u is NaN where u is zero.
 
 use super::{Graph, Node, Scalar};
-use crate::tensor::{Function, Geometry};
+use crate::tensor::Function;
 
 /// Known properties of a node's values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,9 +32,7 @@ impl Graph {
         match node {
             Node::Number(bits) => found.singular = !f64::from_bits(*bits).is_finite(),
             Node::Field { .. } => found.varies = true,
-            Node::Geometry(geometry, _) => {
-                found.varies = matches!(geometry, Geometry::Position | Geometry::Normal | Geometry::Curvature)
-            }
+            Node::Geometry(geometry, _) => found.varies = geometry.varies(),
             Node::Product(factors) => {
                 found.singular |=
                     factors.iter().any(|(factor, exponent)| *exponent < 0 && self.behaviour(*factor).varies);

@@ -19,6 +19,7 @@ fn total(
         parameter_offsets: &offsets,
         dimension,
         side: Side::This,
+        opposite: Opposite::SamePoint,
         known: HashMap::new(),
     };
     let parts: Vec<_> = densities.iter().map(|density| scalariser.scalar(*density)).collect();
