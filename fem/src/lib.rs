@@ -67,6 +67,7 @@ pub mod mesh;
 pub mod movement;
 pub mod norms;
 pub mod output;
+pub mod pairs;
 pub mod quadrature;
 pub mod shape_optimisation;
 pub mod solve;
@@ -113,7 +114,7 @@ pub mod prelude {
 
     pub use crate::assemble::{Assembler, AssemblyError, Parts, TangentAction};
     pub use crate::constraints::Constraints;
-    pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Real, Table};
+    pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Pairing, Real, Table};
     pub use crate::dimension::{Dim, Dimension};
     pub use crate::element::CellShape;
     pub use crate::field::Field;

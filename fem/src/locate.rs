@@ -1,7 +1,9 @@
 //! Which cell contains a point, and where: a grid of bounding boxes and Newton's method on the geometry map.
 
+mod boxes;
 mod project;
 
+pub(crate) use self::boxes::{BoxGrid, Corners, box_around};
 pub(crate) use self::project::nearest_on_facet;
 
 use std::sync::Arc;
@@ -16,16 +18,8 @@ pub const INSIDE: f64 = 1e-10;
 #[derive(Clone, Debug)]
 pub struct Locator<const D: usize> {
     mesh: Arc<Mesh<D>>,
-    /// A box around each cell: lower and upper corner.
-    boxes: Vec<([f64; D], [f64; D])>,
-    lower: [f64; D],
-    /// Edge lengths of a bin.
-    bin: [f64; D],
-    /// Number of bins per direction.
-    bins: [usize; D],
-    /// `members[starts[b]..starts[b + 1]]` are the cells whose boxes meet bin b, ascending.
-    starts: Vec<usize>,
-    members: Vec<u32>,
+    /// A box around each cell.
+    grid: BoxGrid<D>,
 }
 
 /// The cell nearest to a point.
@@ -45,18 +39,8 @@ pub struct Nearest<const D: usize> {
 impl<const D: usize> Locator<D> {
     /// A locator for a mesh; linear in the number of cells.
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
-        let boxes: Vec<_> = (0..mesh.cell_count()).map(|cell| cell_box(mesh, cell)).collect();
-        let lower = std::array::from_fn(|k| boxes.iter().map(|b| b.0[k]).fold(f64::INFINITY, f64::min));
-        let upper: [f64; D] =
-            std::array::from_fn(|k| boxes.iter().map(|b| b.1[k]).fold(f64::NEG_INFINITY, f64::max));
-        let extent: [f64; D] = std::array::from_fn(|k| upper[k] - lower[k]);
-        let size = bin_size(extent, boxes.len());
-        let bins = extent.map(|extent| ((extent / size) as usize).clamp(1, boxes.len()));
-        let bin = std::array::from_fn(|k| extent[k] / bins[k] as f64);
-        let mut locator =
-            Locator { mesh: Arc::clone(mesh), boxes, lower, bin, bins, starts: vec![], members: vec![] };
-        locator.fill();
-        locator
+        let grid = BoxGrid::new((0..mesh.cell_count()).map(|cell| cell_box(mesh, cell)).collect());
+        Locator { mesh: Arc::clone(mesh), grid }
     }
 
     /// The mesh.
@@ -69,15 +53,7 @@ impl<const D: usize> Locator<D> {
     /// mesh, and for NaN.
     pub fn find(&self, point: &[f64; D]) -> Option<(usize, [f64; D])> {
         let shape = |cell| self.mesh.cell_shape(cell);
-        let candidates: Vec<usize> = self
-            .members_of(self.bin_of(point))
-            .iter()
-            .map(|&cell| cell as usize)
-            .filter(|&cell| {
-                let (lower, upper) = &self.boxes[cell];
-                (0..D).all(|k| lower[k] <= point[k] && point[k] <= upper[k])
-            })
-            .collect();
+        let candidates: Vec<usize> = self.grid.around(point).collect();
         let search = |invert: &dyn Fn(usize) -> Option<[f64; D]>| {
             candidates.iter().find_map(|&cell| {
                 invert(cell)
@@ -95,13 +71,10 @@ impl<const D: usize> Locator<D> {
     /// The cells that contain a point at least `margin` away from their boundaries, in reference coordinates.
     pub(crate) fn cells_around(&self, point: &[f64; D], margin: f64) -> Vec<usize> {
         let within = |cell: &usize| {
-            let (lower, upper) = &self.boxes[*cell];
-            (0..D).all(|k| lower[k] <= point[k] && point[k] <= upper[k])
-                && self
-                    .invert(*cell, point)
-                    .is_some_and(|reference| self.mesh.cell_shape(*cell).contains(&reference, -margin))
+            self.invert(*cell, point)
+                .is_some_and(|reference| self.mesh.cell_shape(*cell).contains(&reference, -margin))
         };
-        self.members_of(self.bin_of(point)).iter().map(|&cell| cell as usize).filter(within).collect()
+        self.grid.around(point).filter(within).collect()
     }
 
     /// The cell nearest to a point, among those within `tolerance` \[length\]: for points slightly outside,
@@ -116,7 +89,7 @@ impl<const D: usize> Locator<D> {
             return None;
         }
         let mut best: Option<Nearest<D>> = None;
-        for cell in self.cells_within(point, tolerance) {
+        for cell in self.grid.meeting(&(point.map(|x| x - tolerance), point.map(|x| x + tolerance))) {
             let (clamped, distance) = project::project(&self.mesh, cell, point);
             // Where the map has no inverse at the point, there is nothing to extrapolate to.
             let reference = self.invert(cell, point).unwrap_or(clamped);
@@ -174,96 +147,11 @@ impl<const D: usize> Locator<D> {
         }
         None
     }
-
-    fn cells_within(&self, point: &[f64; D], tolerance: f64) -> Vec<usize> {
-        let first = self.bin_of(&point.map(|x| x - tolerance));
-        let last = self.bin_of(&point.map(|x| x + tolerance));
-        let mut cells = Vec::new();
-        for_each_bin(first, last, |bin| {
-            let near = |cell: &usize| {
-                let (lower, upper) = &self.boxes[*cell];
-                (0..D).all(|k| lower[k] - tolerance <= point[k] && point[k] <= upper[k] + tolerance)
-            };
-            cells.extend(self.members_of(bin).iter().map(|&cell| cell as usize).filter(near));
-        });
-        cells.sort_unstable();
-        cells.dedup();
-        cells
-    }
-
-    fn fill(&mut self) {
-        let count = self.bins.iter().product::<usize>();
-        let mut bins = vec![Vec::new(); count];
-        for (cell, (lower, upper)) in self.boxes.iter().enumerate() {
-            for_each_bin(self.bin_of(lower), self.bin_of(upper), |bin| {
-                bins[self.index(bin)].push(cell as u32);
-            });
-        }
-        self.starts.push(0);
-        for bin in bins {
-            self.members.extend(bin);
-            self.starts.push(self.members.len());
-        }
-    }
-
-    // Points outside the grid go to its nearest bin.
-    fn bin_of(&self, point: &[f64; D]) -> [usize; D] {
-        // The conversion of a negative number or NaN gives 0.
-        std::array::from_fn(|k| (((point[k] - self.lower[k]) / self.bin[k]) as usize).min(self.bins[k] - 1))
-    }
-
-    fn index(&self, bin: [usize; D]) -> usize {
-        (0..D).rev().fold(0, |index, k| index * self.bins[k] + bin[k])
-    }
-
-    fn members_of(&self, bin: [usize; D]) -> &[u32] {
-        let index = self.index(bin);
-        &self.members[self.starts[index]..self.starts[index + 1]]
-    }
 }
 
-// The edge of cubic bins, about one per cell. Directions thinner than a bin do not count: else a plate
-// would get far more bins than cells.
-fn bin_size<const D: usize>(extent: [f64; D], cells: usize) -> f64 {
-    let mut size = 0.0;
-    for _ in 0..D {
-        let wide = extent.iter().filter(|&&extent| extent > size);
-        let (product, count) = wide.fold((1.0, 0), |(product, count), extent| (product * extent, count + 1));
-        if count > 0 {
-            size = (product / cells as f64).powf(1.0 / f64::from(count));
-        }
-    }
-    size
-}
-
-// A quadratic cell can bulge beyond its nodes: by an eighth of their spread per direction of the map.
-fn cell_box<const D: usize>(mesh: &Mesh<D>, cell: usize) -> ([f64; D], [f64; D]) {
-    let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-    for &node in mesh.cell(cell) {
-        let x = mesh.nodes()[node as usize];
-        for k in 0..D {
-            lower[k] = lower[k].min(x[k]);
-            upper[k] = upper[k].max(x[k]);
-        }
-    }
-    let bulge = if mesh.degree() == 2 { 0.5 } else { 0.0 };
-    let diagonal = distance(&lower, &upper);
-    for k in 0..D {
-        let margin = bulge * (upper[k] - lower[k]) + 2.0 * INSIDE * diagonal;
-        lower[k] -= margin;
-        upper[k] += margin;
-    }
-    (lower, upper)
-}
-
-fn for_each_bin<const D: usize>(first: [usize; D], last: [usize; D], mut visit: impl FnMut([usize; D])) {
-    let mut bin = first;
-    loop {
-        visit(bin);
-        let Some(k) = (0..D).find(|&k| bin[k] < last[k]) else { return };
-        bin[k] += 1;
-        bin[..k].copy_from_slice(&first[..k]);
-    }
+fn cell_box<const D: usize>(mesh: &Mesh<D>, cell: usize) -> Corners<D> {
+    let nodes = mesh.cell(cell).iter().map(|&node| &mesh.nodes()[node as usize]);
+    box_around(nodes, if mesh.degree() == 2 { 0.5 } else { 0.0 })
 }
 
 fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
@@ -318,15 +206,6 @@ mod tests {
             check_all(structured([2, 2, 3], shape, 2, twist)?);
         }
         Ok(())
-    }
-
-    #[test]
-    fn there_are_at_most_as_many_bins_as_cells_ask_for() {
-        // A cube of 1000 cells, and a plate of 100 × 100 cells, however thin.
-        assert!((bin_size([1.0, 1.0, 1.0], 1000) - 0.1).abs() < 1e-15);
-        for thickness in [1e-3, 1e-9] {
-            assert!((bin_size([1.0, 1.0, thickness], 10_000) - 0.01).abs() < 1e-15);
-        }
     }
 
     // The size of a cell is 1; the coordinates' round-off is about 1e-10 of it.

@@ -50,8 +50,8 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
-            .on(self.owned.as_deref());
+        let mut binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         binding.bind_directions(directions, &self.mesh)?;
         self.linear_integrals(binding, tests, parts, |visitor| form.action(visitor))
     }

@@ -5,6 +5,7 @@
 
 mod checks;
 mod fields;
+mod pairs;
 mod side;
 
 use forms_core::contract::{
@@ -12,6 +13,7 @@ use forms_core::contract::{
 };
 
 use self::fields::factorised;
+use self::pairs::PairBuffers;
 use self::side::{SideBuffers, SideTables};
 pub(super) use self::side::{inverse_transposed, largest_distance, surface};
 
@@ -48,6 +50,8 @@ pub(super) struct BatchBuffers<L, const D: usize> {
     /// Each slot's field at all points, where it is made by sum factorisation; otherwise empty.
     at_points: Vec<Vec<L>>,
     stages: Stages<L>,
+    /// Basis functions at points that differ from lane to lane.
+    pairs: PairBuffers<L, D>,
     /// Which derivatives of each element's basis are read.
     reads: Vec<Reads>,
     /// All of this has been made for the kernel and sizes like those of the group.
@@ -62,6 +66,7 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
             fields: vec![],
             at_points: vec![],
             stages: Stages::default(),
+            pairs: PairBuffers::default(),
             reads: vec![],
             prepared: false,
         }
@@ -103,7 +108,7 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
                     return Err(AssemblyError::HessianOfFunction { form, field });
                 }
                 Values::Discrete { element, space, .. } => {
-                    group.check_support(form, field, space)?;
+                    group.check_support(form, field, space, side)?;
                     if let (Order::Hessian, Some(region)) = (slot.order, space.facet_region()) {
                         let region = region.to_owned();
                         return Err(AssemblyError::HessianOnFacets { form, field, region });
@@ -135,6 +140,13 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
         if requirements.opposite_diameter || requirements.opposite_volume {
             group.side(form, Side::Other)?;
         }
+        let needs_pairs = requirements.gap
+            || requirements.toward
+            || requirements.opposite_position
+            || requirements.opposite_normal;
+        if needs_pairs && group.pairs.is_none() {
+            return Err(AssemblyError::NeedsPairs { form, place: group.place.clone() });
+        }
         self.fields.resize(requirements.field_length, zero);
         for (tables, side) in group.sides.iter().zip(&mut self.sides) {
             side.prepare(tables);
@@ -152,6 +164,8 @@ pub(super) struct Batch<'a, L, const D: usize> {
     cells: Cells<'a, D>,
     tables: [SideTables<'a, D>; 2],
     buffers: &'a mut BatchBuffers<L, D>,
+    /// The first entity.
+    start: usize,
     /// Number of lanes that hold cells of their own.
     filled: usize,
     /// Largest distance between the two sides of an interior facet.
@@ -205,6 +219,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             cells,
             tables,
             buffers,
+            start: 0,
             filled: 0,
             tolerance: [0.0; WIDEST],
             affine: None,
@@ -261,7 +276,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
 
     #[inline(always)]
     fn load_here(&mut self, requirements: &Requirements, start: usize, filled: usize) -> CellGeometry<L> {
-        self.filled = filled;
+        (self.start, self.filled) = (start, filled);
         let sides = if self.two_sided() { 2 } else { 1 };
         for side in 0..sides {
             self.buffers.sides[side].load(&self.tables[side], self.cells, start, filled);
@@ -349,6 +364,10 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         requirements: &Requirements,
         q: usize,
     ) -> Result<PointGeometry<L, D>, AssemblyError> {
+        let group = self.group;
+        if let Some(pairs) = &group.pairs {
+            return self.pair_point(requirements, q, pairs);
+        }
         let zero = L::splat(0.0);
         let reads_position = requirements.position || self.two_sided() || self.reads_functions(requirements);
         let BatchBuffers { sides: [this, other], reads, .. } = &mut *self.buffers;
@@ -400,7 +419,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             other.evaluate_basis(tables, reads, q, &inverse, &geometry.normal);
             self.check_facing(q, &geometry.position)?;
         }
-        self.evaluate_fields(requirements, q, &geometry.position)?;
+        self.evaluate_fields(requirements, q, &geometry.position, &geometry.position)?;
         Ok(geometry)
     }
 }

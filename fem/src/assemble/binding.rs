@@ -8,12 +8,14 @@ use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirement
 use forms_core::source::PositionFunction;
 
 use super::owned_cells::OwnedCells;
-use super::{AssemblyError, unoptimised};
+use super::{Assembler, AssemblyError, unoptimised};
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
+use crate::pairs::{KnownPairs, PairError, Pairs};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
+use crate::threads::Threads;
 
 /// Where a field's values come from, resolved.
 pub(super) enum Values<'a, const D: usize> {
@@ -67,6 +69,8 @@ pub(super) struct Binding<'a, const D: usize> {
     pub regions: &'a [Region],
     /// The cells whose integrals are wanted, where they are not all.
     pub owned: Option<&'a OwnedCells>,
+    /// What searches for contact pairs, and on how many threads; not where cells are listed.
+    pub searches: Option<(&'a KnownPairs<D>, Threads)>,
 }
 
 /// An element that is tabulated, on cells of any shape or as its trace on facets.
@@ -93,9 +97,9 @@ impl<'a> Entities<'a> {
         let name = &region.name;
         let found = match region.entity {
             Entity::Cells => mesh.cell_region(name).map(|cells| Entities::Cells(cells.into())),
-            Entity::Facets | Entity::Pairs => {
-                mesh.facet_region(name).map(|facets| Entities::Facets(facets.into()))
-            }
+            Entity::Facets => mesh.facet_region(name).map(|facets| Entities::Facets(facets.into())),
+            // Their facets follow from a search, not from a name: `Binding::pairs`.
+            Entity::Pairs => return Err(pair_error(form, region, PairError::NoPairing)),
             Entity::InteriorFacets => {
                 mesh.interior_facet_region(name).map(|facets| Entities::InteriorFacets(facets.into()))
             }
@@ -156,9 +160,10 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(binding)
     }
 
-    /// The same for integrals over the owned cells alone.
-    pub fn on(mut self, owned: Option<&'a OwnedCells>) -> Self {
-        self.owned = owned;
+    /// The same for integrals over the cells that an assembler owns, with its contact pairs.
+    pub fn assembled_by(mut self, assembler: &'a Assembler<D>) -> Self {
+        self.owned = assembler.owned.as_deref();
+        self.searches = Some((&assembler.known_pairs, assembler.threads));
         self
     }
 
@@ -200,6 +205,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             elements: List::Own(vec![]),
             regions,
             owned: None,
+            searches: None,
         }
     }
 
@@ -330,8 +336,28 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(OwnedCells::among(self.owned, all))
     }
 
+    /// The contact pairs of a region of the form.
+    pub fn pairs(
+        &self,
+        region: usize,
+        quadrature: &Quadrature<D>,
+        degree: usize,
+    ) -> Result<Arc<Pairs<D>>, AssemblyError> {
+        let region = &self.regions[region];
+        let refused = |source| pair_error(self.name, region, source);
+        let (known, threads) =
+            self.searches.ok_or_else(|| refused(PairError::Refused { place: "an element kernel" }))?;
+        let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
+        known.find(self.mesh, pairing, quadrature, degree, threads).map_err(refused)
+    }
+
     /// The name of the field with a role, for messages.
     pub fn name_of(&self, role: Role) -> &'static str {
         self.fields.iter().find(|field| field.role == role).map_or("", |field| field.name)
     }
+}
+
+/// An error of a form's contact pairs.
+pub(super) fn pair_error(form: &'static str, region: &Region, source: PairError) -> AssemblyError {
+    AssemblyError::Pairs { form, symbol: region.symbol, pairing: region.name.clone(), source }
 }

@@ -5,11 +5,12 @@ use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Role, Side};
+use forms_core::contract::{BilinearKernel, BilinearVisitor, Entity, Form, Integral, Region, Role, Side};
 
 use super::binding::Entities;
 use super::block_index::BlockIndex;
 use super::owned_cells::OwnedCells;
+use super::pair_groups::{DegreeEstimate, PairSearch};
 use super::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
@@ -21,7 +22,7 @@ use crate::space::Space;
 ///
 /// For each pair of test and trial space the places of the blocks are looked up once: one byte (two or four in long
 /// rows) per cell that takes part, test node and trial node, about one thirtieth of the matrix for vectors in three
-/// dimensions. Couplings across interior facets and those of spaces on facets are searched for as they come.
+/// dimensions. Couplings across interior facets, of contact pairs and those of spaces on facets are searched for as they come.
 #[derive(Debug)]
 pub struct BlockPattern<const D: usize> {
     sparsity: Arc<BlockSparsity>,
@@ -31,6 +32,8 @@ pub struct BlockPattern<const D: usize> {
     maps: Vec<Vec<Option<BlockIndex>>>,
     /// The cells whose couplings it holds, where they are not all.
     owned: Option<Arc<OwnedCells>>,
+    /// Where the contact pairs come from.
+    search: PairSearch<D>,
 }
 
 /// The coupling of an integral for a pair of spaces.
@@ -49,17 +52,33 @@ impl Coupled<'_> {
     }
 }
 
-/// One kind of tangent integral: test, trial, region and sides.
-type Coupling = (usize, usize, usize, Side, Side);
+/// One kind of tangent integral.
+#[derive(Clone, Copy)]
+struct Coupling {
+    test: usize,
+    trial: usize,
+    region: usize,
+    sides: [Side; 2],
+    /// Of contact pairs, where points decide which cells are coupled, the degree of the rule.
+    degree: DegreeEstimate,
+}
 
-struct CouplingVisitor {
+impl Coupling {
+    fn is_like(&self, other: &Coupling) -> bool {
+        let key = |coupling: &Coupling| (coupling.test, coupling.trial, coupling.region);
+        key(self) == key(other) && self.sides == other.sides
+    }
+}
+
+struct CouplingVisitor<'a> {
+    regions: &'a [Region],
     parts: Parts,
     found: Vec<Coupling>,
 }
 
 /// The couplings of the tangents of some of a form's integrals.
 fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
-    let mut visitor = CouplingVisitor { parts, found: vec![] };
+    let mut visitor = CouplingVisitor { regions: &form.inputs().regions, parts, found: vec![] };
     match form.tangent(&mut visitor) {
         Ok(()) => visitor.found,
         Err(never) => match never {},
@@ -85,13 +104,15 @@ fn runs(marks: &[bool], first: usize, width: usize, runs: &mut Vec<Range<usize>>
     }
 }
 
-impl<const D: usize> BilinearVisitor<D> for CouplingVisitor {
+impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
     type Error = Infallible;
 
     fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
-        let Integral { test, trial, region, test_side, trial_side, .. } = *integral;
-        let coupling = (test, trial, region, test_side, trial_side);
-        if self.parts.contain(integral.dependence) && !self.found.contains(&coupling) {
+        let Integral { test, trial, region, test_side, trial_side, degree, .. } = *integral;
+        let coupling = Coupling { test, trial, region, sides: [test_side, trial_side], degree };
+        let on_pairs = self.regions[region].entity == Entity::Pairs;
+        let is_new = on_pairs || !self.found.iter().any(|known| known.is_like(&coupling));
+        if self.parts.contain(integral.dependence) && is_new {
             self.found.push(coupling);
         }
         Ok(())
@@ -101,17 +122,18 @@ impl<const D: usize> BilinearVisitor<D> for CouplingVisitor {
 impl<const D: usize> BlockPattern<D> {
     /// The pattern of a form's tangent: the nodes that its integrals couple, and nothing else. A pair of test
     /// and trial space that no integral couples has no entries; an integral over a facet region couples the
-    /// nodes of the cells that own its facets, one over interior facets those of both cells.
+    /// nodes of the cells that own its facets, one over interior facets those of both cells, one over contact pairs those of
+    /// the cells on which the points of the compiler's estimate of the degree lie.
     ///
     /// # Errors
-    /// When the form has other test functions or unknowns than the spaces, a region does not exist, the
+    /// When the form has other test functions or unknowns than the spaces, a region does not exist, surfaces cannot be paired, the
     /// spaces are not on one mesh, or the matrix is too large to be numbered.
     pub fn for_form<F: Form<D>>(
         form: &F,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<Self, AssemblyError> {
-        Self::for_cells(form, tests, trials, None)
+        Self::for_cells(form, tests, trials, None, PairSearch::default())
     }
 
     /// The pattern of the part of a form's tangent that an assembler assembles.
@@ -121,7 +143,7 @@ impl<const D: usize> BlockPattern<D> {
         trials: &[&Arc<Space<D>>],
         assembler: &Assembler<D>,
     ) -> Result<Self, AssemblyError> {
-        Self::for_cells(form, tests, trials, assembler.owned.as_ref())
+        Self::for_cells(form, tests, trials, assembler.owned.as_ref(), PairSearch::of(assembler))
     }
 
     fn for_cells<F: Form<D>>(
@@ -129,6 +151,7 @@ impl<const D: usize> BlockPattern<D> {
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
         owned: Option<&Arc<OwnedCells>>,
+        search: PairSearch<D>,
     ) -> Result<Self, AssemblyError> {
         let name = form.name();
         let count = |is: fn(Role) -> bool| form.fields().iter().filter(|field| is(field.role)).count();
@@ -151,10 +174,11 @@ impl<const D: usize> BlockPattern<D> {
             }
         }
         let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
-        for (test, trial, region, test_side, trial_side) in couplings(form, Parts::ALL) {
+        for coupling in couplings(form, Parts::ALL) {
+            let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
             let (rows, columns) = (tests[test], trials[trial]);
             let target = &mut coupled[test][trial];
-            let entities = Entities::of(&rows.mesh, name, &form.inputs().regions[region])?;
+            let entities = search.entities(form, tests, trials, coupling.region, coupling.degree)?;
             let entities = OwnedCells::among(owned.map(|owned| &**owned), entities);
             let cells = rows.mesh.cell_count();
             let on_cells = rows.facet_region().is_none() && columns.facet_region().is_none();
@@ -176,7 +200,7 @@ impl<const D: usize> BlockPattern<D> {
         }
         let pattern = Self::from_coupled(tests, trials, coupled)
             .map_err(|source| AssemblyError::LinearAlgebra { form: name, source })?;
-        Ok(BlockPattern { owned: owned.cloned(), ..pattern })
+        Ok(BlockPattern { owned: owned.cloned(), search, ..pattern })
     }
 
     /// The pattern for test and trial spaces on one mesh in which all nodes of a cell are coupled, whatever
@@ -248,7 +272,14 @@ impl<const D: usize> BlockPattern<D> {
         };
         let sparsity = Arc::new(BlockSparsity::new(sets(tests), sets(trials), pairs)?);
         let owned = |spaces: &[&Arc<Space<D>>]| spaces.iter().map(|space| Arc::clone(space)).collect();
-        Ok(BlockPattern { sparsity, tests: owned(tests), trials: owned(trials), maps, owned: None })
+        Ok(BlockPattern {
+            sparsity,
+            tests: owned(tests),
+            trials: owned(trials),
+            maps,
+            owned: None,
+            search: PairSearch::default(),
+        })
     }
 
     /// The positions of the blocks, which matrices share.
@@ -283,16 +314,19 @@ impl<const D: usize> BlockPattern<D> {
         form: &F,
         parts: Parts,
     ) -> Result<TouchedEntries, AssemblyError> {
+        let tests: Vec<&Arc<Space<D>>> = self.tests.iter().collect();
+        let trials: Vec<&Arc<Space<D>>> = self.trials.iter().collect();
         let mut marks: Vec<Vec<bool>> = vec![vec![]; self.tests.len() * self.trials.len()];
         let mut columns: Vec<Vec<bool>> = vec![vec![]; self.trials.len()];
-        for (test, trial, region, test_side, trial_side) in couplings(form, parts) {
+        for coupling in couplings(form, parts) {
+            let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
             let pair = self.sparsity.pair(test, trial);
             let (rows, columns_of) = (&self.tests[test], &self.trials[trial]);
             let marks = &mut marks[test * self.trials.len() + trial];
             marks.resize(pair.blocks(), false);
             let columns = &mut columns[trial];
             columns.resize(columns_of.node_count(), false);
-            let entities = Entities::of(&rows.mesh, form.name(), &form.inputs().regions[region])?;
+            let entities = self.search.entities(form, &tests, &trials, coupling.region, coupling.degree)?;
             if let Entities::Cells(cells) = &entities
                 && cells.len() == rows.mesh.cell_count()
             {

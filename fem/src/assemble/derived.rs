@@ -4,11 +4,12 @@
 use std::sync::Arc;
 
 use forms_core::contract::{
-    Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Region, Requirements,
+    Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Pairing, Region, Requirements,
 };
 
 use super::batch::{Batch, BatchBuffers, Cells};
-use super::binding::{Binding, Entities};
+use super::binding::{Binding, Entities, pair_error};
+use super::pair_groups::groups_of;
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
 use crate::dimension::{Dim, Dimension};
@@ -18,6 +19,7 @@ use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
+use crate::pairs::PairError;
 use crate::quadrature::{Quadrature, QuadratureRule};
 use crate::space::Space;
 
@@ -121,6 +123,7 @@ impl<const D: usize> Assembler<D> {
                     self.mesh.runs_of_shape(cells).map(|run| group(run).map_err(quadrature)).collect()
                 })?
             }
+            // Pairs are no named facets: an error that names `at_pairs`.
             Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
                 let facets = self.facets(form, entity, region)?;
                 let shape = self.mesh.shape_of_facets();
@@ -128,6 +131,30 @@ impl<const D: usize> Assembler<D> {
                 self.facet_values(expression, region, &facets, &rule)?
             }
         };
+        Ok(found.into_iter().collect())
+    }
+
+    /// A derived field at the quadrature points of contact pairs, with their weights: gap, jump, what the opposite side
+    /// has. Where the choice of quadrature is the compiler's estimate, `degree` is taken. Points without an opposite one
+    /// are left out.
+    ///
+    /// # Errors
+    /// Surfaces that cannot be paired, a function that reads a history, a value that is not finite, or data that do not
+    /// fit.
+    pub fn at_pairs<E: Expression<D>>(
+        &self,
+        expression: &E,
+        pairing: &Pairing,
+        degree: usize,
+    ) -> Result<PointValues<D>, AssemblyError> {
+        let region = Region::of_pairs("derived field", pairing.clone());
+        let failed = |source| pair_error(expression.name(), &region, source);
+        if self.history_degree(expression)?.is_some() {
+            return Err(failed(PairError::History));
+        }
+        let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
+        let place = format!("the pairs {pairing}");
+        let found = self.values(expression, |binding| groups_of(binding, &place, &pairs))?;
         Ok(found.into_iter().collect())
     }
 

@@ -5,6 +5,7 @@ use thiserror::Error;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::mesh::MeshError;
+use crate::pairs::PairError;
 use crate::quadrature::QuadratureError;
 use crate::solve::CommunicationError;
 
@@ -42,6 +43,26 @@ pub enum AssemblyError {
         symbol: &'static str,
         /// The mesh's error.
         source: MeshError,
+    },
+    /// Contact pairs that cannot be made, or not be integrated over.
+    #[error("form `{form}`, pairs `{symbol}` ({pairing}): {source}")]
+    Pairs {
+        /// The form or function.
+        form: &'static str,
+        /// The region's name in the forms module.
+        symbol: &'static str,
+        /// The surfaces.
+        pairing: String,
+        /// The reason.
+        source: PairError,
+    },
+    /// The opposite point of a place that has none.
+    #[error("`{form}` reads the gap or an opposite point, but {place} consists of no contact pairs")]
+    NeedsPairs {
+        /// The form or function.
+        form: &'static str,
+        /// Where it is integrated or evaluated.
+        place: String,
     },
     /// Facets whose sides do not fit each other.
     #[error("form `{form}`, {place}: {source}")]

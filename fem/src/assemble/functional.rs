@@ -30,8 +30,8 @@ impl<const D: usize> Assembler<D> {
     }
 
     fn integrate<F: Functional<D>>(&self, form: &F, unknowns: &[FieldView<D>]) -> Result<f64, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
-            .on(self.owned.as_deref());
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         let degrees = binding.degrees(&[]);
         let walk =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
@@ -60,8 +60,8 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[FieldView<D>],
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
-            .on(self.owned.as_deref());
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         // Test functions count in the estimate of the degree as the unknowns do.
         let spaces: Vec<_> = unknowns.iter().map(|view| view.space).collect();
         let degrees = binding.degrees(&spaces);

@@ -8,6 +8,7 @@
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
 //! block_pattern, sparsity, block_index   the positions of a matrix, and where element matrices go
+//! pair_groups   the points of contact pairs, which differ from entity to entity, as groups
 //! owned_cells   the partial sums of an assembler of some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
@@ -32,6 +33,7 @@ mod error;
 mod fixed;
 mod functional;
 mod owned_cells;
+mod pair_groups;
 mod pairs;
 mod partition;
 mod positive_parts;
@@ -64,6 +66,7 @@ pub use tangent::ElementMatrix;
 use self::owned_cells::OwnedCells;
 use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
+use crate::pairs::KnownPairs;
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
@@ -79,6 +82,8 @@ pub struct Assembler<const D: usize> {
     threads: Threads,
     /// The cells whose integrals are assembled, where they are not all.
     owned: Option<Arc<OwnedCells>>,
+    /// Contact pairs that were searched for; copies share them.
+    known_pairs: Arc<KnownPairs<D>>,
 }
 
 impl<'a, const D: usize> From<&'a Assembler<D>> for Cow<'a, Assembler<D>> {
@@ -130,6 +135,7 @@ impl<const D: usize> Assembler<D> {
             instructions: InstructionSet::best(),
             threads: Threads::all(),
             owned: None,
+            known_pairs: Arc::default(),
         }
     }
 

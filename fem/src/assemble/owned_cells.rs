@@ -26,7 +26,7 @@ impl OwnedCells {
         Ok(OwnedCells { owned })
     }
 
-    fn owns(&self, cell: u32) -> bool {
+    pub fn owns(&self, cell: u32) -> bool {
         self.owned.get(cell as usize).is_some_and(|owned| *owned)
     }
 

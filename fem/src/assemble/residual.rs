@@ -66,8 +66,8 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
-            .on(self.owned.as_deref());
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
         let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
         self.linear_integrals(binding, tests, parts, |visitor| match whole {
@@ -152,8 +152,8 @@ impl<const D: usize> VectorVisitor<'_, D> {
         let offset = self.offsets[integral.test];
         let name = self.binding.name_of(Role::Test(integral.test));
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
-            group.check_support(self.binding.name, name, space)?;
             let side = group.side(self.binding.name, integral.test_side)?;
+            group.check_support(self.binding.name, name, space, side)?;
             let element = self.elements[integral.test];
             let cells = Cells::Mesh(self.binding.mesh);
             let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };

@@ -130,8 +130,8 @@ impl<const D: usize> Assembler<D> {
         parts: Parts,
         target: Target<D>,
     ) -> Result<(), AssemblyError> {
-        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
-            .on(self.owned.as_deref());
+        let mut binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         binding.check_tests(tests, &self.mesh)?;
         let test_elements = tests.iter().map(|space| binding.element(space)).collect();
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
@@ -248,9 +248,9 @@ impl<const D: usize> TangentVisitor<'_, D> {
         // Half of the pairs suffice when test and trial nodes are the same.
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, kernel.requirements)? {
-            group.check_support(form, names[0], test)?;
-            group.check_support(form, names[1], trial)?;
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
+            group.check_support(form, names[0], test, sides[0])?;
+            group.check_support(form, names[1], trial, sides[1])?;
             let task = ElementMatrices {
                 binding: self.binding,
                 group: &group,

@@ -4,10 +4,11 @@
 
 use std::collections::BTreeMap;
 
-use forms_core::contract::{Integral, Order, Requirements, Side};
+use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
 
 use super::AssemblyError;
 use super::binding::{Binding, Entities, Tabulated};
+use super::pair_groups::{PairTables, degree_on_pairs, pair_groups};
 use super::sum_factorisation::ProductTables;
 use crate::element::{CellShape, Lagrange, Tables};
 use crate::mesh::{Facet, Mesh};
@@ -23,6 +24,9 @@ pub(super) struct Group<const D: usize> {
     /// One side of cells and exterior facets, two of interior ones. Entry k of both sides' cells is one facet.
     pub sides: Vec<GroupSide<D>>,
     pub weights: Vec<f64>,
+    /// Points of contact pairs, which differ from entity to entity; the sides' tables are at one point then, and the
+    /// weights count points alone.
+    pub pairs: Option<PairTables<D>>,
 }
 
 /// The cells on one side of a group's facets, or a group's cells, with their tables.
@@ -76,7 +80,7 @@ impl<const D: usize> Group<D> {
         hessians: bool,
     ) -> Result<Self, QuadratureError> {
         let side = GroupSide::new(binding.mesh, &binding.elements, (shape, cells), places, hessians)?;
-        Ok(Group { place, sides: vec![side], weights })
+        Ok(Group { place, sides: vec![side], weights, pairs: None })
     }
 
     pub fn points(&self) -> usize {
@@ -102,15 +106,16 @@ impl<const D: usize> Group<D> {
         }
     }
 
-    /// Checks that a space on facets has nodes on all of this.
+    /// Checks that a space on facets has nodes on all of this; of contact pairs, on one side.
     pub fn check_support(
         &self,
         form: &'static str,
         field: &'static str,
         space: &Space<D>,
+        side: usize,
     ) -> Result<(), AssemblyError> {
         let Some(region) = space.facet_region() else { return Ok(()) };
-        let side = &self.sides[0];
+        let side = &self.sides[if self.pairs.is_some() { side } else { 0 }];
         let local = side.facet.map(|(local, _)| local);
         if side.cells.iter().all(|cell| !space.nodes_at(*cell, local).is_empty()) {
             return Ok(());
@@ -121,7 +126,7 @@ impl<const D: usize> Group<D> {
 }
 
 impl<const D: usize> GroupSide<D> {
-    fn new(
+    pub fn new(
         mesh: &Mesh<D>,
         elements: &[Tabulated],
         (shape, cells): (CellShape, Vec<u32>),
@@ -223,6 +228,10 @@ pub(super) fn groups<const D: usize>(
     let hessians = reads_hessians(requirements);
     let form = binding.name;
     let failed = |source| AssemblyError::Quadrature { form, source };
+    if region.entity == Entity::Pairs {
+        let degree = degree_on_pairs(mesh, |_, simplex| degree(simplex));
+        return pair_groups(binding, integral.region, quadrature, degree, requirements);
+    }
     match binding.entities(integral.region)? {
         Entities::Cells(cells) => {
             let group = |(shape, cells): (CellShape, Vec<u32>)| {
@@ -336,7 +345,7 @@ pub(super) fn facet_groups<const D: usize>(
             let places = Places { points, facet: Some((local, tangents)) };
             sides.push(GroupSide::new(mesh, &binding.elements, (shape, cells), &places, hessians)?);
         }
-        Ok((Group { place: place.to_owned(), sides, weights: rule.weights.clone() }, indices))
+        Ok((Group { place: place.to_owned(), sides, weights: rule.weights.clone(), pairs: None }, indices))
     };
     let failed = |source| AssemblyError::Quadrature { form, source };
     numberings.into_iter().map(|entry| group(entry).map_err(failed)).collect()

@@ -7,9 +7,11 @@ use std::ops::Range;
 
 use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
+use crate::assemble::pair_groups::PairTables;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::mesh::Mesh;
 use crate::mesh::geometry::determinant;
+use crate::pairs::PairGroup;
 
 /// The two sides of an interior facet see a point at the same place up to this part of h.
 const SAME_PLACE: f64 = 1e-10;
@@ -31,6 +33,10 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     #[cold]
     fn find_weight(&self, mesh: &Mesh<D>, range: Range<usize>) -> Result<(), AssemblyError> {
         for index in range {
+            if let Some(pairs) = &self.group.pairs {
+                self.find_in_pairs(mesh, index, pairs)?;
+                continue;
+            }
             for side in &self.group.sides {
                 let cell = side.cells[index] as usize;
                 let tables = &side.geometry;
@@ -52,6 +58,25 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         let position = position.to_vec();
                         return Err(AssemblyError::Weight { form, place, cell, determinant, position });
                     }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The same among the points of a unit of contact pairs.
+    fn find_in_pairs(&self, mesh: &Mesh<D>, unit: usize, pairs: &PairTables<D>) -> Result<(), AssemblyError> {
+        let length = pairs.group.count * PairGroup::<D>::STRIDE;
+        for point in pairs.group.points[unit * length..][..length].chunks(PairGroup::<D>::STRIDE) {
+            for (number, side) in self.group.sides.iter().enumerate() {
+                let cell = side.cells[unit] as usize;
+                let reference: [f64; D] = std::array::from_fn(|k| point[number * D + k]);
+                let (position, jacobian) = mesh.map(cell, &reference);
+                let determinant = determinant(&jacobian);
+                if determinant <= 0.0 {
+                    let (form, place) = (self.binding.name, self.group.place.clone());
+                    let position = position.to_vec();
+                    return Err(AssemblyError::Weight { form, place, cell, determinant, position });
                 }
             }
         }

@@ -76,13 +76,14 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         }
     }
 
-    /// All fields at the q-th point.
+    /// All fields at the q-th point, whose place is seen from either side.
     #[inline(always)]
     pub(super) fn evaluate_fields(
         &mut self,
         requirements: &Requirements,
         q: usize,
         position: &[L; D],
+        opposite: &[L; D],
     ) -> Result<(), AssemblyError> {
         for index in 0..requirements.fields.len() {
             let slot = requirements.fields[index];
@@ -121,6 +122,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         (Order::Gradient, Some(gradient)) => gradient,
                         _ => function,
                     };
+                    let position = if slot.side == Side::This { position } else { opposite };
                     let mut components = [[0.0; WIDEST]; D];
                     for axis in 0..D {
                         position[axis].store(&mut components[axis]);

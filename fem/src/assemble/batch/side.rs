@@ -14,7 +14,7 @@ use crate::lanes::{SimdLane, Starts, WIDEST};
 /// The tables of one side of a group.
 pub(super) struct SideTables<'a, const D: usize> {
     pub group: &'a GroupSide<D>,
-    elements: &'a [Tabulated],
+    pub elements: &'a [Tabulated],
     /// One Jacobian serves all points of a cell.
     pub affine: bool,
 }
@@ -24,7 +24,7 @@ pub(super) struct SideBuffers<L, const D: usize> {
     /// Cells of this batch; the last one repeats to fill the lanes.
     pub cells: [u32; WIDEST],
     /// Positions of the geometry nodes.
-    nodes: Vec<[L; D]>,
+    pub nodes: Vec<[L; D]>,
     /// Basis functions at the current point, one list per element.
     pub basis: Vec<Vec<Basis<L, D>>>,
     /// Their second derivatives, zero unless a kernel reads them.
@@ -296,15 +296,26 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                 }
             }
         }
-        let images = [image(jacobian, &tangents[0]), image(jacobian, &tangents[1])];
-        let first = inner(&images[0], &images[0]);
-        if D == 2 {
-            return -second[0] / first;
-        }
-        let (mixed, last) = (inner(&images[0], &images[1]), inner(&images[1], &images[1]));
-        let determinant = first * last - mixed * mixed;
-        -(last * second[0] - (mixed + mixed) * second[1] + first * second[2]) / determinant
+        curvature(&second, jacobian, tangents)
     }
+}
+
+/// κ from second derivatives of the position along the facet's tangents, each times the normal: of the first tangent
+/// twice, of both, of the second twice.
+#[inline(always)]
+pub(super) fn curvature<L: Lane, const D: usize>(
+    second: &[L; 3],
+    jacobian: &[[L; D]; D],
+    tangents: &[[f64; D]; 2],
+) -> L {
+    let images = [image(jacobian, &tangents[0]), image(jacobian, &tangents[1])];
+    let first = inner(&images[0], &images[0]);
+    if D == 2 {
+        return -second[0] / first;
+    }
+    let (mixed, last) = (inner(&images[0], &images[1]), inner(&images[1], &images[1]));
+    let determinant = first * last - mixed * mixed;
+    -(last * second[0] - (mixed + mixed) * second[1] + first * second[2]) / determinant
 }
 
 /// The largest distance between two of some points.
@@ -335,7 +346,7 @@ fn inner<L: Lane, const D: usize>(a: &[L; D], b: &[L; D]) -> L {
 
 /// (I − n nᵀ) g: the gradient along a facet, which the trace determines.
 #[inline(always)]
-fn tangential<L: Lane, const D: usize>(gradient: &[L; D], normal: &[L; D]) -> [L; D] {
+pub(super) fn tangential<L: Lane, const D: usize>(gradient: &[L; D], normal: &[L; D]) -> [L; D] {
     let mut across = L::splat(0.0);
     for axis in 0..D {
         across = gradient[axis].multiply_add(normal[axis], across);

@@ -1,0 +1,254 @@
+//! The points of contact pairs: each lane has its own on both sides, so that basis functions are evaluated in lanes and
+//! not read from tables.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::{OppositePoint, PointGeometry, Projection, Requirements};
+
+use super::side::{curvature, inverse_transposed, surface, tangential};
+use super::{Batch, SideBuffers, SideTables};
+use crate::assemble::AssemblyError;
+use crate::assemble::pair_groups::PairTables;
+use crate::element::{LaneBasis, LaneElement};
+use crate::lanes::{SimdLane, WIDEST};
+use crate::pairs::PairGroup;
+
+/// Basis functions at points of a pair.
+pub(super) struct PairBuffers<L, const D: usize> {
+    /// Of the geometry map.
+    geometry: LaneBasis<L, D>,
+    /// Of another element.
+    basis: LaneBasis<L, D>,
+}
+
+impl<L, const D: usize> Default for PairBuffers<L, D> {
+    fn default() -> Self {
+        PairBuffers { geometry: LaneBasis::default(), basis: LaneBasis::default() }
+    }
+}
+
+/// A point of a facet, seen from its cell.
+struct FacetPoint<L, const D: usize> {
+    position: [L; D],
+    /// Surface element and outward unit normal.
+    element: L,
+    normal: [L; D],
+    curvature: L,
+}
+
+impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
+    /// Moves to the q-th point of each unit.
+    #[inline(always)]
+    pub(super) fn pair_point(
+        &mut self,
+        requirements: &Requirements,
+        q: usize,
+        pairs: &PairTables<D>,
+    ) -> Result<PointGeometry<L, D>, AssemblyError> {
+        let (stride, points) = (PairGroup::<D>::STRIDE, &pairs.group.points);
+        let mut places = [0; WIDEST];
+        for lane in 0..L::WIDTH {
+            let unit = self.start + lane.min(self.filled - 1);
+            places[lane] = (unit * pairs.group.count + q) * stride;
+        }
+        let own = L::gather::<D>(points, &places);
+        let mut later = places;
+        for lane in 0..L::WIDTH {
+            later[lane] += D;
+        }
+        let opposite = L::gather::<D>(points, &later);
+        for lane in 0..L::WIDTH {
+            later[lane] += D;
+        }
+        let [weight] = L::gather::<1>(points, &later);
+        let this = self.facet_point(requirements, 0, &own, pairs);
+        let other = self.facet_point(requirements, 1, &opposite, pairs);
+        let mut toward = this.normal;
+        if pairs.projection == Projection::Nearest {
+            for axis in 0..D {
+                toward[axis] = -other.normal[axis];
+            }
+        }
+        let mut gap = L::splat(0.0);
+        for axis in 0..D {
+            gap = toward[axis].multiply_add(other.position[axis] - this.position[axis], gap);
+        }
+        self.evaluate_fields(requirements, q, &this.position, &other.position)?;
+        Ok(PointGeometry {
+            weight: weight * this.element,
+            position: this.position,
+            normal: this.normal,
+            curvature: this.curvature,
+            opposite: OppositePoint { gap, toward, position: other.position, normal: other.normal },
+        })
+    }
+
+    /// Geometry and basis functions on one side.
+    #[inline(always)]
+    fn facet_point(
+        &mut self,
+        requirements: &Requirements,
+        side: usize,
+        reference: &[L; D],
+        pairs: &PairTables<D>,
+    ) -> FacetPoint<L, D> {
+        let zero = L::splat(0.0);
+        let reads = &self.buffers.reads;
+        let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
+        let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
+        let bent = requirements.curvature && side == 0 && self.binding.mesh.degree() > 1;
+        let mut second = bent;
+        for index in 0..reads.len() {
+            second |= reads[index].hessian;
+        }
+        evaluate(&pairs.geometry[side], reference, second, geometry);
+        let mut position = [zero; D];
+        for node in 0..geometry.value.len() {
+            for axis in 0..D {
+                position[axis] = buffers.nodes[node][axis].multiply_add(geometry.value[node], position[axis]);
+            }
+        }
+        if !tables.affine {
+            let mut jacobian = [[zero; D]; D];
+            for node in 0..geometry.gradient.len() {
+                for i in 0..D {
+                    for j in 0..D {
+                        jacobian[i][j] =
+                            buffers.nodes[node][i].multiply_add(geometry.gradient[node][j], jacobian[i][j]);
+                    }
+                }
+            }
+            buffers.jacobian = jacobian;
+            (buffers.determinant, buffers.inverse) = inverse_transposed(&jacobian);
+            self.least = self.least.minimum(buffers.determinant);
+        }
+        let mut point = FacetPoint { position, element: zero, normal: [zero; D], curvature: zero };
+        if let Some((_, tangents)) = &tables.group.facet {
+            (point.element, point.normal) = surface(&buffers.jacobian, tangents);
+            if bent {
+                let mut along = [zero; 3];
+                for node in 0..geometry.hessian.len() {
+                    let mut x = zero;
+                    for axis in 0..D {
+                        x = buffers.nodes[node][axis].multiply_add(point.normal[axis], x);
+                    }
+                    for i in 0..D {
+                        for j in 0..D {
+                            let entry = x * geometry.hessian[node][i][j];
+                            for (k, [a, b]) in [[0, 0], [0, 1], [1, 1]].into_iter().enumerate() {
+                                let factor = L::splat(tangents[a][i] * tangents[b][j]);
+                                along[k] = entry.multiply_add(factor, along[k]);
+                            }
+                        }
+                    }
+                }
+                point.curvature = curvature(&along, &buffers.jacobian, tangents);
+            }
+        }
+        for index in 0..reads.len() {
+            let reads = reads[index];
+            if !reads.value && !reads.gradient && !reads.hessian {
+                continue;
+            }
+            evaluate(&pairs.elements[side][index], reference, reads.hessian, basis);
+            take_basis(buffers, tables, index, basis, &point.normal);
+            if reads.hessian {
+                take_hessians(buffers, tables, index, basis, geometry);
+            }
+        }
+        point
+    }
+}
+
+#[inline(always)]
+fn evaluate<L: SimdLane, const D: usize>(
+    element: &LaneElement,
+    point: &[L; D],
+    second: bool,
+    basis: &mut LaneBasis<L, D>,
+) {
+    match second {
+        true => element.evaluate::<L, true, D>(point, basis),
+        false => element.evaluate::<L, false, D>(point, basis),
+    }
+}
+
+/// Values and physical gradients of an element's functions.
+#[inline(always)]
+fn take_basis<L: SimdLane, const D: usize>(
+    side: &mut SideBuffers<L, D>,
+    tables: &SideTables<D>,
+    index: usize,
+    basis: &LaneBasis<L, D>,
+    normal: &[L; D],
+) {
+    let inverse = side.inverse;
+    let on_facets = tables.elements[index].on_facets;
+    for node in 0..basis.value.len() {
+        let slopes = &basis.gradient[node];
+        let mut gradient = [L::splat(0.0); D];
+        for i in 0..D {
+            gradient[i] = inverse[i][0] * slopes[0];
+            for j in 1..D {
+                gradient[i] = inverse[i][j].multiply_add(slopes[j], gradient[i]);
+            }
+        }
+        let target = &mut side.basis[index][node];
+        target.value = basis.value[node];
+        target.gradient = if on_facets { tangential(&gradient, normal) } else { gradient };
+    }
+}
+
+/// Second derivatives, after the gradients: ∂²φ/∂x² = J⁻ᵀ (∂²φ/∂ξ² − Σ_k ∂φ/∂x_k ∂²x_k/∂ξ²) J⁻¹.
+#[inline(always)]
+fn take_hessians<L: SimdLane, const D: usize>(
+    side: &mut SideBuffers<L, D>,
+    tables: &SideTables<D>,
+    index: usize,
+    basis: &LaneBasis<L, D>,
+    geometry: &LaneBasis<L, D>,
+) {
+    let zero = L::splat(0.0);
+    if tables.elements[index].on_facets {
+        // A trace has none: what would read it must not pass for a number.
+        side.hessians[index].fill([[L::splat(f64::NAN); D]; D]);
+        return;
+    }
+    let mut map = [[[zero; D]; D]; D];
+    for node in 0..geometry.hessian.len() {
+        for k in 0..D {
+            for a in 0..D {
+                for b in 0..D {
+                    map[k][a][b] =
+                        side.nodes[node][k].multiply_add(geometry.hessian[node][a][b], map[k][a][b]);
+                }
+            }
+        }
+    }
+    let inverse = side.inverse;
+    for node in 0..basis.hessian.len() {
+        let gradient = side.basis[index][node].gradient;
+        let mut half = [[zero; D]; D];
+        for a in 0..D {
+            for b in 0..D {
+                let mut entry = basis.hessian[node][a][b];
+                for k in 0..D {
+                    entry = entry - gradient[k] * map[k][a][b];
+                }
+                for i in 0..D {
+                    half[i][b] = inverse[i][a].multiply_add(entry, half[i][b]);
+                }
+            }
+        }
+        let hessian = &mut side.hessians[index][node];
+        for i in 0..D {
+            for j in 0..D {
+                hessian[i][j] = zero;
+                for b in 0..D {
+                    hessian[i][j] = half[i][b].multiply_add(inverse[j][b], hessian[i][j]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Contact pairs as groups: a unit is the points of an own facet that face one opposite facet, an entity with two sides
+//! whose points lie elsewhere in both cells than those of the next unit.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Entity, Form, Pairing, Projection, Requirements};
+
+use super::binding::{Binding, Entities, pair_error};
+use super::walk::{Group, GroupSide, Places};
+use super::{Assembler, AssemblyError};
+use crate::element::{Lagrange, LaneElement};
+use crate::field::FieldView;
+use crate::mesh::Mesh;
+use crate::pairs::{KnownPairs, PairError, PairGroup, PairReport, Pairs};
+use crate::quadrature::{Quadrature, QuadratureRule, map_to_facet};
+use crate::space::Space;
+use crate::threads::Threads;
+
+/// The points of a group's units, with the elements that are evaluated there.
+pub(super) struct PairTables<const D: usize> {
+    pub group: Arc<PairGroup<D>>,
+    pub projection: Projection,
+    /// The geometry map on each side.
+    pub geometry: [LaneElement; 2],
+    /// The binding's elements on each side; of a space on facets, the traces that do not vanish.
+    pub elements: [Vec<LaneElement>; 2],
+}
+
+/// The degree of an integrand, from those of the fields and of the geometry map; on simplices or not.
+pub(super) type DegreeEstimate = fn(&[usize], usize, bool) -> usize;
+
+/// The degree of a rule on pairs, whose cells may have several shapes: the highest of the estimates.
+pub(super) fn degree_on_pairs<const D: usize>(
+    mesh: &Mesh<D>,
+    estimate: impl Fn(usize, bool) -> usize,
+) -> usize {
+    mesh.shapes().into_iter().map(|shape| estimate(mesh.degree(), shape.is_simplex())).max().unwrap_or(0)
+}
+
+/// Where the contact pairs of a matrix pattern come from.
+#[derive(Debug)]
+pub(super) struct PairSearch<const D: usize> {
+    known: Arc<KnownPairs<D>>,
+    quadrature: Quadrature<D>,
+    threads: Threads,
+}
+
+impl<const D: usize> Default for PairSearch<D> {
+    fn default() -> Self {
+        PairSearch { known: Arc::default(), quadrature: Quadrature::Estimated, threads: Threads::all() }
+    }
+}
+
+impl<const D: usize> PairSearch<D> {
+    /// That of an assembler.
+    pub fn of(assembler: &Assembler<D>) -> Self {
+        let Assembler { known_pairs, quadrature, threads, .. } = assembler;
+        PairSearch { known: Arc::clone(known_pairs), quadrature: quadrature.clone(), threads: *threads }
+    }
+
+    /// The cells or facets of a form's region; pairs count as facets with two sides.
+    pub fn entities<'a, F: Form<D>>(
+        &self,
+        form: &F,
+        tests: &[&'a Arc<Space<D>>],
+        trials: &[&'a Arc<Space<D>>],
+        region: usize,
+        estimate: DegreeEstimate,
+    ) -> Result<Entities<'a>, AssemblyError> {
+        let (inputs, mesh) = (form.inputs(), &tests[0].mesh);
+        if inputs.regions[region].entity != Entity::Pairs {
+            return Entities::of(mesh, form.name(), &inputs.regions[region]);
+        }
+        // Degrees alone are asked for, no coefficients.
+        let views: Vec<FieldView<D>> =
+            trials.iter().map(|space| FieldView { space, values: &[], finite: true }).collect();
+        let mut binding = Binding::new(form.name(), form.fields(), inputs, mesh, &views)?;
+        binding.searches = Some((&self.known, self.threads));
+        let degrees = binding.degrees(tests);
+        let degree = degree_on_pairs(mesh, |geometry, simplex| estimate(&degrees, geometry, simplex));
+        let pairs = binding.pairs(region, &self.quadrature, degree)?;
+        Ok(Entities::InteriorFacets(pairs.facets().into()))
+    }
+}
+
+/// The groups of a region of contact pairs.
+pub(super) fn pair_groups<const D: usize>(
+    binding: &Binding<D>,
+    region: usize,
+    quadrature: &Quadrature<D>,
+    degree: usize,
+    requirements: &Requirements,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    if binding.history_degree(requirements, quadrature)?.is_some() {
+        return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
+    }
+    let pairs = binding.pairs(region, quadrature, degree)?;
+    let region = &binding.regions[region];
+    groups_of(binding, &format!("the pairs `{}` ({})", region.symbol, region.name), &pairs)
+}
+
+/// The groups of some pairs.
+pub(super) fn groups_of<const D: usize>(
+    binding: &Binding<D>,
+    place: &str,
+    pairs: &Pairs<D>,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    let mesh = binding.mesh;
+    let form = binding.name;
+    let mut groups = Vec::new();
+    for group in &pairs.groups {
+        let group = match binding.owned {
+            Some(owned) => Arc::new(group.filtered(|cell| owned.owns(cell))),
+            None => Arc::clone(group),
+        };
+        if group.facets.is_empty() {
+            continue;
+        }
+        let mut sides = Vec::new();
+        for (side, (shape, local)) in group.sides.into_iter().enumerate() {
+            let failed = |source| AssemblyError::Quadrature { form, source };
+            // One point, for what is the same at all of them: Jacobians of affine cells.
+            let vertex = QuadratureRule { points: vec![[0.0; 2]], weights: vec![0.0] };
+            let rule = map_to_facet::<D>(shape, usize::from(local), &vertex).map_err(failed)?;
+            let places = Places { points: rule.points, facet: Some((local, rule.tangents)) };
+            let cells = group.facets.iter().map(|facets| facets[side].cell).collect();
+            sides.push(
+                GroupSide::new(mesh, &binding.elements, (shape, cells), &places, false).map_err(failed)?,
+            );
+        }
+        let elements = group.sides.map(|(shape, local)| {
+            let in_lanes = |element: &super::binding::Tabulated| {
+                let lagrange = Lagrange { shape, degree: element.degree };
+                let kept = lagrange.facet_nodes(usize::from(local));
+                let kept = (element.on_facets && element.degree > 0).then_some(&kept[..]);
+                LaneElement::new(&lagrange, kept)
+            };
+            binding.elements.iter().map(in_lanes).collect()
+        });
+        let geometry = group.sides.map(|(shape, _)| LaneElement::new(&mesh.element_of(shape), None));
+        let weights = vec![0.0; group.count];
+        let tables = PairTables { group, projection: pairs.projection, geometry, elements };
+        groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables) });
+    }
+    Ok(groups)
+}
+
+impl<const D: usize> Assembler<D> {
+    /// The pairs of two surfaces in numbers: how many points have an opposite one, how far the surfaces are apart or overlap.
+    /// Where the choice of quadrature is the compiler's estimate, `degree` is taken.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// // Two squares, a tenth apart; the lower one in two cells, the upper one in three.
+    /// let mut nodes = vec![];
+    /// let mut cells: Vec<u32> = vec![];
+    /// for (count, bottom) in [(2, 0.0), (3, 1.1)] {
+    ///     let start = nodes.len() as u32;
+    ///     for k in 0..=count {
+    ///         let x = f64::from(k) / f64::from(count);
+    ///         nodes.extend([[x, bottom], [x, bottom + 1.0]]);
+    ///     }
+    ///     cells.extend((0..count as u32).flat_map(|k| [0, 2, 3, 1].map(|node| start + 2 * k + node)));
+    /// }
+    /// let mut mesh = Mesh::from_parts(CellShape::Quadrilateral, 1, nodes, cells)?;
+    /// mesh.name_facets("below", "boundary", |x| x[1] == 1.0)?;
+    /// mesh.name_facets("above", "boundary", |x| x[1] == 1.1)?;
+    /// let assembler = Assembler::new(&Arc::new(mesh));
+    /// let report = assembler.pairs(&Pairing::onto("below", "above"), 2)?;
+    /// // Four pieces with two points each: the facets are cut at the other side's nodes.
+    /// assert_eq!((report.points, report.open), (8, 0));
+    /// assert!((report.largest_gap - 0.1).abs() < 1e-15 && (report.paired_measure - 1.0).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A [`PairError`]: unknown surfaces, surfaces that overlap or face each other nowhere, a reach that is no length.
+    pub fn pairs(&self, pairing: &Pairing, degree: usize) -> Result<PairReport, PairError> {
+        Ok(self.pairs_of(pairing, degree)?.report)
+    }
+
+    /// The pairs, which are searched for at the first call.
+    pub(super) fn pairs_of(&self, pairing: &Pairing, degree: usize) -> Result<Arc<Pairs<D>>, PairError> {
+        self.known_pairs.find(&self.mesh, pairing, &self.quadrature, degree, self.threads)
+    }
+}

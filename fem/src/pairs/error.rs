@@ -1,0 +1,77 @@
+//! Errors of contact pairs.
+
+use thiserror::Error;
+
+use crate::mesh::MeshError;
+use crate::quadrature::QuadratureError;
+
+/// Reasons why surfaces cannot be paired, or kernels not run on their pairs.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PairError {
+    /// A surface that the mesh does not have.
+    #[error("{source}")]
+    Surface {
+        /// The mesh's error, which lists the names that exist.
+        source: MeshError,
+    },
+    /// A pairing without surfaces.
+    #[error("no surfaces were given")]
+    NoSurfaces,
+    /// A surface without facets.
+    #[error("the surface \"{surface}\" has no facets")]
+    Empty {
+        /// Its name.
+        surface: String,
+    },
+    /// Two surfaces that have facets in common, but are not the same.
+    #[error(
+        "\"{own}\" and \"{opposite}\" have {count} facets in common, one of them at {position:?}; for self contact give \
+         one name twice (`Pairing::within`)"
+    )]
+    Overlap {
+        /// The surface that is integrated over.
+        own: String,
+        /// The opposite one.
+        opposite: String,
+        /// Number of facets in both.
+        count: usize,
+        /// The centre of the first.
+        position: Vec<f64>,
+    },
+    /// A reach that is not positive and finite.
+    #[error("the reach is {reach}; it must be a positive length")]
+    Reach {
+        /// The reach given.
+        reach: f64,
+    },
+    /// Surfaces that face each other nowhere.
+    #[error(
+        "no point of \"{own}\" faces \"{opposite}\" within reach ({met} points met it from behind or further away)"
+    )]
+    NoPartners {
+        /// The surface that is integrated over.
+        own: String,
+        /// The opposite one.
+        opposite: String,
+        /// Points of which the surface was found, but from behind or beyond the reach.
+        met: usize,
+    },
+    /// A quadrature rule that does not exist or is not accepted.
+    #[error("{source}")]
+    Quadrature {
+        /// The problem of the rule.
+        source: QuadratureError,
+    },
+    /// A history that is read on pairs.
+    #[error("a history has no values at the points of contact pairs")]
+    History,
+    /// A region of pairs without surfaces.
+    #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
+    NoPairing,
+    /// A place at which pairs cannot be integrated over.
+    #[error("{place} cannot integrate over contact pairs")]
+    Refused {
+        /// "an element kernel".
+        place: &'static str,
+    },
+}

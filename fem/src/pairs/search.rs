@@ -1,0 +1,338 @@
+//! The opposite points of the quadrature points of a surface's facets.
+
+use std::collections::HashMap;
+
+use forms_core::contract::{Facing, PairQuadrature, Pairing, Projection};
+
+use super::opposite::{Hit, along_ray, nearest};
+use super::surface::{Rim, SurfaceFacet, dot, minus, unit};
+use super::{PairError, clip, pieces};
+use crate::locate::BoxGrid;
+use crate::mesh::{Facet, Mesh};
+use crate::quadrature::{Quadrature, QuadratureRule, facet_reference_rule};
+
+/// Points are accepted whose surfaces face each other: the product of the normals is below this.
+const FACING: f64 = -0.1;
+
+/// Gaps that differ by less than this part of the facet's diameter are of one surface.
+const SAME_GAP: f64 = 1e-8;
+
+/// A quadrature point with its opposite point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairPoint<const D: usize> {
+    /// Reference coordinates in the own cell and in the opposite one.
+    pub reference: [[f64; D]; 2],
+    /// Weight on the own facet's reference cell.
+    pub weight: f64,
+}
+
+/// The points of an own facet that lie opposite to one facet.
+#[derive(Clone, Debug)]
+pub(super) struct Unit<const D: usize> {
+    /// The own facet and the opposite one.
+    pub facets: [Facet; 2],
+    pub points: Vec<PairPoint<D>>,
+}
+
+/// The opposite point that was found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Partner<const D: usize> {
+    /// The facet, by index among the opposite ones.
+    pub facet: usize,
+    pub hit: Hit<D>,
+    pub gap: f64,
+}
+
+/// The outcome of a search.
+pub(super) enum Sought<const D: usize> {
+    Found(Partner<D>),
+    /// Facets were met, but from behind or beyond the reach.
+    Rejected,
+    Open,
+}
+
+/// Numbers of a search, added up over facets.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Counts {
+    pub points: usize,
+    pub open: usize,
+    pub rejected: usize,
+    pub deepest: f64,
+    pub largest: f64,
+    pub paired: f64,
+    pub measure: f64,
+}
+
+impl Counts {
+    pub fn add(&mut self, other: &Counts) {
+        self.points += other.points;
+        self.open += other.open;
+        self.rejected += other.rejected;
+        self.deepest = self.deepest.max(other.deepest);
+        self.largest = self.largest.max(other.largest);
+        self.paired += other.paired;
+        self.measure += other.measure;
+    }
+}
+
+/// A surface, the one opposite to it, and how points of the two belong together.
+pub(super) struct Search<'m, const D: usize> {
+    mesh: &'m Mesh<D>,
+    pub own: Vec<SurfaceFacet<'m, D>>,
+    pub opposite: Vec<SurfaceFacet<'m, D>>,
+    grid: BoxGrid<D>,
+    rim: Rim,
+    /// Normals at corners of the opposite surface, means of those of its facets there.
+    corner_normals: HashMap<u32, [f64; D]>,
+    pub projection: Projection,
+    whole: bool,
+    reach: Option<f64>,
+    quadrature: &'m Quadrature<D>,
+    degree: usize,
+    /// A surface that faces itself.
+    within: bool,
+}
+
+impl<'m, const D: usize> Search<'m, D> {
+    pub fn new(
+        mesh: &'m Mesh<D>,
+        pairing: &Pairing,
+        facing: &Facing,
+        quadrature: &'m Quadrature<D>,
+        degree: usize,
+    ) -> Result<Self, PairError> {
+        if let Some(reach) = pairing.reach
+            && !(reach > 0.0 && reach.is_finite())
+        {
+            return Err(PairError::Reach { reach });
+        }
+        let surface = |name: &str| {
+            let facets = mesh.facet_region(name).map_err(|source| PairError::Surface { source })?;
+            match facets.is_empty() {
+                true => Err(PairError::Empty { surface: name.to_owned() }),
+                false => Ok(facets),
+            }
+        };
+        let (own, opposite) = (surface(&facing.own)?, surface(&facing.opposite)?);
+        let within = facing.own == facing.opposite;
+        let shared: Vec<&Facet> =
+            own.iter().filter(|facet| !within && opposite.binary_search(facet).is_ok()).collect();
+        if let Some(first) = shared.first() {
+            let (own, opposite) = (facing.own.clone(), facing.opposite.clone());
+            let position = mesh.facet_centre(**first).to_vec();
+            return Err(PairError::Overlap { own, opposite, count: shared.len(), position });
+        }
+        let parametrised = |facets: &[Facet]| -> Vec<SurfaceFacet<'m, D>> {
+            facets.iter().map(|facet| SurfaceFacet::new(mesh, *facet)).collect()
+        };
+        let (own, opposite) = (parametrised(own), parametrised(opposite));
+        let grid = BoxGrid::new(opposite.iter().map(SurfaceFacet::corners).collect());
+        let mut corner_normals: HashMap<u32, [f64; D]> = HashMap::new();
+        for facet in opposite.iter().filter(|_| D == 3 && pairing.projection == Projection::Nearest) {
+            for (vertex, s) in facet.vertices().zip(facet.parameters()) {
+                let sum = corner_normals.entry(vertex).or_insert([0.0; D]);
+                *sum = std::array::from_fn(|k| sum[k] + facet.at(s).normal()[k]);
+            }
+        }
+        corner_normals.values_mut().for_each(|normal| *normal = unit(normal));
+        Ok(Search {
+            mesh,
+            rim: Rim::of(&opposite),
+            own,
+            opposite,
+            grid,
+            corner_normals,
+            projection: pairing.projection,
+            whole: pairing.quadrature == PairQuadrature::WholeFacets,
+            reach: pairing.reach,
+            quadrature,
+            degree,
+            within,
+        })
+    }
+
+    /// The distance at which points of an own facet have partners.
+    fn reach(&self, own: &SurfaceFacet<D>) -> f64 {
+        self.reach.unwrap_or_else(|| 2.0 * own.diameter())
+    }
+
+    /// Opposite facets that points of an own one may face, ascending.
+    fn candidates(&self, own: &SurfaceFacet<D>) -> Vec<usize> {
+        let reach = self.reach(own);
+        let (lower, upper) = own.corners();
+        let mut found = self.grid.meeting(&(lower.map(|x| x - reach), upper.map(|x| x + reach)));
+        if self.within {
+            let vertices = self.mesh.cell_vertices(own.facet.cell as usize);
+            found.retain(|index| {
+                let others = self.mesh.cell_vertices(self.opposite[*index].facet.cell as usize);
+                !others.iter().any(|vertex| vertices.contains(vertex))
+            });
+        }
+        found
+    }
+
+    /// The direction in which an opposite corner is taken along to an own facet: the normal of the own facet for rays.
+    pub fn direction_at(&self, vertex: u32, normal: &[f64; D]) -> [f64; D] {
+        match self.projection {
+            Projection::Ray => *normal,
+            Projection::Nearest => self.corner_normals.get(&vertex).copied().unwrap_or(*normal),
+        }
+    }
+
+    /// The point of one facet opposite to x, with the gap.
+    fn on_facet(&self, facet: usize, x: &[f64; D], n: &[f64; D]) -> Option<Partner<D>> {
+        let hit = match self.projection {
+            Projection::Ray => along_ray(&self.opposite[facet], x, n)?,
+            Projection::Nearest => nearest(&self.opposite[facet], &self.rim, x)?,
+        };
+        let off = minus(&hit.position, x);
+        let gap = match self.projection {
+            Projection::Ray => dot(n, &off),
+            Projection::Nearest => -dot(&hit.normal, &off),
+        };
+        Some(Partner { facet, hit, gap })
+    }
+
+    fn accepts(&self, partner: &Partner<D>, n: &[f64; D], reach: f64) -> bool {
+        dot(n, &partner.hit.normal) < FACING && partner.gap.abs() <= reach
+    }
+
+    /// The point opposite to x: of those accepted the one with the smallest |g|, or the nearest; of several the one on
+    /// the facet with the lowest number.
+    pub fn opposite_to(&self, x: &[f64; D], n: &[f64; D], candidates: &[usize], reach: f64) -> Sought<D> {
+        let (mut best, mut rejected): (Option<(f64, Partner<D>)>, bool) = (None, false);
+        for &facet in candidates {
+            if let (Projection::Nearest, Some((least, _))) = (self.projection, &best) {
+                let off = minus(&self.opposite[facet].centre, x);
+                if dot(&off, &off).sqrt() - self.opposite[facet].radius > *least {
+                    continue;
+                }
+            }
+            let Some(partner) = self.on_facet(facet, x, n) else { continue };
+            if !self.accepts(&partner, n, reach) {
+                rejected |= !partner.hit.at_rim;
+                continue;
+            }
+            let measure = match self.projection {
+                Projection::Ray => partner.gap.abs(),
+                Projection::Nearest => {
+                    let off = minus(&partner.hit.position, x);
+                    dot(&off, &off).sqrt()
+                }
+            };
+            if best.as_ref().is_none_or(|(least, _)| measure < *least) {
+                best = Some((measure, partner));
+            }
+        }
+        match best {
+            // Beyond the end of a surface its nearest point is no opposite one.
+            Some((_, partner)) if !partner.hit.at_rim => Sought::Found(partner),
+            None if rejected => Sought::Rejected,
+            _ => Sought::Open,
+        }
+    }
+
+    /// The pairs of an own facet, by opposite facets in the order of its points.
+    pub fn pairs_of(&self, index: usize) -> Result<(Vec<Unit<D>>, Counts), PairError> {
+        let own = &self.own[index];
+        let shape = self.mesh.cell_shape(own.facet.cell as usize);
+        let failed = |source| PairError::Quadrature { source };
+        let exact = facet_reference_rule(shape, D * self.mesh.degree() + 6).map_err(failed)?;
+        let weighted = exact.points.iter().zip(&exact.weights);
+        let mut counts =
+            Counts { measure: weighted.map(|(s, w)| w * own.at(s).element()).sum(), ..Counts::default() };
+        let (candidates, reach) = (self.candidates(own), self.reach(own));
+        let mut units: Vec<Unit<D>> = Vec::new();
+        for (facing, rule) in self.rules(own, &candidates, reach)? {
+            for (s, &weight) in rule.points.iter().zip(&rule.weights) {
+                let point = own.at(s);
+                let (x, n) = (point.position, point.normal());
+                let sought = self.opposite_to(&x, &n, &candidates, reach);
+                let Some(sought) = self.of_piece(facing, sought, &x, &n, reach) else { continue };
+                let partner = match sought {
+                    Sought::Found(partner) => partner,
+                    Sought::Rejected | Sought::Open => {
+                        counts.open += 1;
+                        counts.rejected += usize::from(matches!(sought, Sought::Rejected));
+                        continue;
+                    }
+                };
+                counts.points += 1;
+                counts.deepest = counts.deepest.max(-partner.gap);
+                counts.largest = counts.largest.max(partner.gap);
+                counts.paired += weight * point.element();
+                let opposite = &self.opposite[partner.facet];
+                let reference = [own.reference(s), opposite.reference(&partner.hit.s)];
+                let (facets, point) = ([own.facet, opposite.facet], PairPoint { reference, weight });
+                match units.iter_mut().find(|unit| unit.facets == facets) {
+                    Some(unit) => unit.points.push(point),
+                    None => units.push(Unit { facets, points: vec![point] }),
+                }
+            }
+        }
+        Ok((units, counts))
+    }
+
+    /// Rules on the own facet's reference cell, each with the opposite facet that it is made for.
+    fn rules(
+        &self,
+        own: &SurfaceFacet<D>,
+        candidates: &[usize],
+        reach: f64,
+    ) -> Result<Vec<(Option<usize>, QuadratureRule<2>)>, PairError> {
+        let failed = |source| PairError::Quadrature { source };
+        let shape = self.mesh.cell_shape(own.facet.cell as usize);
+        if self.whole {
+            let rule = self.quadrature.facet_reference_rule(shape, self.degree).map_err(failed)?;
+            return Ok(vec![(None, rule)]);
+        }
+        let on_pieces = |pieces: &[_]| self.quadrature.rule_on_pieces(shape, self.degree, pieces);
+        let mut rules = Vec::new();
+        if D == 2 {
+            for (facet, piece) in pieces::segments(self, own, candidates, reach) {
+                rules.push((Some(facet), on_pieces(&[piece]).map_err(failed)?));
+            }
+        } else {
+            let plane = clip::FacetPlane::new(own);
+            for &facet in candidates {
+                let triangles = plane.facing(self, facet);
+                if !triangles.is_empty() {
+                    let rule = on_pieces(&triangles).map_err(failed)?;
+                    rules.push((Some(facet), plane.on_reference_cell(rule)));
+                }
+            }
+        }
+        Ok(rules)
+    }
+
+    /// What a point of a piece that was made for one facet counts as; `None` where another piece, of a surface that is
+    /// nearer, lies there too.
+    fn of_piece(
+        &self,
+        facing: Option<usize>,
+        sought: Sought<D>,
+        x: &[f64; D],
+        n: &[f64; D],
+        reach: f64,
+    ) -> Option<Sought<D>> {
+        let (Some(facing), Sought::Found(best)) = (facing, &sought) else { return Some(sought) };
+        if best.facet == facing {
+            return Some(sought);
+        }
+        let (a, b) = (&self.opposite[best.facet], &self.opposite[facing]);
+        let same_gap = |partner: &Partner<D>| best.gap.abs() >= partner.gap.abs() - SAME_GAP * b.radius;
+        match self.on_facet(facing, x, n).filter(|partner| self.accepts(partner, n, reach)) {
+            Some(partner) if self.projection == Projection::Ray => {
+                if same_gap(&partner) {
+                    return Some(Sought::Found(partner));
+                }
+                None
+            }
+            // The pieces of curved facets are right up to their curvature: the point is its neighbour's.
+            _ if D == 2 || a.vertices().any(|vertex| b.vertices().any(|other| other == vertex)) => {
+                Some(sought)
+            }
+            _ => None,
+        }
+    }
+}
