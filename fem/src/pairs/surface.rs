@@ -15,6 +15,8 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
     pub tangents: [[f64; D]; 2],
     /// Whether its own reference cell is the unit triangle.
     triangle: bool,
+    /// The position as a polynomial of its own coordinates: that of sⁱtʲ at `[i][j]`.
+    position: [[[f64; D]; 3]; 3],
     /// Whether its map is affine.
     pub affine: bool,
     /// The mean of its nodes, and a radius that holds the facet.
@@ -83,7 +85,13 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let radius = bulge * nodes.iter().map(|x| reach(x)).fold(0.0, f64::max);
         let triangle = D == 3 && shape.is_simplex();
         let affine = mesh.degree() == 1 && (D == 2 || triangle);
-        SurfaceFacet { mesh, facet, origin, tangents: [along, across], triangle, affine, centre, radius }
+        let tangents = [along, across];
+        let at = |s: f64, t: f64| {
+            let reference = std::array::from_fn(|k| origin[k] + s * along[k] + t * across[k]);
+            mesh.map(cell, &reference).0
+        };
+        let position = polynomial(at, mesh.degree());
+        SurfaceFacet { mesh, facet, origin, tangents, triangle, position, affine, centre, radius }
     }
 
     fn nodes_of(mesh: &'m Mesh<D>, facet: Facet) -> Vec<&'m [f64; D]> {
@@ -139,31 +147,32 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         std::array::from_fn(|k| self.origin[k] + s[0] * self.tangents[0][k] + s[1] * self.tangents[1][k])
     }
 
-    pub fn at(&self, s: &[f64; 2]) -> SurfacePoint<D> {
-        let (position, jacobian) = self.mesh.map(self.facet.cell as usize, &self.reference(s));
-        let along = |t: &[f64; D]| std::array::from_fn(|i| dot(&jacobian[i], t));
-        SurfacePoint { position, tangents: self.tangents.each_ref().map(along) }
+    pub fn at(&self, &[s, t]: &[f64; 2]) -> SurfacePoint<D> {
+        let [mut position, mut along, mut across] = [[0.0; D]; 3];
+        for k in 0..D {
+            // Each row with its derivative by t.
+            let mut rows = [[0.0; 2]; 3];
+            for i in 0..3 {
+                let [a, b, c] = [0, 1, 2].map(|j| self.position[i][j][k]);
+                rows[i] = [a + t * (b + t * c), b + 2.0 * t * c];
+            }
+            let [first, second, third] = rows;
+            position[k] = first[0] + s * (second[0] + s * third[0]);
+            along[k] = second[0] + 2.0 * s * third[0];
+            across[k] = first[1] + s * (second[1] + s * third[1]);
+        }
+        SurfacePoint { position, tangents: [along, across] }
     }
 
     /// Second derivatives of the position along the facet's own coordinates.
-    pub fn second(&self, s: &[f64; 2]) -> [[[f64; D]; 2]; 2] {
-        let cell = self.facet.cell as usize;
+    pub fn second(&self, &[s, t]: &[f64; 2]) -> [[[f64; D]; 2]; 2] {
         let mut second = [[[0.0; D]; 2]; 2];
-        if self.affine {
-            return second;
-        }
-        let hessians = self.mesh.cell_element(cell).hessians(&self.reference(s));
-        for (node, hessian) in self.mesh.cell(cell).iter().zip(hessians) {
-            let x = &self.mesh.nodes()[*node as usize];
-            for a in 0..D - 1 {
-                for b in 0..D - 1 {
-                    let image: [f64; D] = std::array::from_fn(|k| dot(&hessian[k], &self.tangents[b]));
-                    let slope = dot(&self.tangents[a], &image);
-                    for k in 0..D {
-                        second[a][b][k] += slope * x[k];
-                    }
-                }
-            }
+        for k in 0..D {
+            let c = |i: usize, j: usize| self.position[i][j][k];
+            second[0][0][k] = 2.0 * (c(2, 0) + t * (c(2, 1) + t * c(2, 2)));
+            second[1][1][k] = 2.0 * (c(0, 2) + s * (c(1, 2) + s * c(2, 2)));
+            second[0][1][k] = c(1, 1) + 2.0 * (s * c(2, 1) + t * c(1, 2)) + 4.0 * s * t * c(2, 2);
+            second[1][0][k] = second[0][1][k];
         }
         second
     }
@@ -173,6 +182,28 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let last = if self.triangle { s[0] + s[1] } else { s[0].max(s[1]) };
         s[0] >= -tolerance && s[1] >= -tolerance && last <= 1.0 + tolerance
     }
+}
+
+/// The coefficients of a function that has at most this degree, 1 or 2, in each coordinate.
+fn polynomial<const D: usize>(at: impl Fn(f64, f64) -> [f64; D], degree: usize) -> [[[f64; D]; 3]; 3] {
+    // From values at 0, 1/2 and 1; of one that is linear its middle says nothing new.
+    let through = |[first, middle, last]: [[f64; D]; 3]| -> [[f64; D]; 3] {
+        let entry = |k: usize| match degree {
+            1 => [first[k], last[k] - first[k], 0.0],
+            _ => [
+                first[k],
+                4.0 * middle[k] - 3.0 * first[k] - last[k],
+                2.0 * (first[k] + last[k]) - 4.0 * middle[k],
+            ],
+        };
+        std::array::from_fn(|i| std::array::from_fn(|k| entry(k)[i]))
+    };
+    let places = [0.0, 0.5, 1.0];
+    let across = if D == 2 { [0.0; 3] } else { places };
+    // Of each place along s the polynomial of t, then these coefficients as polynomials of s.
+    let rows = places.map(|s| through(across.map(|t| at(s, t))));
+    let columns = [0, 1, 2].map(|j| through([0, 1, 2].map(|i| rows[i][j])));
+    std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
 }
 
 /// The ends of a surface: corners and edges of its facets behind which it does not go on.

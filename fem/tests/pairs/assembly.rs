@@ -291,11 +291,16 @@ fn the_pattern_couples_cells_that_face_each_other() {
     assert_eq!(sorted, [(3, 6), (3, 7), (4, 7), (4, 8), (5, 8), (5, 9)]);
     let pattern = BlockPattern::for_form(&form, &[&space], &[&space]).unwrap();
     let row = |node: u32| pattern.pattern().row(node as usize).to_vec();
-    let nodes = |cell: u32| space.cell_nodes(cell as usize).to_vec();
-    let apart = nodes(3).iter().all(|a| nodes(9).iter().all(|b| !row(*a).contains(b)));
-    let coupled =
-        nodes(3).iter().all(|a| nodes(6).iter().all(|b| row(*a).contains(b) && row(*b).contains(a)));
-    assert!(apart && coupled);
+    let at = |cell: usize, x: f64| {
+        let nodes = space.cell_nodes(cell).iter().copied();
+        nodes.filter(|node| space.positions()[*node as usize][0] == x).collect::<Vec<u32>>()
+    };
+    // The left end below with the left and the right end above.
+    assert!(at(3, 0.0).len() == 2 && at(6, 0.0).len() == 2 && at(9, 1.0).len() == 2);
+    for a in at(3, 0.0) {
+        assert!(at(6, 0.0).iter().all(|b| row(a).contains(b) && row(*b).contains(&a)));
+        assert!(at(9, 1.0).iter().all(|b| !row(a).contains(b)));
+    }
 }
 
 /// Self contact: the arms of a C face each other, cells that share a vertex do not.
@@ -323,9 +328,13 @@ fn arms_of_one_body_face_each_other() {
     let mesh = Arc::new(mesh);
     let assembler = Assembler::new(&mesh);
     let report = assembler.pairs(&Pairing::within("inner").within_reach(2.5), 2).unwrap();
-    assert!((report.largest_gap - 2.0).abs() < 1e-12, "{report:?}");
-    // Both arms, of length 3, and the polygon between them, whose edges face each other over the middle.
-    assert!((report.paired_measure - report.measure).abs() < 1e-12, "{report:?}");
+    // Both arms, each of length 3, a distance of 2 apart; of the four edges between them, whose normals are turned by π/8 and
+    // 3π/8 against those of the arms, two see the other arm within reach.
+    let turn = std::f64::consts::PI / 8.0;
+    let (paired, all) = (6.0 + 4.0 * turn.sin(), 6.0 + 8.0 * turn.sin());
+    assert!((report.paired_measure - paired).abs() < 1e-12, "{report:?}");
+    assert!((report.measure - all).abs() < 1e-12, "{report:?}");
+    assert!((2.0..2.0 / turn.cos()).contains(&report.largest_gap), "{report:?}");
     let space = Space::scalar(&mesh, 1).unwrap();
     let form = springs::glue(&springs::Touch::on(Pairing::within("inner").within_reach(2.5)));
     let (u, zero) = (irregular(&space, 1.0), Field::zero(&space));
