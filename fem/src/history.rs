@@ -23,6 +23,7 @@ use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::element::CellShape;
 use crate::mesh::{Mesh, MeshError};
+use crate::pairs::PairError;
 use crate::quadrature::{Quadrature, QuadratureError};
 
 /// Errors of reading or writing a history.
@@ -309,7 +310,7 @@ impl<const D: usize> Assembler<D> {
     /// takes the compiler's estimate, its rule is that of `degree`; the integrals that read it take this rule.
     ///
     /// # Errors
-    /// An unknown region, a rule that does not exist, or a value that is not finite.
+    /// An unknown region, contact pairs, a rule that does not exist, or a value that is not finite.
     pub fn history<V: FieldValue>(
         &self,
         entity: Entity,
@@ -317,6 +318,10 @@ impl<const D: usize> Assembler<D> {
         degree: usize,
         initial: V,
     ) -> Result<History<V, D>, AssemblyError> {
+        if entity == Entity::Pairs {
+            let (pairing, source) = (region.to_owned(), PairError::History);
+            return Err(AssemblyError::Pairs { form: NEW, symbol: "of it", pairing, source });
+        }
         let mut components = vec![0.0; V::COMPONENTS];
         initial.write(&mut components);
         if !components.iter().all(|value| value.is_finite()) {

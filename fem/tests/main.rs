@@ -16,6 +16,7 @@ mod multipliers;
 mod newton_criterion;
 mod only_what_changes;
 mod owned_cells;
+mod pairs;
 mod positive_parts;
 mod reactions;
 mod related_unknowns;

@@ -217,6 +217,21 @@ impl<'m, const D: usize> Search<'m, D> {
         Some(Partner { facet, hit, gap })
     }
 
+    /// Candidates with lower bounds of their distance from a point, nearest points first: of these few are looked at. Rays
+    /// pass most candidates by, which is seen at once.
+    fn by_distance(&self, x: &[f64; D], candidates: &[usize]) -> Vec<(f64, usize)> {
+        if self.projection == Projection::Ray {
+            return candidates.iter().map(|facet| (0.0, *facet)).collect();
+        }
+        let bound = |facet: &usize| {
+            let off = minus(&self.opposite[*facet].centre, x);
+            ((dot(&off, &off).sqrt() - self.opposite[*facet].radius).max(0.0), *facet)
+        };
+        let mut bounds: Vec<(f64, usize)> = candidates.iter().map(bound).collect();
+        bounds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        bounds
+    }
+
     fn accepts(&self, partner: &Partner<D>, from: &Viewpoint<D>, reach: f64) -> bool {
         dot(&from.normal, &partner.hit.normal) < FACING
             && partner.gap.abs() <= reach
@@ -242,12 +257,9 @@ impl<'m, const D: usize> Search<'m, D> {
     pub fn opposite_to(&self, from: &Viewpoint<D>, candidates: &[usize], reach: f64) -> Sought<D> {
         let x = &from.position;
         let (mut best, mut rejected): (Option<(f64, Partner<D>)>, bool) = (None, false);
-        for &facet in candidates {
-            if let (Projection::Nearest, Some((least, _))) = (self.projection, &best) {
-                let off = minus(&self.opposite[facet].centre, x);
-                if dot(&off, &off).sqrt() - self.opposite[facet].radius > *least {
-                    continue;
-                }
+        for (bound, facet) in self.by_distance(x, candidates) {
+            if best.as_ref().is_some_and(|(least, _)| bound > *least) {
+                break;
             }
             let Some(partner) = self.on_facet(facet, from) else { continue };
             if !self.accepts(&partner, from, reach) {
@@ -261,7 +273,8 @@ impl<'m, const D: usize> Search<'m, D> {
                     dot(&off, &off).sqrt()
                 }
             };
-            if best.as_ref().is_none_or(|(least, _)| measure < *least) {
+            let nearer = |(least, known): &(f64, Partner<D>)| (measure, facet) < (*least, known.facet);
+            if best.as_ref().is_none_or(nearer) {
                 best = Some((measure, partner));
             }
         }

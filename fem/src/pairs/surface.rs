@@ -19,6 +19,8 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
     pub tangents: [[f64; D]; 2],
     /// Whether its own reference cell is the unit triangle.
     triangle: bool,
+    /// The position as a polynomial of its own coordinates, of degree two at most: the coefficient of sⁱtʲ at `[i][j]`.
+    polynomial: Option<[[[f64; D]; 3]; 3]>,
     /// Whether its map is affine.
     pub affine: bool,
     /// The degree of its map, and its nodes.
@@ -93,10 +95,14 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
             triangle,
             affine: degree == 1 && (D == 2 || triangle),
             degree,
+            polynomial: None,
             nodes: vec![],
             centre: [0.0; D],
             radius: 0.0,
         };
+        if degree <= 2 {
+            own.polynomial = Some(polynomial(|s, t| own.map(&own.reference(&[s, t])).0, degree));
+        }
         let element = Lagrange { shape, degree };
         let references = element.node_points::<D>();
         let on_facet = element.facet_nodes(local).into_iter();
@@ -176,30 +182,38 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         std::array::from_fn(|k| self.origin[k] + s[0] * self.tangents[0][k] + s[1] * self.tangents[1][k])
     }
 
-    pub fn at(&self, s: &[f64; 2]) -> SurfacePoint<D> {
-        let (position, jacobian) = self.map(&self.reference(s));
-        SurfacePoint { position, tangents: self.along(&jacobian) }
+    pub fn at(&self, &[s, t]: &[f64; 2]) -> SurfacePoint<D> {
+        let Some(polynomial) = &self.polynomial else {
+            let (position, jacobian) = self.map(&self.reference(&[s, t]));
+            return SurfacePoint { position, tangents: self.along(&jacobian) };
+        };
+        let [mut position, mut along, mut across] = [[0.0; D]; 3];
+        for k in 0..D {
+            // Each row with its derivative by t.
+            let mut rows = [[0.0; 2]; 3];
+            for i in 0..3 {
+                let [a, b, c] = [0, 1, 2].map(|j| polynomial[i][j][k]);
+                rows[i] = [a + t * (b + t * c), b + 2.0 * t * c];
+            }
+            let [first, second, third] = rows;
+            position[k] = first[0] + s * (second[0] + s * third[0]);
+            along[k] = second[0] + 2.0 * s * third[0];
+            across[k] = first[1] + s * (second[1] + s * third[1]);
+        }
+        SurfacePoint { position, tangents: [along, across] }
     }
 
-    /// Second derivatives of the position along the facet's own coordinates, before it is displaced.
-    pub fn second(&self, s: &[f64; 2]) -> [[[f64; D]; 2]; 2] {
-        let cell = self.facet.cell as usize;
+    /// Second derivatives of the position along the facet's own coordinates; those of facets that are displaced by fields of
+    /// higher degree than two are not known, and not read.
+    pub fn second(&self, &[s, t]: &[f64; 2]) -> [[[f64; D]; 2]; 2] {
         let mut second = [[[0.0; D]; 2]; 2];
-        if self.affine {
-            return second;
-        }
-        let hessians = self.mesh.cell_element(cell).hessians(&self.reference(s));
-        for (node, hessian) in self.mesh.cell(cell).iter().zip(hessians) {
-            let x = &self.mesh.nodes()[*node as usize];
-            for a in 0..D - 1 {
-                for b in 0..D - 1 {
-                    let image: [f64; D] = std::array::from_fn(|k| dot(&hessian[k], &self.tangents[b]));
-                    let slope = dot(&self.tangents[a], &image);
-                    for k in 0..D {
-                        second[a][b][k] += slope * x[k];
-                    }
-                }
-            }
+        let Some(polynomial) = &self.polynomial else { return second };
+        for k in 0..D {
+            let c = |i: usize, j: usize| polynomial[i][j][k];
+            second[0][0][k] = 2.0 * (c(2, 0) + t * (c(2, 1) + t * c(2, 2)));
+            second[1][1][k] = 2.0 * (c(0, 2) + s * (c(1, 2) + s * c(2, 2)));
+            second[0][1][k] = c(1, 1) + 2.0 * (s * c(2, 1) + t * c(1, 2)) + 4.0 * s * t * c(2, 2);
+            second[1][0][k] = second[0][1][k];
         }
         second
     }
@@ -209,6 +223,28 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let last = if self.triangle { s[0] + s[1] } else { s[0].max(s[1]) };
         s[0] >= -tolerance && s[1] >= -tolerance && last <= 1.0 + tolerance
     }
+}
+
+/// The coefficients of a function that has at most this degree, 1 or 2, in each coordinate.
+fn polynomial<const D: usize>(at: impl Fn(f64, f64) -> [f64; D], degree: usize) -> [[[f64; D]; 3]; 3] {
+    // From values at 0, 1/2 and 1; of one that is linear its middle says nothing new.
+    let through = |[first, middle, last]: [[f64; D]; 3]| -> [[f64; D]; 3] {
+        let entry = |k: usize| match degree {
+            1 => [first[k], last[k] - first[k], 0.0],
+            _ => [
+                first[k],
+                4.0 * middle[k] - 3.0 * first[k] - last[k],
+                2.0 * (first[k] + last[k]) - 4.0 * middle[k],
+            ],
+        };
+        std::array::from_fn(|i| std::array::from_fn(|k| entry(k)[i]))
+    };
+    let places = [0.0, 0.5, 1.0];
+    let across = if D == 2 { [0.0; 3] } else { places };
+    // Of each place along s the polynomial of t, then these coefficients as polynomials of s.
+    let rows = places.map(|s| through(across.map(|t| at(s, t))));
+    let columns = [0, 1, 2].map(|j| through([0, 1, 2].map(|i| rows[i][j])));
+    std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
 }
 
 /// The ends of a surface: corners and edges of its facets behind which it does not go on.
