@@ -89,16 +89,18 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         }
     }
 
-    /// The direct problem, from u = 0 with u_D imposed unless its builder is told otherwise.
+    /// The direct problem, from u = 0 with u_D imposed and by the law's line search unless its builder is told otherwise.
     ///
     /// # Errors
     /// A parameter out of its range.
     pub fn direct(&self) -> Result<Problem<'_, L::Direct, D>, AssemblyError> {
         let form = self.law.direct();
         self.law.check(form.name())?;
+        let options = NewtonOptions { line_search: self.law.line_search(), ..NewtonOptions::default() };
         let problem = Problem::owning(form, &self.space)
             .assembler(&self.assembler)
             .constrained(&self.constraints)
+            .options(options)
             .with_pattern(&self.pattern);
         Ok(match self.split {
             None => problem,

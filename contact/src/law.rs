@@ -23,6 +23,12 @@ pub trait ContactLaw<const D: usize>: Clone {
     /// # Errors
     /// [`AssemblyError::ParameterRange`] in the name of the form that was to be solved.
     fn check(&self, form: &'static str) -> Result<(), AssemblyError>;
+
+    /// The line search of Newton's method for the direct problem, unless its builder is given options. Whole steps go back
+    /// and forth between stick and slip: laws with friction shorten them by the residual.
+    fn line_search(&self) -> LineSearch {
+        LineSearch::Off
+    }
 }
 
 /// A contact law with a scalar whose sign tells what touches: facets can be split at its zeros.
@@ -108,7 +114,7 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 ///
 /// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `positive: parameter`, a member of the data (`base.parameter`
-/// of extended data) that has to be positive. A function that the module does not have is an error at its name here.
+/// of extended data) that has to be positive; `non_negative: parameter`; `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
     ($module:ident {
@@ -118,6 +124,8 @@ macro_rules! contact_law {
         $(, criterion: $criterion:ident, adjoint: $adjoint:ident
             $(, shape_gradient: $shape_gradient:ident, diameter_gradient: $diameter_gradient:ident)?)?
         $(, positive: $($positive:ident).+)*
+        $(, non_negative: $($non_negative:ident).+)*
+        $(, line_search: $line_search:ident)?
         $(,)?
     }) => {
         impl<const D: usize> $crate::law::ContactLaw<D> for $module::Model<D>
@@ -144,8 +152,21 @@ macro_rules! contact_law {
                         return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
                     }
                 )*
+                $(
+                    let value = self.data.$($non_negative).+;
+                    if value < 0.0 {
+                        let (range, parameter) = ("zero or positive", stringify!($($non_negative).+));
+                        return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
+                    }
+                )*
                 Ok(())
             }
+
+            $(
+                fn line_search(&self) -> $crate::fem::LineSearch {
+                    $crate::fem::LineSearch::$line_search
+                }
+            )?
         }
         $(
             impl<const D: usize> $crate::law::WithIndicator<D> for $module::Model<D>
