@@ -6,7 +6,7 @@ use forms_fem::assemble::BlockPattern;
 use forms_fem::prelude::*;
 
 use crate::forms;
-use crate::law::{ContactLaw, WithAdjoint, WithIndicator};
+use crate::law::{ContactLaw, WithAdjoint, WithFriction, WithIndicator};
 
 /// A contact law on a space, ready to be solved. The law is any forms module of which [`contact_law!`](crate::contact_law)
 /// says what is what; the paper's, unless another is given.
@@ -106,6 +106,28 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
             None => problem,
             Some(split) => problem.assembler_at(move |u| split(&self.assembler, &self.law, &u[0])),
         })
+    }
+
+    /// Solves the direct problem from a state in which whatever presses sticks, which is solved first from `start`. Newton's
+    /// method finds the places that slip from there; from u = 0, where nothing presses and nothing is held, it may go back and
+    /// forth for ever, also by a line search (docs/friction.md). `solver` serves both, `progress` is called with each iterate
+    /// of both; time and history that come back are those of the second.
+    ///
+    /// # Errors
+    /// [`SolveError`] of either problem; a parameter out of its range.
+    pub fn solve_from_stick(
+        &self,
+        start: &Field<D>,
+        solver: &mut dyn LinearSolver,
+        mut progress: impl FnMut(&NewtonStep),
+    ) -> Result<Solved<D>, SolveError>
+    where
+        L: WithFriction<D>,
+    {
+        let law = self.law.sticking();
+        let sticking = ContactProblem { law, ..self.clone() };
+        let first = sticking.direct()?.start(start).solver(&mut *solver).each_step(&mut progress).solve()?;
+        self.direct()?.start(first.field()).solver(solver).each_step(progress).solve()
     }
 
     /// Any problem for a state that vanishes on Γ_D, as an adjoint state at the displacement u.

@@ -148,5 +148,6 @@ contact_law!(capsule {
     non_negative: slip_stress,
     non_negative: friction,
     non_negative: half_length,
+    coefficient: friction,
     line_search: OnResidual,
 });

@@ -46,5 +46,6 @@ contact_law!(finite_nitsche {
     positive: base.gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    coefficient: friction,
     line_search: OnResidual,
 });

@@ -168,5 +168,6 @@ contact_law!(frictional_nitsche {
     positive: base.gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    coefficient: friction,
     line_search: OnResidual,
 });

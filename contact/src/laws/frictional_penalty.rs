@@ -42,5 +42,6 @@ contact_law!(frictional_penalty {
     positive: base.gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    coefficient: friction,
     line_search: OnResidual,
 });
