@@ -4,6 +4,7 @@
 mod augmented_lagrangian;
 mod block;
 mod capsule;
+mod cylinder;
 mod finite_nitsche;
 mod frictional_nitsche;
 mod frictional_penalty;
