@@ -4,9 +4,10 @@ use std::fmt;
 
 use forms_fem::assemble::BlockPattern;
 use forms_fem::prelude::*;
+use forms_fem::solve::NewtonFailure;
 
 use crate::forms;
-use crate::law::{ContactLaw, WithAdjoint, WithIndicator};
+use crate::law::{ContactLaw, WithAdjoint, WithFriction, WithIndicator};
 
 /// A contact law on a space, ready to be solved. The law is any forms module of which [`contact_law!`](crate::contact_law)
 /// says what is what; the paper's, unless another is given.
@@ -23,6 +24,20 @@ pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
     pattern: Arc<BlockPattern<D>>,
     /// Rule for splitting the facets of Γ_C at a displacement; none where they are integrated as a whole.
     split: Option<Split<D, L>>,
+}
+
+/// Most steps towards a state in which all sticks.
+const STEPS_TO_STICK: usize = 10;
+
+/// Whether Newton's method went on without an end, and nothing else is wrong.
+fn has_not_converged(error: &SolveError) -> bool {
+    matches!(
+        error.why,
+        NewtonFailure::NotConverged { .. }
+            | NewtonFailure::Cycling { .. }
+            | NewtonFailure::Stagnated
+            | NewtonFailure::NoDescent
+    )
 }
 
 /// Splits the facets of Γ_C for a law at a displacement.
@@ -89,21 +104,66 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         }
     }
 
-    /// The direct problem, from u = 0 with u_D imposed unless its builder is told otherwise.
+    /// The direct problem, from u = 0 with u_D imposed and by the law's line search unless its builder is told otherwise.
     ///
     /// # Errors
     /// A parameter out of its range.
     pub fn direct(&self) -> Result<Problem<'_, L::Direct, D>, AssemblyError> {
         let form = self.law.direct();
         self.law.check(form.name())?;
+        let options = NewtonOptions { line_search: self.law.line_search(), ..NewtonOptions::default() };
         let problem = Problem::owning(form, &self.space)
             .assembler(&self.assembler)
             .constrained(&self.constraints)
+            .options(options)
             .with_pattern(&self.pattern);
         Ok(match self.split {
             None => problem,
             Some(split) => problem.assembler_at(move |u| split(&self.assembler, &self.law, &u[0])),
         })
+    }
+
+    /// Solves the direct problem from a state in which whatever presses sticks, for which a few steps are made first from
+    /// `start`. Newton's method finds the places that slip from there; from u = 0, where nothing presses and nothing is held,
+    /// it may go back and forth for ever, also by a line search. If it does so from stick, it is tried from `start`.
+    /// `solver` serves all, `progress` is called with each iterate of all; the history that comes back is that of the last.
+    ///
+    /// # Errors
+    /// [`SolveError`]; a parameter out of its range.
+    pub fn solve_from_stick(
+        &self,
+        start: &Field<D>,
+        solver: &mut dyn LinearSolver,
+        mut progress: impl FnMut(&NewtonStep),
+    ) -> Result<Solved<D>, SolveError>
+    where
+        L: WithFriction<D>,
+    {
+        let law = self.law.sticking();
+        let sticking = ContactProblem { law, ..self.clone() };
+        let options = NewtonOptions {
+            line_search: self.law.line_search(),
+            max_iterations: STEPS_TO_STICK,
+            ..NewtonOptions::default()
+        };
+        let stuck = sticking.direct()?.options(options).start(start).solver(&mut *solver);
+        let stuck = stuck.each_step(&mut progress).solve();
+        let first = match stuck {
+            Ok(solved) => solved.into_field(),
+            // The steps lead somewhere near, which is all that they are for.
+            Err(error) if has_not_converged(&error) => {
+                Field::from_values(&self.space, error.u).unwrap_or_else(|_| start.clone())
+            }
+            Err(error) => return Err(error),
+        };
+        let direct = self.direct()?.start(&first).solver(&mut *solver);
+        let direct = direct.each_step(&mut progress).solve();
+        match direct {
+            Err(error) if has_not_converged(&error) => {
+                self.direct()?.start(start).solver(solver).each_step(progress).solve()
+            }
+            other => other,
+        }
     }
 
     /// Any problem for a state that vanishes on Γ_D, as an adjoint state at the displacement u.
