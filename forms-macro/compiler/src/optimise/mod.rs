@@ -6,6 +6,7 @@ pub mod collect;
 pub mod degree;
 pub mod elements;
 mod factor;
+mod hashing;
 pub mod linear;
 pub mod plan;
 mod polynomial;
@@ -18,7 +19,7 @@ pub mod scalarise;
 pub mod straight_line;
 mod whole;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use crate::check::Term;
 use crate::differentiate::{Derived, ResidualPart};
@@ -119,7 +120,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         parameter_offsets: &offsets,
         dimension,
         side: Side::This,
-        known: HashMap::new(),
+        known: hashing::Map::default(),
     };
     let mut degrees = Degrees::new(&arena);
 

@@ -1,7 +1,7 @@
 //! Tensor expressions → their components in a [`Graph`].
 
-use std::collections::HashMap;
 
+use super::hashing::Map;
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;
 use crate::parse::syntax::Comparison;
@@ -18,7 +18,7 @@ pub struct Scalariser<'a> {
     pub dimension: usize,
     /// The side from which the expression at hand is seen.
     pub side: Side,
-    pub known: HashMap<(Tensor, Side), Vec<Scalar>>,
+    pub known: Map<(Tensor, Side), Vec<Scalar>>,
 }
 
 impl Scalariser<'_> {
