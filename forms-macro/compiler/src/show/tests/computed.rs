@@ -1,6 +1,5 @@
 //! Proofs that what is shown is what is computed.
 
-use std::collections::HashMap;
 
 use super::*;
 
@@ -19,7 +18,7 @@ fn total(
         parameter_offsets: &offsets,
         dimension,
         side: Side::This,
-        known: HashMap::new(),
+        known: Default::default(),
     };
     let parts: Vec<_> = densities.iter().map(|density| scalariser.scalar(*density)).collect();
     graph.sum(&parts)
