@@ -111,7 +111,8 @@ pub enum Failure {
 /// Plans all integrals of a function; an integral that turns out not to be linear in an argument,
 /// which `check` rules out, is reported by its absence: `Err` with the name of that argument.
 pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure> {
-    let Derived { function, dimension, arena, fields, residual, density, value, from_energy } = derived;
+    let Derived { function, dimension, arena, fields, residual, density, sources, value, from_energy } =
+        derived;
     let offsets = parameter_offsets(module, dimension);
     let mut graph = Graph::default();
     let mut scalariser = Scalariser {
@@ -122,7 +123,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         side: Side::This,
         known: hashing::Map::default(),
     };
-    let mut degrees = Degrees::new(&arena);
+    let mut degrees = Degrees::new(&arena, &sources);
 
     let entities: Vec<Entity> = module.regions.iter().map(|region| region.entity).collect();
     let groups = group(&residual, &fields, &mut scalariser, &mut degrees);
@@ -247,7 +248,7 @@ fn group(
             }
             false => Dependence::Linear,
         };
-        let degree = degrees.of(part.density);
+        let degree = degrees.of_integrand(part.density);
         let zero = scalariser.graph.number(0.0);
         let group = groups.entry((part.region, dependence)).or_insert_with(|| Group {
             description: Description { region: part.region, dependence, degree: Degree::constant(0) },
@@ -392,7 +393,7 @@ fn densities(terms: &[Term], scalariser: &mut Scalariser, degrees: &mut Degrees)
         let (sum, degree) =
             regions.entry(term.region).or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));
         *sum = scalariser.graph.add(*sum, density);
-        *degree = degree.clone().largest(degrees.of(term.density));
+        *degree = degree.clone().largest(degrees.of_integrand(term.density));
     }
     regions
         .into_iter()

@@ -1,6 +1,5 @@
 //! Tensor expressions → their components in a [`Graph`].
 
-
 use super::hashing::Map;
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;

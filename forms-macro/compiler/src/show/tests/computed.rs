@@ -1,6 +1,5 @@
 //! Proofs that what is shown is what is computed.
 
-
 use super::*;
 
 /// Sums the densities of a region as one scalar of the graph.
