@@ -55,9 +55,7 @@ impl<const D: usize, L: fmt::Debug> fmt::Debug for ContactProblem<D, L> {
 }
 
 impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
-    /// Prepares the matrix pattern that all states share. The quadrature should be of a given degree
-    /// (`Quadrature::Degree`): by default each integral has its own, and that of a derivative may be lower, so that at kinks
-    /// an adjoint problem would not be the adjoint of what was solved.
+    /// Prepares the matrix pattern that all states share.
     ///
     /// # Errors
     /// When the matrix is too large to be numbered.
