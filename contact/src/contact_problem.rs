@@ -21,7 +21,8 @@ pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
     pub law: L,
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
-    pattern: Arc<BlockPattern<D>>,
+    /// The pattern that all states share; none where contact pairs decide what is coupled.
+    pattern: Option<Arc<BlockPattern<D>>>,
     /// Rule for splitting the facets of Γ_C at a displacement; none where they are integrated as a whole.
     split: Option<Split<D, L>>,
 }
@@ -65,9 +66,16 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         law: L,
         constraints: Constraints<D>,
     ) -> Result<Self, AssemblyError> {
-        let pattern = BlockPattern::new(&[space], &[space])
-            .map_err(|source| AssemblyError::LinearAlgebra { form: "direct", source })?;
-        let (space, pattern) = (space.clone(), Arc::new(pattern));
+        let direct = law.direct();
+        let on_pairs = direct.inputs().regions.iter().any(|region| region.entity == Entity::Pairs);
+        let pattern = if on_pairs {
+            None
+        } else {
+            let pattern = BlockPattern::new(&[space], &[space]);
+            let refused = |source| AssemblyError::LinearAlgebra { form: direct.name(), source };
+            Some(Arc::new(pattern.map_err(refused)?))
+        };
+        let space = space.clone();
         Ok(ContactProblem { assembler, space, law, constraints, pattern, split: None })
     }
 
@@ -113,8 +121,8 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         let problem = Problem::owning(form, &self.space)
             .assembler(&self.assembler)
             .constrained(&self.constraints)
-            .options(options)
-            .with_pattern(&self.pattern);
+            .options(options);
+        let problem = self.on_pattern(problem);
         Ok(match self.split {
             None => problem,
             Some(split) => problem.assembler_at(move |u| split(&self.assembler, &self.law, &u[0])),
@@ -183,10 +191,15 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         assembler: Assembler<D>,
     ) -> Result<Problem<'_, F, D>, AssemblyError> {
         self.law.check(form.name())?;
-        Ok(Problem::owning(form, &self.space)
-            .assembler(assembler)
-            .vanishing(&self.constraints)
-            .with_pattern(&self.pattern))
+        let problem = Problem::owning(form, &self.space).assembler(assembler);
+        Ok(self.on_pattern(problem.vanishing(&self.constraints)))
+    }
+
+    fn on_pattern<'p, F: Form<D>>(&self, problem: Problem<'p, F, D>) -> Problem<'p, F, D> {
+        match &self.pattern {
+            Some(pattern) => problem.with_pattern(pattern),
+            None => problem,
+        }
     }
 
     /// The adjoint problem of the law's criterion at the displacement u. A solver that has solved the direct problem reuses

@@ -1,5 +1,5 @@
 //! Contact laws with friction, one per file. They read one [`Data`](frictional_nitsche::frictional_nitsche::Data), so that a
-//! program changes the formulation by the module's name; `capsule` has its own.
+//! program changes the formulation by the module's name; `capsule` has its own, and those between bodies have theirs.
 //!
 //! | module | formulation | strains |
 //! | --- | --- | --- |
@@ -7,6 +7,8 @@
 //! | [`frictional_penalty`] | penalty | small |
 //! | [`augmented_lagrangian`] | Alart and Curnier's augmented Lagrangian, multipliers on facets; Uzawa's iteration | small |
 //! | [`finite_nitsche`] | Nitsche's method, θ = 0 | finite, neo-Hooke |
+//! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
+//! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
 //!
 //! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
@@ -17,3 +19,5 @@ pub mod capsule;
 pub mod finite_nitsche;
 pub mod frictional_nitsche;
 pub mod frictional_penalty;
+pub mod sliding_bodies;
+pub mod two_bodies;

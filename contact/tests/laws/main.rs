@@ -9,4 +9,5 @@ mod finite_nitsche;
 mod frictional_nitsche;
 mod frictional_penalty;
 mod layer;
+mod random_loads;
 mod setting;
