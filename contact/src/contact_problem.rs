@@ -207,9 +207,12 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     ///
     /// # Errors
     /// As [`ContactProblem::state`].
-    pub fn adjoint(&self, u: &Field<D>) -> Result<Problem<'_, L::Adjoint, D>, AssemblyError>
+    // The law's form is a parameter: as a projection in the signature it would keep the compiler from finding the method
+    // where the law has no adjoint, and from saying what is missing.
+    pub fn adjoint<F>(&self, u: &Field<D>) -> Result<Problem<'_, F, D>, AssemblyError>
     where
-        L: WithAdjoint<D>,
+        L: WithAdjoint<D, Adjoint = F>,
+        F: Form<D> + Clone,
     {
         self.state(self.law.adjoint(u), u)
     }
