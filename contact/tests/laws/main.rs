@@ -11,3 +11,4 @@ mod frictional_penalty;
 mod layer;
 mod random_loads;
 mod setting;
+mod two_bodies;
