@@ -88,8 +88,8 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<f64>, AssemblyError> {
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?
-            .on(self.owned.as_deref());
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         self.linear_integrals(binding, tests, Parts::ALL, |visitor| {
             visitor.added = Added::Sizes;
             form.residual(visitor)
