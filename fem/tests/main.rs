@@ -24,6 +24,7 @@ mod rotated_relations;
 mod second_derivatives;
 mod several_shapes;
 mod shape_derivatives;
+mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
 mod threads;

@@ -98,6 +98,10 @@ pub enum Dependence {
 pub struct Integral {
     /// Index into [`Inputs::regions`].
     pub region: usize,
+    /// Of pairs of displaced surfaces: the fields (by index) whose sum displaces them. Opposite points lie on rays along the
+    /// deformed normal, whatever the region's [`Pairing::projection`](crate::pairing::Pairing). `None` for other regions and
+    /// for pairs of the undeformed mesh.
+    pub displacement: Option<&'static [usize]>,
     /// Index of the test function (0 in functionals).
     pub test: usize,
     /// Index of the unknown that the trial function stands for (tangents only, else 0).

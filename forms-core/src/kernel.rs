@@ -57,6 +57,8 @@ pub struct OppositePoint<L, const D: usize> {
     pub position: [L; D],
     /// The opposite body's outward unit normal at Y.
     pub normal: [L; D],
+    /// ∇n along the opposite surface at Y \[1/length\]: row i, column j is ∂n_i along axis j; zero where it is flat.
+    pub shape_operator: [[L; D]; D],
 }
 
 impl<L: Lane, const D: usize> OppositePoint<L, D> {
@@ -64,7 +66,13 @@ impl<L: Lane, const D: usize> OppositePoint<L, D> {
     #[inline(always)]
     pub fn none() -> Self {
         let zero = L::splat(0.0);
-        OppositePoint { gap: zero, toward: [zero; D], position: [zero; D], normal: [zero; D] }
+        OppositePoint {
+            gap: zero,
+            toward: [zero; D],
+            position: [zero; D],
+            normal: [zero; D],
+            shape_operator: [[zero; D]; D],
+        }
     }
 }
 
@@ -146,6 +154,8 @@ pub struct Requirements {
     pub opposite_position: bool,
     /// Reads [`OppositePoint::normal`].
     pub opposite_normal: bool,
+    /// Reads [`OppositePoint::shape_operator`].
+    pub opposite_shape_operator: bool,
     /// `test` or `trial` reads [`Basis::value`].
     pub basis_value: bool,
     /// `test` or `trial` reads [`Basis::gradient`].
@@ -173,6 +183,7 @@ impl Requirements {
         toward: false,
         opposite_position: false,
         opposite_normal: false,
+        opposite_shape_operator: false,
         basis_value: false,
         basis_gradient: false,
         hessian: false,

@@ -143,7 +143,8 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
         let needs_pairs = requirements.gap
             || requirements.toward
             || requirements.opposite_position
-            || requirements.opposite_normal;
+            || requirements.opposite_normal
+            || requirements.opposite_shape_operator;
         if needs_pairs && group.pairs.is_none() {
             return Err(AssemblyError::NeedsPairs { form, place: group.place.clone() });
         }

@@ -12,7 +12,7 @@ use super::{Assembler, AssemblyError, unoptimised};
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
-use crate::pairs::{KnownPairs, PairError, Pairs};
+use crate::pairs::{Displacement, DisplacementField, KnownPairs, PairError, Pairs};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -336,10 +336,11 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(OwnedCells::among(self.owned, all))
     }
 
-    /// The contact pairs of a region of the form.
+    /// The contact pairs of a region of the form; `displacement` are the fields whose sum displaces their surfaces.
     pub fn pairs(
         &self,
         region: usize,
+        displacement: Option<&[usize]>,
         quadrature: &Quadrature<D>,
         degree: usize,
     ) -> Result<Arc<Pairs<D>>, AssemblyError> {
@@ -348,7 +349,19 @@ impl<'a, const D: usize> Binding<'a, D> {
         let (known, threads) =
             self.searches.ok_or_else(|| refused(PairError::Refused { place: "an element kernel" }))?;
         let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
-        known.find(self.mesh, pairing, quadrature, degree, threads).map_err(refused)
+        let displacement =
+            displacement.map(|fields| self.displacement(fields)).transpose().map_err(refused)?;
+        known.find(self.mesh, pairing, quadrature, degree, displacement.as_ref(), threads).map_err(refused)
+    }
+
+    fn displacement(&self, fields: &[usize]) -> Result<Displacement<'_, D>, PairError> {
+        let view = |field: &usize| match self.values[*field] {
+            Values::Discrete { space, values, .. } if space.facet_region().is_none() => {
+                Ok(DisplacementField { space, values })
+            }
+            _ => Err(PairError::NoDisplacement { field: self.fields[*field].name }),
+        };
+        Ok(Displacement { fields: fields.iter().map(view).collect::<Result<_, _>>()? })
     }
 
     /// The name of the field with a role, for messages.

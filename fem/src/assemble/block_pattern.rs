@@ -10,9 +10,10 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Entity, Form, Integr
 use super::binding::Entities;
 use super::block_index::BlockIndex;
 use super::owned_cells::OwnedCells;
-use super::pair_groups::{DegreeEstimate, PairSearch};
+use super::pair_groups::{DegreeEstimate, PairSearch, without_coefficients};
 use super::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
+use crate::field::FieldView;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::mesh::Facet;
 use crate::space::Space;
@@ -54,13 +55,15 @@ impl Coupled<'_> {
 
 /// One kind of tangent integral.
 #[derive(Clone, Copy)]
-struct Coupling {
+pub(super) struct Coupling {
     test: usize,
     trial: usize,
-    region: usize,
+    pub region: usize,
     sides: [Side; 2],
     /// Of contact pairs, where points decide which cells are coupled, the degree of the rule.
-    degree: DegreeEstimate,
+    pub degree: DegreeEstimate,
+    /// Of pairs of displaced surfaces, the fields that displace them.
+    pub displacement: Option<&'static [usize]>,
 }
 
 impl Coupling {
@@ -108,8 +111,9 @@ impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
     type Error = Infallible;
 
     fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
-        let Integral { test, trial, region, test_side, trial_side, degree, .. } = *integral;
-        let coupling = Coupling { test, trial, region, sides: [test_side, trial_side], degree };
+        let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } = *integral;
+        let sides = [test_side, trial_side];
+        let coupling = Coupling { test, trial, region, sides, degree, displacement };
         let on_pairs = self.regions[region].entity == Entity::Pairs;
         let is_new = on_pairs || !self.found.iter().any(|known| known.is_like(&coupling));
         if self.parts.contain(integral.dependence) && is_new {
@@ -133,7 +137,8 @@ impl<const D: usize> BlockPattern<D> {
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<Self, AssemblyError> {
-        Self::for_cells(form, tests, trials, None, PairSearch::default())
+        let unknowns = without_coefficients(trials);
+        Self::for_cells(form, tests, &unknowns, None, PairSearch::default())
     }
 
     /// The pattern of the part of a form's tangent that an assembler assembles.
@@ -143,16 +148,38 @@ impl<const D: usize> BlockPattern<D> {
         trials: &[&Arc<Space<D>>],
         assembler: &Assembler<D>,
     ) -> Result<Self, AssemblyError> {
-        Self::for_cells(form, tests, trials, assembler.owned.as_ref(), PairSearch::of(assembler))
+        Self::at_iterate(form, tests, &without_coefficients(trials), assembler)
+    }
+
+    /// The same with the pairs of displaced surfaces that there are at an iterate.
+    pub(crate) fn at_iterate<F: Form<D>>(
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        unknowns: &[FieldView<D>],
+        assembler: &Assembler<D>,
+    ) -> Result<Self, AssemblyError> {
+        Self::for_cells(form, tests, unknowns, assembler.owned.as_ref(), PairSearch::of(assembler))
+    }
+
+    /// Whether everything that a form's pairs of displaced surfaces couple at an iterate has its place.
+    pub(crate) fn covers<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+    ) -> Result<bool, AssemblyError> {
+        let tests: Vec<&Arc<Space<D>>> = self.tests.iter().collect();
+        self.search.covers(form, &tests, unknowns, &couplings(form, Parts::ALL))
     }
 
     fn for_cells<F: Form<D>>(
         form: &F,
         tests: &[&Arc<Space<D>>],
-        trials: &[&Arc<Space<D>>],
+        unknowns: &[FieldView<D>],
         owned: Option<&Arc<OwnedCells>>,
-        search: PairSearch<D>,
+        mut search: PairSearch<D>,
     ) -> Result<Self, AssemblyError> {
+        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|unknown| unknown.space).collect();
+        let trials = &trials[..];
         let name = form.name();
         let count = |is: fn(Role) -> bool| form.fields().iter().filter(|field| is(field.role)).count();
         for (what, expected, found) in [
@@ -174,11 +201,13 @@ impl<const D: usize> BlockPattern<D> {
             }
         }
         let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
-        for coupling in couplings(form, Parts::ALL) {
+        let couplings = couplings(form, Parts::ALL);
+        search.slide_to(form, tests, unknowns, &couplings)?;
+        for coupling in couplings {
             let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
             let (rows, columns) = (tests[test], trials[trial]);
             let target = &mut coupled[test][trial];
-            let entities = search.entities(form, tests, trials, coupling.region, coupling.degree)?;
+            let entities = search.entities(form, tests, trials, &coupling)?;
             let entities = OwnedCells::among(owned.map(|owned| &**owned), entities);
             let cells = rows.mesh.cell_count();
             let on_cells = rows.facet_region().is_none() && columns.facet_region().is_none();
@@ -326,7 +355,7 @@ impl<const D: usize> BlockPattern<D> {
             marks.resize(pair.blocks(), false);
             let columns = &mut columns[trial];
             columns.resize(columns_of.node_count(), false);
-            let entities = self.search.entities(form, &tests, &trials, coupling.region, coupling.degree)?;
+            let entities = self.search.entities(form, &tests, &trials, &coupling)?;
             if let Entities::Cells(cells) = &entities
                 && cells.len() == rows.mesh.cell_count()
             {

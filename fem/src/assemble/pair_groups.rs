@@ -1,16 +1,18 @@
 //! Contact pairs as groups: a unit is the points of an own facet that face one opposite facet, an entity with two sides
 //! whose points lie elsewhere in both cells than those of the next unit.
 
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Form, Pairing, Projection, Requirements};
+use forms_core::contract::{Entity, Form, Integral, Pairing, Requirements};
 
 use super::binding::{Binding, Entities, pair_error};
+use super::block_pattern::Coupling;
 use super::walk::{Group, GroupSide, Places};
 use super::{Assembler, AssemblyError};
 use crate::element::{Lagrange, LaneElement};
 use crate::field::FieldView;
-use crate::mesh::Mesh;
+use crate::mesh::{Facet, Mesh};
 use crate::pairs::{KnownPairs, PairError, PairGroup, PairReport, Pairs};
 use crate::quadrature::{Quadrature, QuadratureRule, map_to_facet};
 use crate::space::Space;
@@ -19,7 +21,6 @@ use crate::threads::Threads;
 /// The points of a group's units, with the elements that are evaluated there.
 pub(super) struct PairTables<const D: usize> {
     pub group: Arc<PairGroup<D>>,
-    pub projection: Projection,
     /// The geometry map on each side.
     pub geometry: [LaneElement; 2],
     /// The binding's elements on each side; of a space on facets, the traces that do not vanish.
@@ -43,11 +44,22 @@ pub(super) struct PairSearch<const D: usize> {
     known: Arc<KnownPairs<D>>,
     quadrature: Quadrature<D>,
     threads: Threads,
+    /// The couplings of sliding pairs: those of some iterate, and of neighbours to which points may slide.
+    sliding: Vec<SlidingCouplings>,
+}
+
+/// The own and opposite facets that the pairs of displaced surfaces may couple, ascending.
+#[derive(Debug)]
+struct SlidingCouplings {
+    region: usize,
+    displacement: &'static [usize],
+    facets: Arc<[[Facet; 2]]>,
 }
 
 impl<const D: usize> Default for PairSearch<D> {
     fn default() -> Self {
-        PairSearch { known: Arc::default(), quadrature: Quadrature::Estimated, threads: Threads::all() }
+        let (known, quadrature, threads) = (Arc::default(), Quadrature::Estimated, Threads::all());
+        PairSearch { known, quadrature, threads, sliding: vec![] }
     }
 }
 
@@ -55,7 +67,8 @@ impl<const D: usize> PairSearch<D> {
     /// That of an assembler.
     pub fn of(assembler: &Assembler<D>) -> Self {
         let Assembler { known_pairs, quadrature, threads, .. } = assembler;
-        PairSearch { known: Arc::clone(known_pairs), quadrature: quadrature.clone(), threads: *threads }
+        let known = Arc::clone(known_pairs);
+        PairSearch { known, quadrature: quadrature.clone(), threads: *threads, sliding: vec![] }
     }
 
     /// The cells or facets of a form's region; pairs count as facets with two sides.
@@ -64,37 +77,141 @@ impl<const D: usize> PairSearch<D> {
         form: &F,
         tests: &[&'a Arc<Space<D>>],
         trials: &[&'a Arc<Space<D>>],
-        region: usize,
-        estimate: DegreeEstimate,
+        coupling: &Coupling,
     ) -> Result<Entities<'a>, AssemblyError> {
         let (inputs, mesh) = (form.inputs(), &tests[0].mesh);
-        if inputs.regions[region].entity != Entity::Pairs {
-            return Entities::of(mesh, form.name(), &inputs.regions[region]);
+        if inputs.regions[coupling.region].entity != Entity::Pairs {
+            return Entities::of(mesh, form.name(), &inputs.regions[coupling.region]);
         }
-        // Degrees alone are asked for, no coefficients.
-        let views: Vec<FieldView<D>> =
-            trials.iter().map(|space| FieldView { space, values: &[], finite: true }).collect();
-        let mut binding = Binding::new(form.name(), form.fields(), inputs, mesh, &views)?;
+        let sliding = self.sliding.iter().find(|known| known.is_of(coupling));
+        let facets = match sliding {
+            Some(known) => known.facets.to_vec(),
+            None => self.pairs(form, tests, &without_coefficients(trials), coupling)?.facets(),
+        };
+        Ok(Entities::InteriorFacets(facets.into()))
+    }
+
+    /// The pairs that an integral has at an iterate.
+    fn pairs<F: Form<D>>(
+        &self,
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        unknowns: &[FieldView<D>],
+        coupling: &Coupling,
+    ) -> Result<Arc<Pairs<D>>, AssemblyError> {
+        let mesh = &tests[0].mesh;
+        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), mesh, unknowns)?;
         binding.searches = Some((&self.known, self.threads));
         let degrees = binding.degrees(tests);
-        let degree = degree_on_pairs(mesh, |geometry, simplex| estimate(&degrees, geometry, simplex));
-        let pairs = binding.pairs(region, &self.quadrature, degree)?;
-        Ok(Entities::InteriorFacets(pairs.facets().into()))
+        let degree =
+            degree_on_pairs(mesh, |geometry, simplex| (coupling.degree)(&degrees, geometry, simplex));
+        binding.pairs(coupling.region, coupling.displacement, &self.quadrature, degree)
     }
+
+    /// Lets sliding pairs couple what they do at an iterate, and their neighbours.
+    pub fn slide_to<F: Form<D>>(
+        &mut self,
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        unknowns: &[FieldView<D>],
+        couplings: &[Coupling],
+    ) -> Result<(), AssemblyError> {
+        self.sliding.clear();
+        let mesh = &tests[0].mesh;
+        for coupling in couplings {
+            let Some(displacement) = coupling.displacement else { continue };
+            if self.sliding.iter().any(|known| known.is_of(coupling)) {
+                continue;
+            }
+            let region = &form.inputs().regions[coupling.region];
+            let refused = |source| pair_error(form.name(), region, source);
+            let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
+            let pairs = self.pairs(form, tests, unknowns, coupling)?;
+            let facets = with_neighbours(mesh, pairing, pairs.facets()).map_err(refused)?;
+            let region = coupling.region;
+            self.sliding.push(SlidingCouplings { region, displacement, facets: facets.into() });
+        }
+        Ok(())
+    }
+
+    /// Whether everything that sliding pairs couple at an iterate has its place.
+    pub fn covers<F: Form<D>>(
+        &self,
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        unknowns: &[FieldView<D>],
+        couplings: &[Coupling],
+    ) -> Result<bool, AssemblyError> {
+        for coupling in couplings.iter().filter(|coupling| coupling.displacement.is_some()) {
+            let Some(known) = self.sliding.iter().find(|known| known.is_of(coupling)) else {
+                return Ok(false);
+            };
+            let pairs = self.pairs(form, tests, unknowns, coupling)?;
+            if pairs.facets().iter().any(|facets| known.facets.binary_search(facets).is_err()) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+impl SlidingCouplings {
+    fn is_of(&self, coupling: &Coupling) -> bool {
+        self.region == coupling.region && Some(self.displacement) == coupling.displacement
+    }
+}
+
+/// Unknowns of which nothing but their spaces is asked.
+pub(super) fn without_coefficients<'a, const D: usize>(
+    spaces: &[&'a Arc<Space<D>>],
+) -> Vec<FieldView<'a, D>> {
+    spaces.iter().map(|space| FieldView { space, values: &[], finite: true }).collect()
+}
+
+/// Facets around an opposite one to which a point may slide before the pattern is made anew: so many layers of facets that
+/// share a vertex.
+const LAYERS: usize = 2;
+
+/// Pairs of facets, and each own facet with the neighbours of those opposite to it; ascending.
+fn with_neighbours<const D: usize>(
+    mesh: &Mesh<D>,
+    pairing: &Pairing,
+    pairs: Vec<[Facet; 2]>,
+) -> Result<Vec<[Facet; 2]>, PairError> {
+    let mut around: HashMap<u32, Vec<Facet>> = HashMap::new();
+    for facing in &pairing.surfaces {
+        let facets = mesh.facet_region(&facing.opposite).map_err(|source| PairError::Surface { source })?;
+        for facet in facets {
+            for vertex in mesh.facet_vertices(*facet) {
+                around.entry(vertex).or_default().push(*facet);
+            }
+        }
+    }
+    let mut all: BTreeSet<[Facet; 2]> = pairs.into_iter().collect();
+    for _ in 0..LAYERS {
+        let neighbours = |[own, opposite]: &[Facet; 2]| -> Vec<[Facet; 2]> {
+            let vertices = mesh.facet_vertices(*opposite).collect::<Vec<_>>().into_iter();
+            vertices.flat_map(|vertex| around[&vertex].iter().map(|facet| [*own, *facet])).collect()
+        };
+        let found: Vec<_> = all.iter().flat_map(neighbours).collect();
+        all.extend(found);
+    }
+    Ok(all.into_iter().collect())
 }
 
 /// The groups of a region of contact pairs.
 pub(super) fn pair_groups<const D: usize>(
     binding: &Binding<D>,
-    region: usize,
+    integral: &Integral,
     quadrature: &Quadrature<D>,
     degree: usize,
     requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
+    let region = integral.region;
     if binding.history_degree(requirements, quadrature)?.is_some() {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
     }
-    let pairs = binding.pairs(region, quadrature, degree)?;
+    let pairs = binding.pairs(region, integral.displacement, quadrature, degree)?;
     let region = &binding.regions[region];
     groups_of(binding, &format!("the pairs `{}` ({})", region.symbol, region.name), &pairs)
 }
@@ -139,7 +256,7 @@ pub(super) fn groups_of<const D: usize>(
         });
         let geometry = group.sides.map(|(shape, _)| LaneElement::new(&mesh.element_of(shape), None));
         let weights = vec![0.0; group.count];
-        let tables = PairTables { group, projection: pairs.projection, geometry, elements };
+        let tables = PairTables { group, geometry, elements };
         groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables) });
     }
     Ok(groups)
@@ -182,6 +299,6 @@ impl<const D: usize> Assembler<D> {
 
     /// The pairs, which are searched for at the first call.
     pub(super) fn pairs_of(&self, pairing: &Pairing, degree: usize) -> Result<Arc<Pairs<D>>, PairError> {
-        self.known_pairs.find(&self.mesh, pairing, &self.quadrature, degree, self.threads)
+        self.known_pairs.find(&self.mesh, pairing, &self.quadrature, degree, None, self.threads)
     }
 }

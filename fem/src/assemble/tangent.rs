@@ -32,8 +32,7 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
-        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|field| field.space()).collect();
-        let pattern = BlockPattern::for_cells_of(form, tests, &trials, self)?;
+        let pattern = BlockPattern::at_iterate(form, tests, &views(unknowns), self)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix.into_csr())

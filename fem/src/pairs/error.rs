@@ -68,6 +68,12 @@ pub enum PairError {
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,
+    /// Something else than a field on a space of cells as a displacement of surfaces.
+    #[error("`{field}` displaces surfaces and must be a field on a space of cells")]
+    NoDisplacement {
+        /// Its name in the form.
+        field: &'static str,
+    },
     /// A place at which pairs cannot be integrated over.
     #[error("{place} cannot integrate over contact pairs")]
     Refused {

@@ -1,16 +1,19 @@
-//! Contact pairs of fixed points: each quadrature point of a surface with the point opposite to it on the undeformed mesh.
+//! Contact pairs: each quadrature point of a surface with the point opposite to it, on the undeformed mesh or on displaced
+//! surfaces.
 //!
 //! ```text
+//! displacement   the fields that displace surfaces
 //! surface   facets as parametrised surfaces, and where a surface ends
 //! opposite  the point of one facet on a ray, or nearest to a point
 //! search    the opposite points of an own facet, among candidates from a grid of boxes
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
 //! ```
 //!
-//! Pairs are geometry of the undeformed mesh, whatever is integrated over them: they are searched for once, and kept by
-//! [`Assembler`](crate::assemble::Assembler).
+//! Pairs of the undeformed mesh are searched for once, and kept by [`Assembler`](crate::assemble::Assembler); those of displaced
+//! surfaces are kept for the last displacements. They are a function of mesh and displacement alone, whatever was found before.
 
 mod clip;
+mod displacement;
 mod error;
 mod opposite;
 mod pieces;
@@ -21,8 +24,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use forms_core::contract::{Pairing, Projection};
+use forms_core::contract::Pairing;
 
+pub(crate) use self::displacement::{Displacement, DisplacementField};
 pub use self::error::PairError;
 use self::search::{Counts, Search, Unit};
 use crate::element::CellShape;
@@ -59,14 +63,14 @@ pub(crate) struct PairGroup<const D: usize> {
     pub facets: Vec<[Facet; 2]>,
     /// Points of each unit.
     pub count: usize,
-    /// Of each unit and point: reference coordinates in the own cell, in the opposite one, and the weight on the own
-    /// facet's reference cell.
+    /// Of each unit and point: reference coordinates in the own cell, in the opposite one, the weight on the own facet's
+    /// reference cell, the gap, the direction toward the opposite point.
     pub points: Vec<f64>,
 }
 
 impl<const D: usize> PairGroup<D> {
     /// Numbers per point.
-    pub const STRIDE: usize = 2 * D + 1;
+    pub const STRIDE: usize = 3 * D + 2;
 
     /// The units whose own cell is wanted.
     pub fn filtered(&self, wanted: impl Fn(u32) -> bool) -> Self {
@@ -87,7 +91,6 @@ impl<const D: usize> PairGroup<D> {
 pub(crate) struct Pairs<const D: usize> {
     /// In an order that follows from the mesh alone; in each group units stand in the order of the walk.
     pub groups: Vec<Arc<PairGroup<D>>>,
-    pub projection: Projection,
     pub report: PairReport,
 }
 
@@ -100,6 +103,7 @@ impl<const D: usize> Pairs<D> {
         pairing: &Pairing,
         quadrature: &Quadrature<D>,
         degree: usize,
+        displacement: Option<&Displacement<D>>,
         threads: Threads,
     ) -> Result<Self, PairError> {
         if pairing.surfaces.is_empty() {
@@ -108,7 +112,7 @@ impl<const D: usize> Pairs<D> {
         let mut all: Vec<(u32, Unit<D>)> = Vec::new();
         let mut counts = Counts::default();
         for facing in &pairing.surfaces {
-            let search = Search::new(mesh, pairing, facing, quadrature, degree)?;
+            let search = Search::new(mesh, pairing, facing, quadrature, degree, displacement)?;
             let facets = search.own.len();
             let parts = threads.count().min(facets.div_ceil(CHUNK)).max(1);
             let parts = (0..parts).map(|part| part * facets / parts..(part + 1) * facets / parts).collect();
@@ -122,7 +126,8 @@ impl<const D: usize> Pairs<D> {
                     all.extend(units.into_iter().map(|unit| (mesh.walk_of_facet(&unit.facets[..1]), unit)));
                 }
             }
-            if own.points == 0 {
+            // Displaced surfaces may part.
+            if own.points == 0 && displacement.is_none() {
                 let (own_name, opposite) = (facing.own.clone(), facing.opposite.clone());
                 return Err(PairError::NoPartners { own: own_name, opposite, met: own.rejected });
             }
@@ -142,12 +147,12 @@ impl<const D: usize> Pairs<D> {
             group.facets.push(unit.facets);
             for point in &unit.points {
                 group.points.extend(point.reference.as_flattened());
-                group.points.push(point.weight);
+                group.points.extend([point.weight, point.gap]);
+                group.points.extend(point.toward);
             }
         }
         Ok(Pairs {
             groups: groups.into_values().map(Arc::new).collect(),
-            projection: pairing.projection,
             report: PairReport {
                 points: counts.points,
                 open: counts.open,
@@ -180,7 +185,24 @@ struct Known<const D: usize> {
     pairing: Pairing,
     quadrature: Quadrature<D>,
     degree: usize,
+    /// Degree and coefficients of the fields that displace the surfaces.
+    displacement: Option<Vec<(usize, Vec<f64>)>>,
     pairs: Arc<Pairs<D>>,
+}
+
+impl<const D: usize> Known<D> {
+    fn is_displaced_by(&self, displacement: Option<&Displacement<D>>) -> bool {
+        match (&self.displacement, displacement) {
+            (None, None) => true,
+            (Some(own), Some(other)) => {
+                own.len() == other.fields.len()
+                    && own.iter().zip(&other.fields).all(|((degree, values), field)| {
+                        *degree == field.space.degree && values[..] == *field.values
+                    })
+            }
+            _ => false,
+        }
+    }
 }
 
 /// Searches that are kept; the oldest go.
@@ -195,6 +217,7 @@ impl<const D: usize> KnownPairs<D> {
         pairing: &Pairing,
         quadrature: &Quadrature<D>,
         estimated: usize,
+        displacement: Option<&Displacement<D>>,
         threads: Threads,
     ) -> Result<Arc<Pairs<D>>, PairError> {
         // Where facets are split elsewhere, pairs keep pieces of their own.
@@ -204,20 +227,26 @@ impl<const D: usize> KnownPairs<D> {
         }
         let degree = if choice.follows_estimates() { estimated } else { 0 };
         let is_known = |known: &&Known<D>| {
-            known.degree == degree && known.pairing == *pairing && known.quadrature == *choice
+            known.degree == degree
+                && known.pairing == *pairing
+                && known.quadrature == *choice
+                && known.is_displaced_by(displacement)
         };
         let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = lock().iter().find(is_known) {
             return Ok(Arc::clone(&known.pairs));
         }
         // Not under the lock: a search runs on several threads.
-        let pairs = Arc::new(Pairs::find(mesh, pairing, choice, degree, threads)?);
+        let pairs = Arc::new(Pairs::find(mesh, pairing, choice, degree, displacement, threads)?);
         let mut known = lock();
         if known.len() == KEPT {
             known.remove(0);
         }
         let (pairing, quadrature) = (pairing.clone(), choice.clone());
-        known.push(Known { pairing, quadrature, degree, pairs: Arc::clone(&pairs) });
+        let displacement = displacement.map(|displacement| {
+            displacement.fields.iter().map(|field| (field.space.degree, field.values.to_vec())).collect()
+        });
+        known.push(Known { pairing, quadrature, degree, displacement, pairs: Arc::clone(&pairs) });
         Ok(pairs)
     }
 }

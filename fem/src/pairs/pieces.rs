@@ -2,7 +2,7 @@
 
 use forms_core::contract::Projection;
 
-use super::search::{Search, Sought};
+use super::search::{Search, Sought, Viewpoint};
 use super::surface::{SurfaceFacet, dot, minus};
 use crate::quadrature::Piece;
 
@@ -43,8 +43,9 @@ pub(super) fn segments<const D: usize>(
         if last - first <= SHORTEST {
             continue;
         }
-        let middle = own.at(&[0.5 * (first + last), 0.0]);
-        let sought = search.opposite_to(&middle.position, &middle.normal(), candidates, reach);
+        let middle = [0.5 * (first + last), 0.0];
+        let middle = Viewpoint::new(own, middle, &own.at(&middle));
+        let sought = search.opposite_to(&middle, candidates, reach);
         let Sought::Found(partner) = sought else { continue };
         match found.last_mut() {
             // The end of a facet that is hidden behind another one ends nothing.

@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use forms_core::contract::{Facing, PairQuadrature, Pairing, Projection};
 
+use super::displacement::Displacement;
 use super::opposite::{Hit, along_ray, nearest};
-use super::surface::{Rim, SurfaceFacet, dot, minus, unit};
+use super::surface::{Rim, SurfaceFacet, SurfacePoint, dot, minus, unit};
 use super::{PairError, clip, pieces};
 use crate::locate::BoxGrid;
 use crate::mesh::{Facet, Mesh};
@@ -13,6 +14,9 @@ use crate::quadrature::{Quadrature, QuadratureRule, facet_reference_rule};
 
 /// Points are accepted whose surfaces face each other: the product of the normals is below this.
 const FACING: f64 = -0.1;
+
+/// Points of one body count as separated by it up to this many diameters of a facet.
+const BEHIND: f64 = 4.0;
 
 /// Gaps that differ by less than this part of the facet's diameter are of one surface.
 const SAME_GAP: f64 = 1e-8;
@@ -24,6 +28,8 @@ pub(super) struct PairPoint<const D: usize> {
     pub reference: [[f64; D]; 2],
     /// Weight on the own facet's reference cell.
     pub weight: f64,
+    pub gap: f64,
+    pub toward: [f64; D],
 }
 
 /// The points of an own facet that lie opposite to one facet.
@@ -32,6 +38,20 @@ pub(super) struct Unit<const D: usize> {
     /// The own facet and the opposite one.
     pub facets: [Facet; 2],
     pub points: Vec<PairPoint<D>>,
+}
+
+/// A point of an own facet, from which an opposite one is looked for.
+pub(super) struct Viewpoint<'a, 'm, const D: usize> {
+    own: &'a SurfaceFacet<'m, D>,
+    s: [f64; 2],
+    pub position: [f64; D],
+    pub normal: [f64; D],
+}
+
+impl<'a, 'm, const D: usize> Viewpoint<'a, 'm, D> {
+    pub fn new(own: &'a SurfaceFacet<'m, D>, s: [f64; 2], point: &SurfacePoint<D>) -> Self {
+        Viewpoint { own, s, position: point.position, normal: point.normal() }
+    }
 }
 
 /// The opposite point that was found.
@@ -100,6 +120,7 @@ impl<'m, const D: usize> Search<'m, D> {
         facing: &Facing,
         quadrature: &'m Quadrature<D>,
         degree: usize,
+        displacement: Option<&Displacement<D>>,
     ) -> Result<Self, PairError> {
         if let Some(reach) = pairing.reach
             && !(reach > 0.0 && reach.is_finite())
@@ -122,13 +143,15 @@ impl<'m, const D: usize> Search<'m, D> {
             let position = mesh.facet_centre(**first).to_vec();
             return Err(PairError::Overlap { own, opposite, count: shared.len(), position });
         }
+        // Displaced surfaces have rays alone.
+        let projection = if displacement.is_some() { Projection::Ray } else { pairing.projection };
         let parametrised = |facets: &[Facet]| -> Vec<SurfaceFacet<'m, D>> {
-            facets.iter().map(|facet| SurfaceFacet::new(mesh, *facet)).collect()
+            facets.iter().map(|facet| SurfaceFacet::new(mesh, *facet, displacement)).collect()
         };
         let (own, opposite) = (parametrised(own), parametrised(opposite));
         let grid = BoxGrid::new(opposite.iter().map(SurfaceFacet::corners).collect());
         let mut corner_normals: HashMap<u32, [f64; D]> = HashMap::new();
-        for facet in opposite.iter().filter(|_| D == 3 && pairing.projection == Projection::Nearest) {
+        for facet in opposite.iter().filter(|_| D == 3 && projection == Projection::Nearest) {
             for (vertex, s) in facet.vertices().zip(facet.parameters()) {
                 let sum = corner_normals.entry(vertex).or_insert([0.0; D]);
                 *sum = std::array::from_fn(|k| sum[k] + facet.at(s).normal()[k]);
@@ -142,8 +165,8 @@ impl<'m, const D: usize> Search<'m, D> {
             opposite,
             grid,
             corner_normals,
-            projection: pairing.projection,
-            whole: pairing.quadrature == PairQuadrature::WholeFacets,
+            projection,
+            whole: pairing.quadrature == PairQuadrature::WholeFacets || displacement.is_some(),
             reach: pairing.reach,
             quadrature,
             degree,
@@ -180,7 +203,8 @@ impl<'m, const D: usize> Search<'m, D> {
     }
 
     /// The point of one facet opposite to x, with the gap.
-    fn on_facet(&self, facet: usize, x: &[f64; D], n: &[f64; D]) -> Option<Partner<D>> {
+    fn on_facet(&self, facet: usize, from: &Viewpoint<D>) -> Option<Partner<D>> {
+        let (x, n) = (&from.position, &from.normal);
         let hit = match self.projection {
             Projection::Ray => along_ray(&self.opposite[facet], x, n)?,
             Projection::Nearest => nearest(&self.opposite[facet], &self.rim, x)?,
@@ -208,20 +232,37 @@ impl<'m, const D: usize> Search<'m, D> {
         bounds
     }
 
-    fn accepts(&self, partner: &Partner<D>, n: &[f64; D], reach: f64) -> bool {
-        dot(n, &partner.hit.normal) < FACING && partner.gap.abs() <= reach
+    fn accepts(&self, partner: &Partner<D>, from: &Viewpoint<D>, reach: f64) -> bool {
+        dot(&from.normal, &partner.hit.normal) < FACING
+            && partner.gap.abs() <= reach
+            && !self.through_the_body(from, partner)
+    }
+
+    /// Whether the body itself lies between a point and one that was found on its own surface: before anything was displaced
+    /// the point lay behind the other one's surface, and near.
+    fn through_the_body(&self, from: &Viewpoint<D>, partner: &Partner<D>) -> bool {
+        if !self.within {
+            return false;
+        }
+        let own = from.own;
+        let ((x, _), (y, normal)) =
+            (own.undisplaced(&from.s), self.opposite[partner.facet].undisplaced(&partner.hit.s));
+        let off = minus(&x, &y);
+        let distance = dot(&off, &off).sqrt();
+        distance < BEHIND * own.diameter() && dot(&off, &normal) < -0.01 * distance
     }
 
     /// The point opposite to x: of those accepted the one with the smallest |g|, or the nearest; of several the one on
     /// the facet with the lowest number.
-    pub fn opposite_to(&self, x: &[f64; D], n: &[f64; D], candidates: &[usize], reach: f64) -> Sought<D> {
+    pub fn opposite_to(&self, from: &Viewpoint<D>, candidates: &[usize], reach: f64) -> Sought<D> {
+        let x = &from.position;
         let (mut best, mut rejected): (Option<(f64, Partner<D>)>, bool) = (None, false);
         for (bound, facet) in self.by_distance(x, candidates) {
             if best.as_ref().is_some_and(|(least, _)| bound > *least) {
                 break;
             }
-            let Some(partner) = self.on_facet(facet, x, n) else { continue };
-            if !self.accepts(&partner, n, reach) {
+            let Some(partner) = self.on_facet(facet, from) else { continue };
+            if !self.accepts(&partner, from, reach) {
                 rejected |= !partner.hit.at_rim;
                 continue;
             }
@@ -259,9 +300,9 @@ impl<'m, const D: usize> Search<'m, D> {
         for (facing, rule) in self.rules(own, &candidates, reach)? {
             for (s, &weight) in rule.points.iter().zip(&rule.weights) {
                 let point = own.at(s);
-                let (x, n) = (point.position, point.normal());
-                let sought = self.opposite_to(&x, &n, &candidates, reach);
-                let Some(sought) = self.of_piece(facing, sought, &x, &n, reach) else { continue };
+                let from = Viewpoint::new(own, *s, &point);
+                let sought = self.opposite_to(&from, &candidates, reach);
+                let Some(sought) = self.of_piece(facing, sought, &from, reach) else { continue };
                 let partner = match sought {
                     Sought::Found(partner) => partner,
                     Sought::Rejected | Sought::Open => {
@@ -276,7 +317,12 @@ impl<'m, const D: usize> Search<'m, D> {
                 counts.paired += weight * point.element();
                 let opposite = &self.opposite[partner.facet];
                 let reference = [own.reference(s), opposite.reference(&partner.hit.s)];
-                let (facets, point) = ([own.facet, opposite.facet], PairPoint { reference, weight });
+                let toward = match self.projection {
+                    Projection::Ray => from.normal,
+                    Projection::Nearest => partner.hit.normal.map(|component| -component),
+                };
+                let facets = [own.facet, opposite.facet];
+                let point = PairPoint { reference, weight, gap: partner.gap, toward };
                 match units.iter_mut().find(|unit| unit.facets == facets) {
                     Some(unit) => unit.points.push(point),
                     None => units.push(Unit { facets, points: vec![point] }),
@@ -324,8 +370,7 @@ impl<'m, const D: usize> Search<'m, D> {
         &self,
         facing: Option<usize>,
         sought: Sought<D>,
-        x: &[f64; D],
-        n: &[f64; D],
+        from: &Viewpoint<D>,
         reach: f64,
     ) -> Option<Sought<D>> {
         let (Some(facing), Sought::Found(best)) = (facing, &sought) else { return Some(sought) };
@@ -334,7 +379,7 @@ impl<'m, const D: usize> Search<'m, D> {
         }
         let (a, b) = (&self.opposite[best.facet], &self.opposite[facing]);
         let same_gap = |partner: &Partner<D>| best.gap.abs() >= partner.gap.abs() - SAME_GAP * b.radius;
-        match self.on_facet(facing, x, n).filter(|partner| self.accepts(partner, n, reach)) {
+        match self.on_facet(facing, from).filter(|partner| self.accepts(partner, from, reach)) {
             Some(partner) if self.projection == Projection::Ray => {
                 if same_gap(&partner) {
                     return Some(Sought::Found(partner));

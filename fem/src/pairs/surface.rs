@@ -2,23 +2,30 @@
 
 use std::collections::HashMap;
 
+use super::displacement::{CellDisplacement, Displacement};
+use crate::element::Lagrange;
 use crate::locate::{Corners, box_around};
 use crate::mesh::{Facet, Mesh};
 
-/// A facet of a mesh over its own reference cell, whose second coordinate is zero in the plane.
+/// A facet of a mesh over its own reference cell, whose second coordinate is zero in the plane; where it is displaced, the
+/// displaced facet.
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceFacet<'m, const D: usize> {
     mesh: &'m Mesh<D>,
     pub facet: Facet,
+    displacement: Option<CellDisplacement<D>>,
     /// The facet's first corner and tangents in the cell's reference coordinates.
     origin: [f64; D],
     pub tangents: [[f64; D]; 2],
     /// Whether its own reference cell is the unit triangle.
     triangle: bool,
-    /// The position as a polynomial of its own coordinates: that of sⁱtʲ at `[i][j]`.
-    position: [[[f64; D]; 3]; 3],
+    /// The position as a polynomial of its own coordinates, of degree two at most: the coefficient of sⁱtʲ at `[i][j]`.
+    polynomial: Option<[[[f64; D]; 3]; 3]>,
     /// Whether its map is affine.
     pub affine: bool,
+    /// The degree of its map, and its nodes.
+    degree: usize,
+    nodes: Vec<[f64; D]>,
     /// The mean of its nodes, and a radius that holds the facet.
     pub centre: [f64; D],
     pub radius: f64,
@@ -68,7 +75,7 @@ impl<const D: usize> SurfacePoint<D> {
 }
 
 impl<'m, const D: usize> SurfaceFacet<'m, D> {
-    pub fn new(mesh: &'m Mesh<D>, facet: Facet) -> Self {
+    pub fn new(mesh: &'m Mesh<D>, facet: Facet, displacement: Option<&Displacement<D>>) -> Self {
         let (cell, local) = (facet.cell as usize, usize::from(facet.local));
         let shape = mesh.cell_shape(cell);
         let vertices = shape.facet_vertices(local);
@@ -77,31 +84,59 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let origin = corner(vertices[0]);
         let along = minus(&corner(vertices[1]), &origin);
         let across = if D == 2 { [0.0; D] } else { minus(&corner(vertices[vertices.len() - 1]), &origin) };
-        let nodes = Self::nodes_of(mesh, facet);
-        let centre = std::array::from_fn(|k| nodes.iter().map(|x| x[k]).sum::<f64>() / nodes.len() as f64);
-        let reach = |x: &&[f64; D]| dot(&minus(x, &centre), &minus(x, &centre)).sqrt();
-        // Quadratic facets bulge beyond their nodes, by less than this.
-        let bulge = if mesh.degree() == 1 { 1.0 + 1e-9 } else { 1.5 };
-        let radius = bulge * nodes.iter().map(|x| reach(x)).fold(0.0, f64::max);
         let triangle = D == 3 && shape.is_simplex();
-        let affine = mesh.degree() == 1 && (D == 2 || triangle);
-        let tangents = [along, across];
-        let at = |s: f64, t: f64| {
-            let reference = std::array::from_fn(|k| origin[k] + s * along[k] + t * across[k]);
-            mesh.map(cell, &reference).0
+        let degree = displacement.map_or(1, Displacement::degree).max(mesh.degree());
+        let mut own = SurfaceFacet {
+            mesh,
+            facet,
+            displacement: displacement.map(|displacement| displacement.on_cell_of(mesh, facet)),
+            origin,
+            tangents: [along, across],
+            triangle,
+            affine: degree == 1 && (D == 2 || triangle),
+            degree,
+            polynomial: None,
+            nodes: vec![],
+            centre: [0.0; D],
+            radius: 0.0,
         };
-        let position = polynomial(at, mesh.degree());
-        SurfaceFacet { mesh, facet, origin, tangents, triangle, position, affine, centre, radius }
+        if degree <= 2 {
+            own.polynomial = Some(polynomial(|s, t| own.map(&own.reference(&[s, t])).0, degree));
+        }
+        let element = Lagrange { shape, degree };
+        let references = element.node_points::<D>();
+        let on_facet = element.facet_nodes(local).into_iter();
+        own.nodes = on_facet.map(|node| own.map(&references[node]).0).collect();
+        let count = own.nodes.len() as f64;
+        own.centre = std::array::from_fn(|k| own.nodes.iter().map(|x| x[k]).sum::<f64>() / count);
+        let reach = |x: &[f64; D]| dot(&minus(x, &own.centre), &minus(x, &own.centre)).sqrt();
+        // Quadratic facets bulge beyond their nodes, by less than this.
+        let bulge = if degree == 1 { 1.0 + 1e-9 } else { 1.5 };
+        own.radius = bulge * own.nodes.iter().map(reach).fold(0.0, f64::max);
+        own
     }
 
-    fn nodes_of(mesh: &'m Mesh<D>, facet: Facet) -> Vec<&'m [f64; D]> {
-        let cell = mesh.cell(facet.cell as usize);
-        let element = mesh.cell_element(facet.cell as usize);
-        let nodes = element.facet_nodes(usize::from(facet.local));
-        nodes.into_iter().map(|node| &mesh.nodes()[cell[node] as usize]).collect()
+    /// Position and Jacobian at a point of the cell.
+    fn map(&self, reference: &[f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        let (mut position, mut jacobian) = self.mesh.map(self.facet.cell as usize, reference);
+        if let Some(displacement) = &self.displacement {
+            displacement.add_at(reference, &mut position, &mut jacobian);
+        }
+        (position, jacobian)
     }
 
-    /// The largest distance between two corners.
+    /// Position and outward normal of the facet before it is displaced.
+    pub fn undisplaced(&self, s: &[f64; 2]) -> ([f64; D], [f64; D]) {
+        let (position, jacobian) = self.mesh.map(self.facet.cell as usize, &self.reference(s));
+        let point = SurfacePoint { position, tangents: self.along(&jacobian) };
+        (position, point.normal())
+    }
+
+    fn along(&self, jacobian: &[[f64; D]; D]) -> [[f64; D]; 2] {
+        self.tangents.each_ref().map(|t| std::array::from_fn(|i| dot(&jacobian[i], t)))
+    }
+
+    /// The largest distance between two corners, before they are displaced.
     pub fn diameter(&self) -> f64 {
         let corners: Vec<_> = self.vertices().map(|vertex| self.mesh.nodes()[vertex as usize]).collect();
         let mut largest = 0.0_f64;
@@ -115,8 +150,8 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
 
     /// A box around it.
     pub fn corners(&self) -> Corners<D> {
-        let bulge = if self.mesh.degree() == 1 { 0.0 } else { 0.5 };
-        box_around(Self::nodes_of(self.mesh, self.facet), bulge)
+        let bulge = if self.degree == 1 { 0.0 } else { 0.5 };
+        box_around(&self.nodes, bulge)
     }
 
     /// The numbers of its corners, in the order of [`SurfaceFacet::parameters`].
@@ -148,12 +183,16 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
     }
 
     pub fn at(&self, &[s, t]: &[f64; 2]) -> SurfacePoint<D> {
+        let Some(polynomial) = &self.polynomial else {
+            let (position, jacobian) = self.map(&self.reference(&[s, t]));
+            return SurfacePoint { position, tangents: self.along(&jacobian) };
+        };
         let [mut position, mut along, mut across] = [[0.0; D]; 3];
         for k in 0..D {
             // Each row with its derivative by t.
             let mut rows = [[0.0; 2]; 3];
             for i in 0..3 {
-                let [a, b, c] = [0, 1, 2].map(|j| self.position[i][j][k]);
+                let [a, b, c] = [0, 1, 2].map(|j| polynomial[i][j][k]);
                 rows[i] = [a + t * (b + t * c), b + 2.0 * t * c];
             }
             let [first, second, third] = rows;
@@ -164,11 +203,13 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         SurfacePoint { position, tangents: [along, across] }
     }
 
-    /// Second derivatives of the position along the facet's own coordinates.
+    /// Second derivatives of the position along the facet's own coordinates; those of facets that are displaced by fields of
+    /// higher degree than two are not known, and not read.
     pub fn second(&self, &[s, t]: &[f64; 2]) -> [[[f64; D]; 2]; 2] {
         let mut second = [[[0.0; D]; 2]; 2];
+        let Some(polynomial) = &self.polynomial else { return second };
         for k in 0..D {
-            let c = |i: usize, j: usize| self.position[i][j][k];
+            let c = |i: usize, j: usize| polynomial[i][j][k];
             second[0][0][k] = 2.0 * (c(2, 0) + t * (c(2, 1) + t * c(2, 2)));
             second[1][1][k] = 2.0 * (c(0, 2) + s * (c(1, 2) + s * c(2, 2)));
             second[0][1][k] = c(1, 1) + 2.0 * (s * c(2, 1) + t * c(1, 2)) + 4.0 * s * t * c(2, 2);

@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
+use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Role};
+use forms_core::contract::{FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Role};
 
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, TouchedEntries};
 use crate::field::{Field, FieldView};
@@ -39,6 +40,24 @@ impl<F> std::ops::Deref for Held<'_, F> {
             Held::Lent(form) => form,
             Held::Own(form) => form,
         }
+    }
+}
+
+/// Whether a form has pairs of surfaces that an unknown displaces.
+fn slides<F: Form<D>, const D: usize>(form: &F) -> bool {
+    struct Slides(bool, &'static [FieldDescription]);
+    impl<const D: usize> LinearVisitor<D> for Slides {
+        type Error = Infallible;
+        fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
+            let unknown = |field: &usize| matches!(self.1[*field].role, Role::Unknown(_));
+            self.0 |= integral.displacement.is_some_and(|fields| fields.iter().any(unknown));
+            Ok(())
+        }
+    }
+    let mut visitor = Slides(false, form.fields());
+    match form.residual(&mut visitor) {
+        Ok(()) => visitor.0,
+        Err(never) => match never {},
     }
 }
 
@@ -117,6 +136,23 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
         let spaces = self.spaces.each_ref();
         let pattern = BlockPattern::for_cells_of(&*self.form, &spaces, &spaces, &self.assembler)?;
         Ok(self.pattern.get_or_init(|| Arc::new(pattern)))
+    }
+
+    /// Whether pairs of points depend on the unknowns, and with them the positions of the tangent's entries.
+    pub fn slides(&self) -> bool {
+        slides(&*self.form)
+    }
+
+    /// Gives the tangent at u other positions, where those known do not hold its entries. Whether it did.
+    pub fn follow(&mut self, u: &[f64]) -> Result<bool, AssemblyError> {
+        let views = self.views(u)?;
+        if self.pattern()?.covers(&*self.form, &views)? {
+            return Ok(false);
+        }
+        let spaces = self.spaces.each_ref();
+        let pattern = BlockPattern::at_iterate(&*self.form, &spaces, &views, &self.assembler)?;
+        self.pattern = OnceCell::from(Arc::new(pattern));
+        Ok(true)
     }
 
     /// Number of unknowns of all spaces.

@@ -34,7 +34,7 @@ pub struct Point<const D: usize> {
     pub hessians: Vec<Hessian<f64, D>>,
 }
 
-/// Nodes, cells ("all"), boundary facets ("boundary"), interior facets ("skeleton"), boundary facets paired with others ("pairs").
+/// Nodes, cells ("all"), boundary facets ("boundary"), interior facets ("skeleton"), boundary facets paired with those that face them most.
 pub struct Mesh<const D: usize> {
     pub nodes: Vec<[f64; D]>,
     cells: Vec<Element<D>>,
@@ -97,6 +97,14 @@ impl<const D: usize> Mesh<D> {
         Mesh::new(nodes, vec![cell], false)
     }
 
+    /// The mesh with its vertices moved; cells stay straight.
+    pub fn moved(&self, by: &[[f64; D]]) -> Self {
+        let vertices = self.cells.iter().map(|cell| cell.nodes[..=D].to_vec()).collect::<Vec<_>>();
+        let count = vertices.iter().flatten().max().map_or(0, |last| last + 1);
+        let place = |node: usize| std::array::from_fn(|k| self.nodes[node][k] + by[node][k]);
+        Mesh::new((0..count).map(place).collect(), vertices, self.cells[0].nodes.len() > D + 1)
+    }
+
     fn new(mut nodes: Vec<[f64; D]>, cells: Vec<Vec<usize>>, quadratic: bool) -> Self {
         let vertices = nodes.clone();
         let mut edges: Vec<[usize; 2]> = Vec::new();
@@ -143,8 +151,15 @@ impl<const D: usize> Mesh<D> {
             }
         }
         let cells = cells.iter().map(|cell| build(&vertices, cell, None)).collect();
-        let next = facets.iter().cycle().skip(1);
-        let pairs = facets.iter().zip(next).map(|(own, opposite)| paired(own, opposite)).collect();
+        let normal = |facet: &Element<D>| facet.points[0].geometry.normal;
+        let facing = |own: &Element<D>, other: &Element<D>| -> f64 {
+            normal(own).iter().zip(&normal(other)).map(|(a, b)| a * b).sum()
+        };
+        let opposite = |own: &Element<D>| -> Element<D> {
+            let most = facets.iter().min_by(|a, b| facing(own, a).total_cmp(&facing(own, b)));
+            paired(own, most.unwrap_or(own))
+        };
+        let pairs = facets.iter().map(opposite).collect();
         Mesh { nodes, cells, facets, skeleton, pairs }
     }
 
@@ -160,7 +175,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// Point k of a facet with point k of another, wherever that is: what a pair is does not matter to a kernel.
+/// Point k of a facet with point k of another, wherever that is: kernels do not mind.
 fn paired<const D: usize>(own: &Element<D>, opposite: &Element<D>) -> Element<D> {
     let mut pair = own.clone();
     pair.cell.opposite_diameter = opposite.cell.diameter;
@@ -168,7 +183,13 @@ fn paired<const D: usize>(own: &Element<D>, opposite: &Element<D>) -> Element<D>
     for (this, other) in pair.points.iter_mut().zip(&opposite.points) {
         let (x, y, toward) = (this.geometry.position, other.geometry.position, this.geometry.normal);
         let gap = (0..D).map(|k| toward[k] * (y[k] - x[k])).sum();
-        this.geometry.opposite = OppositePoint { gap, toward, position: y, normal: other.geometry.normal };
+        this.geometry.opposite = OppositePoint {
+            gap,
+            toward,
+            position: y,
+            normal: other.geometry.normal,
+            ..OppositePoint::none()
+        };
     }
     pair.across = Some(Box::new(opposite.clone()));
     pair
@@ -188,13 +209,13 @@ impl Cell {
 }
 
 /// All i < j < count.
-fn pairs(count: usize) -> Vec<[usize; 2]> {
+pub fn pairs(count: usize) -> Vec<[usize; 2]> {
     (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])).collect()
 }
 
 /// Basis functions of a simplex at a point, from its barycentric coordinates λ and their gradients g: λ_i, or
 /// λ_i (2 λ_i − 1) and 4 λ_i λ_j.
-fn functions<const D: usize>(
+pub fn functions<const D: usize>(
     values: &[f64],
     gradients: &[[f64; D]],
     edges: &[[usize; 2]],

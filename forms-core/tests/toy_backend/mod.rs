@@ -10,8 +10,10 @@ pub mod lanes;
 pub mod mesh;
 pub mod plain;
 pub mod random;
+pub mod rays;
 
 use std::any::Any;
+use std::borrow::Cow;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -92,6 +94,11 @@ fn geometry<L: Lane, const D: usize>(batch: &[&Element<D>], point: usize) -> Poi
             normal: std::array::from_fn(|k| {
                 pack(batch, |element| element.points[point].geometry.opposite.normal[k])
             }),
+            shape_operator: std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    pack(batch, |element| element.points[point].geometry.opposite.shape_operator[i][j])
+                })
+            }),
         },
     }
 }
@@ -122,9 +129,24 @@ fn basis<L: Lane, const D: usize>(
 
 impl<const D: usize> Walk<'_, D> {
     /// The batches of a region, [`Lane::WIDTH`] elements each.
-    fn elements(&self, integral: &Integral) -> Vec<&Element<D>> {
+    fn elements(&self, integral: &Integral) -> Vec<Cow<'_, Element<D>>> {
         let region = &self.inputs.regions[integral.region];
-        self.mesh.elements(region.entity, &region.name)
+        let elements = self.mesh.elements(region.entity, &region.name);
+        let Some(displacement) = integral.displacement else {
+            return elements.into_iter().map(Cow::Borrowed).collect();
+        };
+        let fields: Vec<&Nodal> = displacement.iter().map(|field| self.nodal(*field)).collect();
+        elements.into_iter().map(|pair| Cow::Owned(rays::slid(self.mesh, pair, &fields))).collect()
+    }
+
+    fn nodal(&self, field: usize) -> &Nodal {
+        match (self.fields[field].role, &self.inputs.sources[field]) {
+            (Role::Unknown(number), None) => &self.unknowns[number],
+            (_, Some(Source::Discrete(field))) => {
+                field.as_any().downcast_ref().expect("a field of this backend")
+            }
+            (role, _) => panic!("{role:?} displaces nothing"),
+        }
     }
 
     /// The slice that a kernel reads at a point.
@@ -225,7 +247,9 @@ fn vector<L: Lane, F: Form<D>, const D: usize>(
         fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Infallible> {
             let (start, components) = self.1[integral.test];
             assert_eq!(components, K::TEST_COMPONENTS);
-            for batch in self.0.elements(integral).chunks(L::WIDTH) {
+            let elements = self.0.elements(integral);
+            let elements: Vec<&Element<D>> = elements.iter().map(|element| &**element).collect();
+            for batch in elements.chunks(L::WIDTH) {
                 let constants = kernel.cell::<L>(&cell(batch));
                 for point in 0..batch[0].points.len() {
                     let fields = self.0.fields::<L>(&K::REQUIREMENTS, batch, point);
@@ -282,7 +306,9 @@ pub fn tangent<L: Lane, F: Form<D>, const D: usize>(
             let ((row, rows), (column, columns)) = (self.1[0][integral.test], self.1[1][integral.trial]);
             assert_eq!((rows, columns), (K::TEST_COMPONENTS, K::TRIAL_COMPONENTS));
             assert_eq!(integral.symmetric, K::SYMMETRIC);
-            for batch in self.0.elements(integral).chunks(L::WIDTH) {
+            let elements = self.0.elements(integral);
+            let elements: Vec<&Element<D>> = elements.iter().map(|element| &**element).collect();
+            for batch in elements.chunks(L::WIDTH) {
                 let constants = kernel.cell::<L>(&cell(batch));
                 let nodes = batch[0].nodes.len();
                 let mut sums = vec![K::zero::<L>(); nodes * nodes];
@@ -348,11 +374,13 @@ impl<const D: usize> ExpressionVisitor<D> for Evaluation<'_, D> {
     type Error = Infallible;
     fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Infallible> {
         let elements = match self.region {
-            Some((entity, name)) => self.walk.mesh.elements(entity, name),
+            Some((entity, name)) => {
+                self.walk.mesh.elements(entity, name).into_iter().map(Cow::Borrowed).collect()
+            }
             None => self.walk.elements(integral),
         };
         for element in elements {
-            let batch = [element];
+            let (element, batch) = (&*element, [&*element]);
             let constants = kernel.cell::<f64>(&cell(&batch));
             for point in 0..element.points.len() {
                 let fields = self.walk.fields::<f64>(&K::REQUIREMENTS, &batch, point);

@@ -38,6 +38,8 @@ pub enum Geometry {
     OppositePosition,
     /// The outward normal at Y: what `other(n)` is on a pair.
     OppositeNormal,
+    /// ∇n along the surface, a tensor: how the normal at Y turns as Y moves.
+    ShapeOperator,
 }
 
 impl Geometry {
@@ -45,6 +47,15 @@ impl Geometry {
     pub fn is_vector(self) -> bool {
         use Geometry::*;
         matches!(self, Normal | Position | Toward | OppositePosition | OppositeNormal)
+    }
+
+    /// Its shape.
+    pub fn shape(self, dimension: usize) -> Shape {
+        match self {
+            Geometry::ShapeOperator => vec![dimension; 2],
+            _ if self.is_vector() => vec![dimension],
+            _ => vec![],
+        }
     }
 
     /// May it differ between the points of a cell or facet?
@@ -278,6 +289,10 @@ pub enum Operator {
     },
     /// The limit of an expression at an interior facet, from one of its two cells; on a pair, its value at X or at Y.
     Restrict(Side, Tensor),
+    /// The value of the first at the opposite point Y of a sliding pair, whose surfaces are displaced by the second.
+    Opposite(Tensor, Tensor),
+    /// Gap or direction of a sliding pair, whose surfaces are displaced by a vector.
+    Sliding(Geometry, Tensor),
 
     /// ∇ of an expression: a new trailing axis.
     Gradient(Tensor),
@@ -347,9 +362,11 @@ impl Operator {
             | Norm(a)
             | Apply(_, a)
             | Restrict(_, a)
+            | Sliding(_, a)
             | Gradient(a)
             | Partial(a, _) => vec![*a],
-            Add(a, b)
+            Opposite(a, b)
+            | Add(a, b)
             | Scale(a, b)
             | Divide(a, b)
             | DivideOrZero(a, b)

@@ -4,9 +4,9 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{OppositePoint, PointGeometry, Projection, Requirements};
+use forms_core::contract::{OppositePoint, PointGeometry, Requirements};
 
-use super::side::{curvature, inverse_transposed, surface, tangential};
+use super::side::{curvature, inverse_transposed, shape_operator, surface, tangential};
 use super::{Batch, SideBuffers, SideTables};
 use crate::assemble::AssemblyError;
 use crate::assemble::pair_groups::PairTables;
@@ -35,6 +35,8 @@ struct FacetPoint<L, const D: usize> {
     element: L,
     normal: [L; D],
     curvature: L,
+    /// ∇n along the facet.
+    shape_operator: [[L; D]; D],
 }
 
 impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
@@ -61,26 +63,26 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         for lane in 0..L::WIDTH {
             later[lane] += D;
         }
-        let [weight] = L::gather::<1>(points, &later);
+        let [weight, gap] = L::gather::<2>(points, &later);
+        for lane in 0..L::WIDTH {
+            later[lane] += 2;
+        }
+        let toward = L::gather::<D>(points, &later);
         let this = self.facet_point(requirements, 0, &own, pairs);
         let other = self.facet_point(requirements, 1, &opposite, pairs);
-        let mut toward = this.normal;
-        if pairs.projection == Projection::Nearest {
-            for axis in 0..D {
-                toward[axis] = -other.normal[axis];
-            }
-        }
-        let mut gap = L::splat(0.0);
-        for axis in 0..D {
-            gap = toward[axis].multiply_add(other.position[axis] - this.position[axis], gap);
-        }
         self.evaluate_fields(requirements, q, &this.position, &other.position)?;
         Ok(PointGeometry {
             weight: weight * this.element,
             position: this.position,
             normal: this.normal,
             curvature: this.curvature,
-            opposite: OppositePoint { gap, toward, position: other.position, normal: other.normal },
+            opposite: OppositePoint {
+                gap,
+                toward,
+                position: other.position,
+                normal: other.normal,
+                shape_operator: other.shape_operator,
+            },
         })
     }
 
@@ -98,7 +100,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
         let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
         let bent = requirements.curvature && side == 0 && self.binding.mesh.degree() > 1;
-        let mut second = bent;
+        let turning = requirements.opposite_shape_operator && side == 1 && !tables.affine;
+        let mut second = bent || turning;
         for index in 0..reads.len() {
             second |= reads[index].hessian;
         }
@@ -123,10 +126,16 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             (buffers.determinant, buffers.inverse) = inverse_transposed(&jacobian);
             self.least = self.least.minimum(buffers.determinant);
         }
-        let mut point = FacetPoint { position, element: zero, normal: [zero; D], curvature: zero };
+        let mut point = FacetPoint {
+            position,
+            element: zero,
+            normal: [zero; D],
+            curvature: zero,
+            shape_operator: [[zero; D]; D],
+        };
         if let Some((_, tangents)) = &tables.group.facet {
             (point.element, point.normal) = surface(&buffers.jacobian, tangents);
-            if bent {
+            if bent || turning {
                 let mut along = [zero; 3];
                 for node in 0..geometry.hessian.len() {
                     let mut x = zero;
@@ -143,7 +152,11 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         }
                     }
                 }
-                point.curvature = curvature(&along, &buffers.jacobian, tangents);
+                if bent {
+                    point.curvature = curvature(&along, &buffers.jacobian, tangents);
+                } else {
+                    point.shape_operator = shape_operator(&along, &buffers.jacobian, tangents);
+                }
             }
         }
         for index in 0..reads.len() {

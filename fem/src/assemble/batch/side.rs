@@ -318,6 +318,42 @@ pub(super) fn curvature<L: Lane, const D: usize>(
     -(last * second[0] - (mixed + mixed) * second[1] + first * second[2]) / determinant
 }
 
+/// ∇n along the facet, −h_ab g^ac g^bd x_c ⊗ x_d, from the same second derivatives h and the metric g of the tangents x.
+#[inline(always)]
+pub(super) fn shape_operator<L: Lane, const D: usize>(
+    second: &[L; 3],
+    jacobian: &[[L; D]; D],
+    tangents: &[[f64; D]; 2],
+) -> [[L; D]; D] {
+    let images = [image(jacobian, &tangents[0]), image(jacobian, &tangents[1])];
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let first = inner(&images[0], &images[0]);
+    // Tangents with the inverse metric.
+    let mut raised = [[zero; D]; 2];
+    if D == 2 {
+        let reciprocal = one / first;
+        for axis in 0..D {
+            raised[0][axis] = reciprocal * images[0][axis];
+        }
+    } else {
+        let (mixed, last) = (inner(&images[0], &images[1]), inner(&images[1], &images[1]));
+        let reciprocal = one / (first * last - mixed * mixed);
+        for axis in 0..D {
+            raised[0][axis] = reciprocal * (last * images[0][axis] - mixed * images[1][axis]);
+            raised[1][axis] = reciprocal * (first * images[1][axis] - mixed * images[0][axis]);
+        }
+    }
+    let mut operator = [[zero; D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            let own = second[0] * raised[0][i] * raised[0][j] + second[2] * raised[1][i] * raised[1][j];
+            let crossed = raised[0][i] * raised[1][j] + raised[1][i] * raised[0][j];
+            operator[i][j] = -(own + second[1] * crossed);
+        }
+    }
+    operator
+}
+
 /// The largest distance between two of some points.
 #[inline(always)]
 pub(in crate::assemble) fn largest_distance<L: Lane, const D: usize>(points: &[[L; D]]) -> L {

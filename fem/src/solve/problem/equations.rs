@@ -22,6 +22,9 @@ impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
     }
 
     fn update(&mut self, u: &[f64]) -> Result<(), AssemblyError> {
+        if self.system.slides() && self.system.follow(u)? {
+            self.assembled = None;
+        }
         let (system, assembled) = self.ready()?;
         let start = Instant::now();
         system.update(assembled, u)?;
@@ -53,21 +56,22 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
         let own = self.update(u);
         agreed(self.communicator, self.system.form.name(), own)?;
         // Which places change is known of this process's part alone.
-        let alone = self.communicator.is_none();
+        let alone = self.communicator.is_none() && !self.system.slides();
         let (_, assembled) = self.ready()?;
         let changed = assembled.changed().filter(|_| alone);
         Ok(Tangent { matrix: Cow::Borrowed(assembled.matrix()), changed })
     }
 
     fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
-        match self.communicator {
-            Some(_) => Ok(None),
-            None => Ok(self.ready()?.1.linear_part()),
+        // Where pairs slide, an iterate may change entries anywhere.
+        match self.communicator.is_some() || self.system.slides() {
+            true => Ok(None),
+            false => Ok(self.ready()?.1.linear_part()),
         }
     }
 
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        if self.communicator.is_some() {
+        if self.communicator.is_some() || self.system.slides() {
             return Ok(None);
         }
         let (system, _) = self.ready()?;
@@ -78,7 +82,7 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
-        if self.system.assembler_at.is_some() {
+        if self.system.assembler_at.is_some() || self.system.slides() {
             return Ok(None);
         }
         let (own, form) = (self.own_active_points(u), self.system.form.name());

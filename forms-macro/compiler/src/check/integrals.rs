@@ -4,6 +4,7 @@ use super::Term;
 use super::builtins::{self, Constant};
 use super::evaluate::{Evaluator, Scope, Value};
 use super::regions::check_existence;
+use super::sliding::displaced;
 use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::*;
 use crate::tensor::{Geometry, Operator, Tensor, Variable};
@@ -17,10 +18,8 @@ impl Evaluator<'_> {
         scope: &Scope,
     ) -> Option<Value> {
         let regions = &self.module.regions;
-        let found = match &region.kind {
-            ExpressionKind::Name(name) => regions.iter().position(|region| region.name == *name),
-            _ => None,
-        };
+        let (name, displacement) = displaced(region);
+        let found = name.and_then(|name| regions.iter().position(|region| region.name == *name));
         let swapped = match &density.kind {
             ExpressionKind::Name(name) => regions.iter().find(|region| region.name == *name),
             _ => None,
@@ -33,12 +32,8 @@ impl Evaluator<'_> {
         }
         let Some(index) = found else {
             let names: Vec<String> = regions.iter().map(|region| region.name.to_string()).collect();
-            let near = match &region.kind {
-                ExpressionKind::Name(name) => {
-                    builtins::nearest(&name.to_string(), names.iter().map(String::as_str))
-                }
-                _ => None,
-            };
+            let near =
+                name.and_then(|name| builtins::nearest(&name.to_string(), names.iter().map(String::as_str)));
             let help = match (near, names.is_empty()) {
                 (Some(near), _) => format!("did you mean `{near}`?"),
                 (None, false) => format!("the regions of this module are `{}`", names.join("`, `")),
@@ -54,15 +49,23 @@ impl Evaluator<'_> {
             self.tensor(density, scope, "`integral`");
             return None;
         };
+        let displacement =
+            displacement.map(|one| self.displacement(one, &regions[index], region.span, scope));
         let density = self.tensor(density, scope, "`integral`")?;
-        let density = self.expect_scalar(density, "integral")?;
+        let mut density = self.expect_scalar(density, "integral")?;
         if self.module.is_mistaken(&regions[index].name) {
             return None;
+        }
+        let mut fields = None;
+        if let Some(displacement) = displacement {
+            let (tensor, list) = displacement?;
+            density = self.slide(density, tensor);
+            fields = Some(list);
         }
         check_existence(&self.arena, density, &regions[index], self.diagnostics);
         // The whole call is the density's span: errors on linearity speak of the integral.
         let _ = span;
-        Some(Value::Form(vec![Term { region: index, density }]))
+        Some(Value::Form(vec![Term { region: index, displacement: fields, density }]))
     }
 
     pub(super) fn derivative(
@@ -131,12 +134,9 @@ impl Evaluator<'_> {
         };
         Some(match form {
             Value::Tensor(density) => Value::Tensor(gateaux(density)),
-            Value::Form(terms) => Value::Form(
-                terms
-                    .iter()
-                    .map(|term| Term { region: term.region, density: gateaux(term.density) })
-                    .collect(),
-            ),
+            Value::Form(terms) => {
+                Value::Form(terms.iter().map(|term| term.with(gateaux(term.density))).collect())
+            }
         })
     }
 
@@ -166,12 +166,15 @@ impl Evaluator<'_> {
             return None;
         }
         if let Value::Form(terms) = &form
-            && terms.iter().any(|term| self.module.regions[term.region].entity == Entity::Pairs)
+            && terms.iter().any(|term| {
+                let entity = self.module.regions[term.region].entity;
+                entity == Entity::Pairs && term.displacement.is_none()
+            })
         {
             self.diagnostics.error_with_help(
                 arguments[0].span,
-                "the derivative of integrals over contact pairs by the shape is not available",
-                "leave the integrals over `#[pairs]` out of what is differentiated by `shape`",
+                "the derivative of integrals over pairs of fixed points by the shape is not available",
+                "pairs of the deformed surfaces have it, `integral(Touch(u), density)`",
             );
             return None;
         }
@@ -187,7 +190,7 @@ impl Evaluator<'_> {
                     .iter()
                     .map(|term| {
                         let entity = self.module.regions[term.region].entity;
-                        Term { region: term.region, density: gateaux(term.density, Some(entity)) }
+                        term.with(gateaux(term.density, Some(entity)))
                     })
                     .collect(),
             ),
@@ -276,7 +279,7 @@ impl Evaluator<'_> {
             };
             // Keep the density's own span: that is where a later mistake is.
             let own = self.arena.span(term.density);
-            scaled.push(Term { region: term.region, density: self.arena.push(operator, vec![], own) });
+            scaled.push(term.with(self.arena.push(operator, vec![], own)));
         }
         scaled
     }

@@ -95,9 +95,13 @@ impl Algebra<'_> {
         let operator = self.arena.node(tensor).operator.clone();
         match operator {
             Number(_) | Operator::Zero if self.arena.is_zero(tensor) => Some(Dependence::Zero),
-            Number(_) | Operator::Zero | Identity | SymmetricIdentity | Parameter(_) | Geometry(_) => {
-                Some(Free)
-            }
+            Number(_)
+            | Operator::Zero
+            | Identity
+            | SymmetricIdentity
+            | Parameter(_)
+            | Geometry(_)
+            | Sliding(..) => Some(Free),
             Field { field, .. } => Some(match self.fields[field].role {
                 FieldRole::Test(_) => Linear(vec![field]),
                 _ => Free,
@@ -107,6 +111,7 @@ impl Algebra<'_> {
             | Component(a, _)
             | Slice(a, _)
             | Restrict(_, a)
+            | Opposite(a, _)
             | Gradient(a)
             | Partial(a, _) => self.dependence(a),
             Scale(a, b)

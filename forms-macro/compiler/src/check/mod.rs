@@ -14,6 +14,7 @@ mod operators;
 mod outline;
 pub mod regions;
 mod sides;
+mod sliding;
 mod tensor_algebra;
 
 use std::collections::HashMap;
@@ -54,7 +55,16 @@ pub enum Content {
 pub struct Term {
     /// Index in [`Module::regions`].
     pub region: usize,
+    /// The fields whose sum displaces the surfaces of sliding pairs; `None` for other regions and for pairs of fixed points.
+    pub displacement: Option<Vec<usize>>,
     pub density: Tensor,
+}
+
+impl Term {
+    /// Another density on the same region.
+    pub fn with(&self, density: Tensor) -> Term {
+        Term { density, ..self.clone() }
+    }
 }
 
 /// Checks all functions of a module.

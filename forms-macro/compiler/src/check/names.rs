@@ -55,9 +55,7 @@ impl Evaluator<'_> {
                     );
                     return None;
                 }
-                Constant::Geometry(geometry) => {
-                    (Operator::Geometry(geometry), if geometry.is_vector() { vec![d] } else { vec![] })
-                }
+                Constant::Geometry(geometry) => (Operator::Geometry(geometry), geometry.shape(d)),
                 Constant::Identity => (Operator::Identity, vec![d, d]),
                 Constant::TensorIdentity => (Operator::Identity, vec![d; 4]),
                 Constant::SymmetricIdentity => (Operator::SymmetricIdentity, vec![d; 4]),
@@ -75,7 +73,7 @@ impl Evaluator<'_> {
 
     /// What a contact pair has.
     fn of_pairs(&mut self, geometry: Geometry, span: SourceSpan) -> Tensor {
-        let shape = if geometry.is_vector() { vec![self.dimension] } else { vec![] };
+        let shape = geometry.shape(self.dimension);
         self.arena.push(Operator::Geometry(geometry), shape, span)
     }
 

@@ -27,7 +27,7 @@ pub fn check_existence(arena: &Arena, density: Tensor, region: &Region, diagnost
                 );
                 continue;
             }
-            (Operator::Restrict(..), Entity::Cells | Entity::Facets) => {
+            (Operator::Restrict(..) | Operator::Opposite(..), Entity::Cells | Entity::Facets) => {
                 diagnostics.error_with_help(
                     arena.span(node),
                     format!(
@@ -65,7 +65,7 @@ pub fn check_sides(
     };
     for (node, side) in arena.restrictions(&[density]) {
         let what = match (&arena.node(node).operator, side) {
-            (Operator::Restrict(..), Some(_)) => {
+            (Operator::Restrict(..) | Operator::Opposite(..), Some(_)) => {
                 diagnostics.error_with_help(
                     arena.span(node),
                     "this has a side of the facet already, and takes no second one",

@@ -7,7 +7,9 @@ use crate::tensor::{Operator, Side, Tensor};
 impl Evaluator<'_> {
     /// this(e), other(e).
     pub(super) fn restrict(&mut self, side: Side, a: Tensor, span: SourceSpan) -> Option<Tensor> {
-        let restricted = |node: &Tensor| matches!(self.arena.node(*node).operator, Operator::Restrict(..));
+        let restricted = |node: &Tensor| {
+            matches!(self.arena.node(*node).operator, Operator::Restrict(..) | Operator::Opposite(..))
+        };
         if self.arena.reachable(&[a]).iter().any(restricted) {
             self.diagnostics.error_with_help(
                 self.place_of(a),

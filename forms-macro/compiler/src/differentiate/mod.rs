@@ -31,8 +31,7 @@ pub struct Derived {
 
 /// One additive part of a residual's density on a region.
 pub struct ResidualPart {
-    pub region: usize,
-    pub density: Tensor,
+    pub term: Term,
     /// Its derivative in the direction of each trial function (field index), where not zero.
     pub tangent: Vec<(usize, Tensor)>,
 }
@@ -81,10 +80,9 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
                 let shape = fields[index].shape.clone();
                 fields.push(FieldInfo { name, role: FieldRole::Test(number), shape });
                 let test = fields.len() - 1;
-                terms.extend(energy.iter().map(|term| Term {
-                    region: term.region,
-                    density: lowering.gateaux(term.density, index, test, &fields),
-                }));
+                let varied =
+                    energy.iter().map(|term| term.with(lowering.gateaux(term.density, index, test, &fields)));
+                terms.extend(varied);
             }
             density = energy;
         }
@@ -108,13 +106,10 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
                     tangent.push((trial, derivative));
                 }
             }
-            residual.push(ResidualPart { region: term.region, density: part, tangent });
+            residual.push(ResidualPart { term: term.with(part), tangent });
         }
     }
-    let density = density
-        .into_iter()
-        .map(|term| Term { region: term.region, density: lowering.lower(term.density) })
-        .collect();
+    let density = density.into_iter().map(|term| term.with(lowering.lower(term.density))).collect();
     Derived { function, dimension, arena: lowering.arena, fields, residual, density, value, from_energy }
 }
 
@@ -141,6 +136,13 @@ impl Lowering<'_> {
     fn check_regions(&mut self, terms: &[Term], fields: &[FieldInfo], regions: &[Region]) {
         for term in terms {
             let (density, region) = (self.lower(term.density), &regions[term.region]);
+            let is_test = |field: &&usize| matches!(fields[**field].role, FieldRole::Test(_));
+            if let Some(test) = term.displacement.iter().flatten().find(is_test) {
+                let message =
+                    format!("`{}` is a test function, and displaces no surfaces", fields[*test].name);
+                let help = "contact pairs are displaced by unknowns, states or data";
+                self.diagnostics.error_with_help(self.arena.span(term.density), message, help);
+            }
             check_existence(&self.arena, density, region, self.diagnostics);
             if region.entity.is_two_sided() {
                 check_sides(&self.arena, fields, density, Some(region), self.diagnostics);
@@ -150,7 +152,9 @@ impl Lowering<'_> {
 
     /// Does it hold a limit from one side of a facet?
     fn has_sides(&self, tensor: Tensor) -> bool {
-        let restricted = |node: &Tensor| matches!(self.arena.node(*node).operator, Operator::Restrict(..));
+        use Operator::{Opposite, Restrict};
+        let restricted =
+            |node: &Tensor| matches!(self.arena.node(*node).operator, Restrict(..) | Opposite(..));
         self.arena.reachable(&[tensor]).iter().any(restricted)
     }
 
@@ -285,6 +289,9 @@ impl Lowering<'_> {
                     Some(if fixed { 0 } else { *order })
                 }
                 (Operator::Geometry(Geometry::Normal), Variable::Shape(_)) => Some(1),
+                (Operator::Opposite(..) | Operator::Sliding(..), Variable::Field(_) | Variable::Shape(_)) => {
+                    Some(1)
+                }
                 _ => None,
             }
         });
@@ -431,6 +438,8 @@ pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tens
             operator.clone()
         }
         Restrict(side, a) => Restrict(*side, change(*a)),
+        Opposite(a, displacement) => Opposite(change(*a), change(*displacement)),
+        Sliding(geometry, displacement) => Sliding(*geometry, change(*displacement)),
         Negate(a) => Negate(change(*a)),
         Map(map, a) => Map(*map, change(*a)),
         Determinant(a) => Determinant(change(*a)),

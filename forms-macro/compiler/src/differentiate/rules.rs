@@ -7,6 +7,7 @@
 //! The scalar functions stand in the child module `functions`, the shape of the domain in `shape`.
 
 mod functions;
+mod opposite;
 mod shape;
 
 use std::collections::HashMap;
@@ -37,8 +38,17 @@ pub struct Differentiation<'a> {
     /// The node at hand stands inside a limit from one side of a facet.
     restricted: bool,
     /// Per node, and whether it stands inside such a limit.
-    known: HashMap<(Tensor, bool), Option<Tensor>>,
+    known: Known,
+    /// Only derivatives along a surface are wanted: there the normal has one.
+    along_surface: bool,
+    /// Derivatives along the axes of what is seen at opposite points.
+    slopes: Vec<Known>,
+    /// By displacement, how the opposite point moves.
+    moved_pairs: HashMap<Tensor, Option<opposite::MovedPair>>,
 }
+
+/// Derivatives by node, and whether it stands inside a limit from one side.
+type Known = HashMap<(Tensor, bool), Option<Tensor>>;
 
 impl<'a> Differentiation<'a> {
     pub fn new(
@@ -49,8 +59,19 @@ impl<'a> Differentiation<'a> {
         fields: &'a [FieldInfo],
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
-        let (restricted, known) = (false, HashMap::new());
-        Differentiation { arena, dimension, seed, directions, fields, diagnostics, restricted, known }
+        Differentiation {
+            arena,
+            dimension,
+            seed,
+            directions,
+            fields,
+            diagnostics,
+            restricted: false,
+            known: HashMap::new(),
+            along_surface: false,
+            slopes: vec![HashMap::new(); dimension],
+            moved_pairs: HashMap::new(),
+        }
     }
 
     /// The derivative; `None` if it is zero.
@@ -166,6 +187,8 @@ impl<'a> Differentiation<'a> {
                 let da = da?;
                 Some(self.push(Restrict(side, da), shape, tensor))
             }
+            Opposite(a, displacement) => self.at_opposite_point(tensor, a, displacement),
+            Sliding(geometry, displacement) => self.sliding(tensor, geometry, displacement),
             // Below: only in formulas. For kernels they are removed before a derivative is taken of what holds them.
             // d ∇e = ∇de
             Gradient(a) => {
@@ -321,11 +344,16 @@ impl<'a> Differentiation<'a> {
                 Some(self.push(Operator::Stack(entries), vec![self.dimension], tensor))
             }
             Geometry::Gap | Geometry::Toward | Geometry::OppositePosition | Geometry::OppositeNormal => {
-                self.diagnostics.error_with_help(
-                    self.arena.span(tensor),
-                    "there is no gradient across a contact pair",
-                    "take gradients of fields at one of its points, `this(grad(u))` or `other(grad(u))`",
-                );
+                self.no_gradient_across(tensor);
+                None
+            }
+            Geometry::Normal if self.along_surface => {
+                let matrix = vec![self.dimension; 2];
+                let turning = self.push(Operator::Geometry(Geometry::ShapeOperator), matrix, tensor);
+                Some(self.column(turning, &[self.dimension], axis, tensor))
+            }
+            Geometry::ShapeOperator => {
+                self.no_third_derivative(tensor);
                 None
             }
             Geometry::Normal | Geometry::Curvature => {

@@ -16,7 +16,7 @@ impl Dump {
         self.heading("differentiated", &name, derived.dimension);
         let parts = derived.residual.iter();
         let mut roots: Vec<_> = parts
-            .flat_map(|part| part.tangent.iter().map(|(_, node)| *node).chain([part.density]))
+            .flat_map(|part| part.tangent.iter().map(|(_, node)| *node).chain([part.term.density]))
             .chain(derived.density.iter().map(|term| term.density))
             .chain(derived.value)
             .collect();
@@ -24,7 +24,8 @@ impl Dump {
         self.text += &format!("fields:\n{}nodes:\n", field_lines(&derived.fields));
         self.text += &lines(&derived.arena, &derived.fields, &roots);
         for part in &derived.residual {
-            self.text += &format!("residual on {}: t{}\n", module.regions[part.region].name, part.density.0);
+            self.text +=
+                &format!("residual on {}: t{}\n", module.regions[part.term.region].name, part.term.density.0);
             for (trial, node) in &part.tangent {
                 self.text += &format!("  tangent by {}: t{}\n", derived.fields[*trial].name, node.0);
             }

@@ -41,9 +41,14 @@ pub fn describe(
     let degree = degree(&description.degree);
     let [test_side, trial_side] = [test.side, trial.side].map(name_of_side);
     let [test, trial] = [test.number, trial.number];
+    let displacement = match &description.displacement {
+        Some(fields) => quote! { ::core::option::Option::Some(&[#(#fields),*]) },
+        None => quote! { ::core::option::Option::None },
+    };
     quote! {
         contract::Integral {
             region: #region,
+            displacement: #displacement,
             test: #test,
             trial: #trial,
             test_side: contract::Side::#test_side,

@@ -122,8 +122,12 @@ impl Walks {
         if let Some((components, shape)) = &optimised.value {
             let kernel = format_ident!("Value");
             kernels.extend(writer.expression(&kernel, components, shape));
-            let description =
-                Description { region: 0, dependence: Dependence::Constant, degree: Degree::constant(0) };
+            let description = Description {
+                region: 0,
+                displacement: None,
+                dependence: Dependence::Constant,
+                degree: Degree::constant(0),
+            };
             let description = describe(&description, &[0], [NO_ARGUMENT; 2], false);
             walks.expression.push(visit(description, &kernel));
         }
@@ -135,13 +139,14 @@ impl Walks {
         if self.whole_residual.is_empty() {
             return;
         }
-        let regions: Vec<usize> = optimised.joined.iter().map(|one| one.description.region).collect();
-        let apart = |region: usize| !regions.contains(&region);
+        let place = |description: &Description| (description.region, description.displacement.clone());
+        let joined: Vec<_> = optimised.joined.iter().map(|one| place(&one.description)).collect();
+        let apart = |description: &Description| !joined.contains(&place(description));
         let residuals = optimised.residual.iter().zip(&self.residual);
-        let residuals = residuals.filter(|(integral, _)| apart(integral.description.region));
+        let residuals = residuals.filter(|(integral, _)| apart(&integral.description));
         self.whole_residual.extend(residuals.map(|(_, visit)| visit.clone()));
         let tangents = optimised.tangent.iter().zip(&self.tangent);
-        let tangents = tangents.filter(|(integral, _)| apart(integral.description.region));
+        let tangents = tangents.filter(|(integral, _)| apart(&integral.description));
         self.whole_tangent.extend(tangents.map(|(_, visit)| visit.clone()));
     }
 

@@ -324,6 +324,10 @@ impl KernelWriter<'_> {
             Node::Geometry(Geometry::Normal, component) => quote! { geometry.normal[#component] },
             Node::Geometry(Geometry::Position, component) => quote! { geometry.position[#component] },
             Node::Geometry(Geometry::Curvature, _) => quote! { geometry.curvature },
+            Node::Geometry(Geometry::ShapeOperator, entry) => {
+                let (row, column) = (entry / self.dimension, entry % self.dimension);
+                quote! { geometry.opposite.shape_operator[#row][#column] }
+            }
             Node::Geometry(Geometry::Gap, _) => quote! { geometry.opposite.gap },
             Node::Geometry(Geometry::Toward, component) => quote! { geometry.opposite.toward[#component] },
             Node::Geometry(Geometry::OppositePosition, component) => {

@@ -69,6 +69,7 @@ impl Layout {
             ("toward", has(Geometry::Toward)),
             ("opposite_position", has(Geometry::OppositePosition)),
             ("opposite_normal", has(Geometry::OppositeNormal)),
+            ("opposite_shape_operator", has(Geometry::ShapeOperator)),
             ("basis_value", basis_value),
             ("basis_gradient", basis_gradient),
             ("hessian", hessian),

@@ -55,7 +55,9 @@ fn regions_of(
         ExpressionKind::Call(name, arguments) if name == "integral" => {
             let names: Vec<String> = declared().collect();
             let region = arguments.iter().find_map(|argument| match &argument.kind {
-                ExpressionKind::Name(name) if name.to_string().starts_with(char::is_uppercase) => {
+                ExpressionKind::Name(name) | ExpressionKind::Call(name, _)
+                    if name.to_string().starts_with(char::is_uppercase) =>
+                {
                     let name = name.to_string();
                     let near = nearest(&name, names.iter().map(String::as_str)).map(str::to_string);
                     Some(if names.contains(&name) { name } else { near.unwrap_or(name) })

@@ -107,14 +107,16 @@ impl<'a> Degrees<'a> {
         match &arena.node(tensor).operator {
             Number(_) | Zero | Identity | SymmetricIdentity | Parameter(_) => zero,
             Field { field, order } => Degree::part(Part::Field { field: *field, order: *order }),
-            Geometry(geometry) => match geometry {
+            Geometry(geometry) | Sliding(geometry, _) => match geometry {
                 self::Geometry::Position | self::Geometry::OppositePosition | self::Geometry::Gap => {
                     Degree::part(Part::Position)
                 }
                 _ if geometry.varies() => Degree::part(Part::Normal),
                 _ => zero,
             },
-            Negate(a) | Map(_, a) | Component(a, _) | Slice(a, _) | Restrict(_, a) => self.of(*a),
+            Negate(a) | Map(_, a) | Component(a, _) | Slice(a, _) | Restrict(_, a) | Opposite(a, _) => {
+                self.of(*a)
+            }
             // As |a| is where a is one number.
             Norm(a) => self.of(*a),
             Add(a, b) | Minimum(a, b) | Maximum(a, b) | Select(_, a, b) => self.of(*a).largest(self.of(*b)),

@@ -30,7 +30,7 @@ pub use factor::{Candidate, varies_over_cell};
 use linear::{Coefficients, Linear, SidedField, without};
 use plan::BilinearPlan;
 use scalar::{Graph, Node, Scalar};
-use scalarise::{Opposite, Scalariser};
+use scalarise::{OppositeSide, Scalariser};
 
 /// A function, ready to be written as kernels.
 pub struct Optimised {
@@ -63,6 +63,8 @@ pub enum Dependence {
 #[derive(Clone, Debug)]
 pub struct Description {
     pub region: usize,
+    /// As of [`Term`].
+    pub displacement: Option<Vec<usize>>,
     pub dependence: Dependence,
     pub degree: Degree,
 }
@@ -166,11 +168,11 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
 }
 
 /// The other side of a derived field, which has no region: that of pairs where the module has pairs and no interior facets.
-fn opposite_of_values(module: &Module) -> Opposite {
+fn opposite_of_values(module: &Module) -> OppositeSide {
     let interior = module.regions.iter().any(|region| region.entity == Entity::InteriorFacets);
     match module.has_pairs() && !interior {
-        true => Opposite::PairedPoint,
-        false => Opposite::SamePoint,
+        true => OppositeSide::PairedPoint,
+        false => OppositeSide::SamePoint,
     }
 }
 
@@ -226,10 +228,11 @@ fn group(
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<Group> {
-    let mut groups: BTreeMap<(usize, Dependence), Group> = BTreeMap::new();
+    let mut groups: BTreeMap<(usize, Option<Vec<usize>>, Dependence), Group> = BTreeMap::new();
     for part in residual {
-        scalariser.opposite = Opposite::on(entities[part.region]);
-        let density = scalariser.scalar(part.density);
+        let Term { region, displacement, density: tensor } = &part.term;
+        scalariser.opposite = OppositeSide::on(entities[*region]);
+        let density = scalariser.scalar(*tensor);
         let mut tangent = Vec::new();
         for (trial, derivative) in &part.tangent {
             let derivative = scalariser.scalar(*derivative);
@@ -251,24 +254,32 @@ fn group(
             );
             jumps && graph.depends(scalar, varies)
         });
+        let unknown = |field: &usize| matches!(fields[*field].role, FieldRole::Unknown(_));
+        let slides = displacement.as_ref().is_some_and(|fields| fields.iter().any(unknown));
         let dependence = match tangent.is_empty() {
-            _ if jumps => Dependence::Nonlinear,
+            _ if jumps || slides => Dependence::Nonlinear,
             true => Dependence::Constant,
             false if tangent.iter().any(|(_, derivative)| scalariser.graph.depends(*derivative, varies)) => {
                 Dependence::Nonlinear
             }
             false => Dependence::Linear,
         };
-        let degree = degrees.of(part.density);
+        let degree = degrees.of(*tensor);
         let zero = scalariser.graph.number(0.0);
-        let group = groups.entry((part.region, dependence)).or_insert_with(|| Group {
-            description: Description { region: part.region, dependence, degree: Degree::constant(0) },
+        let key = (*region, displacement.clone(), dependence);
+        let group = groups.entry(key).or_insert_with(|| Group {
+            description: Description {
+                region: *region,
+                displacement: displacement.clone(),
+                dependence,
+                degree: Degree::constant(0),
+            },
             parts: vec![],
             density: zero,
             tangent: BTreeMap::new(),
         });
         group.description.degree = group.description.degree.clone().largest(degree);
-        group.parts.push(part.density);
+        group.parts.push(*tensor);
         group.density = scalariser.graph.add(group.density, density);
         for (trial, derivative) in tangent {
             let sum = group.tangent.get(&trial).copied().unwrap_or(zero);
@@ -403,20 +414,21 @@ fn densities(
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<ExpressionIntegral> {
-    let mut regions: BTreeMap<usize, (Scalar, Degree)> = BTreeMap::new();
+    let mut regions: BTreeMap<(usize, Option<Vec<usize>>), (Scalar, Degree)> = BTreeMap::new();
     for term in terms {
-        scalariser.opposite = Opposite::on(entities[term.region]);
+        scalariser.opposite = OppositeSide::on(entities[term.region]);
         let density = scalariser.scalar(term.density);
-        let (sum, degree) =
-            regions.entry(term.region).or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));
+        let (sum, degree) = regions
+            .entry((term.region, term.displacement.clone()))
+            .or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));
         *sum = scalariser.graph.add(*sum, density);
         *degree = degree.clone().largest(degrees.of(term.density));
     }
     regions
         .into_iter()
         .filter(|(_, (density, _))| !scalariser.graph.is_zero(*density))
-        .map(|(region, (density, degree))| ExpressionIntegral {
-            description: Description { region, dependence: Dependence::Nonlinear, degree },
+        .map(|((region, displacement), (density, degree))| ExpressionIntegral {
+            description: Description { region, displacement, dependence: Dependence::Nonlinear, degree },
             components: vec![density],
         })
         .collect()

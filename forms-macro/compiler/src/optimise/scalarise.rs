@@ -19,23 +19,23 @@ pub struct Scalariser<'a> {
     /// The side from which the expression at hand is seen.
     pub side: Side,
     /// Is the other side a pair's opposite point? Else it is across an interior facet.
-    pub opposite: Opposite,
-    pub known: HashMap<(Tensor, Side, Opposite), Vec<Scalar>>,
+    pub opposite: OppositeSide,
+    pub known: HashMap<(Tensor, Side, OppositeSide), Vec<Scalar>>,
 }
 
 /// The place that is seen on [`Side::Other`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Opposite {
+pub enum OppositeSide {
     /// The same point, in the cell across an interior facet.
     SamePoint,
     /// Another point, opposite to this one in a contact pair.
     PairedPoint,
 }
 
-impl Opposite {
+impl OppositeSide {
     /// On the entities of a region.
     pub fn on(entity: Entity) -> Self {
-        if entity == Entity::Pairs { Opposite::PairedPoint } else { Opposite::SamePoint }
+        if entity == Entity::Pairs { OppositeSide::PairedPoint } else { OppositeSide::SamePoint }
     }
 }
 
@@ -103,6 +103,8 @@ impl Scalariser<'_> {
             }
             Geometry(geometry) => (0..count).map(|component| self.geometry(*geometry, component)).collect(),
             Restrict(side, a) => self.components_on(*side, *a),
+            Opposite(a, _) => self.components_on(Side::Other, *a),
+            Sliding(geometry, _) => (0..count).map(|component| self.geometry(*geometry, component)).collect(),
             Add(a, b) => self.zip(*a, *b, Graph::add),
             Negate(a) => self.map(*a, Graph::negate),
             Scale(factor, a) => {
@@ -303,8 +305,8 @@ impl Scalariser<'_> {
         let mut intern = |geometry| self.graph.intern(Node::Geometry(geometry, component));
         match (self.side, geometry, self.opposite) {
             (Side::Other, Diameter | CellVolume, _) => self.graph.intern(Node::Opposite(geometry)),
-            (Side::Other, Position, Opposite::PairedPoint) => intern(OppositePosition),
-            (Side::Other, Normal, Opposite::PairedPoint) => intern(OppositeNormal),
+            (Side::Other, Position, OppositeSide::PairedPoint) => intern(OppositePosition),
+            (Side::Other, Normal, OppositeSide::PairedPoint) => intern(OppositeNormal),
             (Side::Other, Normal | Curvature, _) => {
                 let this = intern(geometry);
                 self.graph.negate(this)

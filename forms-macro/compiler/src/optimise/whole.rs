@@ -13,9 +13,10 @@ pub(super) fn groups(groups: &[Group], fields: &[FieldInfo], graph: &mut Graph) 
     if fields.iter().any(|field| field.role == FieldRole::History) {
         return vec![];
     }
-    let mut regions: BTreeMap<usize, Vec<&Group>> = BTreeMap::new();
+    let mut regions: BTreeMap<_, Vec<&Group>> = BTreeMap::new();
     for group in groups {
-        regions.entry(group.description.region).or_default().push(group);
+        let super::Description { region, displacement, .. } = &group.description;
+        regions.entry((*region, displacement)).or_default().push(group);
     }
     let depends = |group: &&&Group| group.description.dependence != Dependence::Constant;
     let several = |groups: &Vec<&Group>| groups.iter().filter(depends).count() >= 2;

@@ -316,7 +316,11 @@ impl<'a> Evaluator<'a> {
                 vec![around.sizes[side][index_of_size(geometry)].clone()]
             }
             // Random forms have no contact pairs.
-            Geometry::Gap | Geometry::Toward | Geometry::OppositePosition | Geometry::OppositeNormal => {
+            Geometry::Gap
+            | Geometry::Toward
+            | Geometry::OppositePosition
+            | Geometry::OppositeNormal
+            | Geometry::ShapeOperator => {
                 panic!("the reference evaluator has no contact pairs")
             }
             Geometry::Curvature => vec![Number::real(sign * self.point.curvature)],

@@ -103,7 +103,7 @@ pub fn variations(outlines: &mut Outlines, function: usize) -> Option<Variations
     let mut own = Vec::new();
     for term in terms {
         let density = outlines.carry_out(&mut arena, term.density, &fields)?;
-        own.push(Term { region: term.region, density });
+        own.push(term.with(density));
     }
     own.retain(|term| !arena.is_zero(term.density));
     let unknowns: Vec<usize> =
@@ -214,7 +214,8 @@ fn vary(
     let field = fields.len() - 1;
     let mut varied = Vec::new();
     for term in terms {
-        if arena.reachable(&[term.density]).len() > MOST_DIFFERENTIATED {
+        // A pair that slides moves inside of named functions, too, where their arguments do not show it.
+        if term.displacement.is_some() || arena.reachable(&[term.density]).len() > MOST_DIFFERENTIATED {
             return Some((None, field));
         }
         let span = arena.span(term.density);
@@ -225,7 +226,7 @@ fn vary(
         let density = outlines.carry_out(arena, density, fields)?;
         let density = Simplifier::new(outlines, arena, fields).simplify(density);
         if !arena.is_zero(density) {
-            varied.push(Term { region: term.region, density });
+            varied.push(term.with(density));
         }
     }
     Some((Some(varied), field))

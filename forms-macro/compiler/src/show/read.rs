@@ -85,6 +85,8 @@ impl Reader<'_> {
                 let sign = if *side == Side::This { "+" } else { "−" };
                 self.read(*a).power(Formula::word(sign))
             }
+            Opposite(a, _) => self.read(*a).power(Formula::word("−")),
+            Sliding(kind, _) => geometry(*kind),
             Gradient(a) => Formula::Prefix("∇", Box::new(self.read(*a))),
             Partial(expression, variable) => {
                 let by = match variable {
@@ -194,11 +196,19 @@ impl Reader<'_> {
         }
     }
 
+    /// What is seen from the other side.
+    fn opposite(&self, tensor: Tensor) -> Option<Tensor> {
+        match self.arena.node(tensor).operator {
+            Operator::Restrict(Side::Other, a) | Operator::Opposite(a, _) => Some(a),
+            _ => None,
+        }
+    }
+
     /// a⁺ − a⁻ is ⟦a⟧.
     fn jump(&self, a: Tensor, b: Tensor) -> Option<Formula> {
         let Operator::Restrict(Side::This, this) = self.arena.node(a).operator else { return None };
         let Operator::Negate(b) = self.arena.node(b).operator else { return None };
-        let Operator::Restrict(Side::Other, other) = self.arena.node(b).operator else { return None };
+        let other = self.opposite(b)?;
         same(self.arena, this, other).then(|| Formula::Fence(Fence::Jump, Box::new(self.read(this))))
     }
 
@@ -207,7 +217,7 @@ impl Reader<'_> {
         let Operator::Number(0.5) = self.arena.node(half).operator else { return None };
         let Operator::Add(a, b) = self.arena.node(sum).operator else { return None };
         let Operator::Restrict(Side::This, this) = self.arena.node(a).operator else { return None };
-        let Operator::Restrict(Side::Other, other) = self.arena.node(b).operator else { return None };
+        let other = self.opposite(b)?;
         same(self.arena, this, other).then(|| self.read(this))
     }
 

@@ -61,6 +61,8 @@ fn compare(arena: &Arena, a: Tensor, b: Tensor, same: &mut dyn FnMut(Tensor, Ten
         (Determinant(a), Determinant(b)) | (Inverse(a), Inverse(b)) | (Cofactor(a), Cofactor(b)) => {
             same(*a, *b)
         }
+        (Opposite(a, b), Opposite(c, d)) => pair(*a, *b, *c, *d),
+        (Sliding(m, a), Sliding(n, b)) => m == n && same(*a, *b),
         (Restrict(m, a), Restrict(n, b)) => m == n && same(*a, *b),
         (Map(m, a), Map(n, b)) => m == n && same(*a, *b),
         (Apply(f, a), Apply(g, b)) => f == g && same(*a, *b),

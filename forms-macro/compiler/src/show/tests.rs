@@ -13,7 +13,7 @@ use crate::check::{CheckedFunction, Content, Term, check, is_building_block};
 use crate::diagnostics::Diagnostics;
 use crate::differentiate::differentiate;
 use crate::optimise::scalar::Graph;
-use crate::optimise::scalarise::{Opposite, Scalariser};
+use crate::optimise::scalarise::{OppositeSide, Scalariser};
 use crate::optimise::{equal_scalars, parameter_offsets};
 use crate::parse::parse;
 use crate::parse::syntax::Module;

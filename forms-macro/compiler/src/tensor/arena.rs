@@ -145,11 +145,14 @@ impl Arena {
         while let Some((tensor, side)) = pending.pop() {
             if seen.insert((tensor, side)) {
                 let operator = &self.node(tensor).operator;
-                let inside = match operator {
-                    Operator::Restrict(restriction, _) => Some(*restriction),
-                    _ => side,
+                // The displacement of sliding pairs says where they are, not what is integrated.
+                let (operands, inside) = match operator {
+                    Operator::Restrict(restriction, a) => (vec![*a], Some(*restriction)),
+                    Operator::Opposite(a, _) => (vec![*a], Some(Side::Other)),
+                    Operator::Sliding(..) => (vec![], side),
+                    _ => (operator.operands(), side),
                 };
-                pending.extend(operator.operands().into_iter().map(|operand| (operand, inside)));
+                pending.extend(operands.into_iter().map(|operand| (operand, inside)));
             }
         }
         seen
@@ -196,6 +199,7 @@ impl Key {
             Operator::Select(truth, ..) => Rest::Truth(truth.structure()),
             Operator::External { function, order, .. } => Rest::External(*function, *order),
             Operator::Restrict(side, _) => Rest::Side(*side),
+            Operator::Sliding(geometry, _) => Rest::Geometry(*geometry),
             Operator::Partial(_, variable) | Operator::Gateaux { variable, .. } => Rest::Variable(*variable),
             Operator::Named(Named::Call { function, directions, .. }) => {
                 Rest::Call(*function, directions.iter().map(Vec::len).collect())

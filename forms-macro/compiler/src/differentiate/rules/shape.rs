@@ -46,8 +46,7 @@ impl Differentiation<'_> {
     /// Θ, ∇Θ, ∇²Θ. On an interior facet, what has no side is seen from the cell that owns it, and so is Θ there.
     fn movement(&mut self, order: usize, origin: Tensor) -> Tensor {
         let direction = self.directions[order];
-        let two_sided =
-            matches!(self.seed, Seed::Toward { variable: Variable::Shape(Some(Entity::InteriorFacets)), .. });
+        let two_sided = matches!(self.seed, Seed::Toward { variable: Variable::Shape(Some(entity)), .. } if entity.is_two_sided());
         if !two_sided || self.restricted {
             return direction;
         }
@@ -122,7 +121,11 @@ impl Differentiation<'_> {
                 let turned = self.push(Operator::Negate(pulled), shape.clone(), tensor);
                 Some(self.push(Operator::Add(kept, turned), shape, tensor))
             }
-            Geometry::Gap | Geometry::Toward | Geometry::OppositePosition | Geometry::OppositeNormal => {
+            Geometry::Gap
+            | Geometry::Toward
+            | Geometry::OppositePosition
+            | Geometry::OppositeNormal
+            | Geometry::ShapeOperator => {
                 self.diagnostics.error_with_help(
                     self.arena.span(tensor),
                     "the derivative of contact pairs by the shape is not available",

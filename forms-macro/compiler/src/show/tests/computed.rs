@@ -19,7 +19,7 @@ fn total(
         parameter_offsets: &offsets,
         dimension,
         side: Side::This,
-        opposite: Opposite::SamePoint,
+        opposite: OppositeSide::SamePoint,
         known: HashMap::new(),
     };
     let parts: Vec<_> = densities.iter().map(|density| scalariser.scalar(*density)).collect();
@@ -53,7 +53,7 @@ fn proved(source: &str, dimension: usize) -> Vec<String> {
                 for term in in_region {
                     let density = outlines.inlined(&mut outlined.arena, term.density, &outlined.fields);
                     let density = density.unwrap_or_else(|| panic!("{name} cannot be expanded"));
-                    content.push(Term { region, density });
+                    content.push(Term { region, displacement: None, density });
                 }
                 let shown = differentiate(
                     CheckedFunction {
@@ -67,7 +67,7 @@ fn proved(source: &str, dimension: usize) -> Vec<String> {
                     &mut Diagnostics::default(),
                 );
                 let densities = |terms: &[Term]| terms.iter().map(|term| term.density).collect::<Vec<_>>();
-                let parts = || derived.residual.iter().filter(|part| part.region == region);
+                let parts = || derived.residual.iter().filter(|part| part.term.region == region);
                 let compiled: Vec<Tensor> = match (what, trial) {
                     ("content", _) if !derived.density.is_empty() => {
                         let terms = derived.density.iter().filter(|term| term.region == region);
@@ -78,7 +78,7 @@ fn proved(source: &str, dimension: usize) -> Vec<String> {
                         .filter(|one| one.0 == trial)
                         .map(|one| one.1)
                         .collect(),
-                    _ => parts().map(|part| part.density).collect(),
+                    _ => parts().map(|part| part.term.density).collect(),
                 };
                 let mut graph = Graph::default();
                 let one = total(&mut graph, &module, dimension, &shown.arena, &densities(&shown.density));

@@ -1,0 +1,61 @@
+//! Displacement of surfaces by a sum of fields, evaluated on facets.
+
+use crate::element::lagrange::{Lagrange, MAXIMUM_NODES};
+use crate::mesh::{Facet, Mesh};
+use crate::space::Space;
+
+/// A sum of vector fields on cells.
+pub(crate) struct Displacement<'a, const D: usize> {
+    pub fields: Vec<DisplacementField<'a, D>>,
+}
+
+/// One of the fields.
+pub(crate) struct DisplacementField<'a, const D: usize> {
+    pub space: &'a Space<D>,
+    pub values: &'a [f64],
+}
+
+/// Coefficients of a displacement's fields on one cell.
+#[derive(Clone, Debug)]
+pub(super) struct CellDisplacement<const D: usize> {
+    parts: Vec<(Lagrange, Vec<[f64; D]>)>,
+}
+
+impl<const D: usize> Displacement<'_, D> {
+    /// The highest degree of the fields.
+    pub fn degree(&self) -> usize {
+        self.fields.iter().map(|field| field.space.degree).max().unwrap_or(0)
+    }
+
+    /// The displacement of the cell that owns a facet.
+    pub(super) fn on_cell_of(&self, mesh: &Mesh<D>, facet: Facet) -> CellDisplacement<D> {
+        let shape = mesh.cell_shape(facet.cell as usize);
+        let part = |field: &DisplacementField<D>| {
+            let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
+            // A pattern is made before there are coefficients: nothing is displaced then.
+            let value =
+                |node: &u32, k: usize| field.values.get(*node as usize * D + k).copied().unwrap_or(0.0);
+            let coefficients = nodes.iter().map(|node| std::array::from_fn(|k| value(node, k))).collect();
+            (Lagrange { shape, degree: field.space.degree }, coefficients)
+        };
+        CellDisplacement { parts: self.fields.iter().map(part).collect() }
+    }
+}
+
+impl<const D: usize> CellDisplacement<D> {
+    /// Adds the displacement and its derivatives along the reference cell's axes at a point of that cell.
+    pub fn add_at(&self, reference: &[f64; D], position: &mut [f64; D], jacobian: &mut [[f64; D]; D]) {
+        for (element, coefficients) in &self.parts {
+            let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
+            element.evaluate(reference, &mut value, &mut gradient);
+            for ((coefficient, phi), slope) in coefficients.iter().zip(value).zip(gradient) {
+                for i in 0..D {
+                    position[i] += phi * coefficient[i];
+                    for j in 0..D {
+                        jacobian[i][j] += slope[j] * coefficient[i];
+                    }
+                }
+            }
+        }
+    }
+}
