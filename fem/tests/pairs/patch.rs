@@ -77,7 +77,7 @@ macro_rules! patch {
         let data = blocks::Data {
             lambda: scaled(lambda),
             mu: scaled(mu),
-            gamma0: 100.0,
+            gamma0: 20.0,
             theta: case.theta,
             share: if case.pairing.surfaces.len() == 2 { 0.5 } else { 1.0 },
         };
