@@ -110,9 +110,7 @@ fn step(
     let mut problem = Problem::new(&predictor, start.space()).constrained(constraints).assembler(assembler);
     let start = problem.solve()?.into_field();
     let form = metal::equilibrium(data, &omega);
-    // An elastic step is solved by its predictor: what is left is rounding.
-    let absolute_tolerance = 1e-11 * YIELD_STRESS;
-    let options = NewtonOptions { max_iterations: 15, absolute_tolerance, ..NewtonOptions::default() };
+    let options = NewtonOptions { max_iterations: 15, ..NewtonOptions::default() };
     let problem = Problem::new(&form, start.space()).constrained(constraints).assembler(assembler);
     let solved = problem.start(&start).options(options).solve()?;
     assembler.update_history(&metal::new_plastic(data, solved.field()), &data.plastic)?;
@@ -199,18 +197,12 @@ fn plate(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     // A step that does not converge is halved, and begins again from the committed history.
     let path = LoadSteps::uniform(4, 1.0)
-        .run(
-            Field::zero(&space),
-            solve,
-            |_| commit(&data),
-            |step| {
-                out.line(format!(
-                    "load factor {:.3}: {}",
-                    step.factor,
-                    step.failure.as_deref().unwrap_or("equilibrium")
-                ));
-            },
-        )
+        .committing(|_: &Field<2>| commit(&data))
+        .each_attempt(|step| {
+            let outcome = step.failure.as_deref().unwrap_or("equilibrium");
+            out.line(format!("load factor {:.3}: {outcome}", step.factor));
+        })
+        .run(Field::zero(&space), solve)
         .map_err(|error| error.to_string())?;
     out.line("residuals of the last step, relative to its first:");
     let last = histories.last().ok_or("no step was made")?;

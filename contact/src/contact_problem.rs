@@ -4,9 +4,10 @@ use std::fmt;
 
 use forms_fem::assemble::BlockPattern;
 use forms_fem::prelude::*;
+use forms_fem::solve::NewtonFailure;
 
 use crate::forms;
-use crate::law::{ContactLaw, WithAdjoint, WithIndicator};
+use crate::law::{ContactLaw, WithAdjoint, WithFriction, WithIndicator};
 
 /// A contact law on a space, ready to be solved. The law is any forms module of which [`contact_law!`](crate::contact_law)
 /// says what is what; the paper's, unless another is given.
@@ -20,9 +21,24 @@ pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
     pub law: L,
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
-    pattern: Arc<BlockPattern<D>>,
+    /// The pattern that all states share; none where contact pairs decide what is coupled.
+    pattern: Option<Arc<BlockPattern<D>>>,
     /// Rule for splitting the facets of Γ_C at a displacement; none where they are integrated as a whole.
     split: Option<Split<D, L>>,
+}
+
+/// Most steps towards a state in which all sticks.
+const STEPS_TO_STICK: usize = 10;
+
+/// Whether Newton's method went on without an end, and nothing else is wrong.
+fn has_not_converged(error: &SolveError) -> bool {
+    matches!(
+        error.why,
+        NewtonFailure::NotConverged { .. }
+            | NewtonFailure::Cycling { .. }
+            | NewtonFailure::Stagnated
+            | NewtonFailure::NoDescent
+    )
 }
 
 /// Splits the facets of Γ_C for a law at a displacement.
@@ -40,9 +56,7 @@ impl<const D: usize, L: fmt::Debug> fmt::Debug for ContactProblem<D, L> {
 }
 
 impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
-    /// Prepares the matrix pattern that all states share. The quadrature should be of a given degree
-    /// (`Quadrature::Degree`): by default each integral has its own, and that of a derivative may be lower, so that at kinks
-    /// an adjoint problem would not be the adjoint of what was solved.
+    /// Prepares the matrix pattern that all states share.
     ///
     /// # Errors
     /// When the matrix is too large to be numbered.
@@ -52,9 +66,16 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         law: L,
         constraints: Constraints<D>,
     ) -> Result<Self, AssemblyError> {
-        let pattern = BlockPattern::new(&[space], &[space])
-            .map_err(|source| AssemblyError::LinearAlgebra { form: "direct", source })?;
-        let (space, pattern) = (space.clone(), Arc::new(pattern));
+        let direct = law.direct();
+        let on_pairs = direct.inputs().regions.iter().any(|region| region.entity == Entity::Pairs);
+        let pattern = if on_pairs {
+            None
+        } else {
+            let pattern = BlockPattern::new(&[space], &[space]);
+            let refused = |source| AssemblyError::LinearAlgebra { form: direct.name(), source };
+            Some(Arc::new(pattern.map_err(refused)?))
+        };
+        let space = space.clone();
         Ok(ContactProblem { assembler, space, law, constraints, pattern, split: None })
     }
 
@@ -89,21 +110,66 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         }
     }
 
-    /// The direct problem, from u = 0 with u_D imposed unless its builder is told otherwise.
+    /// The direct problem, from u = 0 with u_D imposed and by the law's line search unless its builder is told otherwise.
     ///
     /// # Errors
     /// A parameter out of its range.
     pub fn direct(&self) -> Result<Problem<'_, L::Direct, D>, AssemblyError> {
         let form = self.law.direct();
         self.law.check(form.name())?;
+        let options = NewtonOptions { line_search: self.law.line_search(), ..NewtonOptions::default() };
         let problem = Problem::owning(form, &self.space)
             .assembler(&self.assembler)
             .constrained(&self.constraints)
-            .with_pattern(&self.pattern);
+            .options(options);
+        let problem = self.on_pattern(problem);
         Ok(match self.split {
             None => problem,
             Some(split) => problem.assembler_at(move |u| split(&self.assembler, &self.law, &u[0])),
         })
+    }
+
+    /// Solves the direct problem from a state in which whatever presses sticks, for which a few steps are made first from
+    /// `start`. Newton's method finds the places that slip from there; from u = 0, where nothing presses and nothing is held,
+    /// it may go back and forth for ever, also by a line search. If it does so from stick, it is tried from `start`.
+    /// `solver` serves all, `progress` is called with each iterate of all; the history that comes back is that of the last.
+    ///
+    /// # Errors
+    /// [`SolveError`]; a parameter out of its range.
+    pub fn solve_from_stick(
+        &self,
+        start: &Field<D>,
+        solver: &mut dyn LinearSolver,
+        mut progress: impl FnMut(&NewtonStep),
+    ) -> Result<Solved<D>, SolveError>
+    where
+        L: WithFriction<D>,
+    {
+        let law = self.law.sticking();
+        let sticking = ContactProblem { law, ..self.clone() };
+        let options = NewtonOptions {
+            line_search: self.law.line_search(),
+            max_iterations: STEPS_TO_STICK,
+            ..NewtonOptions::default()
+        };
+        let stuck = sticking.direct()?.options(options).start(start).solver(&mut *solver);
+        let stuck = stuck.each_step(&mut progress).solve();
+        let first = match stuck {
+            Ok(solved) => solved.into_field(),
+            // The steps lead somewhere near, which is all that they are for.
+            Err(error) if has_not_converged(&error) => {
+                Field::from_values(&self.space, error.u).unwrap_or_else(|_| start.clone())
+            }
+            Err(error) => return Err(error),
+        };
+        let direct = self.direct()?.start(&first).solver(&mut *solver);
+        let direct = direct.each_step(&mut progress).solve();
+        match direct {
+            Err(error) if has_not_converged(&error) => {
+                self.direct()?.start(start).solver(solver).each_step(progress).solve()
+            }
+            other => other,
+        }
     }
 
     /// Any problem for a state that vanishes on Γ_D, as an adjoint state at the displacement u.
@@ -125,10 +191,15 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         assembler: Assembler<D>,
     ) -> Result<Problem<'_, F, D>, AssemblyError> {
         self.law.check(form.name())?;
-        Ok(Problem::owning(form, &self.space)
-            .assembler(assembler)
-            .vanishing(&self.constraints)
-            .with_pattern(&self.pattern))
+        let problem = Problem::owning(form, &self.space).assembler(assembler);
+        Ok(self.on_pattern(problem.vanishing(&self.constraints)))
+    }
+
+    fn on_pattern<'p, F: Form<D>>(&self, problem: Problem<'p, F, D>) -> Problem<'p, F, D> {
+        match &self.pattern {
+            Some(pattern) => problem.with_pattern(pattern),
+            None => problem,
+        }
     }
 
     /// The adjoint problem of the law's criterion at the displacement u. A solver that has solved the direct problem reuses
@@ -136,9 +207,12 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     ///
     /// # Errors
     /// As [`ContactProblem::state`].
-    pub fn adjoint(&self, u: &Field<D>) -> Result<Problem<'_, L::Adjoint, D>, AssemblyError>
+    // The law's form is a parameter: as a projection in the signature it would keep the compiler from finding the method
+    // where the law has no adjoint, and from saying what is missing.
+    pub fn adjoint<F>(&self, u: &Field<D>) -> Result<Problem<'_, F, D>, AssemblyError>
     where
-        L: WithAdjoint<D>,
+        L: WithAdjoint<D, Adjoint = F>,
+        F: Form<D> + Clone,
     {
         self.state(self.law.adjoint(u), u)
     }

@@ -2,7 +2,9 @@
 //!
 //! Centre (0,0), R_i = 20 cm, R_e = 30 cm, plane strain, u_D = (0, −1 cm) on the inner circle, Γ_C the lower
 //! half of the outer circle, obstacle y = −30, criterion M(u) = F·u with F = (0, −1 N). Lengths are in cm
-//! and stresses in MPa, never converted: forces come out in MPa·cm.
+//! and stresses in MPa, never converted: forces come out in MPa·cm. Beyond the paper: friction, and other u_D in load steps.
+
+mod friction;
 
 use std::time::Instant;
 
@@ -15,6 +17,8 @@ use crate::contact_problem::ContactProblem;
 use crate::forms;
 use crate::paper_law::Adjoint;
 use crate::threshold::required_gamma0;
+pub use friction::{CylinderStep, Friction, FrictionResults};
+use friction::{Law, pushed};
 
 /// Inner radius \[cm\].
 pub const INNER_RADIUS: f64 = 20.0;
@@ -52,6 +56,10 @@ pub struct Settings {
     pub degree: usize,
     /// C in ξ = C √h_T of (41) \[MPa/√cm\].
     pub extension: f64,
+    /// Friction on Γ_C.
+    pub friction: Friction,
+    /// u_D on the inner circle \[cm\], one load step each; with friction the results depend on all of them.
+    pub pushes: Vec<[f64; 2]>,
     /// Number of threads that assemble; results do not depend on it.
     pub threads: Threads,
 }
@@ -66,6 +74,8 @@ impl Default for Settings {
             poisson: 0.3,
             degree: 8,
             extension: 1.0,
+            friction: Friction::None,
+            pushes: vec![IMPOSED_DISPLACEMENT],
             threads: Threads::all(),
         }
     }
@@ -142,7 +152,26 @@ impl Settings {
         if !(self.extension >= 0.0 && self.extension.is_finite()) {
             return fail("xi", self.extension, "C must not be negative");
         }
-        Ok(())
+        let friction = match self.friction {
+            Friction::None => None,
+            Friction::Tresca(bound) => Some(("tresca", bound)),
+            Friction::Coulomb(coefficient) => Some(("coulomb", coefficient)),
+        };
+        if let Some((name, value)) = friction.filter(|(_, value)| !(*value >= 0.0 && value.is_finite())) {
+            return fail(name, value, "friction must be a finite number, zero or positive");
+        }
+        if self.pushes.is_empty() {
+            return fail("push", 0.0, "the number of load steps is at least 1");
+        }
+        match self.pushes.iter().flatten().find(|component| !component.is_finite()) {
+            Some(component) => fail("push", *component, "the displacement must be finite"),
+            None => Ok(()),
+        }
+    }
+
+    /// u_D on the inner circle at the end \[cm\]; that of the paper where no load step is given, which [`Settings::check`] finds.
+    fn last_push(&self) -> [f64; 2] {
+        self.pushes.last().copied().unwrap_or(IMPOSED_DISPLACEMENT)
     }
 
     /// Unknowns of the displacement, the prescribed ones too, on biquadratic cells; before any mesh is made.
@@ -158,7 +187,7 @@ impl Settings {
     }
 }
 
-/// The mesh, space and data of the experiment.
+/// The mesh, space and data of the experiment without friction, with u_D of the last load step.
 ///
 /// # Errors
 /// A setting without meaning.
@@ -181,8 +210,7 @@ pub fn hollow_cylinder_on(
 ) -> Result<ContactProblem<2>, CylinderError> {
     settings.check()?;
     let space = Space::vector(mesh, 2)?;
-    let mut constraints = Constraints::new(&space);
-    constraints.fix("inner", |_| IMPOSED_DISPLACEMENT)?;
+    let constraints = pushed(&space, settings.last_push())?;
     let (lambda, mu) = settings.lame();
     let data = forms::Data {
         extension: settings.extension,
@@ -207,9 +235,9 @@ pub fn hollow_cylinder_on(
 /// The solution with everything the paper measures. Stresses in MPa, forces in MPa·cm, lengths in cm.
 #[derive(Clone, Debug)]
 pub struct CylinderSolution {
-    /// The problem that was solved.
+    /// The problem that was solved; with friction that without it, whose pressure and gap are the same functions of u.
     pub problem: ContactProblem<2>,
-    /// u_h of (14).
+    /// u_h of (14) after the last load step.
     pub u: Field<2>,
     /// p̃_h of (21).
     pub p_discrete: Field<2>,
@@ -217,7 +245,7 @@ pub struct CylinderSolution {
     pub p_consistent: Field<2>,
     /// p_h of (41).
     pub p_extended: Field<2>,
-    /// Newton's iterates.
+    /// Newton's iterates of the last load step.
     pub history: Vec<NewtonStep>,
     /// The criterion (3).
     pub criterion: f64,
@@ -225,6 +253,10 @@ pub struct CylinderSolution {
     pub contact_force: f64,
     /// |Γ^h_C,a|.
     pub contact_length: f64,
+    /// Each load step.
+    pub steps: Vec<CylinderStep>,
+    /// Friction after the last load step.
+    pub friction: Option<FrictionResults>,
     /// max (u_n − g) over [`PENETRATION_SAMPLES`] points per facet.
     pub max_penetration: f64,
     /// The γ₀ \[MPa\] that the threshold asks for; zero at θ = −1.
@@ -272,32 +304,48 @@ pub fn solve_with_progress(
     let mut seconds = Seconds { setup: start.elapsed().as_secs_f64(), ..Seconds::default() };
     let options = TangentSolverOptions { threads: settings.threads, ..TangentSolverOptions::default() };
     let mut solver = CondensedSolver::new(options);
-    let told = |step: &NewtonStep| progress(Progress::Newton(step));
-    let direct = problem.direct()?.solver(&mut solver).each_step(told).solve()?;
-    seconds.assembly = direct.assembly_seconds;
-    seconds.newton_total = direct.seconds;
+    let mut law = Law::of(settings, &problem)?;
+    let (mut u, mut history, mut steps) = (Field::zero(&problem.space), vec![], vec![]);
+    for (number, &push) in settings.pushes.iter().enumerate() {
+        if settings.pushes.len() > 1 {
+            progress(Progress::LoadStep(number + 1, settings.pushes.len()));
+        }
+        let direct = law.step(push, &u, &mut solver, &mut progress)?;
+        seconds.assembly += direct.assembly_seconds;
+        seconds.newton_total += direct.seconds;
+        u = direct.field().clone();
+        history = direct.history;
+        steps.push(CylinderStep {
+            push,
+            newton_iterations: history.len().saturating_sub(1),
+            contact_force: problem.assembler.functional(&problem.law.contact_force(&u))?,
+            contact_length: problem.assembler.functional(&problem.law.contact_length(&u))?,
+            friction: law.friction(&u)?,
+        });
+    }
     seconds.factorisation = solver.report().analysis_seconds + solver.report().factorisation_seconds;
-    let (u, history) = (direct.field().clone(), direct.history);
     let mut adjoint = |which: Adjoint, name: &'static str| -> Result<Field<2>, CylinderError> {
         progress(Progress::Stage(name));
-        let state = problem.solve_adjoint(which, &u, &mut solver)?;
+        let state = law.adjoint(which, &u, &mut solver)?;
         seconds.adjoint += state.seconds;
         Ok(state.into_field())
     };
     let p_consistent = adjoint(Adjoint::Consistent, "consistent adjoint (22)")?;
     let p_extended = adjoint(Adjoint::Extended, "extended adjoint (41)")?;
     let p_discrete = adjoint(Adjoint::Discrete, "discrete adjoint (21)")?;
-    let (assembler, law) = (&problem.assembler, &problem.law);
-    let criterion = assembler.functional(&law.criterion(&u))?;
-    let contact_force = assembler.functional(&law.contact_force(&u))?;
-    let contact_length = assembler.functional(&law.contact_length(&u))?;
-    let samples = assembler.along_facets_uniformly(&law.penetration(&u), CONTACT, PENETRATION_SAMPLES)?;
+    let (assembler, paper) = (&problem.assembler, &problem.law);
+    let criterion = assembler.functional(&paper.criterion(&u))?;
+    let contact_force = assembler.functional(&paper.contact_force(&u))?;
+    let contact_length = assembler.functional(&paper.contact_length(&u))?;
+    let samples = assembler.along_facets_uniformly(&paper.penetration(&u), CONTACT, PENETRATION_SAMPLES)?;
     let max_penetration = samples.iter().map(|sample| sample.value[0]).fold(f64::NEG_INFINITY, f64::max);
     Ok(CylinderSolution {
         history,
         criterion,
         contact_force,
         contact_length,
+        friction: law.friction(&u)?,
+        steps,
         max_penetration,
         required_gamma0,
         seconds,
@@ -315,6 +363,8 @@ pub fn solve_with_progress(
 pub enum Progress<'a> {
     /// A Newton iterate.
     Newton(&'a NewtonStep),
+    /// A load step begins: its number from 1, and the number of all.
+    LoadStep(usize, usize),
     /// A further stage begins.
     Stage(&'static str),
 }

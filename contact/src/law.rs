@@ -23,6 +23,12 @@ pub trait ContactLaw<const D: usize>: Clone {
     /// # Errors
     /// [`AssemblyError::ParameterRange`] in the name of the form that was to be solved.
     fn check(&self, form: &'static str) -> Result<(), AssemblyError>;
+
+    /// The line search of Newton's method for the direct problem, unless its builder is given options. Whole steps go back
+    /// and forth between stick and slip: laws with friction shorten them by the residual.
+    fn line_search(&self) -> LineSearch {
+        LineSearch::Off
+    }
 }
 
 /// A contact law with a scalar whose sign tells what touches: facets can be split at its zeros.
@@ -36,6 +42,19 @@ pub trait WithIndicator<const D: usize>: ContactLaw<D> {
 
     /// The indicator at a displacement.
     fn indicator(&self, u: &Field<D>) -> Self::Indicator;
+}
+
+/// A coefficient of friction at which whatever presses sticks; contacts of rubber or of dry metals come to a few units.
+pub const STICKING: f64 = 1e6;
+
+/// A contact law with a coefficient of friction.
+#[diagnostic::on_unimplemented(
+    message = "the contact law `{Self}` names no coefficient of friction",
+    note = "add `coefficient: name` of a parameter to its `contact_law!`"
+)]
+pub trait WithFriction<const D: usize>: ContactLaw<D> {
+    /// The same law with a coefficient that no load reaches: what presses sticks.
+    fn sticking(&self) -> Self;
 }
 
 /// A contact law with a criterion J(u) and its adjoint problem.
@@ -108,7 +127,8 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 ///
 /// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `positive: parameter`, a member of the data (`base.parameter`
-/// of extended data) that has to be positive. A function that the module does not have is an error at its name here.
+/// of extended data) that has to be positive; `non_negative: parameter`; `coefficient: parameter`, that of
+/// friction; `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
     ($module:ident {
@@ -118,6 +138,9 @@ macro_rules! contact_law {
         $(, criterion: $criterion:ident, adjoint: $adjoint:ident
             $(, shape_gradient: $shape_gradient:ident, diameter_gradient: $diameter_gradient:ident)?)?
         $(, positive: $($positive:ident).+)*
+        $(, non_negative: $($non_negative:ident).+)*
+        $(, coefficient: $coefficient:ident)?
+        $(, line_search: $line_search:ident)?
         $(,)?
     }) => {
         impl<const D: usize> $crate::law::ContactLaw<D> for $module::Model<D>
@@ -144,9 +167,34 @@ macro_rules! contact_law {
                         return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
                     }
                 )*
+                $(
+                    let value = self.data.$($non_negative).+;
+                    if value < 0.0 {
+                        let (range, parameter) = ("zero or positive", stringify!($($non_negative).+));
+                        return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
+                    }
+                )*
                 Ok(())
             }
+
+            $(
+                fn line_search(&self) -> $crate::fem::LineSearch {
+                    $crate::fem::LineSearch::$line_search
+                }
+            )?
         }
+        $(
+            impl<const D: usize> $crate::law::WithFriction<D> for $module::Model<D>
+            where
+                $crate::fem::Dim: $crate::fem::Dimension<D>,
+            {
+                fn sticking(&self) -> Self {
+                    let mut law = self.clone();
+                    law.data.$coefficient = $crate::law::STICKING;
+                    law
+                }
+            }
+        )?
         $(
             impl<const D: usize> $crate::law::WithIndicator<D> for $module::Model<D>
             where

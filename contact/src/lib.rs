@@ -8,6 +8,7 @@
 //! | [`operators`] | stresses, gap, γ, Nitsche's terms, to be imported into forms | (15) |
 //! | [`contact_problem`] | a law on a space, and its drivers: direct → adjoint | |
 //! | [`law`] | what the drivers ask of a law; [`contact_law!`] makes one of your own module | |
+//! | [`laws`] | laws with friction: Nitsche's method, penalty, augmented Lagrangian; small and finite strains | |
 //! | [`paper_law`] | the paper's law with its three adjoint states | |
 //! | [`shape_gradient`] | the derivative by the shape, as the volume form of the discrete problem | |
 //! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
@@ -22,6 +23,7 @@ pub mod contact_problem;
 pub mod hertz;
 pub mod hollow_cylinder;
 pub mod law;
+pub mod laws;
 pub mod load_and_pressure;
 pub mod nitsche;
 pub mod operators;

@@ -225,3 +225,66 @@ pub mod obstacle {
         gamma() / 2 * pow(pos_part(penetration(u)), 2)
     }
 }
+
+/// Friction with an obstacle of any kind, for any material: nothing is read from the module's data. n_y is the unit normal
+/// into the obstacle; P = σn − γ (slip + (u_n − g) n_y) is the augmented traction.
+#[forms]
+pub mod friction {
+    /// Π_s(q), the vector of length s or less that is nearest to q: zero where s ≤ 0, q inside the ball of radius s, else
+    /// s q/|q|. In this order: what does not press sticks nowhere, not even at q = 0.
+    #[doc(alias = "Π_s")]
+    pub fn ball_projection(q: Vector, s: Scalar) -> Vector {
+        if s <= 0 {
+            0 * q
+        } else if norm(q) <= s {
+            q
+        } else {
+            s * normalize(q)
+        }
+    }
+
+    /// η_s(q): the potential of Π_s, |q|²/2 inside the ball of radius s and s |q| − s²/2 outside.
+    #[doc(alias = "η_s")]
+    pub fn ball_potential(q: Vector, s: Scalar) -> Scalar {
+        if s <= 0 {
+            0
+        } else if norm(q) <= s {
+            dot(q, q) / 2
+        } else {
+            s * norm(q) - s * s / 2
+        }
+    }
+
+    /// q_t = q − (q·n_y) n_y.
+    #[doc(alias = "·_t")]
+    pub fn tangential(q: Vector, obstacle_normal: Vector) -> Vector {
+        q - dot(q, obstacle_normal) * obstacle_normal
+    }
+
+    /// P_n n_y + P_t with P_n = σ_n + γ g and P_t = (σn − γ slip)_t: the augmented traction for the traction σn, the present
+    /// gap g and the slip since the last step, of which the normal part does not count.
+    #[doc(alias = "P")]
+    pub fn augmented_traction(
+        traction: Vector,
+        gap: Scalar,
+        slip: Vector,
+        gamma: Scalar,
+        obstacle_normal: Vector,
+    ) -> Vector {
+        let P_n = dot(traction, obstacle_normal) + gamma * gap;
+        P_n * obstacle_normal + tangential(traction - gamma * slip, obstacle_normal)
+    }
+
+    /// T = −\[P_n\]₋ n_y + Π_s(P_t): the traction of contact and friction on the body, with the bound s of friction.
+    #[doc(alias = "T")]
+    pub fn contact_traction(P: Vector, s: Scalar, obstacle_normal: Vector) -> Vector {
+        ball_projection(tangential(P, obstacle_normal), s)
+            - neg_part(dot(P, obstacle_normal)) * obstacle_normal
+    }
+
+    /// F⁻ᵀn/|F⁻ᵀn|: the outward unit normal of the deformed surface.
+    #[doc(alias = "n_x")]
+    pub fn deformed_normal(u: Vector) -> Vector {
+        normalize(cof(I + grad(u)) * n)
+    }
+}

@@ -122,6 +122,6 @@ where
         let smallest_increment = (to - from).abs() / (1024.0 * count as f64);
         let steps = LoadSteps { start: from, factors: thetas.collect(), smallest_increment };
         let one = |theta: f64, before: &Field<D>| solve_at(theta, LineSearch::Off, before);
-        steps.run(first, one, |_| (), |_| ()).map_err(Box::new)
+        steps.run(first, one).map_err(Box::new)
     }
 }

@@ -1,6 +1,6 @@
 //! Errors in PETSc, and on other processes.
 
-use forms_fem::linear_algebra::LinearAlgebraError;
+use forms_fem::linear_algebra::{LinearAlgebraError, ResidualHistory};
 use forms_fem::solve::SolverError;
 
 /// PETSc refused something.
@@ -39,7 +39,7 @@ pub enum PetscError {
 
 impl From<PetscError> for SolverError {
     fn from(error: PetscError) -> Self {
-        SolverError::Other { solver: "PETSc", why: error.to_string(), history: vec![] }
+        SolverError::Other { solver: "PETSc", why: error.to_string(), history: ResidualHistory::default() }
     }
 }
 
@@ -66,7 +66,7 @@ impl From<DistributedError<LinearAlgebraError>> for SolverError {
             DistributedError::Here(error) => error.into(),
             DistributedError::Petsc(error) => error.into(),
             DistributedError::Elsewhere { .. } => {
-                SolverError::Other { solver: "PETSc", why: error.to_string(), history: vec![] }
+                SolverError::Other { solver: "PETSc", why: error.to_string(), history: ResidualHistory::default() }
             }
         }
     }

@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
 
-use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError};
+use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError, ResidualHistory};
 use forms_fem::prelude::*;
 use forms_fem::solve::{LinearSolution, SolverError, Transpose};
 
@@ -176,7 +176,7 @@ impl<'w> PetscSolver<'w> {
     /// The error with PETSc's reason and the residuals.
     fn not_converged(&self, solver: Object) -> Result<SolverError, PetscError> {
         let (mut text, mut values, mut count, mut iterations) = (null(), null(), 0, 0);
-        let mut history = vec![];
+        let mut history = ResidualHistory::default();
         // SAFETY: PETSc writes a string of its own, and lends the list of residuals with its length.
         let reason = unsafe {
             call!(KSPGetConvergedReasonString(solver, &mut text))?;
@@ -185,7 +185,7 @@ impl<'w> PetscSolver<'w> {
                 call!(KSPGetResidualHistory(solver, &mut values, &mut count))?;
             }
             if !values.is_null() {
-                history.extend_from_slice(std::slice::from_raw_parts(values, count.max(0) as usize));
+                history.0.extend_from_slice(std::slice::from_raw_parts(values, count.max(0) as usize));
             }
             if text.is_null() { "for no known reason".into() } else { CStr::from_ptr(text).to_string_lossy() }
         };
@@ -258,7 +258,7 @@ impl LinearSolver for PetscSolver<'_> {
         let relative_residual = if size == 0.0 { 0.0 } else { norm / size };
         if self.method == Method::Direct && !(relative_residual <= ACCEPTED || norm <= absolute) {
             let why = format!("the solution leaves a relative residual of {relative_residual:e}");
-            return Err(SolverError::Other { solver: self.method.name(), why, history: vec![] });
+            return Err(SolverError::Other { solver: self.method.name(), why, history: ResidualHistory::default() });
         }
         let iterations = if self.method == Method::Direct { 0 } else { iterations as usize };
         let solution = self.nodes.gather(&self.x.whole()?);

@@ -1,6 +1,6 @@
 //! Results of the program; the JSON file has these names.
 
-use forms_contact::hollow_cylinder::{self as cylinder, CylinderSolution, Settings};
+use forms_contact::hollow_cylinder::{self as cylinder, CylinderSolution, CylinderStep, Friction, Settings};
 use forms_fem::norms::{Norms, norms};
 use forms_fem::prelude::*;
 use forms_fem::solve::SolverReport;
@@ -25,9 +25,9 @@ pub struct Measurements {
     /// Before elimination of the prescribed ones.
     pub unknowns: usize,
     pub prescribed_unknowns: usize,
-    /// Newton steps.
+    /// Newton steps of the last load step.
     pub newton_iterations: usize,
-    /// The start and each iterate.
+    /// The start and each iterate of the last load step.
     pub newton_history: Vec<Iterate>,
     /// The criterion (3).
     #[serde(rename = "J")]
@@ -47,6 +47,13 @@ pub struct Measurements {
     pub contact_force: f64,
     /// |Γ^h_C,a| \[cm\].
     pub contact_length: f64,
+    /// ∫ of the tangential traction on the body, positive to the right \[MPa·cm\]; null without friction, as the two below.
+    pub tangential_force: Option<f64>,
+    /// Length of the part of the contact zone that sticks \[cm\].
+    pub stick_length: Option<f64>,
+    /// Length of the part of the contact zone that slips \[cm\].
+    pub slip_length: Option<f64>,
+    pub load_steps: Vec<LoadStep>,
     /// The largest u_n − g at 21 points per facet \[cm\].
     pub max_penetration: f64,
     pub points: Vec<AtPoint>,
@@ -75,8 +82,39 @@ pub struct SettingsUsed {
     pub degree: usize,
     /// C of (41).
     pub xi: f64,
+    /// The bound of Tresca's law \[MPa\]; null unless it was asked for.
+    pub tresca: Option<f64>,
+    /// The coefficient of Coulomb's law; null unless it was asked for.
+    pub coulomb: Option<f64>,
     /// Threads of the assembly.
     pub threads: usize,
+}
+
+/// A load step that has converged.
+#[derive(Clone, Debug, Serialize)]
+pub struct LoadStep {
+    /// Displacement of the inner circle \[cm\].
+    pub push: [f64; 2],
+    pub newton_iterations: usize,
+    pub contact_force: f64,
+    pub contact_length: f64,
+    pub tangential_force: Option<f64>,
+    pub stick_length: Option<f64>,
+    pub slip_length: Option<f64>,
+}
+
+impl From<&CylinderStep> for LoadStep {
+    fn from(step: &CylinderStep) -> LoadStep {
+        LoadStep {
+            push: step.push,
+            newton_iterations: step.newton_iterations,
+            contact_force: step.contact_force,
+            contact_length: step.contact_length,
+            tangential_force: step.friction.map(|friction| friction.tangential_force),
+            stick_length: step.friction.map(|friction| friction.stick_length),
+            slip_length: step.friction.map(|friction| friction.slip_length),
+        }
+    }
 }
 
 /// A Newton iterate.
@@ -85,7 +123,7 @@ pub struct Iterate {
     pub iteration: usize,
     pub residual: f64,
     pub relative_residual: f64,
-    /// Quadrature points of Γ_C in contact.
+    /// Quadrature points of Γ_C in contact; with friction those where a switch of the law is on.
     pub active_points: Option<usize>,
     pub active_set_changed: Option<bool>,
     /// ‖δu‖₂ of the step that led here.
@@ -191,6 +229,10 @@ impl Measurements {
             p_extended_h1: extended.h1,
             contact_force: solution.contact_force,
             contact_length: solution.contact_length,
+            tangential_force: solution.friction.map(|friction| friction.tangential_force),
+            stick_length: solution.friction.map(|friction| friction.stick_length),
+            slip_length: solution.friction.map(|friction| friction.slip_length),
+            load_steps: solution.steps.iter().map(LoadStep::from).collect(),
             max_penetration: solution.max_penetration,
             points,
             required_gamma0: solution.required_gamma0,
@@ -203,6 +245,11 @@ impl Measurements {
 
 impl SettingsUsed {
     fn of(settings: &Settings) -> SettingsUsed {
+        let (tresca, coulomb) = match settings.friction {
+            Friction::None => (None, None),
+            Friction::Tresca(bound) => (Some(bound), None),
+            Friction::Coulomb(coefficient) => (None, Some(coefficient)),
+        };
         SettingsUsed {
             radial: settings.radial,
             around: cylinder::CELLS_AROUND * settings.radial,
@@ -213,6 +260,8 @@ impl SettingsUsed {
             poisson: settings.poisson,
             degree: settings.degree,
             xi: settings.extension,
+            tresca,
+            coulomb,
             threads: settings.threads.count(),
         }
     }

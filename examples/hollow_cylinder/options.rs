@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Parser;
-use forms_contact::hollow_cylinder::Settings;
+use forms_contact::hollow_cylinder::{Friction, IMPOSED_DISPLACEMENT, Settings};
 use forms_fem::prelude::Threads;
 
 use crate::Outcome;
 
 /// Solves the hollow cylinder of Bretin, Chapelat, Douanla-Lontsi, Homolle and Renard (2023), Section 5:
-/// radii 20 cm and 30 cm, plane strain, the inner circle moved down by 1 cm, a flat obstacle at y = -30 cm.
+/// radii 20 cm and 30 cm, plane strain, the inner circle moved down by 1 cm, a flat obstacle at y = -30 cm. Beyond
+/// the paper: friction, and other movements of the inner circle, in load steps.
 ///
 /// Lengths are in cm, stresses in MPa, forces in MPa·cm (per cm of depth). Prints a table and writes
 /// hollow_cylinder.vtu and pictures.
@@ -37,6 +38,16 @@ pub struct Options {
     /// C in xi = C sqrt(h) of the extended-Neumann adjoint (41) [MPa/sqrt(cm)]
     #[arg(long, value_name = "C", default_value = "1", value_parser = number)]
     xi: f64,
+    /// Tresca's friction on the contact boundary, bounded by S [MPa], beside the contact
+    #[arg(long, value_name = "S", conflicts_with = "coulomb", value_parser = number)]
+    tresca: Option<f64>,
+    /// Coulomb's friction on the contact boundary, with the coefficient K
+    #[arg(long, value_name = "K", value_parser = number)]
+    coulomb: Option<f64>,
+    /// Displacement of the inner circle [cm], 0 -1 where it is not given. Given again it is a further load step: slip
+    /// is counted from the step before
+    #[arg(long, num_args = 2, value_names = ["X", "Y"], value_parser = number)]
+    push: Vec<f64>,
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = thread_count)]
     threads: Option<usize>,
@@ -54,7 +65,18 @@ pub struct Options {
 impl Options {
     /// The experiment's settings, checked.
     pub fn settings(&self) -> Outcome<Settings> {
+        let friction = match (self.tresca, self.coulomb) {
+            (Some(bound), _) => Friction::Tresca(bound),
+            (None, Some(coefficient)) => Friction::Coulomb(coefficient),
+            (None, None) => Friction::None,
+        };
+        let pushes = match self.push.is_empty() {
+            true => vec![IMPOSED_DISPLACEMENT],
+            false => self.push.chunks_exact(2).map(|push| [push[0], push[1]]).collect(),
+        };
         let settings = Settings {
+            friction,
+            pushes,
             radial: self.radial,
             theta: self.theta,
             gamma0_over_young: self.gamma0,

@@ -35,6 +35,7 @@ impl Reporter {
     pub fn hear(&self, progress: &Progress) {
         match (progress, &self.spinner) {
             (Progress::Stage(name), _) => self.stage(name),
+            (Progress::LoadStep(number, all), _) => self.stage(&format!("load step {number} of {all}")),
             (Progress::Newton(step), Some(spinner)) => {
                 spinner.println(line(step));
                 spinner.set_message("direct problem (14)");

@@ -25,6 +25,12 @@ pub fn of(measured: &Measurements) -> String {
     table.row("Young's modulus, Poisson's ratio", &format!("{} MPa, {}", settings.young, settings.poisson));
     table.row("quadrature degree", &settings.degree.to_string());
     table.row("C of (41)", &settings.xi.to_string());
+    if let Some(bound) = settings.tresca {
+        table.row("Tresca's bound", &format!("{bound} MPa"));
+    }
+    if let Some(coefficient) = settings.coulomb {
+        table.row("Coulomb's coefficient", &coefficient.to_string());
+    }
     table.row("threads", &settings.threads.to_string());
     table.heading("Newton's method");
     table.text.push_str(&newton_history(&measured.newton_history));
@@ -41,11 +47,29 @@ pub fn of(measured: &Measurements) -> String {
     table.norms("p of (41), extended Neumann", measured.p_extended_l2, measured.p_extended_h1);
     table.number("contact force [MPa cm]", measured.contact_force);
     table.number("contact length [cm]", measured.contact_length);
+    if let Some(force) = measured.tangential_force {
+        table.number("tangential force on the body [MPa cm]", force);
+    }
+    if let (Some(stick), Some(slip)) = (measured.stick_length, measured.slip_length) {
+        table.row("length that sticks, that slips [cm]", &format!("{stick:.12e}, {slip:.12e}"));
+    }
     table.number("largest penetration [cm]", measured.max_penetration);
     for point in &measured.points {
         let [x, y] = point.x;
         table.row(&format!("u at ({x}, {y})"), &vector(&point.u));
         table.row(&format!("p of (22) at ({x}, {y})"), &vector(&point.p));
+    }
+    if measured.load_steps.len() > 1 {
+        table.heading("Load steps");
+        for (number, step) in measured.load_steps.iter().enumerate() {
+            let tangential =
+                step.tangential_force.map_or(String::new(), |force| format!(", tangential {force:+.9e}"));
+            let [x, y] = step.push;
+            table.row(
+                &format!("{}: inner circle moved by ({x}, {y})", number + 1),
+                &format!("contact force {:.9e}{tangential}", step.contact_force),
+            );
+        }
     }
     table.heading("Seconds");
     let seconds = &measured.seconds;

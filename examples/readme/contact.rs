@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let data = nitsche::Data { base, lambda: 1.0, mu: 1.0 };
     let model = nitsche::Model { data, regions: nitsche::Regions::default().gamma_c("bottom") };
 
-    // One degree for all integrals, so that the adjoint is that of what was solved.
+    // A kink is no polynomial: a higher degree than what would do for the polynomials beside it.
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let direct = model.direct();
     let solved = Problem::new(&direct, &space).assembler(&assembler).constrained(&constraints).solve()?;

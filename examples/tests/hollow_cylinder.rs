@@ -318,3 +318,55 @@ fn help_states_units_and_defaults() {
         assert!(help.contains(part), "{part}\n{help}");
     }
 }
+
+/// Friction and load steps: bounds, the sign, what was asked for, and the same digits as before without them.
+#[test]
+fn friction_and_load_steps() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let number =
+        |json: &Value, name: &str| json[name].as_f64().unwrap_or_else(|| panic!("{name}: {}", json[name]));
+    let without = solve(&[], directory.path());
+    let explicit = solve(&["--push", "0", "-1"], directory.path());
+    for name in
+        ["J", "contact_force", "contact_length", "u_h1", "p_discrete_h1", "p_consistent_h1", "p_extended_h1"]
+    {
+        assert_eq!(without[name], explicit[name], "{name}");
+    }
+    for name in ["tangential_force", "stick_length", "slip_length"] {
+        assert!(without[name].is_null(), "{name}");
+    }
+    let steps = ["--push", "0", "-1", "--push", "0.2", "-1"];
+    let coulomb = solve(&[&["--coulomb", "0.3"], &steps[..]].concat(), directory.path());
+    let (normal, tangential) = (number(&coulomb, "contact_force"), number(&coulomb, "tangential_force"));
+    assert!(tangential < 0.0 && -tangential < 0.3 * normal, "{tangential}, {normal}");
+    let (stick, slip) = (number(&coulomb, "stick_length"), number(&coulomb, "slip_length"));
+    assert!((stick + slip - number(&coulomb, "contact_length")).abs() < 1e-9, "{stick} {slip}");
+    let listed = coulomb["load_steps"].as_array().expect("steps");
+    assert_eq!(listed.len(), 2);
+    assert_eq!(listed[1]["push"], Value::from(vec![0.2, -1.0]));
+    assert!(number(&listed[0], "tangential_force").abs() < 1e-9 * normal, "by symmetry");
+    assert_eq!(listed[1]["tangential_force"], coulomb["tangential_force"]);
+    assert_eq!(coulomb["settings"]["coulomb"], 0.3);
+    // At once the slip has another history.
+    let at_once = solve(&["--coulomb", "0.3", "--push", "0.2", "-1"], directory.path());
+    assert!((number(&at_once, "tangential_force") - tangential).abs() > 1e-6 * normal);
+    let tresca = solve(&[&["--tresca", "0.5"], &steps[..]].concat(), directory.path());
+    let force = number(&tresca, "tangential_force");
+    assert!(force < 0.0 && -force <= 0.5 * 30.0 * std::f64::consts::PI + 1e-6, "{force}");
+    assert_eq!(tresca["settings"]["tresca"], 0.5);
+}
+
+#[test]
+fn friction_that_makes_no_sense_is_named() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let message = |arguments: &[&str]| {
+        let output = run(arguments, directory.path());
+        assert!(!output.status.success(), "{arguments:?}");
+        text(&output.stderr)
+    };
+    assert!(message(&["--coulomb", "-0.1"]).contains("coulomb = -0.1 is not possible"));
+    assert!(message(&["--tresca", "-2"]).contains("tresca = -2 is not possible"));
+    assert!(message(&["--tresca", "1", "--coulomb", "0.3"]).contains("cannot be used with"));
+    assert!(message(&["--push", "1"]).contains("--push"));
+    assert!(message(&["--push", "1", "nan"]).contains("finite"));
+}

@@ -26,6 +26,17 @@ mod fields {
         integral(Omega, (pow(u, 3) - 1) * v)
     }
 
+    fn strain(u: Scalar) -> Vector {
+        grad(u) + stiffness * [1, 0.3]
+    }
+    /// Stresses of a stretch that stays, whatever u is.
+    pub fn prestressed(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (1 + dot(strain(u), strain(u))) * dot(strain(u), grad(v)))
+    }
+    pub fn loaded(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        prestressed(u, v) - integral(Omega, 1e-6 * stiffness * v)
+    }
+
     pub fn reaction(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, dot(grad(u), grad(v)) + (u - 1) * v)
     }
@@ -112,5 +123,33 @@ fn a_bad_start_does_not_inflate_the_tolerance() {
             .solve()
             .unwrap();
         assert!(solved.field().values().iter().all(|value| (value - 1.0).abs() < 1e-8), "from {start:e}");
+    }
+}
+
+/// Stresses that balance by themselves, as in a body that was deformed for good: nothing moves, and the first residual is
+/// rounding of theirs, which no step makes smaller.
+#[test]
+fn a_body_under_stresses_of_its_own_stays_at_rest() {
+    for prestress in [1.0, 1e6] {
+        let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.7], [5, 4], CellShape::Triangle, 1).unwrap());
+        let space = Space::scalar(&mesh, 2).unwrap();
+        let mut constraints = Constraints::new(&space);
+        for side in ["left", "right", "top", "bottom"] {
+            constraints.fix(side, |_| 0.0).unwrap();
+        }
+        let model =
+            fields::Model::new(fields::Data { stiffness: prestress, conductivity: 1.0, expansion: 0.0 });
+        let form = model.prestressed();
+        let solved = Problem::new(&form, &space).constrained(&constraints).solve().unwrap();
+        let largest = solved.field().values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        assert!(largest < 1e-13 * prestress, "prestress {prestress:e}: moved by {largest:e}");
+        assert!(solved.iterations() <= 4, "prestress {prestress:e}: {} steps", solved.iterations());
+        // A load that is small beside the stresses is none that rounding hides.
+        let form = model.loaded();
+        let solved = Problem::new(&form, &space).constrained(&constraints).solve().unwrap();
+        let linear = 1e-6 / (2.0 * prestress * prestress);
+        let moved = solved.field().values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        assert!(moved > 1e-3 * linear, "prestress {prestress:e}: moved by {moved:e}");
+        assert!(solved.iterations() <= 8);
     }
 }

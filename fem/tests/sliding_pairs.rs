@@ -232,7 +232,15 @@ where
         plates.fix_component(&format!("sides {axis}"), axis, |_| 0.0).unwrap();
     }
     let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
-    let solved = Problem::new(&form, &space).constrained(&plates).options(options).solve().unwrap();
+    // Near the solution, for bodies must not be turned inside out.
+    let near = Field::interpolate(&space, |x: &[f64; D]| -> [f64; D] {
+        let rise = x[D - 1] - if x[D - 1] > 1.005 { offset[D - 1] } else { 0.0 };
+        let moved = 0.97 * ((stretch - 1.0) * rise - (x[D - 1] - rise));
+        std::array::from_fn(|axis| if axis + 1 == D { moved } else { 0.01 * x[axis] * (1.0 - x[axis]) })
+    });
+    let near = near.unwrap();
+    let problem = Problem::new(&form, &space).constrained(&plates).start(&near);
+    let solved = problem.options(options).solve().unwrap();
     let up = std::array::from_fn(|axis| f64::from(u8::from(axis + 1 == D)));
     let one_side = rubber::Touch::on(Pairing::onto("below", "above"));
     let force = rubber::force(&data, &one_side, &solved.fields[0], up as [f64; D]);

@@ -1,5 +1,8 @@
 //! Functions written in Rust, as kernels call them: lane by lane, with dual numbers for their derivatives.
 
+// Inputs, outputs and lanes are walked by their numbers.
+#![allow(clippy::needless_range_loop)]
+
 use crate::dual::Seeded;
 use crate::lane::Lane;
 use crate::real::Real;
@@ -8,6 +11,12 @@ use crate::real::Real;
 pub trait External {
     /// Writes the components of the value.
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]);
+
+    /// [`External::evaluate`] where the number of inputs is known when it is compiled.
+    #[inline(always)]
+    fn evaluate_fixed<R: Real, const INPUTS: usize>(inputs: &[R; INPUTS], outputs: &mut [R]) {
+        Self::evaluate(inputs, outputs);
+    }
 
     /// Which variable the `input`-th of some inputs is: those of one variable move together in a derivative by it, which
     /// bears the number of the first of them.
@@ -36,24 +45,32 @@ pub fn external<
     directions: [[usize; N]; K],
 ) -> [[L; OUTPUTS]; K] {
     const { assert!(L::WIDTH <= WIDEST && T::ORDER == N) }
+    // Plain loops: closures would be compiled for each function, order and lane type.
     let mut read = [[0.0; WIDEST]; INPUTS];
-    for (read, input) in read.iter_mut().zip(inputs) {
-        input.store(read);
+    for input in 0..INPUTS {
+        inputs[input].store(&mut read[input]);
     }
     let mut written = [[[0.0; WIDEST]; OUTPUTS]; K];
+    let (mut seeded, mut outputs) = ([T::zero(); INPUTS], [T::zero(); OUTPUTS]);
     for lane in 0..L::WIDTH {
-        for (written, directions) in written.iter_mut().zip(&directions) {
-            let seeded: [T; INPUTS] = std::array::from_fn(|input| {
-                T::seed(read[input][lane], F::variable(input, INPUTS), directions)
-            });
-            let mut outputs = [T::zero(); OUTPUTS];
-            F::evaluate(&seeded, &mut outputs);
-            for (written, output) in written.iter_mut().zip(outputs) {
-                written[lane] = output.highest();
+        for k in 0..K {
+            for input in 0..INPUTS {
+                seeded[input] = T::seed(read[input][lane], F::variable(input, INPUTS), &directions[k]);
+            }
+            outputs.fill(T::zero());
+            F::evaluate_fixed(&seeded, &mut outputs);
+            for output in 0..OUTPUTS {
+                written[k][output][lane] = outputs[output].highest();
             }
         }
     }
-    written.map(|outputs| outputs.map(|lanes| L::load(&lanes)))
+    let mut results = [[L::splat(0.0); OUTPUTS]; K];
+    for k in 0..K {
+        for output in 0..OUTPUTS {
+            results[k][output] = L::load(&written[k][output]);
+        }
+    }
+    results
 }
 
 /// A tabulated law, or its derivative of the given order, at each lane.

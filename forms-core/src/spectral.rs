@@ -40,6 +40,9 @@ impl External for TensorExponential {
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]) {
         flattened::<Exponential, R>(inputs, outputs);
     }
+    fn evaluate_fixed<R: Real, const INPUTS: usize>(inputs: &[R; INPUTS], outputs: &mut [R]) {
+        fixed::<Exponential, R, INPUTS>(inputs, outputs);
+    }
     fn variable(input: usize, inputs: usize) -> usize {
         symmetric_variable(input, inputs)
     }
@@ -49,6 +52,9 @@ impl External for TensorLogarithm {
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]) {
         flattened::<Logarithm, R>(inputs, outputs);
     }
+    fn evaluate_fixed<R: Real, const INPUTS: usize>(inputs: &[R; INPUTS], outputs: &mut [R]) {
+        fixed::<Logarithm, R, INPUTS>(inputs, outputs);
+    }
     fn variable(input: usize, inputs: usize) -> usize {
         symmetric_variable(input, inputs)
     }
@@ -57,6 +63,9 @@ impl External for TensorLogarithm {
 impl External for TensorSquareRoot {
     fn evaluate<R: Real>(inputs: &[R], outputs: &mut [R]) {
         flattened::<SquareRoot, R>(inputs, outputs);
+    }
+    fn evaluate_fixed<R: Real, const INPUTS: usize>(inputs: &[R; INPUTS], outputs: &mut [R]) {
+        fixed::<SquareRoot, R, INPUTS>(inputs, outputs);
     }
     fn variable(input: usize, inputs: usize) -> usize {
         symmetric_variable(input, inputs)
@@ -183,9 +192,6 @@ fn symmetric_variable(entry: usize, entries: usize) -> usize {
     row.min(column) * size + row.max(column)
 }
 
-/// Not inlined: kernels call it, and it is compiled once for each order of derivatives, not once for each kernel and
-/// instruction set.
-#[inline(never)]
 fn flattened<F: Spectral, R: Real>(inputs: &[R], outputs: &mut [R]) {
     match inputs.len() {
         1 => flattened_in::<F, R, 1>(inputs, outputs),
@@ -197,11 +203,32 @@ fn flattened<F: Spectral, R: Real>(inputs: &[R], outputs: &mut [R]) {
     }
 }
 
+/// [`flattened`] for a size that is known where it is called: the others are not compiled.
+fn fixed<F: Spectral, R: Real, const INPUTS: usize>(inputs: &[R; INPUTS], outputs: &mut [R]) {
+    match const { INPUTS } {
+        1 => flattened_in::<F, R, 1>(inputs, outputs),
+        4 => flattened_in::<F, R, 2>(inputs, outputs),
+        9 => flattened_in::<F, R, 3>(inputs, outputs),
+        16 => flattened_in::<F, R, 4>(inputs, outputs),
+        _ => outputs.fill(R::from(f64::NAN)),
+    }
+}
+
+/// Not inlined: kernels call it, and it is compiled once for each order of derivatives, not once for each kernel and
+/// instruction set. Plain loops, for every closure would be compiled for each order, too.
+#[inline(never)]
 fn flattened_in<F: Spectral, R: Real, const D: usize>(inputs: &[R], outputs: &mut [R]) {
-    let tensor = std::array::from_fn(|i| std::array::from_fn(|j| inputs[i * D + j]));
+    let mut tensor = [[R::zero(); D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            tensor[i][j] = inputs[i * D + j];
+        }
+    }
     let value = of_tensor::<F, R, D>(tensor);
-    for (output, entry) in outputs.iter_mut().zip(value.as_flattened()) {
-        *output = *entry;
+    for i in 0..D {
+        for j in 0..D {
+            outputs[i * D + j] = value[i][j];
+        }
     }
 }
 
@@ -209,11 +236,13 @@ fn flattened_in<F: Spectral, R: Real, const D: usize>(inputs: &[R], outputs: &mu
 const SYMMETRIC: f64 = 1e-9;
 
 fn of_tensor<F: Spectral, R: Real, const D: usize>(tensor: [[R; D]; D]) -> [[R; D]; D] {
-    let values = tensor.map(|row| row.map(R::value));
-    let largest = values.as_flattened().iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
-    let asymmetric = |i: usize, j: usize| (values[i][j] - values[j][i]).abs() > SYMMETRIC * largest;
-    let finite = values.as_flattened().iter().all(|entry| entry.is_finite());
-    if !finite || (0..D).any(|i| (0..i).any(|j| asymmetric(i, j))) {
+    let mut values = [[0.0; D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            values[i][j] = tensor[i][j].value();
+        }
+    }
+    if !is_symmetric(&values) {
         return [[R::from(f64::NAN); D]; D];
     }
     let (eigenvalues, q) = eigensystem(values);
@@ -222,15 +251,29 @@ fn of_tensor<F: Spectral, R: Real, const D: usize>(tensor: [[R; D]; D]) -> [[R; 
         result[i][i] = R::from(F::value(eigenvalues[i]));
     }
     if R::ORDER > 0 {
-        let moving = std::array::from_fn(|i| std::array::from_fn(|j| tensor[i][j] - values[i][j]));
-        let moving = rotate(&moving, |i, j| q[j][i]);
+        let (mut moving, mut transposed) = (tensor, q);
+        for i in 0..D {
+            for j in 0..D {
+                moving[i][j] -= values[i][j];
+                transposed[i][j] = q[j][i];
+            }
+        }
+        let moving = rotate(&moving, &transposed);
         let mut path = Path { eigenvalues: &eigenvalues, moving: &moving, indices: [0; DEPTH] };
         for i in 0..D {
             path.indices[0] = i;
             path.extend::<F>(1, R::one(), &mut result[i]);
         }
     }
-    rotate(&result, |i, j| q[i][j])
+    rotate(&result, &q)
+}
+
+/// Finite, and symmetric up to rounding.
+fn is_symmetric<const D: usize>(values: &[[f64; D]; D]) -> bool {
+    let largest = values.as_flattened().iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    let asymmetric = |i: usize, j: usize| (values[i][j] - values[j][i]).abs() > SYMMETRIC * largest;
+    let finite = values.as_flattened().iter().all(|entry| entry.is_finite());
+    finite && !(0..D).any(|i| (0..i).any(|j| asymmetric(i, j)))
 }
 
 /// The most factors of a term: derivatives above the eleventh are beyond any form.
@@ -259,23 +302,41 @@ impl<R: Real, const D: usize> Path<'_, R, D> {
             if product.vanishes() {
                 continue;
             }
-            let mut points = [0.0; DEPTH];
-            for (point, index) in points.iter_mut().zip(&self.indices[..=length]) {
-                *point = self.eigenvalues[*index];
-            }
-            let points = &mut points[..=length];
-            points.sort_by(f64::total_cmp);
-            row[next] += product * divided_difference::<F>(points);
+            row[next] += product * chained::<F, D>(self.eigenvalues, &self.indices[..=length]);
             self.extend::<F>(length + 1, product, row);
         }
     }
 }
 
+/// The divided difference of f at the eigenvalues of a chain of indices.
+fn chained<F: Spectral, const D: usize>(eigenvalues: &[f64; D], indices: &[usize]) -> f64 {
+    let mut points = [0.0; DEPTH];
+    for (point, index) in points.iter_mut().zip(indices) {
+        *point = eigenvalues[*index];
+    }
+    let points = &mut points[..indices.len()];
+    points.sort_by(f64::total_cmp);
+    divided_difference::<F>(points)
+}
+
 /// P A Pᵀ.
-fn rotate<R: Real, const D: usize>(a: &[[R; D]; D], p: impl Fn(usize, usize) -> f64) -> [[R; D]; D] {
-    let left: [[R; D]; D] =
-        std::array::from_fn(|i| std::array::from_fn(|j| (0..D).map(|k| a[k][j] * p(i, k)).sum()));
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..D).map(|k| left[i][k] * p(j, k)).sum()))
+fn rotate<R: Real, const D: usize>(a: &[[R; D]; D], p: &[[f64; D]; D]) -> [[R; D]; D] {
+    let (mut left, mut result) = ([[R::zero(); D]; D], [[R::zero(); D]; D]);
+    for i in 0..D {
+        for j in 0..D {
+            for k in 0..D {
+                left[i][j] += a[k][j] * p[i][k];
+            }
+        }
+    }
+    for i in 0..D {
+        for j in 0..D {
+            for k in 0..D {
+                result[i][j] += left[i][k] * p[j][k];
+            }
+        }
+    }
+    result
 }
 
 /// Eigenvalues and, as columns, eigenvectors of a symmetric matrix, by Jacobi's rotations.

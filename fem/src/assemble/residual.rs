@@ -14,6 +14,7 @@ use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
+use crate::linear_algebra::vector::largest;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -76,6 +77,25 @@ impl<const D: usize> Assembler<D> {
         })
     }
 
+    /// The size of what cells add to each entry of the residual, in whatever direction: per integral, the largest entry of each
+    /// cell's vector (facet's, for integrals there), summed over the cells at the entry's node.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub(crate) fn sizes_of_contributions<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        self.linear_integrals(binding, tests, Parts::ALL, |visitor| {
+            visitor.added = Added::Sizes;
+            form.residual(visitor)
+        })
+    }
+
     /// The sum of the integrals that a form hands to the visitor.
     pub(super) fn linear_integrals(
         &self,
@@ -101,6 +121,7 @@ impl<const D: usize> Assembler<D> {
             vector: vec![0.0; offsets[tests.len()]],
             offsets,
             parts,
+            added: Added::Vectors,
             set: self.instructions,
         };
         walk(&mut visitor)?;
@@ -119,7 +140,17 @@ pub(super) struct VectorVisitor<'a, const D: usize> {
     offsets: Vec<usize>,
     vector: Vec<f64>,
     parts: Parts,
+    added: Added,
     set: InstructionSet,
+}
+
+/// Amounts that are added up.
+#[derive(Clone, Copy)]
+enum Added {
+    /// Element vectors.
+    Vectors,
+    /// Of each element vector its largest amount, in all places.
+    Sizes,
 }
 
 impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
@@ -159,12 +190,24 @@ impl<const D: usize> VectorVisitor<'_, D> {
             let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };
             let tests = GroupNodes::new(space, &group.sides[side]);
             let scatter = VectorScatter { tests, components, nodes: task.nodes() };
+            let (added, length) = (self.added, components * task.nodes());
             let values = &mut self.vector[offset..offset + space.unknowns()];
             let partition = scatter.tests.partition(self.threads);
             let parts = scatter.parts(&partition, values);
             let done = self.threads.run(parts, |(entities, mut part)| {
+                let mut sizes = Vec::new();
                 compute(&task, entities, &mut |first, vectors| {
-                    scatter.add(first, vectors, &mut part);
+                    let added = match added {
+                        Added::Vectors => vectors,
+                        Added::Sizes => {
+                            sizes.clear();
+                            for vector in vectors.chunks_exact(length) {
+                                sizes.resize(sizes.len() + length, largest(vector));
+                            }
+                            &sizes
+                        }
+                    };
+                    scatter.add(first, added, &mut part);
                     Ok(())
                 })?;
                 Ok(part.into_deferred())

@@ -58,6 +58,7 @@ pub use multigrid::{Multigrid, MultigridOptions};
 pub use operator::{Entries, Identity, LinearOperator, OnThreads, OperatorError, Preconditioner};
 pub use ordering::{Candidate, Chosen, Ordering};
 pub use pattern::SparsityPattern;
+pub use residual_history::ResidualHistory;
 pub use restriction::{Entry, Restriction};
 pub use rigid_motions::{free_motions, rigid_motions};
 pub use spectrum::{Spectrum, spectrum};

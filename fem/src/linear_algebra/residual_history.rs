@@ -1,4 +1,4 @@
-//! Debug output of Krylov methods' reports: the last residuals of a history that may have a thousand.
+//! Printing of residuals' histories, in errors and Krylov methods' reports: the last of what may be a thousand.
 
 use std::fmt;
 
@@ -8,6 +8,16 @@ use super::krylov::KrylovReport;
 /// Residuals that are printed.
 const LAST: usize = 5;
 
+/// Norms of the residuals of an iteration. It prints its length and its end.
+#[derive(Clone, Default, PartialEq)]
+pub struct ResidualHistory(pub Vec<f64>);
+
+impl fmt::Debug for ResidualHistory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(&History(&self.0), f)
+    }
+}
+
 /// A history by its length and its end.
 struct History<'a>(&'a [f64]);
 
@@ -15,9 +25,10 @@ impl fmt::Debug for History<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let last = &self.0[self.0.len().saturating_sub(LAST)..];
         match self.0.len() - last.len() {
-            0 => write!(f, "{last:?}"),
-            before => write!(f, "{before} residuals, then {last:?}"),
+            0 => {}
+            before => write!(f, "{before} residuals, then ")?,
         }
+        fmt::Debug::fmt(last, f)
     }
 }
 
@@ -44,12 +55,17 @@ impl fmt::Debug for GmresReport {
 
 #[cfg(test)]
 mod tests {
-    use crate::linear_algebra::{GmresReport, KrylovReport};
+    use crate::linear_algebra::{GmresReport, KrylovReport, ResidualHistory};
     use crate::solve::SolverError;
 
     #[test]
     fn an_error_prints_the_end_of_its_history() {
         let history: Vec<f64> = (0..1000).map(|k| 1.0 / f64::from(k + 1)).collect();
+        let other = ResidualHistory(history.clone());
+        let other = SolverError::Other { solver: "PETSc", why: "no".into(), history: other };
+        for printed in [format!("{other:?}"), other.to_string()] {
+            assert!(printed.contains("995 residuals, then [") && printed.len() < 300, "{printed}");
+        }
         let report = GmresReport { history: history.clone(), iterations: 999, ..GmresReport::default() };
         let printed = format!("{:?}", SolverError::NotConverged(report));
         assert!(printed.contains("995 residuals, then [") && printed.len() < 300, "{printed}");

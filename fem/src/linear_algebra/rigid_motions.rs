@@ -78,20 +78,25 @@ pub fn free_motions<const D: usize>(
         forces.iter_mut().for_each(|force| *force /= scale.max(f64::MIN_POSITIVE));
         hindrances.push(hindrance(&all, &forces)?);
     }
-    let count = hindrances.len();
-    let nodes = positions.len() as f64;
-    // Singular values and not the eigenvalues of a Gram matrix, whose rounding would hide a small resistance.
-    let tall = Mat::from_fn(matrix.rows(), count, |i, k| hindrances[k][i] / nodes.sqrt());
-    drop(hindrances);
-    let triangle = tall.qr().thin_R().to_owned();
-    let Ok(found) = triangle.svd() else { return Ok(Vec::new()) };
-    let (values, vectors) = (found.S().column_vector(), found.V());
-    let null: Vec<Vec<f64>> = (0..count)
-        .filter(|&k| k >= values.nrows() || values[k] <= NOTHING)
-        .map(|k| (0..count).map(|i| vectors[(i, k)]).collect())
-        .collect();
+    let null = null_combinations(&hindrances, positions.len());
     let (centre, size) = frame(positions);
     Ok(simplest(null, D).iter().map(|motion| in_words(motion, &centre, size)).collect())
+}
+
+/// Combinations of so many motions whose hindrance vanishes, in coefficients. Of no dimension, so that singular values are compiled
+/// here and not in every program that solves.
+fn null_combinations(hindrances: &[Vec<f64>], nodes: usize) -> Vec<Vec<f64>> {
+    let (count, rows) = (hindrances.len(), hindrances.first().map_or(0, Vec::len));
+    let nodes = nodes as f64;
+    // Singular values and not the eigenvalues of a Gram matrix, whose rounding would hide a small resistance.
+    let tall = Mat::from_fn(rows, count, |i, k| hindrances[k][i] / nodes.sqrt());
+    let triangle = tall.qr().thin_R().to_owned();
+    let Ok(found) = triangle.svd() else { return Vec::new() };
+    let (values, vectors) = (found.S().column_vector(), found.V());
+    (0..count)
+        .filter(|&k| k >= values.nrows() || values[k] <= NOTHING)
+        .map(|k| (0..count).map(|i| vectors[(i, k)]).collect())
+        .collect()
 }
 
 /// A basis of the same space whose rotations are about coordinate axes where that is possible, and pure translations

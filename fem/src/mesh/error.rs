@@ -28,6 +28,12 @@ pub enum MeshError {
         /// Two of the shapes.
         shapes: [CellShape; 2],
     },
+    /// Bodies that do not make one mesh.
+    #[error("these bodies do not make one mesh: {why}")]
+    Bodies {
+        /// The reason.
+        why: String,
+    },
     /// A feature that needs a mesh of one shape.
     #[error("{feature} needs a mesh of one shape; this one has {}", plurals(shapes))]
     SeveralShapes {

@@ -2,6 +2,7 @@
 
 mod ball;
 mod blocks;
+mod bodies;
 mod cell_blocks;
 mod conformity;
 mod connectivity;

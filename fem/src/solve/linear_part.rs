@@ -254,6 +254,12 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
         self.assembler_at(u)?.residual_of(&*self.form, &views, &spaces, Parts::NONLINEAR)
     }
 
+    /// See [`Assembler::sizes_of_contributions`].
+    pub fn sizes_of_contributions(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
+        self.assembler_at(u)?.sizes_of_contributions(&*self.form, &views, &spaces)
+    }
+
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
     pub fn update(&self, assembled: &mut Assembled, u: &[f64]) -> Result<(), AssemblyError> {
         let mut views = self.views(u)?;

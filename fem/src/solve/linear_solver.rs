@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::condensed_solver::CondensedSystem;
 use super::solver_report::SolverReport;
-use crate::linear_algebra::{CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError, Transpose};
+use crate::linear_algebra::{
+    CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, Transpose,
+};
 
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
 /// matrix: the analysis of the pattern, a factor.
@@ -224,7 +226,7 @@ pub enum SolverError {
         /// The reason.
         why: String,
         /// Norms of the residuals of its iterations, where it has some.
-        history: Vec<f64>,
+        history: ResidualHistory,
     },
 }
 
@@ -249,12 +251,8 @@ fn of(component: &Option<usize>) -> String {
     component.map(|component| format!("component {component} of ")).unwrap_or_default()
 }
 
-fn residuals(history: &[f64]) -> String {
-    if history.is_empty() {
-        return String::new();
-    }
-    let norms: Vec<String> = history.iter().map(|norm| format!("{norm:.3e}")).collect();
-    format!("; residuals {}", norms.join(", "))
+fn residuals(history: &ResidualHistory) -> String {
+    if history.0.is_empty() { String::new() } else { format!("; residuals: {history:?}") }
 }
 
 fn because(motions: &[String]) -> String {

@@ -15,7 +15,7 @@ use std::fmt;
 ///     true => Err("too large a step".to_string()),
 ///     false => Ok(factor * factor),
 /// };
-/// let path = LoadSteps::uniform(2, 1.0).run(0.0, solve, |_| {}, |_| {});
+/// let path = LoadSteps::uniform(2, 1.0).run(0.0, solve);
 /// let reached = path.map_err(|error| error.to_string())?;
 /// assert_eq!(reached.state, 1.0);
 /// assert_eq!(reached.steps.iter().filter(|step| step.failure.is_none()).count(), 4);
@@ -130,18 +130,29 @@ impl LoadSteps {
         LoadSteps { start, ..self }
     }
 
-    /// Goes through the factors. `solve(factor, state)` gives the state at a factor from the last one, or fails;
-    /// `commit(state)` is called for each success only, before the next step: histories are committed there.
-    /// `progress` is called for each attempt.
+    /// Goes through the factors. `solve(factor, state)` gives the state at a factor from the last one, or fails.
     ///
     /// # Errors
     /// [`LoadStepError`] with the reason and the last state that was reached.
     pub fn run<S, E: fmt::Display>(
         &self,
         state: S,
+        solve: impl FnMut(f64, &S) -> Result<S, E>,
+    ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
+        self.go_through(state, solve, &mut |_| (), &mut |_| ())
+    }
+
+    /// The same with something done at each success, before the next step: histories are committed there.
+    pub fn committing<'a, S>(&'a self, commit: impl FnMut(&S) + 'a) -> CommittingSteps<'a, S> {
+        CommittingSteps { steps: self, commit: Box::new(commit), each_attempt: Box::new(|_| ()) }
+    }
+
+    fn go_through<S, E: fmt::Display>(
+        &self,
+        state: S,
         mut solve: impl FnMut(f64, &S) -> Result<S, E>,
-        mut commit: impl FnMut(&S),
-        mut progress: impl FnMut(&LoadStep),
+        commit: &mut dyn FnMut(&S),
+        progress: &mut dyn FnMut(&LoadStep),
     ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
         let mut path = LoadPath { state, steps: vec![] };
         let mut at = self.start;
@@ -190,6 +201,39 @@ impl LoadSteps {
     }
 }
 
+/// Load steps with what is done on the way: [`LoadSteps::committing`].
+pub struct CommittingSteps<'a, S> {
+    steps: &'a LoadSteps,
+    commit: Box<dyn FnMut(&S) + 'a>,
+    each_attempt: Box<dyn FnMut(&LoadStep) + 'a>,
+}
+
+impl<'a, S> CommittingSteps<'a, S> {
+    /// The same with something done at each attempt, as printing it.
+    pub fn each_attempt(mut self, progress: impl FnMut(&LoadStep) + 'a) -> Self {
+        self.each_attempt = Box::new(progress);
+        self
+    }
+
+    /// [`LoadSteps::run`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run<E: fmt::Display>(
+        mut self,
+        state: S,
+        solve: impl FnMut(f64, &S) -> Result<S, E>,
+    ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
+        self.steps.go_through(state, solve, &mut *self.commit, &mut *self.each_attempt)
+    }
+}
+
+impl<S> fmt::Debug for CommittingSteps<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CommittingSteps").field("steps", self.steps).finish_non_exhaustive()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,7 +252,7 @@ mod tests {
     fn steps_that_succeed_are_those_asked_for() -> Outcome {
         let mut committed = vec![];
         let steps = LoadSteps::through([0.5, 1.0, -0.25]);
-        let path = steps.run(0.0, limited(2.0), |state| committed.push(*state), |_| {})?;
+        let path = steps.committing(|state: &f64| committed.push(*state)).run(0.0, limited(2.0))?;
         assert_eq!((path.state, &committed[..]), (-0.25, &[0.5, 1.0, -0.25][..]));
         assert_eq!(path.steps.len(), 3);
         let uniform = LoadSteps::uniform(4, 2.0);
@@ -222,13 +266,13 @@ mod tests {
         let mut committed = vec![];
         let mut told = vec![];
         let steps = LoadSteps::through([1.0]);
-        let path = steps.run(
-            0.0,
-            // Hard only at the beginning.
-            |factor, before| limited(if *before < 0.2 { 0.15 } else { 0.5 })(factor, before),
-            |state| committed.push(*state),
-            |step| told.push((step.factor, step.failure.is_none())),
-        )?;
+        // Hard only at the beginning.
+        let solve =
+            |factor: f64, before: &f64| limited(if *before < 0.2 { 0.15 } else { 0.5 })(factor, before);
+        let path = steps
+            .committing(|state: &f64| committed.push(*state))
+            .each_attempt(|step| told.push((step.factor, step.failure.is_none())))
+            .run(0.0, solve)?;
         assert_eq!(committed, [0.125, 0.25, 0.5, 0.75, 1.0]);
         let expected = [
             (1.0, false),
@@ -252,7 +296,8 @@ mod tests {
             true => "beyond the limit".parse(),
             false => Ok(factor),
         };
-        let error = LoadSteps::through([0.5, 1.0]).run(0.0, limit, |state| committed = *state, |_| {});
+        let steps = LoadSteps::through([0.5, 1.0]);
+        let error = steps.committing(|state: &f64| committed = *state).run(0.0, limit);
         let error = error.err().ok_or("it has a limit")?;
         assert!((0.7 - 2.0 / 1024.0..=0.7).contains(&error.factor), "{}", error.factor);
         assert_eq!((error.state, committed), (error.factor, error.factor));

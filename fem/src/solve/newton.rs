@@ -81,6 +81,15 @@ pub trait NonlinearProblem {
     fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, Self::Error> {
         Ok(self.tangent(u)?.balancing_forces(amplitudes))
     }
+
+    /// The size of the terms that are added up in each entry of R(u) \[unit of R\], if the problem knows it. They may be large
+    /// where u is zero, as the stresses of a body that was deformed for good.
+    ///
+    /// # Errors
+    /// If assembly fails.
+    fn sizes_of_terms(&mut self, _u: &[f64]) -> Result<Option<Vec<f64>>, Self::Error> {
+        Ok(None)
+    }
 }
 
 /// A tangent, lent by the problem that keeps it.
@@ -352,7 +361,7 @@ impl Iteration<'_> {
         if self.has_converged(&Rounding::Unknown) {
             return Ok(true);
         }
-        if self.may_be_rounding() {
+        if self.may_be_rounding() || self.does_not_fall() {
             let rounding = self.rounding(problem, elimination, &residuals.reduced)?;
             if self.has_converged(&rounding) {
                 return Ok(true);

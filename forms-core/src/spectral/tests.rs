@@ -22,7 +22,7 @@ fn rotation() -> Matrix {
 fn with_eigenvalues(eigenvalues: [f64; 3]) -> Matrix {
     let q = rotation();
     let diagonal = std::array::from_fn(|i| std::array::from_fn(|j| eigenvalues[i] * f64::from(i == j)));
-    rotate(&diagonal, |i, j| q[i][j])
+    rotate(&diagonal, &q)
 }
 
 fn distance(a: &Matrix, b: &Matrix) -> f64 {

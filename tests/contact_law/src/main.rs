@@ -24,8 +24,7 @@ where
         obstacle::Data { obstacle_normal: normal, gap: Given::constant(0.0), gamma0: 20.0, theta: 0.0 };
     let data = law::Data { base, lambda: 1.0, mu: 1.0, slip_stress };
     let model = law::Model { data, regions: law::Regions::default().gamma_c("bottom") };
-    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(4));
-    let problem = ContactProblem::new(assembler, &space, model, constraints)?;
+    let problem = ContactProblem::new(Assembler::new(mesh), &space, model, constraints)?;
     let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
     let solved = problem.direct()?.options(options).solve()?;
     Ok((problem, solved))

@@ -6,7 +6,9 @@
 //! the residuals by factors of at most ρ, the next step is about ρ δ.
 //!
 //! A residual cannot become smaller than the rounding of the forces that balance in it, row by row. Where the first part
-//! asks for more, these forces are computed, and a residual at their rounding level counts as zero.
+//! asks for more, these forces are computed, and a residual at their rounding level counts as zero. They are products of the
+//! tangent with the size of u, or, where u is small and forces are not, as in a body that was deformed for good, what cells
+//! contribute.
 
 use std::ops::Range;
 
@@ -186,22 +188,46 @@ impl Iteration<'_> {
         (small || last.u.len() > 1) && last.residual[field] > 0.5 * before.residual[field]
     }
 
+    /// Whether no residual above its target falls. Where u is zero its steps, rounding of forces, are not small beside it.
+    pub fn does_not_fall(&self) -> bool {
+        let [.., before, last] = &self.norms[..] else { return false };
+        let mut targets = self.targets().enumerate();
+        targets.all(|(field, target)| {
+            last.residual[field] <= target || last.residual[field] > 0.5 * before.residual[field]
+        })
+    }
+
     /// Which fields have a residual that is rounding of the forces that balance in each of its rows: products of the
-    /// tangent's entries with the size of the field in their column.
+    /// tangent's entries with the size of the field in their column, or the terms that the problem adds up.
     pub fn rounding<P: NonlinearProblem>(
         &self,
         problem: &mut P,
         elimination: &Elimination,
         reduced_residual: &[f64],
     ) -> Result<Rounding, NewtonFailure<P::Error>> {
-        let amplitudes = self.fields.amplitudes(&self.u);
-        let forces = problem.balancing_forces(&self.u, &amplitudes).map_err(NewtonFailure::Assembly)?;
-        let forces = elimination.reduce_amounts(&forces).map_err(NewtonFailure::Mismatch)?;
-        let reached = self.fields.free.iter().enumerate().map(|(field, range)| {
-            let part = if self.has_stalled(field) { STALLED_ROUNDING } else { ROUNDING };
+        let mut reached = vec![false; self.fields.free.len()];
+        if self.may_be_rounding() {
+            let amplitudes = self.fields.amplitudes(&self.u);
+            let forces = problem.balancing_forces(&self.u, &amplitudes).map_err(NewtonFailure::Assembly)?;
+            let forces = elimination.reduce_amounts(&forces).map_err(NewtonFailure::Mismatch)?;
+            self.compare(reduced_residual, &forces, STALLED_ROUNDING, &mut reached);
+        }
+        if !self.has_converged(&Rounding::Known(reached.clone())) && self.does_not_fall() {
+            let sizes = problem.sizes_of_terms(&self.u).map_err(NewtonFailure::Assembly)?;
+            if let Some(sizes) = sizes {
+                let sizes = elimination.reduce_amounts(&sizes).map_err(NewtonFailure::Mismatch)?;
+                self.compare(reduced_residual, &sizes, ROUNDING, &mut reached);
+            }
+        }
+        Ok(Rounding::Known(reached))
+    }
+
+    /// Marks the fields whose residual is rounding of forces, row by row; up to a part of them where it has stalled.
+    fn compare(&self, reduced_residual: &[f64], forces: &[f64], stalled: f64, reached: &mut [bool]) {
+        for (field, range) in self.fields.free.iter().enumerate() {
+            let part = if self.has_stalled(field) { stalled } else { ROUNDING };
             let mut rows = reduced_residual[range.clone()].iter().zip(&forces[range.clone()]);
-            rows.all(|(residual, force)| residual.abs() <= part * force)
-        });
-        Ok(Rounding::Known(reached.collect()))
+            reached[field] |= rows.all(|(residual, force)| residual.abs() <= part * force);
+        }
     }
 }

@@ -103,4 +103,9 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
         // All processes must come to the same judgement of convergence.
         summed(self.communicator, self.system.form.name(), own)
     }
+
+    fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
+        let own = self.system.sizes_of_contributions(u);
+        summed(self.communicator, self.system.form.name(), own).map(Some)
+    }
 }

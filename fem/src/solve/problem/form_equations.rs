@@ -55,4 +55,8 @@ impl NonlinearProblem for FormEquations<'_> {
     fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         self.0.balancing_forces(u, amplitudes)
     }
+
+    fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
+        self.0.sizes_of_terms(u)
+    }
 }

@@ -2,6 +2,7 @@
 //! residuals and tangents are derived. Nothing of a [`Derived`] holds `Gradient`, `Partial` or `Gateaux`.
 
 pub mod rules;
+mod sources;
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,6 +12,7 @@ use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Region;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Geometry, Operator, Tensor, Variable};
 use rules::{Differentiation, Seed};
+pub use sources::Source;
 
 /// A function, free of derivatives still to be taken.
 pub struct Derived {
@@ -23,6 +25,8 @@ pub struct Derived {
     pub residual: Vec<ResidualPart>,
     /// Densities of an energy or functional.
     pub density: Vec<Term>,
+    /// By density, or part of one, that was asked for as a derivative: the integrands that were differentiated.
+    pub sources: HashMap<Tensor, Vec<Source>>,
     /// A derived field.
     pub value: Option<Tensor>,
     /// The residual is the first variation of an energy: its tangent is symmetric (Schwarz).
@@ -94,8 +98,9 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
         fields.push(FieldInfo { name, role: FieldRole::Trial(number), shape });
         trials.push((index, fields.len() - 1));
     }
-    let mut residual = Vec::new();
+    let (mut residual, mut sources) = (Vec::new(), HashMap::<Tensor, Vec<Source>>::new());
     for term in terms {
+        let found = if from_energy { vec![] } else { lowering.sources(term.density) };
         let lowered = lowering.lower(term.density);
         for part in lowering.parts(lowered) {
             let mut tangent = Vec::new();
@@ -106,11 +111,25 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
                     tangent.push((trial, derivative));
                 }
             }
+            if !found.is_empty() {
+                sources.entry(part).or_default().extend(found.iter().cloned());
+            }
             residual.push(ResidualPart { term: term.with(part), tangent });
         }
     }
-    let density = density.into_iter().map(|term| term.with(lowering.lower(term.density))).collect();
-    Derived { function, dimension, arena: lowering.arena, fields, residual, density, value, from_energy }
+    let density = density
+        .into_iter()
+        .map(|term| {
+            let found = lowering.sources(term.density);
+            let density = lowering.lower(term.density);
+            if !found.is_empty() {
+                sources.entry(density).or_default().extend(found);
+            }
+            term.with(density)
+        })
+        .collect();
+    let arena = lowering.arena;
+    Derived { function, dimension, arena, fields, residual, density, sources, value, from_energy }
 }
 
 /// Removes the operators of differentiation, innermost first.

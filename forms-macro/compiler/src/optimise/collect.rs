@@ -1,8 +1,9 @@
 //! Common factors of the terms of a sum, taken out: a b c + a b d becomes a b (c + d). As by Horner's rule, the factor
 //! that most terms have goes first.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
+use super::hashing::Map;
 use super::scalar::{Graph, Node, Scalar};
 use super::straight_line::Code;
 
@@ -10,7 +11,7 @@ use super::straight_line::Code;
 /// function is computed once per point.
 pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Vec<Scalar> {
     let varies = graph.mark(|node| matches!(node, Node::Basis(..) | Node::Accumulated(_)));
-    let mut known: HashMap<Scalar, Scalar> = HashMap::new();
+    let mut known: Map<Scalar, Scalar> = Map::default();
     for scalar in graph.reachable(roots) {
         let now = |scalar: &Scalar| known.get(scalar).copied().unwrap_or(*scalar);
         let changed = match graph.node(scalar).clone() {

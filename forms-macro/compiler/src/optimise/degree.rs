@@ -1,8 +1,9 @@
 //! Polynomial degree of a density, for the choice of a quadrature rule: the largest of several sums of
 //! field degrees. What is not a polynomial is estimated as in UFL.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
+use crate::differentiate::Source;
 use crate::tensor::{Arena, Geometry, Operator, Tensor};
 
 /// Contributions to a degree.
@@ -70,6 +71,30 @@ impl Degree {
         result
     }
 
+    /// With one factor of a field replaced by the direction in which the field varies: no more than before but for a
+    /// direction of a richer space.
+    fn toward(self, varied: usize, direction: usize) -> Self {
+        let sums = self.0.iter().flat_map(|sum| {
+            let orders = sum.parts.keys().filter_map(move |part| match part {
+                Part::Field { field, order } if *field == varied => Some(*order),
+                _ => None,
+            });
+            orders.map(move |order| {
+                let mut moved = sum.clone();
+                let from = Part::Field { field: varied, order };
+                match moved.parts.get_mut(&from) {
+                    Some(count) if *count > 1 => *count -= 1,
+                    _ => {
+                        moved.parts.remove(&from);
+                    }
+                }
+                *moved.parts.entry(Part::Field { field: direction, order }).or_default() += 1;
+                Degree(vec![moved])
+            })
+        });
+        sums.fold(Degree(vec![]), Degree::largest)
+    }
+
     fn times(self, factor: usize) -> Self {
         (1..factor).fold(self.clone(), |sum, _| sum.plus(self.clone()))
     }
@@ -83,12 +108,28 @@ fn dominates(a: &DegreeSum, b: &DegreeSum) -> bool {
 /// Degrees of the nodes of an arena, each computed once.
 pub struct Degrees<'a> {
     arena: &'a Arena,
+    /// See [`crate::differentiate::Derived::sources`].
+    sources: &'a HashMap<Tensor, Vec<Source>>,
     known: BTreeMap<Tensor, Degree>,
 }
 
 impl<'a> Degrees<'a> {
-    pub fn new(arena: &'a Arena) -> Self {
-        Degrees { arena, known: BTreeMap::new() }
+    pub fn new(arena: &'a Arena, sources: &'a HashMap<Tensor, Vec<Source>>) -> Self {
+        Degrees { arena, sources, known: BTreeMap::new() }
+    }
+
+    /// Of a density that is integrated: where it is a derivative, that of what was differentiated, so that both have the same
+    /// points.
+    pub fn of_integrand(&mut self, density: Tensor) -> Degree {
+        let sources = self.sources;
+        let Some(sources) = sources.get(&density) else { return self.of(density) };
+        sources.iter().fold(Degree::constant(0), |all, source| {
+            let degree = self.of(source.density);
+            all.largest(source.directions.iter().fold(degree, |degree, (varied, direction)| {
+                let moved = degree.clone().toward(*varied, *direction);
+                degree.largest(moved)
+            }))
+        })
     }
 
     pub fn of(&mut self, tensor: Tensor) -> Degree {

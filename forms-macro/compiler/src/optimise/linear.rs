@@ -1,8 +1,9 @@
 //! Coefficients of a linear expression: what stands before each slot of a field.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::hashing::Map;
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::tensor::Side;
 
@@ -44,7 +45,7 @@ pub fn of_component(
 pub struct Linear<'a> {
     pub graph: &'a mut Graph,
     pub function: SidedField,
-    known: HashMap<Scalar, Option<Rc<Coefficients>>>,
+    known: Map<Scalar, Option<Rc<Coefficients>>>,
     /// The nodes in which the function stands, be it with coefficients that cancel.
     mentioned: Vec<bool>,
 }
@@ -52,7 +53,7 @@ pub struct Linear<'a> {
 impl<'a> Linear<'a> {
     pub fn new(graph: &'a mut Graph, function: SidedField) -> Self {
         let mentioned = graph.mark(|node| function.owns(node));
-        Linear { graph, function, known: HashMap::new(), mentioned }
+        Linear { graph, function, known: Map::default(), mentioned }
     }
 
     /// The coefficients (empty: free of the function); `None` if the expression is not linear in it.
@@ -166,7 +167,7 @@ pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> S
 pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar) {
     let marks = graph.mark_above(node);
     let zero = graph.number(0.0);
-    let mut partners: HashMap<Scalar, Scalar> = HashMap::new();
+    let mut partners: Map<Scalar, Scalar> = Map::default();
     for inner in graph.reachable(&[scalar]) {
         if !marks[inner.0 as usize] {
             continue;
@@ -206,7 +207,7 @@ fn with(
     replace: &mut dyn FnMut(Scalar) -> Option<Scalar>,
     other: Scalar,
 ) -> Scalar {
-    let mut known: HashMap<Scalar, Scalar> = HashMap::new();
+    let mut known: Map<Scalar, Scalar> = Map::default();
     for node in graph.reachable(&[scalar]) {
         if !marks[node.0 as usize] {
             continue;

@@ -6,6 +6,7 @@ pub mod collect;
 pub mod degree;
 pub mod elements;
 mod factor;
+mod hashing;
 pub mod linear;
 pub mod plan;
 mod polynomial;
@@ -18,7 +19,7 @@ pub mod scalarise;
 pub mod straight_line;
 mod whole;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use crate::check::Term;
 use crate::differentiate::{Derived, ResidualPart};
@@ -112,7 +113,8 @@ pub enum Failure {
 /// Plans all integrals of a function; an integral that turns out not to be linear in an argument,
 /// which `check` rules out, is reported by its absence: `Err` with the name of that argument.
 pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure> {
-    let Derived { function, dimension, arena, fields, residual, density, value, from_energy } = derived;
+    let Derived { function, dimension, arena, fields, residual, density, sources, value, from_energy } =
+        derived;
     let offsets = parameter_offsets(module, dimension);
     let mut graph = Graph::default();
     let mut scalariser = Scalariser {
@@ -122,9 +124,9 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         dimension,
         side: Side::This,
         opposite: opposite_of_values(module),
-        known: HashMap::new(),
+        known: hashing::Map::default(),
     };
-    let mut degrees = Degrees::new(&arena);
+    let mut degrees = Degrees::new(&arena, &sources);
 
     let entities: Vec<Entity> = module.regions.iter().map(|region| region.entity).collect();
     let value = value.map(|value| (scalariser.components(value), arena.shape(value).to_vec()));
@@ -264,7 +266,7 @@ fn group(
             }
             false => Dependence::Linear,
         };
-        let degree = degrees.of(*tensor);
+        let degree = degrees.of_integrand(*tensor);
         let zero = scalariser.graph.number(0.0);
         let key = (*region, displacement.clone(), dependence);
         let group = groups.entry(key).or_insert_with(|| Group {
@@ -422,7 +424,7 @@ fn densities(
             .entry((term.region, term.displacement.clone()))
             .or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));
         *sum = scalariser.graph.add(*sum, density);
-        *degree = degree.clone().largest(degrees.of(term.density));
+        *degree = degree.clone().largest(degrees.of_integrand(term.density));
     }
     regions
         .into_iter()

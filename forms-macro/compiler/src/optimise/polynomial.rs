@@ -1,9 +1,10 @@
 //! A proof that two scalars are equal: both are expanded to polynomials in their atoms (what is neither
 //! a sum nor a product), and compared monomial by monomial.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::hashing::Map;
 use super::scalar::{Graph, Node, Scalar};
 
 type Monomial = Vec<(Scalar, i32)>;
@@ -21,14 +22,14 @@ pub fn equal(graph: &Graph, a: Scalar, b: Scalar) -> bool {
 /// Expansions that several proofs use: shared nodes are expanded once.
 pub struct Expansion<'g> {
     graph: &'g Graph,
-    known: HashMap<Scalar, Option<Rc<Polynomial>>>,
+    known: Map<Scalar, Option<Rc<Polynomial>>>,
     /// Monomials that may still be made.
     budget: usize,
 }
 
 impl<'g> Expansion<'g> {
     pub fn new(graph: &'g Graph) -> Self {
-        Expansion { graph, known: HashMap::new(), budget: 100 * LARGEST }
+        Expansion { graph, known: Map::default(), budget: 100 * LARGEST }
     }
 
     /// As [`equal`]; all proofs of an expansion share its budget.

@@ -4,8 +4,8 @@
 mod behaviour;
 
 use std::cell::Cell;
-use std::collections::HashMap;
 
+use super::hashing::Map;
 use crate::tensor::{External, Function, Geometry, Side};
 use behaviour::Behaviour;
 
@@ -121,8 +121,8 @@ pub struct Graph {
     /// The behaviour of each node: see [`Behaviour`].
     behaviours: Vec<Behaviour>,
     /// The factors 1 + 0/x, each with its x.
-    guards: HashMap<Scalar, Scalar>,
-    known: HashMap<Node, Scalar>,
+    guards: Map<Scalar, Scalar>,
+    known: Map<Node, Scalar>,
     /// Nodes and their operands.
     size: usize,
     /// Larger than can be handled: what has been built since means nothing.

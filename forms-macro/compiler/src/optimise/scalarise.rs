@@ -1,7 +1,6 @@
 //! Tensor expressions → their components in a [`Graph`].
 
-use std::collections::HashMap;
-
+use super::hashing::Map;
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;
 use crate::parse::syntax::{Comparison, Entity};
@@ -20,7 +19,7 @@ pub struct Scalariser<'a> {
     pub side: Side,
     /// Is the other side a pair's opposite point? Else it is across an interior facet.
     pub opposite: OppositeSide,
-    pub known: HashMap<(Tensor, Side, OppositeSide), Vec<Scalar>>,
+    pub known: Map<(Tensor, Side, OppositeSide), Vec<Scalar>>,
 }
 
 /// The place that is seen on [`Side::Other`].

@@ -1,8 +1,9 @@
 //! Scalars → instructions with at most three operands, each at the earliest level where its operands
 //! exist.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
+use super::hashing::Map;
 use super::scalar::{Argument, Graph, Node, Scalar};
 use crate::tensor::{External, Function, Geometry};
 
@@ -97,21 +98,22 @@ type CallKey = (External, Vec<Scalar>, usize);
 pub struct Code<'a> {
     pub graph: &'a Graph,
     pub instructions: Vec<(Instruction, Level)>,
-    interned: HashMap<Instruction, Value>,
-    lowered: HashMap<Scalar, Value>,
+    interned: Map<Instruction, Value>,
+    /// By number of the scalar.
+    lowered: Vec<Option<Value>>,
     /// Number of parents of each scalar in this kernel.
-    uses: HashMap<Scalar, usize>,
+    uses: Vec<u32>,
     /// In how many products each scalar divides.
-    divides: HashMap<Scalar, usize>,
+    divides: Vec<u32>,
     /// All derivatives of one order that the kernel needs of a function at some inputs: one call gives them.
-    calls: HashMap<CallKey, BTreeSet<Vec<usize>>>,
+    calls: Map<CallKey, BTreeSet<Vec<usize>>>,
 }
 
 impl<'a> Code<'a> {
     pub fn new(graph: &'a Graph, roots: &[Scalar]) -> Self {
-        let mut uses = HashMap::new();
-        let mut divides = HashMap::new();
-        let mut calls: HashMap<CallKey, BTreeSet<Vec<usize>>> = HashMap::new();
+        let count = roots.iter().map(|root| root.0 as usize + 1).max().unwrap_or(0);
+        let (mut uses, mut divides) = (vec![0; count], vec![0; count]);
+        let mut calls: Map<CallKey, BTreeSet<Vec<usize>>> = Map::default();
         for scalar in graph.reachable(roots) {
             if let Node::External { function, inputs, derivative, .. } = graph.node(scalar) {
                 let key = (*function, inputs.clone(), derivative.len());
@@ -119,21 +121,21 @@ impl<'a> Code<'a> {
             }
             if let Node::Product(factors) = graph.node(scalar) {
                 for (factor, _) in factors.iter().filter(|(_, exponent)| *exponent < 0) {
-                    *divides.entry(*factor).or_insert(0) += 1;
+                    divides[factor.0 as usize] += 1;
                 }
             }
             for operand in graph.operands(scalar) {
-                *uses.entry(operand).or_insert(0) += 1;
+                uses[operand.0 as usize] += 1;
             }
         }
         for root in roots {
-            *uses.entry(*root).or_insert(0) += 1;
+            uses[root.0 as usize] += 1;
         }
         Code {
             graph,
             instructions: vec![],
-            interned: HashMap::new(),
-            lowered: HashMap::new(),
+            interned: Map::default(),
+            lowered: vec![None; count],
             uses,
             divides,
             calls,
@@ -219,8 +221,8 @@ impl<'a> Code<'a> {
 
     /// The instruction that computes a scalar.
     pub fn lower(&mut self, scalar: Scalar) -> Value {
-        if let Some(known) = self.lowered.get(&scalar) {
-            return *known;
+        if let Some(known) = self.lowered[scalar.0 as usize] {
+            return known;
         }
         let value = match self.graph.node(scalar).clone() {
             Node::Number(bits) => self.push(Instruction::Number(bits)),
@@ -260,7 +262,7 @@ impl<'a> Code<'a> {
             }
             _ => self.push(Instruction::Terminal(scalar)),
         };
-        self.lowered.insert(scalar, value);
+        self.lowered[scalar.0 as usize] = Some(value);
         value
     }
 
@@ -295,7 +297,7 @@ impl<'a> Code<'a> {
 
     /// sum + coefficient × term
     fn lower_term(&mut self, sum: Option<Value>, coefficient: f64, term: Scalar) -> Value {
-        let alone = self.uses.get(&term) == Some(&1);
+        let alone = self.uses[term.0 as usize] == 1;
         let split = match self.graph.node(term).clone() {
             Node::Product(factors) if alone => match self.lower_product(&factors) {
                 (Some(head), last) => Some((head, last)),
@@ -341,7 +343,7 @@ impl<'a> Code<'a> {
         for (factor, exponent) in factors {
             let value = self.lower(*factor);
             // What divides more than once is inverted once.
-            if *exponent < 0 && self.divides.get(factor).is_some_and(|count| *count > 1) {
+            if *exponent < 0 && self.divides[factor.0 as usize] > 1 {
                 let one = self.number(1.0);
                 let inverse = self.push(Instruction::Divide(one, value));
                 let power = self.lower_power(inverse, exponent.unsigned_abs());

@@ -17,7 +17,7 @@ use crate::parse::declared_type::{self, word};
 use crate::parse::syntax::Rank;
 
 /// The markers of regions.
-pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets"];
+pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets", "pairs"];
 
 /// Are the members and regions that the functions name declared here? Those that are not are told at once.
 pub fn check(

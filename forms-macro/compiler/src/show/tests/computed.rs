@@ -1,7 +1,5 @@
 //! Proofs that what is shown is what is computed.
 
-use std::collections::HashMap;
-
 use super::*;
 
 /// Sums the densities of a region as one scalar of the graph.
@@ -20,7 +18,7 @@ fn total(
         dimension,
         side: Side::This,
         opposite: OppositeSide::SamePoint,
-        known: HashMap::new(),
+        known: Default::default(),
     };
     let parts: Vec<_> = densities.iter().map(|density| scalariser.scalar(*density)).collect();
     graph.sum(&parts)

@@ -1,0 +1,23 @@
+//! Contact laws with friction, one per file. They read one [`Data`](frictional_nitsche::frictional_nitsche::Data), so that a
+//! program changes the formulation by the module's name; `capsule` has its own, and those between bodies have theirs.
+//!
+//! | module | formulation | strains |
+//! | --- | --- | --- |
+//! | [`frictional_nitsche`] | Nitsche's method, every θ, with adjoints | small |
+//! | [`frictional_penalty`] | penalty | small |
+//! | [`augmented_lagrangian`] | Alart and Curnier's augmented Lagrangian, multipliers on facets; Uzawa's iteration | small |
+//! | [`finite_nitsche`] | Nitsche's method, θ = 0 | finite, neo-Hooke |
+//! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
+//! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
+//! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
+//!
+//! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
+//! `slip_stress` = 0, and both together are Coulomb's law with adhesion. Tresca's bound acts on all of Γ_C.
+
+pub mod augmented_lagrangian;
+pub mod capsule;
+pub mod finite_nitsche;
+pub mod frictional_nitsche;
+pub mod frictional_penalty;
+pub mod sliding_bodies;
+pub mod two_bodies;

@@ -1,0 +1,42 @@
+//! Friction with a flat obstacle by the augmented Lagrangian of Alart and Curnier (1991), small strains, multipliers on the
+//! facets of Γ_C.
+
+use forms_fem::forms;
+
+/// The multiplier λ is the traction of the obstacle on the body, T(λ) = −\[P_n\]₋ n_y + Π_s(P_t) with
+/// P = λ − γ ((u_n − g) n_y + (u − u₀)_t). Where the equation λ = T(λ) holds the conditions of contact and friction do, for any
+/// γ = γ₀/h_T. θ is not read.
+///
+/// It has two unknowns, u and λ on a space on facets (`Space::vector_on_facets(&mesh, region, degree)`): solve it as
+/// `Problem::new(&model.direct(), [&displacements, &multipliers])` with a line search on the residual.
+#[forms]
+pub mod augmented_lagrangian {
+    pub use super::super::frictional_nitsche::frictional_nitsche::{
+        Boundary, Data, GammaC, GammaN, Omega, criterion,
+    };
+    use super::super::frictional_nitsche::frictional_nitsche::{augmented, elasticity, law, loads};
+    use crate::operators::obstacle::gamma;
+
+    /// T(λ): the projection of the augmented multiplier onto what contact and friction allow.
+    pub fn update(multiplier: Vector, w: Vector) -> Vector {
+        law(augmented(multiplier, w))
+    }
+
+    /// The direct problem: a(u,v) − ∫ λ·v − ℓ(v) − ∫ (1/γ) (λ − T(λ))·q.
+    pub fn direct(u: Unknown<Vector>, multiplier: Unknown<Vector>, v: Test<Vector>, q: Test<Vector>) -> Form {
+        elasticity(u, v)
+            - loads(v)
+            - integral(GammaC, dot(multiplier, v))
+            - integral(GammaC, dot(multiplier - update(multiplier, u), q) / gamma())
+    }
+
+    /// One step of Uzawa's iteration solves this for u, a(u,v) − ∫ T(λ)·v = ℓ(v) with λ known: the method of multipliers.
+    pub fn at_multiplier(u: Unknown<Vector>, v: Test<Vector>, multiplier: State<Vector>) -> Form {
+        elasticity(u, v) - loads(v) - integral(GammaC, dot(update(multiplier, u), v))
+    }
+
+    /// ∫ λ: its component along −n_y is the contact force.
+    pub fn along(multiplier: State<Vector>) -> Functional {
+        integral(GammaC, dot(multiplier, force_direction))
+    }
+}

@@ -1,0 +1,153 @@
+//! Friction with a round rigid obstacle that moves and turns, by Nitsche's method with θ = 0, finite strains of a neo-Hookean
+//! body.
+
+use forms_fem::forms;
+use forms_fem::prelude::Real;
+
+use crate::contact_law;
+
+/// Signed distance \[length\] of a point, positive outside, to a capsule around the origin: all points within `radius` of the
+/// segment from −`half_length` to `half_length` along the first axis. It is a disk or a ball where the segment is a point, in
+/// the plane a punch with rounded edges otherwise, in space a cylinder with round ends.
+pub fn capsule_distance<R: Real, const D: usize>(y: [R; D], half_length: R, radius: R) -> R {
+    let beyond = if y[0] > half_length {
+        y[0] - half_length
+    } else if y[0] < R::from(0.0) - half_length {
+        y[0] + half_length
+    } else {
+        R::from(0.0)
+    };
+    let square = y.iter().skip(1).fold(beyond * beyond, |sum, y| sum + *y * *y);
+    square.sqrt() - radius
+}
+
+/// Contact with the obstacle y = c + Q ŷ, ŷ in a capsule: g = φ(Qᵀ(x + u − c)), n_y = −∇g, exactly, by dual numbers. The slip
+/// is that against the obstacle's own points, which have moved from (c₀, Q₀) since the last step:
+/// (x + u − c) − Q Q₀ᵀ (x + u₀ − c₀). Tractions are forces per reference area.
+///
+/// For an obstacle of another shape copy this module with another function φ: it needs |∇φ| = 1 for g to be a distance.
+#[forms]
+pub mod capsule {
+    use crate::operators::friction::{augmented_traction, contact_traction};
+    pub use crate::operators::neo_hookean::first_piola;
+
+    extern "Rust" {
+        fn capsule_distance(y: Vector, half_length: Scalar, radius: Scalar) -> Scalar;
+    }
+
+    /// Data of the body, the method and the obstacle.
+    pub struct Data {
+        /// λ \[stress\].
+        pub lambda: Param,
+        /// μ \[stress\].
+        pub mu: Param,
+        /// γ₀ \[stress\]; γ = γ₀/h_T.
+        pub gamma0: Param,
+        /// s₀, the bound of Tresca's law \[stress\].
+        #[doc(alias = "s₀")]
+        #[default(0)]
+        pub slip_stress: Param,
+        /// κ, the coefficient of Coulomb's law.
+        #[doc(alias = "κ")]
+        #[default(0)]
+        pub friction: Param,
+        /// u₀, the displacement of the last step that converged \[length\].
+        #[doc(alias = "u₀")]
+        #[default(0)]
+        pub displacement_before: Given<Vector>,
+        /// c, the obstacle's centre \[length\].
+        #[doc(alias = "c")]
+        pub centre: Param<Vector>,
+        /// Q, the obstacle's rotation.
+        #[doc(alias = "Q")]
+        pub rotation: Param<Tensor>,
+        /// c₀, the centre at the last step \[length\].
+        #[doc(alias = "c₀")]
+        pub centre_before: Param<Vector>,
+        /// Q₀, the rotation at the last step.
+        #[doc(alias = "Q₀")]
+        pub rotation_before: Param<Tensor>,
+        /// Half the length of the capsule's segment \[length\].
+        #[default(0)]
+        pub half_length: Param,
+        /// Its radius \[length\].
+        pub radius: Param,
+        /// F of the criterion J = ∫ F·u.
+        #[doc(alias = "F")]
+        #[default(0)]
+        pub criterion_force: Given<Vector>,
+    }
+
+    /// Ω.
+    #[cells]
+    pub struct Omega;
+    /// Γ_C, the potential contact boundary.
+    #[facets]
+    pub struct GammaC;
+
+    /// φ at a point of space.
+    fn distance(y: Vector) -> Scalar {
+        capsule_distance(transpose(rotation) * (y - centre), half_length, radius)
+    }
+
+    /// ∇φ there.
+    fn outward(y: Vector) -> Vector {
+        diff(distance(y), y)
+    }
+
+    /// g = φ(x + u), the present gap.
+    pub fn current_gap(w: Vector) -> Scalar {
+        distance(x + w)
+    }
+
+    /// n_y = −∇φ(x + u), the unit normal into the obstacle.
+    pub fn obstacle_normal(w: Vector) -> Vector {
+        -outward(x + w)
+    }
+
+    fn slip(w: Vector) -> Vector {
+        x + w - centre - rotation * (transpose(rotation_before) * (x + displacement_before - centre_before))
+    }
+
+    /// T(u), the traction of the obstacle on the body, per reference area.
+    pub fn obstacle_traction(w: Vector) -> Vector {
+        let P =
+            augmented_traction(first_piola(w) * n, current_gap(w), slip(w), gamma0 / h, obstacle_normal(w));
+        let s = slip_stress + friction * neg_part(dot(P, obstacle_normal(w)));
+        contact_traction(P, s, obstacle_normal(w))
+    }
+
+    /// The direct problem: ∫ P(u):∇v − ∫ T(u)·v.
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(first_piola(u), grad(v))) - integral(GammaC, dot(obstacle_traction(u), v))
+    }
+
+    /// J = ∫ F·u.
+    pub fn criterion(u: State<Vector>) -> Functional {
+        integral(Omega, dot(criterion_force, u))
+    }
+
+    /// The adjoint of the discrete problem.
+    pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+
+    /// dJ/dκ = ∂R/∂κ (u; p), with p of `discrete_adjoint`.
+    pub fn by_friction(u: State<Vector>, p: State<Vector>) -> Functional {
+        derivative(direct(u, p), friction, 1)
+    }
+}
+
+contact_law!(capsule {
+    direct: direct,
+    region: gamma_c,
+    criterion: criterion,
+    adjoint: discrete_adjoint,
+    positive: gamma0,
+    positive: radius,
+    non_negative: slip_stress,
+    non_negative: friction,
+    non_negative: half_length,
+    coefficient: friction,
+    line_search: OnResidual,
+});

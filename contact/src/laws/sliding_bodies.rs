@@ -1,0 +1,66 @@
+//! Contact of bodies with friction at large sliding and finite strains, by Nitsche's method with θ = 0 (Poulios and Renard 2015;
+//! Mlika, Renard and Chouly 2017).
+
+use forms_fem::forms;
+
+use crate::contact_law;
+
+/// ∫ P:∇v − Σ ½ ∫ T·(v(X) − v(Y)) dA = ℓ(v). Opposite points lie on rays along the deformed normal and move with u; the slip
+/// counts the rotation of that normal, so that turning both bodies together is no slip, whatever the gap. Also self contact:
+/// bind `Touch` to one surface.
+#[forms]
+pub mod sliding_bodies {
+    pub use super::super::two_bodies::two_bodies::{
+        Data, GammaN, Omega, Touch, criterion, loads, slip_limit,
+    };
+    use crate::operators::friction::{augmented_traction, contact_traction, deformed_normal};
+    pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
+
+    fn augmented(w: Vector) -> Vector {
+        let turned = toward - this(deformed_normal(displacement_before));
+        let slip = jump(w - displacement_before) + gap * turned;
+        augmented_traction(this(first_piola(w) * n), gap, slip, this(gamma0) / this(h), toward)
+    }
+
+    /// \[P_n\]₋, the contact pressure per reference area.
+    pub fn contact_pressure(w: Vector) -> Scalar {
+        neg_part(dot(augmented(w), toward))
+    }
+
+    /// T(u), the traction of the opposite body on this one, per reference area.
+    pub fn opposite_traction(w: Vector) -> Vector {
+        contact_traction(augmented(w), slip_limit(contact_pressure(w)), toward)
+    }
+
+    /// The direct problem.
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(first_piola(u), grad(v)))
+            - loads(v)
+            - integral(Touch(u), share * dot(opposite_traction(u), jump(v)))
+    }
+
+    /// The adjoint of the discrete problem.
+    pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+
+    /// dJ/dκ = ∂R/∂κ (u; p), with p of `discrete_adjoint`.
+    pub fn by_friction(u: State<Vector>, p: State<Vector>) -> Functional {
+        derivative(direct(u, p), friction, 1)
+    }
+
+    /// ∫ e·T over the surfaces of the pairs: bound to one surface, the force of the opposite body on its body along e.
+    pub fn contact_force(u: State<Vector>) -> Functional {
+        integral(Touch(u), dot(opposite_traction(u), this(force_direction)))
+    }
+}
+
+contact_law!(sliding_bodies {
+    direct: direct,
+    region: touch,
+    criterion: criterion,
+    adjoint: discrete_adjoint,
+    non_negative: slip_stress,
+    non_negative: friction,
+    line_search: OnResidual,
+});

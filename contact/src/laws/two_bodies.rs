@@ -1,0 +1,142 @@
+//! Contact of two bodies with friction by Nitsche's method (Chouly, Mlika, Renard 2018), small strains and small sliding.
+
+use forms_fem::forms;
+
+use crate::contact_law;
+
+/// Σ a_i(u,v) + Σ ½ ∫ { −(θ/γ) σ(u)n·σ(v)n + (1/γ) T·(θ σ(v)n − γ ⟦v⟧) } = ℓ(v) over the surfaces of both bodies: unbiased. Each
+/// surface takes its own body's σ, h and γ. T acts on X and −T on Y in one integral, so that forces balance at any quadrature.
+///
+/// Pairs are those of the undeformed mesh. With both surfaces on pieces, the default of a
+/// [`Pairing`](forms_fem::prelude::Pairing), a constant pressure is reproduced to rounding, whatever the meshes.
+#[forms]
+pub mod two_bodies {
+    use crate::operators::friction::{augmented_traction, contact_traction};
+    pub use crate::operators::linear_elastic::stress;
+
+    /// Data of laws between two bodies. Materials may differ from cell to cell.
+    pub struct Data {
+        /// λ, first Lamé parameter \[stress\].
+        pub lambda: Given<Scalar>,
+        /// μ, shear modulus \[stress\].
+        pub mu: Given<Scalar>,
+        /// γ₀ \[stress\]; γ = γ₀ / h_T, of the order of ten times the own body's modulus.
+        pub gamma0: Given<Scalar>,
+        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
+        #[default(0)]
+        pub theta: Param,
+        /// Part of each surface's integral: ½ where both surfaces are integrated over, 1 where one of them is.
+        #[default(0.5)]
+        pub share: Param,
+        /// s₀, the bound of Tresca's law \[stress\].
+        #[doc(alias = "s₀")]
+        #[default(0)]
+        pub slip_stress: Param,
+        /// κ, the coefficient of Coulomb's law.
+        #[doc(alias = "κ")]
+        #[default(0)]
+        pub friction: Param,
+        /// u₀, the displacement from which the slip is counted \[length\].
+        #[doc(alias = "u₀")]
+        #[default(0)]
+        pub displacement_before: Given<Vector>,
+        /// f, force per volume.
+        #[doc(alias = "f")]
+        #[default(0)]
+        pub body_force: Given<Vector>,
+        /// g_N, force per area on Γ_N.
+        #[doc(alias = "g_N")]
+        #[default(0)]
+        pub traction: Given<Vector>,
+        /// F in the criterion J(u) = ∫ F·u.
+        #[doc(alias = "F")]
+        #[default(0)]
+        pub criterion_force: Given<Vector>,
+        /// Unit vector along which `contact_force` is measured.
+        #[doc(alias = "e")]
+        #[default(0)]
+        pub force_direction: Given<Vector>,
+    }
+
+    /// Ω, both bodies.
+    #[cells]
+    pub struct Omega;
+    /// Γ_N, the loaded boundary.
+    #[facets]
+    pub struct GammaN;
+    /// The surfaces that may touch.
+    #[pairs]
+    pub struct Touch;
+
+    fn gamma() -> Scalar {
+        this(gamma0) / this(h)
+    }
+
+    /// s = s₀ + κ p, the bound of friction at the pressure p.
+    pub fn slip_limit(pressure: Scalar) -> Scalar {
+        slip_stress + friction * pressure
+    }
+
+    /// ℓ(v), the work of the loads.
+    pub fn loads(v: Test<Vector>) -> Form {
+        integral(Omega, dot(body_force, v)) + integral(GammaN, dot(traction, v))
+    }
+
+    /// σ(w)n at X.
+    fn own_traction(w: Vector) -> Vector {
+        this(stress(w) * n)
+    }
+
+    fn augmented(w: Vector) -> Vector {
+        let present_gap = gap - dot(jump(w), toward);
+        augmented_traction(own_traction(w), present_gap, jump(w - displacement_before), gamma(), toward)
+    }
+
+    /// T(u), the traction of the opposite body on this one.
+    pub fn opposite_traction(w: Vector) -> Vector {
+        contact_traction(augmented(w), slip_limit(contact_pressure(w)), toward)
+    }
+
+    /// \[P_n\]₋, the contact pressure.
+    pub fn contact_pressure(w: Vector) -> Scalar {
+        neg_part(dot(augmented(w), toward))
+    }
+
+    /// The direct problem.
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let T = opposite_traction(u);
+        let nitsche = theta / gamma() * dot(T - own_traction(u), own_traction(v)) - dot(T, jump(v));
+        integral(Omega, inner(stress(u), eps(v))) - loads(v) + integral(Touch, share * nitsche)
+    }
+
+    /// J = ∫ F·u.
+    #[doc(alias = "J")]
+    pub fn criterion(u: State<Vector>) -> Functional {
+        integral(Omega, dot(criterion_force, u))
+    }
+
+    /// The adjoint of the discrete problem.
+    pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+
+    /// dJ/dκ = ∂R/∂κ (u; p), with p of `discrete_adjoint`.
+    pub fn by_friction(u: State<Vector>, p: State<Vector>) -> Functional {
+        derivative(direct(u, p), friction, 1)
+    }
+
+    /// ∫ e·T over the surfaces of the pairs: bound to one surface, the force of the opposite body on its body along e.
+    pub fn contact_force(u: State<Vector>) -> Functional {
+        integral(Touch, dot(opposite_traction(u), this(force_direction)))
+    }
+}
+
+contact_law!(two_bodies {
+    direct: direct,
+    region: touch,
+    criterion: criterion,
+    adjoint: discrete_adjoint,
+    non_negative: slip_stress,
+    non_negative: friction,
+    line_search: OnResidual,
+});

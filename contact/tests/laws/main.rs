@@ -1,0 +1,14 @@
+//! The laws of friction: layers with known answers in the plane and in space, Taylor tests of the tangents, adjoints against
+//! differences, Newton's method from zero and from random starts, bad input.
+
+mod augmented_lagrangian;
+mod block;
+mod capsule;
+mod cylinder;
+mod finite_nitsche;
+mod frictional_nitsche;
+mod frictional_penalty;
+mod layer;
+mod random_loads;
+mod setting;
+mod two_bodies;
