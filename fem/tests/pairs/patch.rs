@@ -53,12 +53,12 @@ mod blocks {
 
 const POISSON: f64 = 0.3;
 const YOUNG: f64 = 200.0;
-const SINKING: f64 = 0.01;
+const RISING: f64 = 0.01;
 
-/// Solves the test in turned axes: the top moves down by 0.01 along the normal of the interface. The largest error of the
-/// stress, over the pressure.
+/// Solves the test: the bottom rises by 0.01, the top stays. The largest error of the stress, over the pressure. The upper block, which
+/// may be the stiffer one, stays nearly where it is: to move it would cost as many digits as it is stiffer.
 macro_rules! patch {
-    ($mesh:expr, $dim:expr, $degree:expr, $top:expr, $fixed:expr, $planes:expr, $case:expr) => {{
+    ($mesh:expr, $dim:expr, $degree:expr, $moved:expr, $fixed:expr, $planes:expr, $case:expr) => {{
         let (mesh, case) = (&$mesh, $case);
         let assembler = Assembler::new(mesh);
         let space = Space::vector(mesh, $degree).unwrap();
@@ -77,14 +77,14 @@ macro_rules! patch {
         let data = blocks::Data {
             lambda: scaled(lambda),
             mu: scaled(mu),
-            gamma0: 100.0,
+            gamma0: 20.0,
             theta: case.theta,
             share: if case.pairing.surfaces.len() == 2 { 0.5 } else { 1.0 },
         };
         let form =
             blocks::balance(&data, &blocks::Omega::on("all"), &blocks::Touch::on(case.pairing.clone()));
         let mut constraints = Constraints::new(&space);
-        constraints.fix_component($top, $dim - 1, |_| -SINKING).unwrap();
+        constraints.fix_component($moved, $dim - 1, |_| RISING).unwrap();
         constraints.fix_component($fixed, $dim - 1, |_| 0.0).unwrap();
         for (plane, component) in $planes {
             constraints.fix_component(plane, component, |_| 0.0).unwrap();
@@ -98,7 +98,7 @@ macro_rules! patch {
             .unwrap_or_else(|error| panic!("{case:?}: {error}"));
         // Plane strain, the sides free: σ_yy = E/(1 − ν²) ε_yy; in space E ε_zz.
         let effective = if $dim == 2 { YOUNG / (1.0 - POISSON * POISSON) } else { YOUNG };
-        let pressure = SINKING * effective / (1.0 + 1.0 / case.ratio);
+        let pressure = RISING * effective / (1.0 + 1.0 / case.ratio);
         let stress = assembler
             .at_quadrature_points(&blocks::stress(&data, &solved.into_field()), Entity::Cells, "all", 2)
             .unwrap();
@@ -144,18 +144,18 @@ fn pressure_is_constant_in_the_plane() {
     for (shape, degree) in [(CellShape::Quadrilateral, 1), (CellShape::Triangle, 2)] {
         let mesh = squares([shape; 2], 1, [&|x| x, &|x| x]);
         for case in cases(PairQuadrature::Pieces) {
-            let error = patch!(mesh, 2, degree, "second top", "first bottom", PLANES, &case);
+            let error = patch!(mesh, 2, degree, "first bottom", "second top", PLANES, &case);
             assert!(error < 1e-11, "{shape:?} {case:?}: {error:e}");
         }
     }
     // Points of whole facets see kinks at the other side's nodes: good to the order of the rule alone.
     let mesh = squares([CellShape::Quadrilateral; 2], 1, [&|x| x, &|x| x]);
     let case = &cases(PairQuadrature::WholeFacets)[0];
-    let error = patch!(mesh, 2, 1, "second top", "first bottom", PLANES, case);
+    let error = patch!(mesh, 2, 1, "first bottom", "second top", PLANES, case);
     assert!((1e-6..5e-2).contains(&error), "{error:e}");
     // Nearest points are those of rays here.
     let case = Case { pairing: Pairing::between("below", "above").by(Projection::Nearest), ..case.clone() };
-    let error = patch!(mesh, 2, 1, "second top", "first bottom", PLANES, &case);
+    let error = patch!(mesh, 2, 1, "first bottom", "second top", PLANES, &case);
     assert!(error < 1e-11, "{error:e}");
 }
 
@@ -165,7 +165,7 @@ fn pressure_is_constant_in_space() {
     for shape in [CellShape::Hexahedron, CellShape::Tetrahedron] {
         let mesh = cubes(shape, 1, [&|x| x, &|x| x]);
         for case in cases(PairQuadrature::Pieces) {
-            let error = patch!(mesh, 3, 1, "second top", "first bottom", planes, &case);
+            let error = patch!(mesh, 3, 1, "first bottom", "second top", planes, &case);
             assert!(error < 1e-11, "{shape:?} {case:?}: {error:e}");
         }
     }
