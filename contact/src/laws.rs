@@ -5,7 +5,7 @@
 //! | --- | --- | --- |
 //! | [`frictional_nitsche`] | Nitsche's method, every θ, with adjoints | small |
 //! | [`frictional_penalty`] | penalty | small |
-//! | [`augmented_lagrangian`] | Alart and Curnier's augmented Lagrangian, multipliers on facets; Uzawa's iteration | small |
+//! | [`augmented_lagrangian`] | Alart and Curnier's augmented Lagrangian, multipliers on facets | small |
 //! | [`finite_nitsche`] | Nitsche's method, θ = 0 | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
 //!

@@ -26,8 +26,7 @@ where
     let model = law::Model { data, regions: law::Regions::default().gamma_c("bottom") };
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(4));
     let problem = ContactProblem::new(assembler, &space, model, constraints)?;
-    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
-    let solved = problem.direct()?.options(options).solve()?;
+    let solved = problem.direct()?.solve()?;
     Ok((problem, solved))
 }
 
