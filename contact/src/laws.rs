@@ -5,7 +5,7 @@
 //! | --- | --- | --- |
 //! | [`frictional_nitsche`] | Nitsche's method, every θ, with adjoints | small |
 //! | [`frictional_penalty`] | penalty | small |
-//! | [`augmented_lagrangian`] | Alart and Curnier's augmented Lagrangian, multipliers on facets; Uzawa's iteration | small |
+//! | [`augmented_lagrangian`] | Alart and Curnier's augmented Lagrangian, multipliers on facets | small |
 //! | [`finite_nitsche`] | Nitsche's method, θ = 0 | finite, neo-Hooke |
 //! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
 //! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |

@@ -51,7 +51,7 @@ pub struct CylinderStep {
 
 /// A problem of the last step with its law.
 pub(super) enum Law {
-    Frictionless(ContactProblem<2>),
+    Frictionless(Box<ContactProblem<2>>),
     Frictional(Box<ContactProblem<2, frictional::Model<2>>>),
 }
 
@@ -59,7 +59,7 @@ impl Law {
     /// The settings' law with the mesh, the data and the regions of the frictionless problem.
     pub fn of(settings: &Settings, problem: &ContactProblem<2>) -> Result<Law, CylinderError> {
         let (slip_stress, friction) = match settings.friction {
-            Friction::None => return Ok(Law::Frictionless(problem.clone())),
+            Friction::None => return Ok(Law::Frictionless(Box::new(problem.clone()))),
             Friction::Tresca(bound) => (bound, 0.0),
             Friction::Coulomb(coefficient) => (0.0, coefficient),
         };

@@ -30,12 +30,7 @@ pub mod augmented_lagrangian {
             - integral(GammaC, dot(multiplier - update(multiplier, u), q) / gamma())
     }
 
-    /// One step of Uzawa's iteration solves this for u, a(u,v) − ∫ T(λ)·v = ℓ(v) with λ known: the method of multipliers.
-    pub fn at_multiplier(u: Unknown<Vector>, v: Test<Vector>, multiplier: State<Vector>) -> Form {
-        elasticity(u, v) - loads(v) - integral(GammaC, dot(update(multiplier, u), v))
-    }
-
-    /// ∫ λ: its component along −n_y is the contact force.
+    /// ∫ λ·e with e the data's `force_direction`.
     pub fn along(multiplier: State<Vector>) -> Functional {
         integral(GammaC, dot(multiplier, force_direction))
     }

@@ -82,7 +82,7 @@ fn friction_opposes_the_push() {
 
 #[test]
 fn settings_without_meaning_are_named() {
-    let error = |settings: Settings| solve(&settings).err().expect("an error").to_string();
+    let error = |settings: Settings| solve(&settings).expect_err("an error").to_string();
     let coulomb = Settings { friction: Friction::Coulomb(-0.1), ..Settings::default() };
     assert_eq!(
         error(coulomb),

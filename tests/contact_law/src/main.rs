@@ -25,8 +25,7 @@ where
     let data = law::Data { base, lambda: 1.0, mu: 1.0, slip_stress };
     let model = law::Model { data, regions: law::Regions::default().gamma_c("bottom") };
     let problem = ContactProblem::new(Assembler::new(mesh), &space, model, constraints)?;
-    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
-    let solved = problem.direct()?.options(options).solve()?;
+    let solved = problem.direct()?.solve()?;
     Ok((problem, solved))
 }
 

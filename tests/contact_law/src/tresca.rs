@@ -6,8 +6,9 @@ use forms_fem::forms;
 /// a(u, v) − ∫ (θ/γ) σ(u)n·σ(v)n + ∫ (1/γ) T(u)·(θ σ(v)n − γ v), T(u) = −[P_n]₋ n_y + Π_s(P_t), P = σ(u)n − γ (u − g n_y).
 #[forms]
 pub mod tresca {
+    use forms_contact::operators::friction::{augmented_traction, contact_traction};
     use forms_contact::operators::linear_elastic::stress;
-    use forms_contact::operators::obstacle::{augmented_stress, gamma};
+    use forms_contact::operators::obstacle::{current_gap, gamma};
 
     #[extends(forms_contact::operators::obstacle::Data)]
     pub struct Data { pub lambda: Param, pub mu: Param, pub slip_stress: Param }
@@ -15,11 +16,8 @@ pub mod tresca {
     #[facets] pub struct GammaC;
 
     fn traction(w: Vector) -> Vector {
-        let sigma_n = dot(stress(w) * n, obstacle_normal);
-        let q = stress(w) * n - gamma() * w;
-        let q_t = q - dot(q, obstacle_normal) * obstacle_normal;
-        let friction = if norm(q_t) <= slip_stress { q_t } else { slip_stress * normalize(q_t) };
-        friction - neg_part(augmented_stress(sigma_n, w)) * obstacle_normal
+        let P = augmented_traction(stress(w) * n, current_gap(w), w, gamma(), obstacle_normal);
+        contact_traction(P, slip_stress, obstacle_normal)
     }
     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let tested = theta * (stress(v) * n) - gamma() * v;
@@ -45,5 +43,7 @@ contact_law!(tresca {
     region: gamma_c,
     criterion: slip,
     adjoint: adjoint,
-    positive: base.gamma0
+    positive: base.gamma0,
+    non_negative: slip_stress,
+    line_search: OnResidual
 });

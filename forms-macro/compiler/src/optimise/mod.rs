@@ -416,7 +416,7 @@ fn densities(
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<ExpressionIntegral> {
-    let mut regions: BTreeMap<(usize, Option<Vec<usize>>), (Scalar, Degree)> = BTreeMap::new();
+    let mut regions = BTreeMap::new();
     for term in terms {
         scalariser.opposite = OppositeSide::on(entities[term.region]);
         let density = scalariser.scalar(term.density);
