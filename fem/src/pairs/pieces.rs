@@ -66,7 +66,8 @@ pub(super) fn segments<const D: usize>(
 fn root(function: impl Fn(f64) -> f64, affine: bool) -> Option<f64> {
     let (mut low, mut high) = (0.0, 1.0);
     let (first, last) = (function(low), function(high));
-    if !(first * last < 0.0) {
+    let product = first * last;
+    if product.is_nan() || product >= 0.0 {
         return None;
     }
     if affine {

@@ -42,8 +42,8 @@ impl<const D: usize> Simplex<D> {
             for k in 0..D {
                 let coefficient: f64 = d.iter().map(|d| d.values[node * D + k]).sum();
                 place[k] += basis.value * coefficient;
-                for j in 0..D {
-                    deformation[k][j] += basis.gradient[j] * coefficient;
+                for (entry, slope) in deformation[k].iter_mut().zip(&basis.gradient) {
+                    *entry += slope * coefficient;
                 }
             }
         }
