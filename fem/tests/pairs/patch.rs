@@ -142,7 +142,8 @@ const PLANES: [(&str, usize); 2] = [("first left", 0), ("second left", 0)];
 #[test]
 fn pressure_is_constant_in_the_plane() {
     for (shape, degree) in [(CellShape::Quadrilateral, 1), (CellShape::Triangle, 2)] {
-        let mesh = squares([shape; 2], 1, [&|x| x, &|x| x]);
+        // The interface at y = 0: the gap is a difference of positions, and γ times their rounding is an error of the pressure.
+        let mesh = squares([shape; 2], 1, [&|[x, y]| [x, y - 1.0], &|[x, y]| [x, y - 1.0]]);
         for case in cases(PairQuadrature::Pieces) {
             let error = patch!(mesh, 2, degree, "first bottom", "second top", PLANES, &case);
             assert!(error < 1e-11, "{shape:?} {case:?}: {error:e}");
