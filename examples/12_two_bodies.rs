@@ -20,6 +20,7 @@ use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies::sliding_bodies as law;
+use forms_contact::laws::two_bodies::two_bodies::Required;
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, program};
@@ -56,7 +57,7 @@ fn data(before: &Field<2>) -> law::Data<2> {
     law::Data {
         friction: FRICTION,
         displacement_before: Given::field(before),
-        ..law::Required {
+        ..Required {
             lambda: Given::function(lambda),
             mu: Given::function(|x| modulus(x) / (2.0 * (1.0 + POISSON))),
             gamma0: Given::function(|x| 10.0 * modulus(x)),
@@ -108,7 +109,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let steps = (1..=pressing).map(|step| step as f64 / pressing as f64);
     let steps = steps.chain((1..=sliding).map(|step| 1.0 + step as f64 / sliding as f64));
-    let path = LoadSteps::through(steps).run(Field::zero(&space), solve).map_err(|error| error.to_string())?;
+    let path =
+        LoadSteps::through(steps).run(Field::zero(&space), solve).map_err(|error| error.to_string())?;
 
     LinePlot::new()
         .x_axis("way of the block: down to 1, then along", Scale::Linear)

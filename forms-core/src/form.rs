@@ -23,7 +23,7 @@ pub enum Entity {
 }
 
 /// A region of integration: declared in the module, bound by the user to a name of the mesh.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region {
     /// Cells, exterior or interior facets.
     pub entity: Entity,

@@ -34,7 +34,7 @@ pub enum PairQuadrature {
 /// The surfaces of a region of contact pairs and the way in which opposite points are found: what a user binds the region to.
 ///
 /// A point for which none is found adds nothing to an integral over the pairs: it is free.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Pairing {
     /// Surfaces and those opposite to them; their integrals add up.
     pub surfaces: Vec<Facing>,
@@ -45,6 +45,19 @@ pub struct Pairing {
     /// The largest distance |g| at which a point counts as opposite \[length\]; `None` for two diameters of the own facet.
     pub reach: Option<f64>,
 }
+
+/// By all members; distances are the same where their bits are.
+impl PartialEq for Pairing {
+    fn eq(&self, other: &Self) -> bool {
+        let Pairing { surfaces, projection, quadrature, reach } = self;
+        *surfaces == other.surfaces
+            && *projection == other.projection
+            && *quadrature == other.quadrature
+            && reach.map(f64::to_bits) == other.reach.map(f64::to_bits)
+    }
+}
+
+impl Eq for Pairing {}
 
 impl Pairing {
     /// Pairs of one surface's points with those of another: a biased (one-pass) formulation.

@@ -194,9 +194,9 @@ where
     differences::check_variation(&mesh, &energy, std::slice::from_ref(&u));
     differences::check_tangent(&mesh, &energy, std::slice::from_ref(&u), &mut random);
     let matrix = tangent::<f64, _, D>(&mesh, &energy, std::slice::from_ref(&u));
-    for row in 0..matrix.len() {
-        for column in 0..row {
-            assert!((matrix[row][column] - matrix[column][row]).abs() <= 1e-12);
+    for (row, entries) in matrix.iter().enumerate() {
+        for (column, entry) in entries.iter().enumerate() {
+            assert!((entry - matrix[column][row]).abs() <= 1e-12);
         }
     }
 }

@@ -131,9 +131,9 @@ where
     differences::check_tangent(mesh, &energy, &u, random);
     let matrix = tangent::<f64, _, D>(mesh, &energy, &u);
     let scale = matrix.iter().flatten().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
-    for row in 0..matrix.len() {
-        for column in 0..row {
-            let difference = matrix[row][column] - matrix[column][row];
+    for (row, entries) in matrix.iter().enumerate() {
+        for (column, entry) in entries.iter().enumerate() {
+            let difference = entry - matrix[column][row];
             assert!(difference.abs() <= 1e-12 * scale, "({row}, {column}): {difference}");
         }
     }
