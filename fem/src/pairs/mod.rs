@@ -205,8 +205,8 @@ impl<const D: usize> Known<D> {
     }
 }
 
-/// Searches that are kept; the oldest go.
-const KEPT: usize = 16;
+/// Searches that are kept, of the undeformed mesh and of displaced surfaces; the oldest go.
+const KEPT: usize = 8;
 
 impl<const D: usize> KnownPairs<D> {
     /// The pairs of the mesh, always the same one, with the rules of a choice of quadrature; `estimated` is the degree
@@ -239,8 +239,11 @@ impl<const D: usize> KnownPairs<D> {
         // Not under the lock: a search runs on several threads.
         let pairs = Arc::new(Pairs::find(mesh, pairing, choice, degree, displacement, threads)?);
         let mut known = lock();
-        if known.len() == KEPT {
-            known.remove(0);
+        let of_this_kind = |one: &Known<D>| one.displacement.is_some() == displacement.is_some();
+        if known.iter().filter(|one| of_this_kind(one)).count() == KEPT
+            && let Some(oldest) = known.iter().position(of_this_kind)
+        {
+            known.remove(oldest);
         }
         let (pairing, quadrature) = (pairing.clone(), choice.clone());
         let displacement = displacement.map(|displacement| {

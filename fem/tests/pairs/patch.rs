@@ -94,6 +94,7 @@ macro_rules! patch {
             .assembler(&assembler)
             .constrained(&constraints)
             .solver(&mut solver)
+            .options(NewtonOptions { relative_tolerance: 1e-14, ..NewtonOptions::default() })
             .solve()
             .unwrap_or_else(|error| panic!("{case:?}: {error}"));
         // Plane strain, the sides free: σ_yy = E/(1 − ν²) ε_yy; in space E ε_zz.

@@ -54,6 +54,9 @@ mod moved {
     pub fn gradient(u: State<Vector>, Theta: Test<Vector>) -> Form {
         derivative(energy(u), shape, Theta)
     }
+    pub fn rate(Theta: State<Vector>) -> Functional {
+        integral(Touch, derivative(gap, shape, this(Theta)))
+    }
 }
 
 fn main() {}

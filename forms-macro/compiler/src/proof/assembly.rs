@@ -13,8 +13,15 @@ pub type Points = [(f64, Point)];
 pub type Basis = [Jet];
 
 fn requirement(kernel: &Kernel, name: &str, value: f64) -> f64 {
-    let required = kernel.constants["REQUIREMENTS"].member(name).truth();
-    if required { value } else { f64::NAN }
+    if reads(kernel, name) { value } else { f64::NAN }
+}
+
+/// Does a kernel ask for a quantity? What its requirements do not name is as in `Requirements::NONE`.
+pub fn reads(kernel: &Kernel, name: &str) -> bool {
+    match &kernel.constants["REQUIREMENTS"] {
+        Value::Structure(members) => members.get(name).is_some_and(Value::truth),
+        other => panic!("{other:?} are no requirements"),
+    }
 }
 
 fn cell_geometry(kernel: &Kernel, point: &Point) -> Value {
