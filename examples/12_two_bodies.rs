@@ -13,7 +13,8 @@
 //! N/mm, vertically and along: Poulios and Renard 268, 55 and 337, 102; Yastrebov 290, 59 and 360, 171; Fischer and Wriggers 298,
 //! 62 and 365, 189; Hartmann and others 320, 67 and 408, 160.
 //!
-//! Run it with `cargo run --release --bin 12_two_bodies -- [STEPS OF PRESSING] [STEPS OF SLIDING]`.
+//! Run it with `cargo run --release --bin 12_two_bodies -- [FINENESS] [STEPS OF PRESSING] [STEPS OF SLIDING]`. A step of sliding is a
+//! fifth of a millimetre; the fineness of the benchmark is 4, and half of the way are 25 steps.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -31,14 +32,15 @@ use forms_fem::solve::LoadSteps;
 const YOUNG: f64 = 689.6;
 const POISSON: f64 = 0.32;
 const FRICTION: f64 = 0.3;
-/// The way down and the way along \[mm\].
+/// The way down and the whole way along \[mm\].
 const DOWN: f64 = 1.0;
 const ALONG: f64 = 10.0;
 
-/// A foundation of 12 × 4 mm, and a block with an arc for its lower side.
-fn mesh() -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
-    let foundation = rectangle([0.0; 2], [12.0, 4.0], [120, 30], CellShape::Quadrilateral, 1)?;
-    let block = structured([12, 6], CellShape::Quadrilateral, 1, |[s, t]| {
+/// A foundation of 12 × 4 mm, and a block with an arc for its lower side; the benchmark's mesh at a fineness of 4.
+fn mesh(fineness: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
+    let cells = [30 * fineness, 15 * fineness / 2];
+    let foundation = rectangle([0.0; 2], [12.0, 4.0], cells, CellShape::Quadrilateral, 1)?;
+    let block = structured([3 * fineness, 3 * fineness / 2], CellShape::Quadrilateral, 1, |[s, t]| {
         let x = 0.2 + 1.2 * s;
         // Through (0.2, 4.5), (0.8, 4.2) and (1.4, 4.5).
         let bottom = 4.95 - (0.75_f64.powi(2) - (x - 0.8).powi(2)).sqrt();
@@ -89,8 +91,9 @@ fn problem(
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all("out")?;
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
-    let [pressing, sliding] = [counts.first().copied().unwrap_or(10), counts.get(1).copied().unwrap_or(50)];
-    let mesh = mesh()?;
+    let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise);
+    let [fineness, pressing, sliding] = [given(0, 2), given(1, 8), given(2, 10)];
+    let mesh = mesh(fineness.max(1))?;
     let space = Space::vector(&mesh, 1)?;
     out.line(format!("{} unknowns", space.unknowns()));
 
@@ -111,7 +114,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         Ok(solved.into_field())
     };
     let steps = (1..=pressing).map(|step| step as f64 / pressing as f64);
-    let steps = steps.chain((1..=sliding).map(|step| 1.0 + step as f64 / sliding as f64));
+    let steps = steps.chain((1..=sliding).map(|step| 1.0 + 0.2 * step as f64 / ALONG));
     let path =
         LoadSteps::through(steps).run(Field::zero(&space), solve).map_err(|error| error.to_string())?;
 

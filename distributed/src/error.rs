@@ -65,9 +65,11 @@ impl From<DistributedError<LinearAlgebraError>> for SolverError {
         match error {
             DistributedError::Here(error) => error.into(),
             DistributedError::Petsc(error) => error.into(),
-            DistributedError::Elsewhere { .. } => {
-                SolverError::Other { solver: "PETSc", why: error.to_string(), history: ResidualHistory::default() }
-            }
+            DistributedError::Elsewhere { .. } => SolverError::Other {
+                solver: "PETSc",
+                why: error.to_string(),
+                history: ResidualHistory::default(),
+            },
         }
     }
 }

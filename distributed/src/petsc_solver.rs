@@ -258,7 +258,11 @@ impl LinearSolver for PetscSolver<'_> {
         let relative_residual = if size == 0.0 { 0.0 } else { norm / size };
         if self.method == Method::Direct && !(relative_residual <= ACCEPTED || norm <= absolute) {
             let why = format!("the solution leaves a relative residual of {relative_residual:e}");
-            return Err(SolverError::Other { solver: self.method.name(), why, history: ResidualHistory::default() });
+            return Err(SolverError::Other {
+                solver: self.method.name(),
+                why,
+                history: ResidualHistory::default(),
+            });
         }
         let iterations = if self.method == Method::Direct { 0 } else { iterations as usize };
         let solution = self.nodes.gather(&self.x.whole()?);
