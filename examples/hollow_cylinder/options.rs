@@ -38,13 +38,13 @@ pub struct Options {
     /// C in xi = C sqrt(h) of the extended-Neumann adjoint (41) [MPa/sqrt(cm)]
     #[arg(long, value_name = "C", default_value = "1", value_parser = number)]
     xi: f64,
-    /// Tresca's friction on the contact boundary, bounded by S [MPa], beside the contact
+    /// Tresca's friction on the contact boundary, bounded by S in MPa, beside the contact
     #[arg(long, value_name = "S", conflicts_with = "coulomb", value_parser = number)]
     tresca: Option<f64>,
     /// Coulomb's friction on the contact boundary, with the coefficient K
     #[arg(long, value_name = "K", value_parser = number)]
     coulomb: Option<f64>,
-    /// Displacement of the inner circle [cm], 0 -1 where it is not given. Given again it is a further load step: slip
+    /// Displacement of the inner circle in cm, 0 -1 where it is not given. Given again it is a further load step: slip
     /// is counted from the step before
     #[arg(long, num_args = 2, value_names = ["X", "Y"], value_parser = number)]
     push: Vec<f64>,
