@@ -119,7 +119,7 @@ impl Law {
         })
     }
 
-    /// What friction does at the displacement of the last step.
+    /// Force and lengths of friction at the displacement of the last step.
     pub fn friction(&self, u: &Field<2>) -> Result<Option<FrictionResults>, CylinderError> {
         let Law::Frictional(problem) = self else { return Ok(None) };
         let (assembler, law) = (&problem.assembler, &problem.law);

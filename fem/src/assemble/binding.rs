@@ -69,7 +69,7 @@ pub(super) struct Binding<'a, const D: usize> {
     pub regions: &'a [Region],
     /// The cells whose integrals are wanted, where they are not all.
     pub owned: Option<&'a OwnedCells>,
-    /// What searches for contact pairs, and on how many threads; not where cells are listed.
+    /// The search for contact pairs, and its threads; none where cells are listed.
     pub searches: Option<(&'a KnownPairs<D>, Threads)>,
 }
 

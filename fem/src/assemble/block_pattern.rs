@@ -33,7 +33,7 @@ pub struct BlockPattern<const D: usize> {
     maps: Vec<Vec<Option<BlockIndex>>>,
     /// The cells whose couplings it holds, where they are not all.
     owned: Option<Arc<OwnedCells>>,
-    /// Where the contact pairs come from.
+    /// Source of the contact pairs.
     search: PairSearch<D>,
 }
 

@@ -61,7 +61,7 @@ pub enum AssemblyError {
     NeedsPairs {
         /// The form or function.
         form: &'static str,
-        /// Where it is integrated or evaluated.
+        /// The place of integration or evaluation.
         place: String,
     },
     /// Facets whose sides do not fit each other.

@@ -38,7 +38,7 @@ pub(super) fn degree_on_pairs<const D: usize>(
     mesh.shapes().into_iter().map(|shape| estimate(mesh.degree(), shape.is_simplex())).max().unwrap_or(0)
 }
 
-/// Where the contact pairs of a matrix pattern come from.
+/// Source of the contact pairs of a matrix pattern.
 #[derive(Debug)]
 pub(super) struct PairSearch<const D: usize> {
     known: Arc<KnownPairs<D>>,
@@ -264,7 +264,7 @@ pub(super) fn groups_of<const D: usize>(
 
 impl<const D: usize> Assembler<D> {
     /// The pairs of two surfaces in numbers: how many points have an opposite one, how far the surfaces are apart or overlap.
-    /// Where the choice of quadrature is the compiler's estimate, `degree` is taken.
+    /// `degree` is that of the rule where the choice of quadrature is the compiler's estimate.
     ///
     /// ```
     /// use forms_fem::prelude::*;

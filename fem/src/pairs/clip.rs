@@ -33,7 +33,7 @@ impl<const D: usize> FacetPlane<D> {
         plane
     }
 
-    /// Where a line from a point along a direction meets the plane.
+    /// Intersection of the plane with a line from a point along a direction.
     fn project(&self, point: &[f64; D], direction: &[f64; D]) -> Point {
         let off = minus(point, &self.origin);
         let across = dot(&self.normal, direction);

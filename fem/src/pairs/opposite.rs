@@ -21,7 +21,7 @@ pub(super) struct Hit<const D: usize> {
     pub at_rim: bool,
 }
 
-/// Where the line x + g n meets a facet.
+/// Intersection of a facet with the line x + g n.
 pub(super) fn along_ray<const D: usize>(
     facet: &SurfaceFacet<D>,
     x: &[f64; D],

@@ -364,7 +364,7 @@ impl<'m, const D: usize> Search<'m, D> {
         Ok(rules)
     }
 
-    /// What a point of a piece that was made for one facet counts as; `None` where another piece, of a surface that is
+    /// Outcome of the search for a point of a piece that was made for one facet; `None` where another piece, of a surface that is
     /// nearer, lies there too.
     fn of_piece(
         &self,

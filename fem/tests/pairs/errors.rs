@@ -1,4 +1,4 @@
-//! What cannot be paired is refused by name.
+//! Errors of surfaces that cannot be paired, by name.
 
 use forms_fem::pairs::PairError;
 use forms_fem::prelude::*;

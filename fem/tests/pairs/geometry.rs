@@ -19,7 +19,7 @@ mod pairs {
     pub fn distance() -> Scalar {
         gap
     }
-    /// What an opposite point is: x + g n_y = y, n_y is a unit vector, against the opposite normal.
+    /// Defining equations of an opposite point: x + g n_y = y, n_y is a unit vector, against the opposite normal.
     pub fn contradiction() -> Scalar {
         let off = x + gap * toward - other(x);
         dot(off, off) + pow(dot(toward, toward) - 1, 2)

@@ -143,7 +143,7 @@ pub const CONSTANTS: &[(&str, Constant)] = &[
     ("shape", Constant::Shape),
 ];
 
-/// What a contact pair has: names that stand for this where the module's data have no member of that name.
+/// Names of quantities of a contact pair, which stand for them where the module's data have no member of that name.
 pub const OF_PAIRS: &[(&str, Geometry)] = &[("gap", Geometry::Gap), ("toward", Geometry::Toward)];
 
 /// The called name, if it is built in: what it is, its number of arguments, how it is written.
@@ -156,7 +156,7 @@ pub fn constant(name: &str) -> Option<Constant> {
     CONSTANTS.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
 }
 
-/// What the name stands for on contact pairs.
+/// The quantity of a contact pair that has this name.
 pub fn of_pairs(name: &str) -> Option<Geometry> {
     OF_PAIRS.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
 }

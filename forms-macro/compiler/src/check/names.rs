@@ -71,7 +71,7 @@ impl Evaluator<'_> {
         None
     }
 
-    /// What a contact pair has.
+    /// A quantity of a contact pair as a tensor.
     fn of_pairs(&mut self, geometry: Geometry, span: SourceSpan) -> Tensor {
         let shape = geometry.shape(self.dimension);
         self.arena.push(Operator::Geometry(geometry), shape, span)

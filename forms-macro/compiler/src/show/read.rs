@@ -196,7 +196,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What is seen from the other side.
+    /// Operand of a restriction to the other side.
     fn opposite(&self, tensor: Tensor) -> Option<Tensor> {
         match self.arena.node(tensor).operator {
             Operator::Restrict(Side::Other, a) | Operator::Opposite(a, _) => Some(a),
