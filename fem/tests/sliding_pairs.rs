@@ -206,7 +206,7 @@ fn rigid_motions() {
     }
 }
 
-/// Bodies that are pressed together between rigid plates, held sideways: the layer of CONTACT's table in two bodies. F = diag(1, J)
+/// Bodies that are pressed together between rigid plates, held sideways: a layer under uniform strain, in two bodies. F = diag(1, J)
 /// in both, p = μ (1/J − J) − λ ln J / J.
 fn pressed<const D: usize>(pairing: Pairing) -> (f64, usize, Field<D>)
 where

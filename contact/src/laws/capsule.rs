@@ -28,6 +28,8 @@ pub fn capsule_distance<R: Real, const D: usize>(y: [R; D], half_length: R, radi
 /// For an obstacle of another shape copy this module with another function φ: it needs |∇φ| = 1 for g to be a distance.
 #[forms]
 pub mod capsule {
+    use super::super::frictional_nitsche::frictional_nitsche::slip_limit;
+    pub use super::super::two_bodies::two_bodies::criterion;
     use crate::operators::friction::{augmented_traction, contact_traction};
     pub use crate::operators::neo_hookean::first_piola;
 
@@ -113,18 +115,13 @@ pub mod capsule {
     pub fn obstacle_traction(w: Vector) -> Vector {
         let P =
             augmented_traction(first_piola(w) * n, current_gap(w), slip(w), gamma0 / h, obstacle_normal(w));
-        let s = slip_stress + friction * neg_part(dot(P, obstacle_normal(w)));
-        contact_traction(P, s, obstacle_normal(w))
+        let pressure = neg_part(dot(P, obstacle_normal(w)));
+        contact_traction(P, slip_limit(pressure), obstacle_normal(w))
     }
 
     /// The direct problem: ∫ P(u):∇v − ∫ T(u)·v.
     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(first_piola(u), grad(v))) - integral(GammaC, dot(obstacle_traction(u), v))
-    }
-
-    /// J = ∫ F·u.
-    pub fn criterion(u: State<Vector>) -> Functional {
-        integral(Omega, dot(criterion_force, u))
     }
 
     /// The adjoint of the discrete problem.

@@ -11,6 +11,7 @@ use crate::contact_law;
 /// [`Pairing`](forms_fem::prelude::Pairing), a constant pressure is reproduced to rounding, whatever the meshes.
 #[forms]
 pub mod two_bodies {
+    pub use super::super::frictional_nitsche::frictional_nitsche::{loads, slip_limit};
     use crate::operators::friction::{augmented_traction, contact_traction};
     pub use crate::operators::linear_elastic::stress;
 
@@ -70,16 +71,6 @@ pub mod two_bodies {
 
     fn gamma() -> Scalar {
         this(gamma0) / this(h)
-    }
-
-    /// s = s₀ + κ p, the bound of friction at the pressure p.
-    pub fn slip_limit(pressure: Scalar) -> Scalar {
-        slip_stress + friction * pressure
-    }
-
-    /// ℓ(v), the work of the loads.
-    pub fn loads(v: Test<Vector>) -> Form {
-        integral(Omega, dot(body_force, v)) + integral(GammaN, dot(traction, v))
     }
 
     /// σ(w)n at X.

@@ -52,12 +52,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                             }
                         }
                     }
-                    let determinant = determinant(&jacobian);
-                    if determinant <= 0.0 {
-                        let (form, place) = (self.binding.name, self.group.place.clone());
-                        let position = position.to_vec();
-                        return Err(AssemblyError::Weight { form, place, cell, determinant, position });
-                    }
+                    self.check_map(cell, &position, &jacobian)?;
                 }
             }
         }
@@ -72,15 +67,25 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 let cell = side.cells[unit] as usize;
                 let reference: [f64; D] = std::array::from_fn(|k| point[number * D + k]);
                 let (position, jacobian) = mesh.map(cell, &reference);
-                let determinant = determinant(&jacobian);
-                if determinant <= 0.0 {
-                    let (form, place) = (self.binding.name, self.group.place.clone());
-                    let position = position.to_vec();
-                    return Err(AssemblyError::Weight { form, place, cell, determinant, position });
-                }
+                self.check_map(cell, &position, &jacobian)?;
             }
         }
         Ok(())
+    }
+
+    /// That a cell's map keeps its orientation at a place.
+    fn check_map(
+        &self,
+        cell: usize,
+        position: &[f64; D],
+        jacobian: &[[f64; D]; D],
+    ) -> Result<(), AssemblyError> {
+        let determinant = determinant(jacobian);
+        if determinant > 0.0 {
+            return Ok(());
+        }
+        let (form, place) = (self.binding.name, self.group.place.clone());
+        Err(AssemblyError::Weight { form, place, cell, determinant, position: position.to_vec() })
     }
 
     /// Both sides of an interior facet must see its q-th point at one place.
