@@ -3,9 +3,9 @@
 use forms_contact::laws::frictional_penalty::frictional_penalty as law;
 use forms_fem::prelude::*;
 
-use crate::block::{Block, plane_block, solid_block};
+use crate::gradients::{Moves, check_law};
 use crate::layer::{Answer, Inside, Layer, check, plane_layers, solid_layers};
-use crate::setting::{Friction, LAMBDA, MU, YOUNG, check_tangent, close, data, difference, wave};
+use crate::setting::{Friction, LAMBDA, MU, YOUNG, data};
 
 fn model<const D: usize>(data: law::Data<D>) -> law::Model<D> {
     law::Model { data, regions: law::Regions::default().gamma_n("right").gamma_c("bottom") }
@@ -41,32 +41,9 @@ fn a_layer_sticks_and_slips_as_known() {
 
 #[test]
 fn tangents_and_adjoint_gradients() {
-    fn check<const D: usize>(block: &Block<D>)
-    where
-        Dim: Dimension<D>,
-    {
-        for friction in [Friction::Coulomb(0.6), Friction::Tresca(20.0)] {
-            let problem = block.problem(model(data(friction, 0.0, 10.0 * YOUNG)), 0.0, 0.0);
-            let (u, direction) = (wave(&block.space, 0.02, 0.4), wave(&block.space, 0.02, 2.3));
-            let form = problem.law.direct();
-            check_tangent(&format!("{D}D, {friction:?}"), &problem.assembler, &form, &[&u], &[&direction]);
-        }
-        let solve = |coefficient: f64| {
-            let data = data(Friction::Coulomb(coefficient), 0.0, 20.0 * YOUNG);
-            let problem = block.problem(model(data), 0.008, 0.01);
-            let zero = Field::zero(&block.space);
-            let solved = problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap();
-            (problem, solved.into_field())
-        };
-        let (problem, u) = solve(0.3);
-        let p = problem.adjoint(&u).unwrap().solve().unwrap().into_field();
-        let gradient = problem.assembler.functional(&problem.law.by_friction(&u, &p)).unwrap();
-        let found = difference(6e-5, |change| {
-            let (problem, u) = solve(0.3 + change);
-            Ok((problem.criterion(&u)?, problem.assembler.active_set(&problem.law.direct(), &[&u])?))
-        });
-        close(&format!("{D}D"), gradient, found, 1e-8);
-    }
-    check(&plane_block(4));
-    check(&solid_block());
+    check_law(
+        Moves { wave: 0.02, aside: 0.008, down: 0.01 },
+        (model, |law, u, p| law.by_friction(u, p)),
+        (model, |law, u, p| law.by_friction(u, p)),
+    );
 }

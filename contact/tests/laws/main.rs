@@ -8,6 +8,7 @@ mod cylinder;
 mod finite_nitsche;
 mod frictional_nitsche;
 mod frictional_penalty;
+mod gradients;
 mod layer;
 mod random_loads;
 mod setting;
