@@ -57,6 +57,30 @@ pub trait WithFriction<const D: usize>: ContactLaw<D> {
     fn sticking(&self) -> Self;
 }
 
+/// A contact law by Nitsche's method at small strains, which is stable where γ₀ is above a threshold.
+#[diagnostic::on_unimplemented(
+    message = "the contact law `{Self}` does not say what the threshold of its γ₀ rests on",
+    note = "add `threshold: product(elasticity, gamma0, theta)` to its `contact_law!`: two forms and two parameters"
+)]
+pub trait WithThreshold<const D: usize>: ContactLaw<D> {
+    /// ∫ of the products on Γ_C of the stresses that the method takes: σ_n(u) σ_n(v), or σ(u)n·σ(v)n with friction.
+    type StressProduct: Form<D>;
+    /// ∫ σ(u):ε(v).
+    type Energy: Form<D>;
+
+    /// γ₀ \[stress\].
+    fn gamma0(&self) -> f64;
+
+    /// θ.
+    fn theta(&self) -> f64;
+
+    /// The product of stresses.
+    fn stress_product(&self) -> Self::StressProduct;
+
+    /// The elastic energy's form on the cells of this name.
+    fn energy_on(&self, cells: &str) -> Self::Energy;
+}
+
 /// A contact law with a criterion J(u) and its adjoint problem.
 #[diagnostic::on_unimplemented(
     message = "the contact law `{Self}` names no criterion with an adjoint problem",
@@ -126,7 +150,8 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// ```
 ///
 /// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
-/// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `positive: parameter`, a member of the data (`base.parameter`
+/// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `threshold: product(elasticity, gamma0, theta)`, for Nitsche's
+/// method ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
 /// of extended data) that has to be positive; `non_negative: parameter`; `coefficient: parameter`, that of
 /// friction; `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
 #[macro_export]
@@ -137,6 +162,7 @@ macro_rules! contact_law {
         $(, indicator: $indicator:ident)?
         $(, criterion: $criterion:ident, adjoint: $adjoint:ident
             $(, shape_gradient: $shape_gradient:ident, diameter_gradient: $diameter_gradient:ident)?)?
+        $(, threshold: $product:ident($elasticity:ident, $($gamma0:ident).+, $($theta:ident).+))?
         $(, positive: $($positive:ident).+)*
         $(, non_negative: $($non_negative:ident).+)*
         $(, coefficient: $coefficient:ident)?
@@ -204,6 +230,31 @@ macro_rules! contact_law {
 
                 fn indicator(&self, u: &$crate::fem::Field<D>) -> Self::Indicator {
                     $module::Model::$indicator(self, u)
+                }
+            }
+        )?
+        $(
+            impl<const D: usize> $crate::law::WithThreshold<D> for $module::Model<D>
+            where
+                $crate::fem::Dim: $crate::fem::Dimension<D>,
+            {
+                type StressProduct = $module::$product::Compiled<D>;
+                type Energy = $module::$elasticity::Compiled<D>;
+
+                fn gamma0(&self) -> f64 {
+                    self.data.$($gamma0).+
+                }
+
+                fn theta(&self) -> f64 {
+                    self.data.$($theta).+
+                }
+
+                fn stress_product(&self) -> Self::StressProduct {
+                    $module::Model::$product(self)
+                }
+
+                fn energy_on(&self, cells: &str) -> Self::Energy {
+                    $module::$elasticity(&self.data, &$module::Omega::on(cells))
                 }
             }
         )?

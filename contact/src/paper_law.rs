@@ -15,6 +15,7 @@ contact_law!(forms {
     adjoint: discrete_adjoint,
     shape_gradient: shape_gradient,
     diameter_gradient: diameter_gradient,
+    threshold: normal_stress_product(elasticity, gamma0, theta),
     positive: gamma0,
 });
 

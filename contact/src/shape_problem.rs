@@ -1,10 +1,15 @@
 //! Contact problems as shape optimisation problems, for `forms_fem::shape_optimisation`.
 
+mod costs;
+mod law_shape;
+
 use forms_fem::movement::diameters_to_movements;
 use forms_fem::prelude::*;
-use forms_fem::shape_optimisation::{
-    Derivatives, Failure, ShapeProblem, Values, Volume, measured_volume, perimeter, perimeter_derivative,
-};
+use forms_fem::shape_optimisation::{Derivatives, Failure, ShapeProblem, Values};
+
+pub use costs::VolumeRule;
+use costs::{Costs, add, fix_regions};
+pub use law_shape::{LawShape, LawState};
 
 use crate::boundary_form::boundary_form;
 use crate::contact_problem::ContactProblem;
@@ -35,15 +40,6 @@ pub enum GradientForm {
     Volume,
     /// The paper's boundary form (11), (20) on a free boundary.
     Boundary,
-}
-
-/// Control of the volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum VolumeRule {
-    /// V = V₀.
-    Constraint(Volume),
-    /// λ V is added to the criterion \[criterion/volume\].
-    Penalty(f64),
 }
 
 /// A contact problem on a shape that may change.
@@ -80,6 +76,10 @@ pub struct ContactState<const D: usize> {
 }
 
 impl<F> ContactShape<F> {
+    fn costs(&self) -> Costs<'_> {
+        Costs { volume: self.volume, moving: &self.moving, perimeter_penalty: self.perimeter_penalty }
+    }
+
     /// Whether criterion, adjoint state and formula go together.
     ///
     /// # Errors
@@ -204,14 +204,8 @@ where
             }
         }
         let alone = criterion;
-        criterion += self.perimeter_penalty * perimeter(mesh, &self.moving)?;
-        let constraint = match self.volume {
-            VolumeRule::Constraint(volume) => Some(volume.value(mesh)?),
-            VolumeRule::Penalty(weight) => {
-                criterion += weight * measured_volume(mesh)?;
-                None
-            }
-        };
+        let (costs, constraint) = self.costs().values(mesh)?;
+        criterion += costs;
         let state = ContactState { problem, u, criterion: alone, pressure, solver };
         Ok(Values { criterion, constraint, state })
     }
@@ -231,26 +225,11 @@ where
             }
             _ => self.gradient_of(movements, state, [1.0, 0.0, 0.0])?,
         };
-        add(&mut criterion, self.perimeter_penalty, &perimeter_derivative(movements, &self.moving)?);
-        let constraint = match self.volume {
-            VolumeRule::Constraint(volume) => Some(volume.derivative(movements)?),
-            VolumeRule::Penalty(weight) => {
-                let by_volume = Volume { target: 1.0 }.derivative(movements)?;
-                add(&mut criterion, weight, &by_volume);
-                None
-            }
-        };
+        let constraint = self.costs().add_derivatives(movements, &mut criterion)?;
         Ok(Derivatives { criterion, constraint })
     }
 
     fn fix(&self, movements: &mut Constraints<D>) -> Result<(), Failure> {
-        for region in &self.fixed {
-            movements.fix(region, |_| [0.0; D])?;
-        }
-        Ok(())
+        fix_regions(&self.fixed, movements)
     }
-}
-
-fn add(sum: &mut [f64], factor: f64, other: &[f64]) {
-    sum.iter_mut().zip(other).for_each(|(sum, other)| *sum += factor * other);
 }

@@ -1,6 +1,6 @@
 //! When is γ₀ large enough? For θ > −1 Nitsche's method is monotone only if, on every contact cell,
 //! γ ≥ s (1+θ)²/4 λ_T with s > 1, where λ_T is the largest eigenvalue of ∫_F σ_n(v)² = λ ∫_T σ(v):ε(v)
-//! modulo rigid motions (F runs over the contact facets of T).
+//! modulo rigid motions (F runs over the contact facets of T). With friction the whole traction counts: ∫_F |σ(v)n|².
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use forms_fem::prelude::*;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::contact_problem::ContactProblem;
-use crate::forms;
+use crate::law::WithThreshold;
 
 /// Eigenvalues of ∫_T σ:ε below this part of the largest belong to rigid motions.
 const RIGID: f64 = 1e-10;
@@ -44,8 +44,8 @@ impl Threshold {
 ///
 /// # Errors
 /// Data that do not fit.
-pub fn required_gamma0<const D: usize>(
-    problem: &ContactProblem<D>,
+pub fn required_gamma0<L: WithThreshold<D>, const D: usize>(
+    problem: &ContactProblem<D, L>,
     contact_cells: &str,
 ) -> Result<f64, AssemblyError>
 where
@@ -59,22 +59,22 @@ where
 ///
 /// # Errors
 /// Data that do not fit; a cell with a facet of Γ_C that is not among `contact_cells`.
-pub fn threshold<const D: usize>(
-    problem: &ContactProblem<D>,
+pub fn threshold<L: WithThreshold<D>, const D: usize>(
+    problem: &ContactProblem<D, L>,
     contact_cells: &str,
 ) -> Result<Threshold, AssemblyError>
 where
     Dim: Dimension<D>,
 {
-    let (gamma0, theta) = (problem.law.data.gamma0, problem.law.data.theta);
+    let (gamma0, theta) = (problem.law.gamma0(), problem.law.theta());
     let factor = (1.0 + theta).powi(2) / 4.0;
     if factor == 0.0 {
         return Ok(Threshold { required: 0.0, gamma0, theta, worst: None });
     }
     let zero = Field::zero(&problem.space);
     let (unknowns, tests) = ([&zero], [&problem.space]);
-    let product = problem.law.normal_stress_product();
-    let energy = forms::elasticity(&problem.law.data, &forms::Omega::on(contact_cells));
+    let product = problem.law.stress_product();
+    let energy = problem.law.energy_on(contact_cells);
     let energies: BTreeMap<u32, DMatrix<f64>> = problem
         .assembler
         .element_matrices(&energy, &unknowns, &tests)?
@@ -99,9 +99,9 @@ where
         let centre = mesh.cell_centre(cell as usize).to_vec();
         let Some(energy) = energies.get(&cell) else {
             return Err(AssemblyError::CellOfFacet {
-                form: "normal_stress_product",
+                form: product.name(),
                 cells: contact_cells.to_owned(),
-                facets: problem.law.regions.gamma_c.0.name.clone(),
+                facets: problem.law.contact_region().to_owned(),
                 position: centre,
             });
         };

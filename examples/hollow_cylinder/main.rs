@@ -79,8 +79,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
 /// Newton's history, and whether γ₀ may be to blame.
 fn explain_failure(settings: &Settings, error: &CylinderError) {
     if let CylinderError::Solve(newton) = error {
-        let history: Vec<_> = newton.history.iter().map(Into::into).collect();
-        tell(table::newton_history(&history).trim_end_matches('\n'));
+        tell(table::newton_history(&newton.history).trim_end_matches('\n'));
         let required = hollow_cylinder(settings).and_then(|problem| {
             let required = required_gamma0(&problem, CONTACT_CELLS)?;
             Ok(required)

@@ -28,7 +28,7 @@ pub struct Measurements {
     /// Newton steps of the last load step.
     pub newton_iterations: usize,
     /// The start and each iterate of the last load step.
-    pub newton_history: Vec<Iterate>,
+    pub newton_history: Vec<NewtonStep>,
     /// The criterion (3).
     #[serde(rename = "J")]
     pub criterion: f64,
@@ -117,25 +117,6 @@ impl From<&CylinderStep> for LoadStep {
     }
 }
 
-/// A Newton iterate.
-#[derive(Clone, Debug, Serialize)]
-pub struct Iterate {
-    pub iteration: usize,
-    pub residual: f64,
-    pub relative_residual: f64,
-    /// Quadrature points of Γ_C in contact; with friction those where a switch of the law is on.
-    pub active_points: Option<usize>,
-    pub active_set_changed: Option<bool>,
-    /// ‖δu‖₂ of the step that led here.
-    pub step: Option<f64>,
-    /// Krylov iterations of that step; 0 for a direct solution.
-    pub linear_iterations: Option<usize>,
-    /// The part of the Newton step that was taken; 1 without a line search.
-    pub damping: Option<f64>,
-    /// Unknowns of the system of that step, where it was condensed to those that the contact touches.
-    pub condensed_unknowns: Option<usize>,
-}
-
 /// u of (14) and p of (22) at a point.
 #[derive(Clone, Debug, Serialize)]
 pub struct AtPoint {
@@ -217,7 +198,7 @@ impl Measurements {
             unknowns: space.unknowns(),
             prescribed_unknowns: solution.problem.constraints.prescribed().len(),
             newton_iterations: solution.history.len().saturating_sub(1),
-            newton_history: solution.history.iter().map(Iterate::from).collect(),
+            newton_history: solution.history.clone(),
             criterion: solution.criterion,
             u_l2: u.l2,
             u_h1: u.h1,
@@ -263,22 +244,6 @@ impl SettingsUsed {
             tresca,
             coulomb,
             threads: settings.threads.count(),
-        }
-    }
-}
-
-impl From<&NewtonStep> for Iterate {
-    fn from(step: &NewtonStep) -> Iterate {
-        Iterate {
-            iteration: step.iteration,
-            residual: step.residual,
-            relative_residual: step.relative_residual,
-            active_points: step.active_points,
-            active_set_changed: step.active_set_changed,
-            step: step.step,
-            linear_iterations: step.linear_iterations,
-            damping: step.damping,
-            condensed_unknowns: step.condensed_unknowns,
         }
     }
 }

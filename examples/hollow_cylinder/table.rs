@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::measurements::{Iterate, Measurements};
+use forms_fem::prelude::*;
+
+use crate::measurements::Measurements;
 
 /// Width of the column of names.
 const NAMES: usize = 46;
@@ -90,7 +92,7 @@ pub fn of(measured: &Measurements) -> String {
 }
 
 /// The history of Newton's method.
-pub fn newton_history(history: &[Iterate]) -> String {
+pub fn newton_history(history: &[NewtonStep]) -> String {
     let mut text = String::new();
     let mut line = |cells: [&str; 6]| {
         let [iteration, residual, relative, active, step, linear] = cells;

@@ -146,6 +146,13 @@ pub trait Lane:
         self.each(error_function::erfc)
     }
 
+    /// A part of a long computation, in a function of its own that is compiled for the lane's instructions: compilers take more
+    /// than linear time over long functions. `work` is `#[inline(always)]`.
+    #[inline(never)]
+    fn apart<S, A, R>(work: impl FnOnce(&S, A) -> R, this: &S, argument: A) -> R {
+        work(this, argument)
+    }
+
     /// `self < other`.
     fn less(self, other: Self) -> Self::Mask;
     /// `self <= other`.

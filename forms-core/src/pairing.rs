@@ -34,6 +34,9 @@ pub enum PairQuadrature {
 /// The surfaces of a region of contact pairs and the way in which opposite points are found: what a user binds the region to.
 ///
 /// A point for which none is found adds nothing to an integral over the pairs: it is free.
+///
+/// Pairs of displaced surfaces, `integral(Touch(u), ..)`, always take rays and the rules of whole facets: `projection` and
+/// `quadrature` hold for fixed pairs.
 #[derive(Clone, Debug)]
 pub struct Pairing {
     /// Surfaces and those opposite to them; their integrals add up.

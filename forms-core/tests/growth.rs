@@ -70,3 +70,54 @@ fn forty_levels() {
     let squares = deep::squares(&data, Source::Constant(vec![1.0]));
     assert_eq!(expression(&mesh, &squares, (Entity::Cells, "all"))[0], [1.0]);
 }
+
+/// Ogden's energy, twice as stiff where it is stretched: at a point its tangent has more operations than one function takes.
+#[forms(crate = forms_core, dimension = 3)]
+pub mod ogden {
+    pub struct Data {
+        mu: Param,
+        a: Param,
+        b: Param,
+        lambda: Param,
+    }
+    #[cells]
+    pub struct Omega;
+
+    pub fn energy(u: Unknown<Vector>) -> Energy {
+        let F = I + grad(u);
+        let logarithm = tensor_ln(transpose(F) * F);
+        let stiffness = if det(F) > 1 { 2 * mu } else { mu };
+        let first = tr(tensor_exp(a / 2 * logarithm)) / a;
+        let second = tr(tensor_exp(b / 2 * logarithm)) / b;
+        integral(Omega, stiffness * (first + second) + lambda * pow(ln(det(F)), 2))
+    }
+}
+
+/// The tangent is the derivative of the residual, for one cell at a time and for four.
+#[test]
+fn functions_in_parts() {
+    let mut random = Random(11);
+    let mesh = Mesh::<3>::cube(&mut random);
+    let nodes = mesh.nodes.len();
+    let (u, direction) = (random.field(nodes, 3, 0.1, 0.2), random.field(nodes, 3, 0.0, 1.0));
+    let form =
+        ogden::energy(&ogden::Data { mu: 0.7, a: 1.3, b: -2.0, lambda: 1.9 }, &ogden::Omega::on("all"));
+    let matrix = tangent::<f64, _, 3>(&mesh, &form, std::slice::from_ref(&u));
+    let by_four = tangent::<toy_backend::lanes::Four, _, 3>(&mesh, &form, std::slice::from_ref(&u));
+    let largest = matrix.concat().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+    for (one, four) in matrix.concat().iter().zip(by_four.concat()) {
+        assert!((one - four).abs() <= 1e-13 * largest, "{one} and {four}");
+    }
+    let at = |step: f64| {
+        let mut moved = u.clone();
+        moved.values.iter_mut().zip(&direction.values).for_each(|(u, d)| *u += step * d);
+        residual::<f64, _, 3>(&mesh, &form, &[moved])
+    };
+    let step = 1e-5;
+    let (after, before) = (at(step), at(-step));
+    for (row, (after, before)) in matrix.iter().zip(after.iter().zip(&before)) {
+        let product: f64 = row.iter().zip(&direction.values).map(|(k, d)| k * d).sum();
+        let difference = (after - before) / (2.0 * step);
+        assert!((product - difference).abs() <= 1e-7 * largest, "{product} and {difference}");
+    }
+}

@@ -3,6 +3,7 @@
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT_CELLS, Settings, hollow_cylinder};
+use forms_contact::laws::frictional_nitsche::frictional_nitsche;
 use forms_contact::threshold::required_gamma0;
 use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;
@@ -85,6 +86,28 @@ fn one_tetrahedron() {
             agree(required(&mesh, degree, theta), expected);
         }
     }
+}
+
+/// With friction the whole traction counts. On a simplex of degree 1 the largest of |σ(v)n|² beside σ:ε is the largest
+/// eigenvalue of the acoustic tensor μ I + (λ+μ) n⊗n, which is λ+2μ: the threshold is the one without friction.
+#[test]
+fn with_friction() {
+    fn check<const D: usize>(mesh: &Arc<Mesh<D>>)
+    where
+        Dim: Dimension<D>,
+    {
+        for theta in [-0.5, 0.0, 1.0] {
+            let ContactProblem { assembler, space, law, constraints, .. } = problem(mesh, 1, theta);
+            let data = frictional_nitsche::Data::from(frictional_nitsche::Required { base: law.data });
+            let regions = frictional_nitsche::Regions::default().gamma_n("contact").gamma_c("contact");
+            let law = frictional_nitsche::Model { data, regions };
+            let problem = ContactProblem::new(assembler, &space, law, constraints).unwrap();
+            agree(required_gamma0(&problem, "all").unwrap(), required(mesh, 1, theta));
+        }
+    }
+    check(&simplex(CellShape::Triangle, vec![[0.0, 0.0], [2.0, 0.0], [0.5, 0.75]]));
+    let vertices = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.25, 1.5]];
+    check(&simplex(CellShape::Tetrahedron, vertices));
 }
 
 #[test]

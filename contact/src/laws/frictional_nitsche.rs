@@ -88,6 +88,11 @@ pub mod frictional_nitsche {
             + integral(GammaC, dot(obstacle_traction(u), theta * (stress(v) * n) - gamma() * v) / gamma())
     }
 
+    /// ∫ σ(u)n·σ(v)n, on which the threshold of γ₀ rests.
+    pub fn traction_product(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(GammaC, dot(stress(u) * n, stress(v) * n))
+    }
+
     /// ½ a(u,u) − ℓ(u) − ∫ |σn|²/2γ + ∫ \[P_n\]₋²/2γ + ∫ η_s₀(P_t)/γ, of which `direct` is the variation for Tresca's law with
     /// θ = 1. Coulomb's law has no energy: κ is not read.
     pub fn tresca_energy(u: Unknown<Vector>) -> Energy {
@@ -105,6 +110,17 @@ pub mod frictional_nitsche {
     /// |P_t| = s.
     pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
         derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+
+    /// The volume form of the shape derivative of the criterion along Θ, with p of `discrete_adjoint` that of J_h, h_T held. u₀
+    /// moves with the mesh, as a field of nodal values does.
+    pub fn shape_gradient(u: State<Vector>, p: State<Vector>, Theta: Test<Vector>) -> Form {
+        derivative(criterion(u) + direct(u, p), shape, Theta)
+    }
+
+    /// The contribution of the diameters h_T in γ = γ₀/h_T, per cell and unit of growth.
+    pub fn diameter_gradient(u: State<Vector>, p: State<Vector>, growth: Test<Scalar>) -> Form {
+        derivative(direct(u, p), h, growth)
     }
 
     /// Dᵀw with D = ∂T/∂P.
@@ -165,6 +181,9 @@ contact_law!(frictional_nitsche {
     indicator: contact_indicator,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    shape_gradient: shape_gradient,
+    diameter_gradient: diameter_gradient,
+    threshold: traction_product(elasticity, base.gamma0, base.theta),
     positive: base.gamma0,
     non_negative: slip_stress,
     non_negative: friction,

@@ -12,4 +12,5 @@ mod gradients;
 mod layer;
 mod random_loads;
 mod setting;
+mod shape;
 mod two_bodies;

@@ -70,7 +70,7 @@ use simd;
 
 macro_rules! lane {
     ($lane:ident, $width:literal, $mask:ty, $add:ident, $sub:ident, $mul:ident, $div:ident, $fma:ident,
-     $sqrt:ident, $min:ident, $max:ident, $splat:ident, $load:ident, $store:ident, $xor:ident, $andnot:ident) => {
+     $sqrt:ident, $min:ident, $max:ident, $splat:ident, $load:ident, $store:ident, $xor:ident, $andnot:ident, $features:literal) => {
         impl Add for $lane {
             type Output = Self;
             #[inline(always)]
@@ -139,6 +139,15 @@ macro_rules! lane {
             const WIDTH: usize = $width;
             type Mask = $mask;
 
+            #[inline(always)]
+            fn apart<S, A, R>(work: impl FnOnce(&S, A) -> R, this: &S, argument: A) -> R {
+                #[target_feature(enable = $features)]
+                #[inline(never)]
+                fn enter<S, A, R>(work: impl FnOnce(&S, A) -> R, this: &S, argument: A) -> R {
+                    work(this, argument)
+                }
+                simd!(enter(work, this, argument))
+            }
             #[inline(always)]
             fn splat(value: f64) -> Self {
                 simd!($lane($splat(value)))
@@ -257,7 +266,8 @@ lane!(
     _mm256_loadu_pd,
     _mm256_storeu_pd,
     _mm256_xor_pd,
-    _mm256_andnot_pd
+    _mm256_andnot_pd,
+    "avx2,fma"
 );
 lane!(
     Avx512,
@@ -275,7 +285,8 @@ lane!(
     _mm512_loadu_pd,
     _mm512_storeu_pd,
     _mm512_xor_pd,
-    _mm512_andnot_pd
+    _mm512_andnot_pd,
+    "avx512f,avx512dq,avx512vl,avx2,fma"
 );
 
 impl Avx2 {

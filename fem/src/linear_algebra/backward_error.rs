@@ -62,22 +62,41 @@ impl Residual {
         if self.worst.error <= level {
             return Ok(());
         }
-        let (_, mut own) = equations.products(x)?;
-        own.iter_mut().zip(b).for_each(|(size, b)| *size += b.abs());
-        let diagonal = equations.diagonal();
-        let amounts: Vec<f64> = diagonal
-            .iter()
-            .zip(own.iter().zip(x))
-            .map(|(diagonal, (size, x))| if *diagonal == 0.0 { x.abs() } else { size / diagonal.abs() })
-            .collect();
-        let (_, mut sizes) = equations.products(&amounts)?;
-        sizes.iter_mut().zip(&own).for_each(|(size, own)| *size += own);
-        let WorstRow { row, error } = WorstRow::of(&self.rest, &sizes);
-        if error <= level {
-            return Ok(());
-        }
-        Err(LinearAlgebraError::Inaccurate { row, backward_error: error })
+        let sizes = |x: &[f64]| equations.products(x).map(|(_, sizes)| sizes);
+        check_residual(&self.rest, (x, b), &equations.diagonal(), sizes, level)
     }
+}
+
+/// Fails unless each equation of A x = b holds up to a part `level` of its terms, where `rest` is b − A x and `sizes` gives
+/// Σ_j |a_ij y_j| of each row for a y. For solvers that keep their matrix elsewhere: a norm over all rows says nothing of
+/// those with small terms.
+///
+/// # Errors
+/// [`LinearAlgebraError::Inaccurate`] with the row, or an error of `sizes`.
+pub fn check_residual<E: From<LinearAlgebraError>>(
+    rest: &[f64],
+    (x, b): (&[f64], &[f64]),
+    diagonal: &[f64],
+    mut sizes: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
+    level: f64,
+) -> Result<(), E> {
+    let mut own = sizes(x)?;
+    own.iter_mut().zip(b).for_each(|(size, b)| *size += b.abs());
+    if WorstRow::of(rest, &own).error <= level {
+        return Ok(());
+    }
+    let amounts: Vec<f64> = diagonal
+        .iter()
+        .zip(own.iter().zip(x))
+        .map(|(diagonal, (size, x))| if *diagonal == 0.0 { x.abs() } else { size / diagonal.abs() })
+        .collect();
+    let mut sizes = sizes(&amounts)?;
+    sizes.iter_mut().zip(&own).for_each(|(size, own)| *size += own);
+    let WorstRow { row, error } = WorstRow::of(rest, &sizes);
+    if error <= level {
+        return Ok(());
+    }
+    Err(LinearAlgebraError::Inaccurate { row, backward_error: error }.into())
 }
 
 /// A solution of A x = b that is improved step by step, in memory that all steps share.

@@ -41,7 +41,7 @@ pub fn solve_linear_transposed(
 }
 
 /// An equation that is off by more than this part of its terms has not been solved, whatever the solver's own measure.
-const HOLDS: f64 = 1e-3;
+pub const HOLDS: f64 = 1e-3;
 
 /// Cᵀ A C, or its transposed, by products with A.
 struct ReducedEquations<'a> {

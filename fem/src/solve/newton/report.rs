@@ -48,7 +48,7 @@ impl Default for NewtonOptions {
 }
 
 /// One iterate in Newton's history, and the step that led to it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct NewtonStep {
     /// 0 for the start.
     pub iteration: usize,

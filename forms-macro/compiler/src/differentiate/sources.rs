@@ -2,7 +2,7 @@
 //! points is a sum over the same points. With points of its own, fewer or more, the adjoint of a discrete problem
 //! would not be its adjoint where the integrand has a kink.
 
-use super::Lowering;
+use super::lowering::Lowering;
 use crate::tensor::{Operator, Tensor, Variable};
 
 /// One integrand, free of derivatives still to be taken.

@@ -1,11 +1,11 @@
 //! Kernels: `impl LinearKernel<D>`, `impl BilinearKernel<D>`, `impl ExpressionKernel<D>`.
 
 use proc_macro2::{Ident, TokenStream};
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::external::ExternalNames;
 use super::layout::Layout;
-use super::print::{Demand, Printer, Store, from_point};
+use super::print::{Demand, PartBody, Printer, Store, from_point, kept_name};
 use crate::optimise::linear::{Coefficients, of_component};
 use crate::optimise::plan::BilinearPlan;
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
@@ -18,6 +18,14 @@ fn operations([point, test, trial, pair, finish]: [usize; 5]) -> TokenStream {
     quote! {
         contract::Operations { point: #point, test: #test, trial: #trial, pair: #pair, finish: #finish }
     }
+}
+
+/// The text of a function at a point.
+struct PointFunction {
+    /// Functions of its own for its parts, where it is long.
+    parts: TokenStream,
+    statements: TokenStream,
+    operations: usize,
 }
 
 /// Writes the kernels of one function in one dimension.
@@ -53,13 +61,13 @@ impl KernelWriter<'_> {
             from_point(&mut point, value)
         });
         let (test_statements, test_results) = (test_body.statements, test_body.results);
-        let (point_function, point_operations) =
-            self.point_function(&printer, &point, &layout, &mut form, &mut cell);
+        let point_function = self.point_function(&printer, &point.values, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&printer, &cell, &mut form);
-        let structure = self.structure(name, &printer, &form);
+        let structure = self.structure(name, &printer, &form, &point_function.parts);
+        let point_statements = &point_function.statements;
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
-        let operations = operations([point_operations, test_body.operations, 0, 0, 0]);
+        let operations = operations([point_function.operations, test_body.operations, 0, 0, 0]);
 
         quote! {
             #structure
@@ -73,7 +81,7 @@ impl KernelWriter<'_> {
                 #cell_function
                 #[inline(always)]
                 fn point<L: Lane>(&self, cell: &[L; #cell_count], geometry: &contract::PointGeometry<L, #d>, fields: &[L]) -> [L; #point_count] {
-                    #point_function
+                    #point_statements
                 }
                 #[inline(always)]
                 fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #components] {
@@ -115,13 +123,13 @@ impl KernelWriter<'_> {
                 demand.text(value, level)
             })
         };
-        let (point_function, point_operations) =
-            self.point_function(&printer, &point, &layout, &mut form, &mut cell);
+        let point_function = self.point_function(&printer, &point.values, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&printer, &cell, &mut form);
-        let structure = self.structure(name, &printer, &form);
+        let structure = self.structure(name, &printer, &form, &point_function.parts);
+        let point_statements = &point_function.statements;
         let pair_operations = sums.iter().map(Vec::len).sum();
         let operations = operations([
-            point_operations,
+            point_function.operations,
             test.operations,
             trial.operations,
             pair_operations,
@@ -161,7 +169,7 @@ impl KernelWriter<'_> {
                 #cell_function
                 #[inline(always)]
                 fn point<L: Lane>(&self, cell: &[L; #cell_count], geometry: &contract::PointGeometry<L, #d>, fields: &[L]) -> [L; #point_count] {
-                    #point_function
+                    #point_statements
                 }
                 #[inline(always)]
                 fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #test_count] {
@@ -203,16 +211,11 @@ impl KernelWriter<'_> {
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let printer = Printer { code: &code, externals: self.externals };
         let (mut form, mut cell) = (Store::default(), Store::default());
-        let body = {
-            let mut demand = Demand { form: &mut form, cell: &mut cell };
-            printer.print(&values, Level::Point, &|node| self.at_point(node, &layout), &mut |value, level| {
-                demand.text(value, level)
-            })
-        };
+        let PointFunction { parts, statements, .. } =
+            self.point_function(&printer, &values, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&printer, &cell, &mut form);
-        let structure = self.structure(name, &printer, &form);
+        let structure = self.structure(name, &printer, &form, &parts);
         let cell_count = cell.values.len();
-        let (statements, results) = (body.statements, body.results);
         let requirements = &layout.requirements;
         quote! {
             #structure
@@ -225,33 +228,55 @@ impl KernelWriter<'_> {
                 #[inline(always)]
                 fn evaluate<L: Lane>(&self, cell: &[L; #cell_count], geometry: &contract::PointGeometry<L, #d>, fields: &[L]) -> [L; #count] {
                     #statements
-                    [#(#results),*]
                 }
             }
         }
     }
 
+    /// The function at a point that gives these values.
     fn point_function(
         &self,
         printer: &Printer,
-        point: &Store,
+        values: &[Value],
         layout: &Layout,
         form: &mut Store,
         cell: &mut Store,
-    ) -> (TokenStream, usize) {
+    ) -> PointFunction {
         let mut demand = Demand { form, cell };
-        let body = printer.print(
-            &point.values,
+        let (parts, body) = printer.print_in_parts(
+            values,
             Level::Point,
             &|node| self.at_point(node, layout),
             &mut |value, level| demand.text(value, level),
         );
-        let (statements, results) = (body.statements, body.results);
-        let text = quote! {
-            #statements
+        let (d, cell_count) = (self.dimension, demand.cell.values.len());
+        let (mut functions, mut calls) = (TokenStream::new(), TokenStream::new());
+        let (mut arrays, mut types) = (vec![], vec![]);
+        for (number, PartBody { statements, results }) in parts.into_iter().enumerate() {
+            let (name, array, count) = (format_ident!("part_{number}"), kept_name(number), results.len());
+            functions.extend(quote! {
+                #[inline(always)]
+                fn #name<L: Lane>(
+                    &self,
+                    (cell, geometry, fields, #(#arrays),*): (&[L; #cell_count], &contract::PointGeometry<L, #d>, &[L], #(#types),*),
+                ) -> [L; #count] {
+                    #statements
+                    [#(#results),*]
+                }
+            });
+            calls.extend(quote! {
+                let #array = L::apart(Self::#name::<L>, self, (cell, geometry, fields, #(&#arrays),*));
+            });
+            arrays.push(array);
+            types.push(quote! { &[L; #count] });
+        }
+        let (last, results) = (body.statements, body.results);
+        let statements = quote! {
+            #calls
+            #last
             [#(#results),*]
         };
-        (text, body.operations)
+        PointFunction { parts: functions, statements, operations: body.operations }
     }
 
     fn cell_function(&self, printer: &Printer, cell: &Store, form: &mut Store) -> TokenStream {
@@ -278,7 +303,7 @@ impl KernelWriter<'_> {
     }
 
     /// The kernel's struct: what is known with the parameters.
-    fn structure(&self, name: &Ident, printer: &Printer, form: &Store) -> TokenStream {
+    fn structure(&self, name: &Ident, printer: &Printer, form: &Store, parts: &TokenStream) -> TokenStream {
         let count = form.values.len();
         let terminal = |node: &Node| match node {
             Node::Parameter(index) => quote! { parameters[#index] },
@@ -304,6 +329,7 @@ impl KernelWriter<'_> {
                     #statements
                     #name { form: [#(#results),*], #value }
                 }
+                #parts
             }
         }
     }

@@ -11,6 +11,7 @@ mod kernel;
 mod layout;
 mod model;
 pub mod named_regions;
+mod parts;
 mod placeholder;
 mod print;
 mod traits;

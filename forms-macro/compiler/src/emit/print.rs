@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::external::ExternalNames;
+use super::parts::parts;
 use crate::optimise::scalar::Node;
 use crate::optimise::straight_line::{Code, Instruction, Level, Value};
 use crate::tensor::{External, Function};
@@ -17,6 +18,20 @@ pub struct Body {
     /// Number of operations.
     pub operations: usize,
 }
+
+/// The text of one part of a function, with what it keeps.
+pub struct PartBody {
+    pub statements: TokenStream,
+    pub results: Vec<TokenStream>,
+}
+
+/// The name of the array that a part leaves to later ones.
+pub fn kept_name(part: usize) -> Ident {
+    format_ident!("kept_{part}")
+}
+
+/// How each value is read.
+type Texts = HashMap<Value, TokenStream>;
 
 /// Values that one function leaves to later ones, in the order of their slots.
 #[derive(Default)]
@@ -80,29 +95,72 @@ impl Printer<'_> {
     ) -> Body {
         let own = self.code.own(roots, level);
         let operations = self.code.operations(&own);
-        let mut texts: HashMap<Value, TokenStream> = HashMap::new();
+        let mut texts = Texts::new();
+        let statements = self.statements(&own, terminal, earlier, &mut texts);
+        let results = roots.iter().map(|root| self.text(*root, earlier, &mut texts)).collect();
+        Body { statements, results, operations }
+    }
+
+    /// The same in parts, each a function of its own where there are several.
+    pub fn print_in_parts(
+        &self,
+        roots: &[Value],
+        level: Level,
+        terminal: &dyn Fn(&Node) -> TokenStream,
+        earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
+    ) -> (Vec<PartBody>, Body) {
+        let own = self.code.own(roots, level);
+        let parts = parts(self.code, &own, roots);
+        if parts.len() == 1 {
+            return (vec![], self.print(roots, level, terminal, earlier));
+        }
+        let mut known = Texts::new();
+        let mut bodies = vec![];
+        for (number, part) in parts.iter().enumerate() {
+            let mut texts = known.clone();
+            let statements = self.statements(&part.values, terminal, earlier, &mut texts);
+            let results = part.kept.iter().map(|value| self.text(*value, earlier, &mut texts)).collect();
+            bodies.push(PartBody { statements, results });
+            let array = kept_name(number);
+            known
+                .extend(part.kept.iter().enumerate().map(|(slot, value)| (*value, quote! { #array[#slot] })));
+        }
+        // Inputs that are results themselves.
+        let inputs: Vec<Value> =
+            own.iter().copied().filter(|value| roots.contains(value) && !known.contains_key(value)).collect();
+        let statements = self.statements(&inputs, terminal, earlier, &mut known);
+        let results = roots.iter().map(|root| self.text(*root, earlier, &mut known)).collect();
+        (bodies, Body { statements, results, operations: self.code.operations(&own) })
+    }
+
+    fn statements(
+        &self,
+        values: &[Value],
+        terminal: &dyn Fn(&Node) -> TokenStream,
+        earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
+        texts: &mut Texts,
+    ) -> TokenStream {
         // One `let` for all names: with one per name, each opens a scope inside the last, and some thousands
         // of them overflow rustc's stack where it writes debug information.
-        let names: Vec<_> = own.iter().map(|value| format_ident!("t{}", value.0)).collect();
-        let mut statements = if own.is_empty() {
+        let names: Vec<_> = values.iter().map(|value| format_ident!("t{}", value.0)).collect();
+        let mut statements = if values.is_empty() {
             TokenStream::new()
         } else {
             quote! { let (#(#names,)*); }
         };
-        for (value, name) in own.into_iter().zip(names) {
-            let right = self.print_instruction(value, terminal, earlier, &mut texts);
+        for (value, name) in values.iter().zip(names) {
+            let right = self.print_instruction(*value, terminal, earlier, texts);
             statements.extend(quote! { #name = #right; });
-            texts.insert(value, quote! { #name });
+            texts.insert(*value, quote! { #name });
         }
-        let results = roots.iter().map(|root| self.text(*root, earlier, &mut texts)).collect();
-        Body { statements, results, operations }
+        statements
     }
 
     fn text(
         &self,
         value: Value,
         earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
-        texts: &mut HashMap<Value, TokenStream>,
+        texts: &mut Texts,
     ) -> TokenStream {
         if let Some(text) = texts.get(&value) {
             return text.clone();
@@ -120,7 +178,7 @@ impl Printer<'_> {
         value: Value,
         terminal: &dyn Fn(&Node) -> TokenStream,
         earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
-        texts: &mut HashMap<Value, TokenStream>,
+        texts: &mut Texts,
     ) -> TokenStream {
         use Instruction::*;
         let instruction = self.code.instruction(value).clone();

@@ -3,8 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use super::Dependence;
+use super::groups::Group;
 use super::scalar::Graph;
-use super::{Dependence, Group};
 use crate::tensor::{FieldInfo, FieldRole};
 
 /// The sum of the groups of each region on which at least two depend on the unknowns. None where the form has a history, whose

@@ -83,6 +83,19 @@ fn processor_time() -> Option<f64> {
     Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
 }
 
+/// The largest number of statements in a block, of which functions have one.
+fn longest_block(stream: TokenStream) -> usize {
+    let (mut statements, mut inner) = (0, 0);
+    for token in stream {
+        match token {
+            TokenTree::Group(group) => inner = inner.max(longest_block(group.stream())),
+            TokenTree::Punct(punct) if punct.as_char() == ';' => statements += 1,
+            _ => {}
+        }
+    }
+    inner.max(statements)
+}
+
 /// Characters and tokens of what is emitted for a form.
 fn emitted(what: &str, dimension: usize, text: &str) -> [usize; 2] {
     let start = processor_time();
@@ -139,6 +152,14 @@ fn functions_of_tensors() {
         assert!(tokens <= most, "{name}: {tokens} tokens");
         assert!(characters <= 8 * tokens + 300_000, "{name}: {characters} characters");
     }
+}
+
+/// Ogden's tangent has 4,551 operations at a point: each function has some 1,000 of them, for machine code is made in more than
+/// linear time.
+#[test]
+fn long_functions_come_in_parts() {
+    let statements = longest_block(Source::new(3, &ogden()).emitted());
+    assert!((900..1_900).contains(&statements), "{statements} statements");
 }
 
 /// A form too deep for a compiler's stack is refused by name.

@@ -1,0 +1,92 @@
+//! Functions of position on a region: the densities of functionals, and the switches of nonlinear integrals.
+
+use std::collections::BTreeMap;
+
+use super::degree::{Degree, Degrees};
+use super::groups::Group;
+use super::scalar::Node;
+use super::scalarise::{OppositeSide, Scalariser};
+use super::{Dependence, Description, ExpressionIntegral};
+use crate::check::Term;
+use crate::parse::syntax::Entity;
+use crate::tensor::{Arena, FieldInfo, FieldRole, Function, Operator, Side, Tensor};
+
+/// One integral per region on which something is left, as with forms.
+pub(super) fn densities(
+    terms: &[Term],
+    entities: &[Entity],
+    scalariser: &mut Scalariser,
+    degrees: &mut Degrees,
+) -> Vec<ExpressionIntegral> {
+    let mut regions = BTreeMap::new();
+    for term in terms {
+        scalariser.opposite = OppositeSide::on(entities[term.region]);
+        let density = scalariser.scalar(term.density);
+        let (sum, degree) = regions
+            .entry((term.region, term.displacement.clone()))
+            .or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));
+        *sum = scalariser.graph.add(*sum, density);
+        *degree = degree.clone().largest(degrees.of_integrand(term.density));
+    }
+    regions
+        .into_iter()
+        .filter(|(_, (density, _))| !scalariser.graph.is_zero(*density))
+        .map(|((region, displacement), (density, degree))| ExpressionIntegral {
+            description: Description { region, displacement, dependence: Dependence::Nonlinear, degree },
+            components: vec![density],
+        })
+        .collect()
+}
+
+/// Values that are positive where a kink of a nonlinear integral is "on".
+pub(super) fn switches(
+    group: &Group,
+    arena: &Arena,
+    scalariser: &mut Scalariser,
+    fields: &[FieldInfo],
+) -> Option<ExpressionIntegral> {
+    if group.description.dependence != Dependence::Nonlinear {
+        return None;
+    }
+    let mut found = Vec::new();
+    for (node, side) in arena.restrictions(&group.parts) {
+        scalariser.side = side.unwrap_or(Side::This);
+        let mut difference = |a: Tensor, b: Tensor| {
+            let (a, b) = (scalariser.scalar(a), scalariser.scalar(b));
+            let minus = scalariser.graph.negate(b);
+            found.push(scalariser.graph.add(a, minus));
+        };
+        match &arena.node(node).operator {
+            Operator::Apply(Function::NegativePart, a) => {
+                let a = scalariser.scalar(*a);
+                found.push(scalariser.graph.negate(a));
+            }
+            Operator::Apply(
+                Function::PositivePart | Function::Heaviside | Function::Abs | Function::Sign,
+                a,
+            ) => {
+                found.push(scalariser.scalar(*a));
+            }
+            Operator::Maximum(a, b) => difference(*a, *b),
+            Operator::Minimum(a, b) => difference(*b, *a),
+            Operator::Select(truth, _, _) => {
+                for pair in truth.operands().chunks(2) {
+                    difference(pair[0], pair[1]);
+                }
+            }
+            _ => {}
+        }
+    }
+    scalariser.side = Side::This;
+    found.sort_unstable();
+    found.dedup();
+    let varies = |node: &Node| match node {
+        Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::Unknown(_)),
+        _ => false,
+    };
+    found.retain(|switch| scalariser.graph.depends(*switch, varies));
+    if found.is_empty() {
+        return None;
+    }
+    Some(ExpressionIntegral { description: group.description.clone(), components: found })
+}

@@ -1,0 +1,134 @@
+//! Groups of the parts of a residual that are integrated together.
+
+use std::collections::BTreeMap;
+
+use super::degree::{Degree, Degrees};
+use super::scalar::{Graph, Node, Scalar};
+use super::scalarise::{OppositeSide, Scalariser};
+use super::{Dependence, Description};
+use crate::check::Term;
+use crate::differentiate::ResidualPart;
+use crate::parse::syntax::Entity;
+use crate::tensor::{FieldInfo, FieldRole, Tensor};
+
+/// All parts on one region with one dependence.
+#[derive(Clone)]
+pub(super) struct Group {
+    pub description: Description,
+    pub parts: Vec<Tensor>,
+    pub density: Scalar,
+    /// Per trial function (field index), the sum of the parts' tangents.
+    pub tangent: BTreeMap<usize, Scalar>,
+}
+
+impl Group {
+    /// Takes in what stands on the same region, and its dependence.
+    fn join(&mut self, other: Group, graph: &mut Graph) {
+        let degree = self.description.degree.clone().largest(other.description.degree.clone());
+        self.description = Description { degree, ..other.description };
+        self.parts.extend(other.parts);
+        self.density = graph.add(self.density, other.density);
+        for (trial, derivative) in other.tangent {
+            let sum = match self.tangent.get(&trial) {
+                Some(known) => graph.add(*known, derivative),
+                None => derivative,
+            };
+            self.tangent.insert(trial, sum);
+        }
+    }
+}
+
+/// The parts of a residual by region, displacement and dependence on the unknowns.
+pub(super) fn group(
+    residual: &[ResidualPart],
+    fields: &[FieldInfo],
+    entities: &[Entity],
+    scalariser: &mut Scalariser,
+    degrees: &mut Degrees,
+) -> Vec<Group> {
+    let mut groups: BTreeMap<(usize, Option<Vec<usize>>, Dependence), Group> = BTreeMap::new();
+    for part in residual {
+        let Term { region, displacement, density: tensor } = &part.term;
+        scalariser.opposite = OppositeSide::on(entities[*region]);
+        let density = scalariser.scalar(*tensor);
+        let mut tangent = Vec::new();
+        for (trial, derivative) in &part.tangent {
+            let derivative = scalariser.scalar(*derivative);
+            if !scalariser.graph.is_zero(derivative) {
+                tangent.push((*trial, derivative));
+            }
+        }
+        let varies = |node: &Node| match node {
+            Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::Unknown(_)),
+            _ => false,
+        };
+        // What jumps with the unknown is no load, though its derivative is zero almost everywhere.
+        let graph = &*scalariser.graph;
+        let jumps = graph.reachable(&[density]).into_iter().any(|scalar| {
+            // An angle jumps where it is π.
+            let jumps = matches!(
+                graph.node(scalar),
+                Node::Less(..) | Node::LessEqual(..) | Node::Equal(..) | Node::Atan2(..)
+            );
+            jumps && graph.depends(scalar, varies)
+        });
+        let unknown = |field: &usize| matches!(fields[*field].role, FieldRole::Unknown(_));
+        let slides = displacement.as_ref().is_some_and(|fields| fields.iter().any(unknown));
+        let dependence = match tangent.is_empty() {
+            _ if jumps || slides => Dependence::Nonlinear,
+            true => Dependence::Constant,
+            false if tangent.iter().any(|(_, derivative)| scalariser.graph.depends(*derivative, varies)) => {
+                Dependence::Nonlinear
+            }
+            false => Dependence::Linear,
+        };
+        let degree = degrees.of_integrand(*tensor);
+        let zero = scalariser.graph.number(0.0);
+        let key = (*region, displacement.clone(), dependence);
+        let group = groups.entry(key).or_insert_with(|| Group {
+            description: Description {
+                region: *region,
+                displacement: displacement.clone(),
+                dependence,
+                degree: Degree::constant(0),
+            },
+            parts: vec![],
+            density: zero,
+            tangent: BTreeMap::new(),
+        });
+        group.description.degree = group.description.degree.clone().largest(degree);
+        group.parts.push(*tensor);
+        group.density = scalariser.graph.add(group.density, density);
+        for (trial, derivative) in tangent {
+            let sum = group.tangent.get(&trial).copied().unwrap_or(zero);
+            group.tangent.insert(trial, scalariser.graph.add(sum, derivative));
+        }
+    }
+    groups.into_values().collect()
+}
+
+/// Integrals over the same cells that are linear and not: with one unknown, each iteration visits all of these
+/// cells anyway, and one visit that computes both costs little more than the nonlinear one alone. On facets they stay
+/// apart, because there a nonlinear term may act on a small part.
+pub(super) fn join_on_cells(
+    groups: Vec<Group>,
+    fields: &[FieldInfo],
+    entities: &[Entity],
+    graph: &mut Graph,
+) -> Vec<Group> {
+    let unknowns = fields.iter().filter(|field| matches!(field.role, FieldRole::Unknown(_))).count();
+    let mut joined: Vec<Group> = Vec::new();
+    for group in groups {
+        let Description { region, dependence, .. } = group.description;
+        // Groups come in the order of regions, the linear one before the nonlinear one.
+        let before = joined.last_mut().filter(|before| {
+            let Description { region: before, dependence: first, .. } = before.description;
+            before == region && first == Dependence::Linear && dependence == Dependence::Nonlinear
+        });
+        match before {
+            Some(before) if unknowns == 1 && entities[region] == Entity::Cells => before.join(group, graph),
+            _ => joined.push(group),
+        }
+    }
+    joined
+}
