@@ -13,7 +13,7 @@ use crate::check::regions::check_sides;
 use crate::check::{CheckedFunction, Content, Term};
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Region;
-use crate::tensor::{Arena, FieldInfo, FieldRole, Operator, Tensor};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Tensor};
 use lowering::Lowering;
 pub use lowering::multi_indices;
 pub use map_operands::map_operands;

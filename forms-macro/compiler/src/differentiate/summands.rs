@@ -68,7 +68,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn is_parameter(&self, tensor: Tensor) -> bool {
+    pub(super) fn is_parameter(&self, tensor: Tensor) -> bool {
         let varies = |node: &Tensor| {
             matches!(self.arena.node(*node).operator, Operator::Field { .. } | Operator::Geometry(_))
         };

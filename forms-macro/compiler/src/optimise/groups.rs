@@ -23,7 +23,7 @@ pub(super) struct Group {
 
 impl Group {
     /// Takes in what stands on the same region, and its dependence.
-    fn join(&mut self, other: Group, graph: &mut Graph) {
+    pub fn join(&mut self, other: Group, graph: &mut Graph) {
         let degree = self.description.degree.clone().largest(other.description.degree.clone());
         self.description = Description { degree, ..other.description };
         self.parts.extend(other.parts);

@@ -22,7 +22,6 @@ pub mod scalarise;
 pub mod straight_line;
 mod whole;
 
-use crate::check::Term;
 use crate::differentiate::Derived;
 use crate::parse::syntax::{Entity, MemberKind, Module};
 use crate::tensor::{FieldInfo, Side};
@@ -67,7 +66,7 @@ pub enum Dependence {
 #[derive(Clone, Debug)]
 pub struct Description {
     pub region: usize,
-    /// As of [`Term`].
+    /// As of [`crate::check::Term`].
     pub displacement: Option<Vec<usize>>,
     pub dependence: Dependence,
     pub degree: Degree,
