@@ -15,6 +15,7 @@ pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
 pub use periodic::RigidMap;
 
+use crate::compiled_here::compiled_here;
 use crate::space::Space;
 
 /// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding,
@@ -36,6 +37,7 @@ const SAME: f64 = 1e-13;
 
 impl<const D: usize> Constraints<D> {
     /// No condition at all.
+    #[inline(never)]
     pub fn new(space: &Arc<Space<D>>) -> Self {
         Constraints {
             space: Arc::clone(space),
@@ -101,6 +103,7 @@ impl<const D: usize> Constraints<D> {
     /// # Errors
     /// A node or component that the space does not have, a value that is not finite or contradicts an
     /// earlier one.
+    #[inline(never)]
     pub fn fix_node(&mut self, node: usize, component: usize, value: f64) -> Result<(), ConstraintsError> {
         let place = format!("node {node}");
         let components = self.check_component(&place, component)?;
@@ -147,6 +150,7 @@ impl<const D: usize> Constraints<D> {
     }
 
     /// The other unknowns, ascending.
+    #[inline(never)]
     pub fn free(&self) -> Vec<usize> {
         let is_free =
             |unknown: &usize| !self.prescribed.contains_key(unknown) && !self.relations.contains_key(unknown);
@@ -157,6 +161,7 @@ impl<const D: usize> Constraints<D> {
     ///
     /// # Panics
     /// When the vector is shorter than the space has unknowns.
+    #[inline(never)]
     pub fn apply(&self, values: &mut [f64]) {
         for (&unknown, &value) in &self.prescribed {
             values[unknown] = value;
@@ -168,6 +173,7 @@ impl<const D: usize> Constraints<D> {
     }
 
     /// The same unknowns with zero values: for increments and adjoint states.
+    #[inline(never)]
     pub fn homogeneous(&self) -> Self {
         let mut same = self.clone();
         same.prescribed.values_mut().for_each(|value| *value = 0.0);
@@ -175,6 +181,7 @@ impl<const D: usize> Constraints<D> {
         same
     }
 
+    #[inline(never)]
     fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
         let nodes = self.space.nodes_on(region)?;
         if nodes.is_empty() {
@@ -193,6 +200,7 @@ impl<const D: usize> Constraints<D> {
     }
 
     // All or nothing.
+    #[inline(never)]
     fn insert(&mut self, place: &str, entries: &[(usize, f64)]) -> Result<(), ConstraintsError> {
         let components = self.space.components();
         let node = |unknown: usize| self.space.positions()[unknown / components].to_vec();
@@ -231,6 +239,16 @@ impl<const D: usize> Constraints<D> {
         Ok(())
     }
 }
+
+compiled_here!(
+    Constraints::<D>::new,
+    Constraints::<D>::insert,
+    Constraints::<D>::nodes_on,
+    Constraints::<D>::fix_node,
+    Constraints::<D>::free,
+    Constraints::<D>::apply,
+    Constraints::<D>::homogeneous
+);
 
 #[cfg(test)]
 mod tests {

@@ -54,6 +54,7 @@ extern crate self as forms_fem;
 
 pub mod assemble;
 mod coincident;
+mod compiled_here;
 pub mod constraints;
 pub mod dimension;
 pub mod element;

@@ -12,6 +12,7 @@ use super::scatter::{GroupNodes, VectorScatter};
 use super::sink::Deliver;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
+use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::vector::largest;
@@ -172,6 +173,7 @@ type Compute<'a, const D: usize> =
     &'a (dyn Fn(&ElementVectors<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
 
 impl<const D: usize> VectorVisitor<'_, D> {
+    #[inline(never)]
     fn integrate(
         &mut self,
         integral: &Integral,
@@ -219,3 +221,5 @@ impl<const D: usize> VectorVisitor<'_, D> {
         Ok(())
     }
 }
+
+compiled_here!(VectorVisitor::<D>::integrate);
