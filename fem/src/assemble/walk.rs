@@ -72,6 +72,7 @@ pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
 
 impl<const D: usize> Group<D> {
     /// A group of cells of one shape; weights may be of any kind.
+    #[inline(never)]
     pub fn new(
         binding: &Binding<D>,
         place: String,
@@ -364,4 +365,4 @@ fn bending<const D: usize>(second: &[[f64; D]; D], tangents: &[[f64; D]; 2]) -> 
     [along(first, first), along(first, last), along(last, last)]
 }
 
-compiled_here!(groups::<D>, facet_groups::<D>, Group::<D>::check_support);
+compiled_here!(groups::<D>, facet_groups::<D>, Group::<D>::check_support, Group::<D>::new);

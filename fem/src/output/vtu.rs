@@ -7,6 +7,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::atomic::write_whole;
+use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::mesh::Mesh;
@@ -51,6 +52,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     ///
     /// # Errors
     /// [`VtuError`] if the field lives on another mesh or on facets alone, is not finite, or the name is taken.
+    #[inline(never)]
     pub fn point_data(mut self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
         if !super::lives_on(field, self.mesh) {
             return Err(VtuError::OtherMesh { name: name.into() });
@@ -85,6 +87,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError`] if there is not one value per node and component, a value is not finite, or the
     /// name is taken.
+    #[inline(never)]
     pub fn point_values(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
         let others = self.points.iter().chain(&self.corners);
         let array = Array::new::<D>(name, components, values, self.mesh.nodes().len(), others)?;
@@ -97,6 +100,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError`] if there is not one value per cell and component, a value is not finite, or the
     /// name is taken.
+    #[inline(never)]
     pub fn cell_data(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
         let array = Array::new::<D>(name, components, values, self.mesh.cell_count(), &self.cells)?;
         self.cells.push(array);
@@ -110,6 +114,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError::Region`] if there is no such region of cells, or a cell belongs to two;
     /// [`VtuError::Twice`] if there is an array "region".
+    #[inline(never)]
     pub fn regions(mut self, names: &[&str]) -> Result<Self, VtuError> {
         let mut numbers = vec![-1.0; self.mesh.cell_count()];
         for (region, number) in names.iter().zip(1_u32..) {
@@ -140,6 +145,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     }
 
     /// The text of the file.
+    #[inline(never)]
     fn encode(&self) -> Result<String, VtuError> {
         let cell_count = self.mesh.cell_count();
         let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
@@ -239,6 +245,14 @@ fn cell_type(shape: CellShape, degree: usize) -> (u8, Vec<usize>) {
     };
     (number, nodes_in_order(number))
 }
+
+compiled_here!(
+    VtuFile::<D>::point_data,
+    VtuFile::<D>::point_values,
+    VtuFile::<D>::cell_data,
+    VtuFile::<D>::regions,
+    VtuFile::<D>::encode
+);
 
 #[cfg(test)]
 mod tests {
