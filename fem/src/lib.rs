@@ -70,6 +70,7 @@ pub mod norms;
 pub mod output;
 pub mod pairs;
 pub mod quadrature;
+#[cfg(feature = "shape-optimisation")]
 pub mod shape_optimisation;
 pub mod solve;
 pub mod space;
