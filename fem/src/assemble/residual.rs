@@ -72,7 +72,7 @@ impl<const D: usize> Assembler<D> {
             Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
         let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
-        self.linear_integrals(binding, tests, parts, |visitor| match whole {
+        self.linear_integrals(binding, tests, parts, &mut |visitor| match whole {
             true => form.whole_residual(visitor),
             false => form.residual(visitor),
         })
@@ -91,19 +91,20 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<Vec<f64>, AssemblyError> {
         let binding =
             Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
-        self.linear_integrals(binding, tests, Parts::ALL, |visitor| {
+        self.linear_integrals(binding, tests, Parts::ALL, &mut |visitor| {
             visitor.added = Added::Sizes;
             form.residual(visitor)
         })
     }
 
     /// The sum of the integrals that a form hands to the visitor.
+    #[inline(never)]
     pub(super) fn linear_integrals(
         &self,
         mut binding: Binding<D>,
         tests: &[&Arc<Space<D>>],
         parts: Parts,
-        walk: impl FnOnce(&mut VectorVisitor<D>) -> Result<(), AssemblyError>,
+        walk: &mut dyn FnMut(&mut VectorVisitor<D>) -> Result<(), AssemblyError>,
     ) -> Result<Vec<f64>, AssemblyError> {
         binding.check_tests(tests, &self.mesh)?;
         let elements = tests.iter().map(|space| binding.element(space)).collect();
@@ -222,4 +223,4 @@ impl<const D: usize> VectorVisitor<'_, D> {
     }
 }
 
-compiled_here!(VectorVisitor::<D>::integrate);
+compiled_here!(VectorVisitor::<D>::integrate, Assembler::<D>::linear_integrals);
