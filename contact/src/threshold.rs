@@ -4,8 +4,9 @@
 
 use std::collections::BTreeMap;
 
+use forms_fem::assemble::ElementMatrix;
+use forms_fem::linear_algebra::SymmetricEigen;
 use forms_fem::prelude::*;
-use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::contact_problem::ContactProblem;
 use crate::law::WithThreshold;
@@ -75,23 +76,16 @@ where
     let (unknowns, tests) = ([&zero], [&problem.space]);
     let product = problem.law.stress_product();
     let energy = problem.law.energy_on(contact_cells);
-    let energies: BTreeMap<u32, DMatrix<f64>> = problem
+    let energies: BTreeMap<u32, ElementMatrix> = problem
         .assembler
         .element_matrices(&energy, &unknowns, &tests)?
         .into_iter()
-        .map(|element| {
-            (element.cell, DMatrix::from_row_slice(element.rows, element.columns, &element.values))
-        })
+        .map(|element| (element.cell, element))
         .collect();
-    let mut stresses: BTreeMap<u32, DMatrix<f64>> = BTreeMap::new();
+    let mut stresses: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
     for element in problem.assembler.element_matrices(&product, &unknowns, &tests)? {
-        let matrix = DMatrix::from_row_slice(element.rows, element.columns, &element.values);
-        match stresses.get_mut(&element.cell) {
-            Some(sum) => *sum += matrix,
-            None => {
-                stresses.insert(element.cell, matrix);
-            }
-        }
+        let sum = stresses.entry(element.cell).or_insert_with(|| vec![0.0; element.values.len()]);
+        sum.iter_mut().zip(&element.values).for_each(|(sum, value)| *sum += value);
     }
     let mesh = problem.space.mesh();
     let mut found = Threshold { required: 0.0, gamma0, theta, worst: None };
@@ -105,7 +99,8 @@ where
                 position: centre,
             });
         };
-        let required = factor * largest_eigenvalue(stress, energy.clone()) * mesh.diameter(cell as usize);
+        let largest = largest_eigenvalue(&stress, energy);
+        let required = factor * largest * mesh.diameter(cell as usize);
         if required > found.required {
             (found.required, found.worst) = (required, Some(centre));
         }
@@ -113,17 +108,26 @@ where
     Ok(found)
 }
 
-/// The largest λ of S v = λ A v over the complement of A's kernel.
-fn largest_eigenvalue(s: DMatrix<f64>, a: DMatrix<f64>) -> f64 {
-    let decomposition = SymmetricEigen::new(a);
-    let top = decomposition.eigenvalues.max();
-    let kept: Vec<usize> = (0..decomposition.eigenvalues.len())
-        .filter(|k| decomposition.eigenvalues[*k] > RIGID * top)
+/// The largest λ of S v = λ A v over the complement of A's kernel; infinite where it cannot be told.
+fn largest_eigenvalue(s: &[f64], a: &ElementMatrix) -> f64 {
+    let size = a.rows;
+    let Some(energy) = SymmetricEigen::of(size, &a.values) else { return f64::INFINITY };
+    let top = largest(&energy.values);
+    // Where A is the identity: its eigenvectors, scaled, without those of the kernel.
+    let basis: Vec<Vec<f64>> = energy
+        .values
+        .iter()
+        .zip(&energy.vectors)
+        .filter(|(value, _)| **value > RIGID * top)
+        .map(|(value, vector)| vector.iter().map(|entry| entry / value.sqrt()).collect())
         .collect();
-    let mut basis = DMatrix::zeros(s.nrows(), kept.len());
-    for (column, k) in kept.into_iter().enumerate() {
-        let scale = 1.0 / decomposition.eigenvalues[k].sqrt();
-        basis.set_column(column, &(decomposition.eigenvectors.column(k) * scale));
-    }
-    SymmetricEigen::new(basis.transpose() * s * basis).eigenvalues.max()
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let image = |vector: &Vec<f64>| s.chunks(size).map(|row| dot(row, vector)).collect();
+    let images: Vec<Vec<f64>> = basis.iter().map(image).collect();
+    let products: Vec<f64> = basis.iter().flat_map(|v| images.iter().map(|image| dot(v, image))).collect();
+    SymmetricEigen::of(basis.len(), &products).map_or(f64::INFINITY, |found| largest(&found.values))
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }

@@ -15,6 +15,7 @@ pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
 pub use periodic::RigidMap;
 
+use crate::compiled_here::compiled_here;
 use crate::space::Space;
 
 /// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding,
@@ -23,6 +24,12 @@ use crate::space::Space;
 #[derive(Clone, Debug)]
 pub struct Constraints<const D: usize> {
     space: Arc<Space<D>>,
+    conditions: Arc<Conditions>,
+}
+
+/// The numbers of constraints. Of no dimension, and shared, so that programs do not compile what clones and drops them.
+#[derive(Clone, Debug, Default)]
+struct Conditions {
     prescribed: BTreeMap<usize, f64>,
     relations: BTreeMap<usize, Relation>,
     // The conditions that prescribed unknowns come from.
@@ -36,14 +43,9 @@ const SAME: f64 = 1e-13;
 
 impl<const D: usize> Constraints<D> {
     /// No condition at all.
+    #[inline(never)]
     pub fn new(space: &Arc<Space<D>>) -> Self {
-        Constraints {
-            space: Arc::clone(space),
-            prescribed: BTreeMap::new(),
-            relations: BTreeMap::new(),
-            origins: BTreeMap::new(),
-            users: HashMap::new(),
-        }
+        Constraints { space: Arc::clone(space), conditions: Arc::default() }
     }
 
     /// The space.
@@ -101,6 +103,7 @@ impl<const D: usize> Constraints<D> {
     /// # Errors
     /// A node or component that the space does not have, a value that is not finite or contradicts an
     /// earlier one.
+    #[inline(never)]
     pub fn fix_node(&mut self, node: usize, component: usize, value: f64) -> Result<(), ConstraintsError> {
         let place = format!("node {node}");
         let components = self.check_component(&place, component)?;
@@ -133,23 +136,26 @@ impl<const D: usize> Constraints<D> {
 
     /// Prescribed unknowns and their values.
     pub fn prescribed(&self) -> &BTreeMap<usize, f64> {
-        &self.prescribed
+        &self.conditions.prescribed
     }
 
     /// Whether an unknown is prescribed.
     pub fn is_prescribed(&self, unknown: usize) -> bool {
-        self.prescribed.contains_key(&unknown)
+        self.conditions.prescribed.contains_key(&unknown)
     }
 
     /// Unknowns that free ones give.
     pub fn relations(&self) -> &BTreeMap<usize, Relation> {
-        &self.relations
+        &self.conditions.relations
     }
 
     /// The other unknowns, ascending.
+    #[inline(never)]
     pub fn free(&self) -> Vec<usize> {
-        let is_free =
-            |unknown: &usize| !self.prescribed.contains_key(unknown) && !self.relations.contains_key(unknown);
+        let is_free = |unknown: &usize| {
+            !self.conditions.prescribed.contains_key(unknown)
+                && !self.conditions.relations.contains_key(unknown)
+        };
         (0..self.space.unknowns()).filter(is_free).collect()
     }
 
@@ -157,24 +163,28 @@ impl<const D: usize> Constraints<D> {
     ///
     /// # Panics
     /// When the vector is shorter than the space has unknowns.
+    #[inline(never)]
     pub fn apply(&self, values: &mut [f64]) {
-        for (&unknown, &value) in &self.prescribed {
+        for (&unknown, &value) in &self.conditions.prescribed {
             values[unknown] = value;
         }
-        for (&unknown, relation) in &self.relations {
+        for (&unknown, relation) in &self.conditions.relations {
             values[unknown] =
                 relation.terms.iter().fold(relation.value, |sum, (free, a)| sum + a * values[*free]);
         }
     }
 
     /// The same unknowns with zero values: for increments and adjoint states.
+    #[inline(never)]
     pub fn homogeneous(&self) -> Self {
         let mut same = self.clone();
-        same.prescribed.values_mut().for_each(|value| *value = 0.0);
-        same.relations.values_mut().for_each(|relation| relation.value = 0.0);
+        let conditions = Arc::make_mut(&mut same.conditions);
+        conditions.prescribed.values_mut().for_each(|value| *value = 0.0);
+        conditions.relations.values_mut().for_each(|relation| relation.value = 0.0);
         same
     }
 
+    #[inline(never)]
     fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
         let nodes = self.space.nodes_on(region)?;
         if nodes.is_empty() {
@@ -193,10 +203,11 @@ impl<const D: usize> Constraints<D> {
     }
 
     // All or nothing.
+    #[inline(never)]
     fn insert(&mut self, place: &str, entries: &[(usize, f64)]) -> Result<(), ConstraintsError> {
         let components = self.space.components();
         let node = |unknown: usize| self.space.positions()[unknown / components].to_vec();
-        let values = self.prescribed.values().chain(entries.iter().map(|(_, value)| value));
+        let values = self.conditions.prescribed.values().chain(entries.iter().map(|(_, value)| value));
         let scale = values.fold(0.0_f64, |scale, value| scale.max(value.abs()));
         for &(unknown, value) in entries {
             let (place, component) = (place.to_owned(), unknown % components);
@@ -204,7 +215,7 @@ impl<const D: usize> Constraints<D> {
                 let position = node(unknown);
                 return Err(ConstraintsError::NotFinite { place, component, position, value });
             }
-            if let Some(&earlier) = self.prescribed.get(&unknown)
+            if let Some(&earlier) = self.conditions.prescribed.get(&unknown)
                 && (earlier - value).abs() > SAME * scale
             {
                 let position = node(unknown);
@@ -212,16 +223,17 @@ impl<const D: usize> Constraints<D> {
             }
         }
         let origin: Arc<str> = place.into();
-        let mut changed = if self.relations.is_empty() { None } else { Some(self.clone()) };
+        let mut changed = if self.conditions.relations.is_empty() { None } else { Some(self.clone()) };
         for &(unknown, value) in entries {
             match &mut changed {
-                Some(changed) if !self.prescribed.contains_key(&unknown) => {
+                Some(changed) if !self.conditions.prescribed.contains_key(&unknown) => {
                     changed.add_equation(place, &[(unknown, 1.0)], value)?;
                 }
                 Some(_) => {}
                 None => {
-                    self.prescribed.entry(unknown).or_insert(value);
-                    self.origins.entry(unknown).or_insert_with(|| origin.clone());
+                    let conditions = Arc::make_mut(&mut self.conditions);
+                    conditions.prescribed.entry(unknown).or_insert(value);
+                    conditions.origins.entry(unknown).or_insert_with(|| origin.clone());
                 }
             }
         }
@@ -231,6 +243,16 @@ impl<const D: usize> Constraints<D> {
         Ok(())
     }
 }
+
+compiled_here!(
+    Constraints::<D>::new,
+    Constraints::<D>::insert,
+    Constraints::<D>::nodes_on,
+    Constraints::<D>::fix_node,
+    Constraints::<D>::free,
+    Constraints::<D>::apply,
+    Constraints::<D>::homogeneous
+);
 
 #[cfg(test)]
 mod tests {

@@ -8,6 +8,7 @@ use std::sync::{Arc, OnceLock};
 use forms_core::contract::{DiscreteField, FieldHandle, FieldValue, Source};
 use thiserror::Error;
 
+use crate::compiled_here::compiled_here;
 use crate::element::MAXIMUM_NODES;
 use crate::mesh::geometry::inverse;
 use crate::space::Space;
@@ -36,6 +37,7 @@ pub(crate) struct FieldView<'a, const D: usize> {
 }
 
 /// Fields as coefficients on their spaces.
+#[inline(never)]
 pub(crate) fn views<'a, const D: usize>(fields: &[&'a Field<D>]) -> Vec<FieldView<'a, D>> {
     fields.iter().map(|field| field.view()).collect()
 }
@@ -110,6 +112,7 @@ impl<const D: usize> From<Field<D>> for Source<D> {
 
 impl<const D: usize> Field<D> {
     /// The field that is zero.
+    #[inline(never)]
     pub fn zero(space: &Arc<Space<D>>) -> Self {
         Field::of_known(space, vec![0.0; space.unknowns()])
     }
@@ -139,6 +142,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Errors
     /// [`FieldError::Length`], or [`FieldError::NotFinite`], which names the node.
+    #[inline(never)]
     pub fn from_values(space: &Arc<Space<D>>, values: Vec<f64>) -> Result<Self, FieldError> {
         let unknowns = space.unknowns();
         if values.len() != unknowns {
@@ -153,11 +157,13 @@ impl<const D: usize> Field<D> {
     }
 
     /// The field with coefficients of the right number.
+    #[inline(never)]
     pub(crate) fn of_known(space: &Arc<Space<D>>, values: Vec<f64>) -> Self {
         let coefficients = Arc::new(Coefficients { values, finite: OnceLock::new() });
         Field { space: Arc::clone(space), coefficients }
     }
 
+    #[inline(never)]
     pub(crate) fn view(&self) -> FieldView<'_, D> {
         let Coefficients { values, finite } = &*self.coefficients;
         let finite = *finite.get_or_init(|| values.iter().all(|value| value.is_finite()));
@@ -188,6 +194,7 @@ impl<const D: usize> Field<D> {
     /// # Errors
     /// [`FieldError::OnFacets`]; [`FieldError::Outside`], where [`crate::locate::Locator::find_nearest`] helps
     /// with points that are nearly inside.
+    #[inline(never)]
     pub fn evaluate(&self, point: &[f64; D]) -> Result<Vec<f64>, FieldError> {
         let (cell, reference) = self.find(point)?;
         Ok(self.evaluate_in(cell, &reference))
@@ -198,6 +205,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Errors
     /// [`FieldError::OnFacets`], [`FieldError::Outside`].
+    #[inline(never)]
     pub fn gradient(&self, point: &[f64; D]) -> Result<Vec<f64>, FieldError> {
         let (cell, reference) = self.find(point)?;
         Ok(self.gradient_in(cell, &reference))
@@ -208,6 +216,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Panics
     /// When the mesh has no such cell.
+    #[inline(never)]
     pub fn evaluate_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
         let (value, _) = self.basis(cell, reference);
         let mut result = vec![self.empty_sum(); self.space.components()];
@@ -224,6 +233,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Panics
     /// When the mesh has no such cell.
+    #[inline(never)]
     pub fn gradient_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
         let (_, slopes) = self.basis(cell, reference);
         let (_, jacobian) = self.space.mesh().map(cell, reference);
@@ -280,6 +290,18 @@ impl<const D: usize> From<&Field<D>> for FieldHandle {
         Arc::new(field.clone())
     }
 }
+
+compiled_here!(
+    views::<D>,
+    Field::<D>::zero,
+    Field::<D>::from_values,
+    Field::<D>::of_known,
+    Field::<D>::view,
+    Field::<D>::evaluate,
+    Field::<D>::gradient,
+    Field::<D>::evaluate_in,
+    Field::<D>::gradient_in
+);
 
 #[cfg(test)]
 mod tests {

@@ -21,6 +21,7 @@ use thiserror::Error;
 
 use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
 use crate::mesh::{Mesh, MeshError};
 use crate::pairs::PairError;
@@ -158,6 +159,7 @@ impl<const D: usize> PointStorage<D> {
     }
 
     /// The values that forms read now.
+    #[inline(never)]
     pub fn snapshot(&self, mesh: &Arc<Mesh<D>>) -> Result<Snapshot<'_, D>, HistoryMismatch> {
         if !Arc::ptr_eq(&self.mesh, mesh) {
             return Err(HistoryMismatch::Mesh);
@@ -232,6 +234,7 @@ impl<const D: usize> QuadratureValues for PointStorage<D> {
         self.state.write().unwrap_or_else(PoisonError::into_inner).written = None;
     }
 
+    #[inline(never)]
     fn commits(&self) -> u64 {
         self.state.read().unwrap_or_else(PoisonError::into_inner).commits
     }
@@ -243,6 +246,7 @@ impl<const D: usize> QuadratureValues for PointStorage<D> {
 
 /// The degree of the rule of all histories among the fields that a kernel reads, and the name of one of them;
 /// `None` if it reads none.
+#[inline(never)]
 pub(crate) fn degree_of<'a, const D: usize>(
     form: &'static str,
     read: impl Iterator<Item = (&'static str, &'a PointStorage<D>)>,
@@ -333,6 +337,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Known values at the quadrature points of all cells, `values[(cell * points + point) * components + component]`,
     /// for the forms of this assembler to read.
+    #[inline(never)]
     pub(crate) fn known_at_points(
         &self,
         degree: usize,
@@ -393,3 +398,5 @@ impl<const D: usize> Assembler<D> {
         Ok(snapshot.values.chunks(storage.components).map(<[f64]>::to_vec).collect())
     }
 }
+
+compiled_here!(PointStorage::<D>::snapshot, Assembler::<D>::known_at_points, commits::<D>);

@@ -54,6 +54,7 @@ extern crate self as forms_fem;
 
 pub mod assemble;
 mod coincident;
+mod compiled_here;
 pub mod constraints;
 pub mod dimension;
 pub mod element;
@@ -69,6 +70,7 @@ pub mod norms;
 pub mod output;
 pub mod pairs;
 pub mod quadrature;
+#[cfg(feature = "shape-optimisation")]
 pub mod shape_optimisation;
 pub mod solve;
 pub mod space;

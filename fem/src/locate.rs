@@ -8,6 +8,7 @@ pub(crate) use self::project::nearest_on_facet;
 
 use std::sync::Arc;
 
+use crate::compiled_here::compiled_here;
 use crate::mesh::Mesh;
 use crate::mesh::geometry::inverse;
 
@@ -38,6 +39,7 @@ pub struct Nearest<const D: usize> {
 
 impl<const D: usize> Locator<D> {
     /// A locator for a mesh; linear in the number of cells.
+    #[inline(never)]
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
         let grid = BoxGrid::new((0..mesh.cell_count()).map(|cell| cell_box(mesh, cell)).collect());
         Locator { mesh: Arc::clone(mesh), grid }
@@ -51,6 +53,7 @@ impl<const D: usize> Locator<D> {
     /// The cell that contains a point, and the point's reference coordinates; the cell with the lowest index
     /// where several do. A point is inside up to [`INSIDE`] in reference coordinates. `None` outside the
     /// mesh, and for NaN.
+    #[inline(never)]
     pub fn find(&self, point: &[f64; D]) -> Option<(usize, [f64; D])> {
         let shape = |cell| self.mesh.cell_shape(cell);
         let candidates: Vec<usize> = self.grid.around(point).collect();
@@ -79,6 +82,7 @@ impl<const D: usize> Locator<D> {
 
     /// The cell nearest to a point, among those within `tolerance` \[length\]: for points slightly outside,
     /// as between nested meshes of a curved body. `None` when every cell is further away.
+    #[inline(never)]
     pub fn find_nearest(&self, point: &[f64; D], tolerance: f64) -> Option<Nearest<D>> {
         if let Some((cell, reference)) = self.find(point) {
             let clamped = self.mesh.cell_shape(cell).clamp(&reference);
@@ -157,6 +161,8 @@ fn cell_box<const D: usize>(mesh: &Mesh<D>, cell: usize) -> Corners<D> {
 fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
+
+compiled_here!(Locator::<D>::new, Locator::<D>::find, Locator::<D>::find_nearest);
 
 #[cfg(test)]
 mod tests {

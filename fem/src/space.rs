@@ -10,6 +10,7 @@ use std::sync::{Arc, OnceLock};
 
 use thiserror::Error;
 
+use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, ElementError, Lagrange, MAXIMUM_DEGREE};
 use crate::locate::Locator;
 use crate::mesh::{CellLists, Facet, Mesh, MeshError};
@@ -213,6 +214,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// [`SpaceError`]: a degree that the family does not have, an unknown region, a shape without
     /// components, too many unknowns.
+    #[inline(never)]
     pub fn new(
         mesh: &Arc<Mesh<D>>,
         family: Family,
@@ -260,6 +262,7 @@ impl<const D: usize> Space<D> {
     }
 
     /// The scalar space on the same nodes.
+    #[inline(never)]
     pub(crate) fn scalar_nodes(&self) -> Arc<Self> {
         Arc::new(Space {
             mesh: Arc::clone(&self.mesh),
@@ -360,6 +363,7 @@ impl<const D: usize> Space<D> {
     }
 
     /// Whether the unknowns of both spaces have the same numbers and places.
+    #[inline(never)]
     pub(crate) fn numbers_as(self: &Arc<Self>, other: &Arc<Self>) -> bool {
         Arc::ptr_eq(self, other)
             || (Arc::ptr_eq(&self.mesh, &other.mesh)
@@ -374,6 +378,7 @@ impl<const D: usize> Space<D> {
     }
 
     /// The node nearest to a point; of several the one with the lowest number. `None` for a NaN.
+    #[inline(never)]
     pub fn nearest_node(&self, point: &[f64; D]) -> Option<usize> {
         let distance = |x: &[f64; D]| -> f64 { x.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum() };
         let squares = self.positions.iter().map(distance).enumerate();
@@ -388,6 +393,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// [`MeshError::UnknownRegion`], which lists the names that exist.
+    #[inline(never)]
     pub fn nodes_on(&self, region: &str) -> Result<Vec<u32>, MeshError> {
         let mesh = &self.mesh;
         let mut nodes: Vec<u32> = if let Ok(sides) = mesh.sides_of(region) {
@@ -423,6 +429,14 @@ impl<const D: usize> Space<D> {
         self.locator.get_or_init(|| Locator::new(&self.mesh))
     }
 }
+
+compiled_here!(
+    Space::<D>::new,
+    Space::<D>::scalar_nodes,
+    Space::<D>::numbers_as,
+    Space::<D>::nearest_node,
+    Space::<D>::nodes_on
+);
 
 #[cfg(test)]
 mod tests;

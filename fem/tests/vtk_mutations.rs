@@ -6,7 +6,7 @@ use crate::gmsh::path;
 use crate::gmsh_mutations::check_valid;
 use crate::gmsh_mutations::mutate::{accepted, count};
 
-/// As a rule; `FORMS_MUTATIONS` says how many otherwise.
+/// With `FORMS_SWEEPS=1`; a tenth as a rule, and as many as `FORMS_MUTATIONS` says where it is set.
 const MUTATIONS: u64 = 20_000;
 
 // What VTK and meshio wrote.

@@ -53,7 +53,7 @@ impl<const D: usize> Assembler<D> {
         let mut binding =
             Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         binding.bind_directions(directions, &self.mesh)?;
-        self.linear_integrals(binding, tests, parts, |visitor| form.action(visitor))
+        self.linear_integrals(binding, tests, parts, &mut |visitor| form.action(visitor))
     }
 }
 

@@ -21,6 +21,7 @@ use super::AssemblyError;
 use super::binding::{Binding, Values};
 use super::sum_factorisation::Stages;
 use super::walk::Group;
+use crate::compiled_here::compiled_here;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
 
@@ -75,6 +76,7 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
 
 impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
     /// Checks that the kernel finds what it reads, and makes room for it.
+    #[inline(never)]
     fn prepare(
         &mut self,
         binding: &Binding<D>,
@@ -455,6 +457,8 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
         self.batch.point_here(&requirements, self.q)
     }
 }
+
+compiled_here!(lanes: BatchBuffers::<L, D>::prepare);
 
 #[cfg(test)]
 mod tests;

@@ -9,6 +9,7 @@ use forms_core::source::PositionFunction;
 
 use super::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError, unoptimised};
+use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::mesh::{Facet, Mesh};
@@ -89,6 +90,7 @@ pub(super) enum Entities<'a> {
 
 impl<'a> Entities<'a> {
     /// Those of a form's region.
+    #[inline(never)]
     pub fn of<const D: usize>(
         mesh: &'a Mesh<D>,
         form: &'static str,
@@ -127,6 +129,7 @@ impl<'a> Entities<'a> {
 }
 
 impl<'a, const D: usize> Binding<'a, D> {
+    #[inline(never)]
     pub fn new(
         name: &'static str,
         fields: &'static [FieldDescription],
@@ -161,6 +164,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// The same for integrals over the cells that an assembler owns, with its contact pairs.
+    #[inline(never)]
     pub fn assembled_by(mut self, assembler: &'a Assembler<D>) -> Self {
         self.owned = assembler.owned.as_deref();
         self.searches = Some((&assembler.known_pairs, assembler.threads));
@@ -168,6 +172,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// Binds the directions of an action, one per unknown and on its space.
+    #[inline(never)]
     pub fn bind_directions(
         &mut self,
         directions: &[FieldView<'a, D>],
@@ -191,6 +196,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// A binding that holds no values yet, and no element.
+    #[inline(never)]
     pub fn empty(
         name: &'static str,
         fields: &'static [FieldDescription],
@@ -210,6 +216,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// Where a field's values come from, of a field that is no unknown and no test function.
+    #[inline(never)]
     pub fn resolve(
         &mut self,
         field: &FieldDescription,
@@ -269,11 +276,13 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// The index of a space's element among those that are tabulated.
+    #[inline(never)]
     pub fn element(&mut self, space: &Space<D>) -> usize {
         self.tabulated(Tabulated { degree: space.degree, on_facets: space.facet_region().is_some() })
     }
 
     /// The index of an element among those that are tabulated.
+    #[inline(never)]
     pub fn tabulated(&mut self, element: Tabulated) -> usize {
         if let Some(known) = self.elements.iter().position(|known| *known == element) {
             return known;
@@ -285,6 +294,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// Checks the spaces of the test functions against the form.
+    #[inline(never)]
     pub fn check_tests(&self, tests: &[&Arc<Space<D>>], mesh: &Arc<Mesh<D>>) -> Result<(), AssemblyError> {
         let declared: Vec<&FieldDescription> =
             self.fields.iter().filter(|field| matches!(field.role, Role::Test(_))).collect();
@@ -306,6 +316,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// Degrees of the fields, for the estimate of a quadrature degree.
+    #[inline(never)]
     pub fn degrees(&self, tests: &[&Arc<Space<D>>]) -> Vec<usize> {
         let degree = |(field, values): (&FieldDescription, &Values<D>)| match (field.role, values) {
             (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.degree),
@@ -318,6 +329,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// A history that a kernel reads and the degree of its rule, which all of them share.
+    #[inline(never)]
     pub fn history_degree(
         &self,
         requirements: &Requirements,
@@ -331,12 +343,14 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// The cells or facets of a region of the form, those that are owned.
+    #[inline(never)]
     pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
         let all = Entities::of(self.mesh, self.name, &self.regions[region])?;
         Ok(OwnedCells::among(self.owned, all))
     }
 
     /// The contact pairs of a region of the form; `displacement` are the fields whose sum displaces their surfaces.
+    #[inline(never)]
     pub fn pairs(
         &self,
         region: usize,
@@ -374,3 +388,19 @@ impl<'a, const D: usize> Binding<'a, D> {
 pub(super) fn pair_error(form: &'static str, region: &Region, source: PairError) -> AssemblyError {
     AssemblyError::Pairs { form, symbol: region.symbol, pairing: region.name.clone(), source }
 }
+
+compiled_here!(
+    Entities::of::<D>,
+    Binding::<D>::new,
+    Binding::<D>::assembled_by,
+    Binding::<D>::bind_directions,
+    Binding::<D>::empty,
+    Binding::<D>::resolve,
+    Binding::<D>::element,
+    Binding::<D>::tabulated,
+    Binding::<D>::check_tests,
+    Binding::<D>::degrees,
+    Binding::<D>::history_degree,
+    Binding::<D>::entities,
+    Binding::<D>::pairs
+);

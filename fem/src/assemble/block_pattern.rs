@@ -1,18 +1,19 @@
 //! Which matrix entries a form can touch: nodes that an integral couples, for each pair of test and trial
 //! space; and where element matrices go.
 
-use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{BilinearKernel, BilinearVisitor, Entity, Form, Integral, Region, Role, Side};
+use forms_core::contract::{Form, Role, Side};
 
 use super::binding::Entities;
 use super::block_index::BlockIndex;
+use super::outline::{Coupling, Described, Outline};
 use super::owned_cells::OwnedCells;
-use super::pair_groups::{DegreeEstimate, PairSearch, without_coefficients};
+use super::pair_groups::{PairSearch, without_coefficients};
 use super::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
+use crate::compiled_here::compiled_here;
 use crate::field::FieldView;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::mesh::Facet;
@@ -53,41 +54,6 @@ impl Coupled<'_> {
     }
 }
 
-/// One kind of tangent integral.
-#[derive(Clone, Copy)]
-pub(super) struct Coupling {
-    test: usize,
-    trial: usize,
-    pub region: usize,
-    sides: [Side; 2],
-    /// Of contact pairs, where points decide which cells are coupled, the degree of the rule.
-    pub degree: DegreeEstimate,
-    /// Of pairs of displaced surfaces, the fields that displace them.
-    pub displacement: Option<&'static [usize]>,
-}
-
-impl Coupling {
-    fn is_like(&self, other: &Coupling) -> bool {
-        let key = |coupling: &Coupling| (coupling.test, coupling.trial, coupling.region);
-        key(self) == key(other) && self.sides == other.sides
-    }
-}
-
-struct CouplingVisitor<'a> {
-    regions: &'a [Region],
-    parts: Parts,
-    found: Vec<Coupling>,
-}
-
-/// The couplings of the tangents of some of a form's integrals.
-fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
-    let mut visitor = CouplingVisitor { regions: &form.inputs().regions, parts, found: vec![] };
-    match form.tangent(&mut visitor) {
-        Ok(()) => visitor.found,
-        Err(never) => match never {},
-    }
-}
-
 /// The entries of a matrix that some integrals touch.
 pub(crate) struct TouchedEntries {
     /// Places among the values, as ascending ranges of whole blocks.
@@ -107,22 +73,6 @@ fn runs(marks: &[bool], first: usize, width: usize, runs: &mut Vec<Range<usize>>
     }
 }
 
-impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
-    type Error = Infallible;
-
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
-        let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } = *integral;
-        let sides = [test_side, trial_side];
-        let coupling = Coupling { test, trial, region, sides, degree, displacement };
-        let on_pairs = self.regions[region].entity == Entity::Pairs;
-        let is_new = on_pairs || !self.found.iter().any(|known| known.is_like(&coupling));
-        if self.parts.contain(integral.dependence) && is_new {
-            self.found.push(coupling);
-        }
-        Ok(())
-    }
-}
-
 impl<const D: usize> BlockPattern<D> {
     /// The pattern of a form's tangent: the nodes that its integrals couple, and nothing else. A pair of test
     /// and trial space that no integral couples has no entries; an integral over a facet region couples the
@@ -137,13 +87,13 @@ impl<const D: usize> BlockPattern<D> {
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<Self, AssemblyError> {
-        let unknowns = without_coefficients(trials);
-        Self::for_cells(form, tests, &unknowns, None, PairSearch::default())
+        let form = Outline::of(form, Parts::ALL);
+        Self::for_cells(&form, tests, &without_coefficients(trials), None, PairSearch::default())
     }
 
     /// The pattern of the part of a form's tangent that an assembler assembles.
-    pub(crate) fn for_cells_of<F: Form<D>>(
-        form: &F,
+    pub(crate) fn for_cells_of(
+        form: &Outline<D>,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
         assembler: &Assembler<D>,
@@ -152,8 +102,8 @@ impl<const D: usize> BlockPattern<D> {
     }
 
     /// The same with the pairs of displaced surfaces that there are at an iterate.
-    pub(crate) fn at_iterate<F: Form<D>>(
-        form: &F,
+    pub(crate) fn at_iterate(
+        form: &Outline<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         assembler: &Assembler<D>,
@@ -162,17 +112,14 @@ impl<const D: usize> BlockPattern<D> {
     }
 
     /// Whether everything that a form's pairs of displaced surfaces couple at an iterate has its place.
-    pub(crate) fn covers<F: Form<D>>(
-        &self,
-        form: &F,
-        unknowns: &[FieldView<D>],
-    ) -> Result<bool, AssemblyError> {
+    pub(crate) fn covers(&self, form: &Outline<D>, unknowns: &[FieldView<D>]) -> Result<bool, AssemblyError> {
         let tests: Vec<&Arc<Space<D>>> = self.tests.iter().collect();
-        self.search.covers(form, &tests, unknowns, &couplings(form, Parts::ALL))
+        self.search.covers(form, &tests, unknowns, &form.couplings)
     }
 
-    fn for_cells<F: Form<D>>(
-        form: &F,
+    #[inline(never)]
+    fn for_cells(
+        form: &Outline<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         owned: Option<&Arc<OwnedCells>>,
@@ -201,9 +148,8 @@ impl<const D: usize> BlockPattern<D> {
             }
         }
         let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
-        let couplings = couplings(form, Parts::ALL);
-        search.slide_to(form, tests, unknowns, &couplings)?;
-        for coupling in couplings {
+        search.slide_to(form, tests, unknowns, &form.couplings)?;
+        for &coupling in &form.couplings {
             let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
             let (rows, columns) = (tests[test], trials[trial]);
             let target = &mut coupled[test][trial];
@@ -237,6 +183,7 @@ impl<const D: usize> BlockPattern<D> {
     ///
     /// # Errors
     /// When the matrix is too large to be numbered.
+    #[inline(never)]
     pub fn new(tests: &[&Arc<Space<D>>], trials: &[&Arc<Space<D>>]) -> Result<Self, LinearAlgebraError> {
         let of_pair = |test: &'_ Arc<Space<D>>, trial: &'_ Arc<Space<D>>| -> Vec<(u32, u8)> {
             let facets = if test.facet_region().is_some() { &test.facets } else { &trial.facets };
@@ -261,6 +208,7 @@ impl<const D: usize> BlockPattern<D> {
         Self::from_coupled(tests, trials, coupled)
     }
 
+    #[inline(never)]
     fn from_coupled(
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
@@ -331,23 +279,15 @@ impl<const D: usize> BlockPattern<D> {
         self.sparsity.column_sets()[trial].offset
     }
 
-    /// Whether some of a form's integrals have tangents.
-    pub(crate) fn has_tangent<F: Form<D>>(&self, form: &F, parts: Parts) -> bool {
-        !couplings(form, parts).is_empty()
-    }
-
-    /// The entries that some of a form's integrals touch in a matrix with this pattern: at least all that their tangents
+    /// The entries that the integrals of an outline touch in a matrix with this pattern: at least all that their tangents
     /// change, and whole pairs of spaces for integrals over all cells.
-    pub(crate) fn touched<F: Form<D>>(
-        &self,
-        form: &F,
-        parts: Parts,
-    ) -> Result<TouchedEntries, AssemblyError> {
+    #[inline(never)]
+    pub(crate) fn touched(&self, form: &Outline<D>) -> Result<TouchedEntries, AssemblyError> {
         let tests: Vec<&Arc<Space<D>>> = self.tests.iter().collect();
         let trials: Vec<&Arc<Space<D>>> = self.trials.iter().collect();
         let mut marks: Vec<Vec<bool>> = vec![vec![]; self.tests.len() * self.trials.len()];
         let mut columns: Vec<Vec<bool>> = vec![vec![]; self.trials.len()];
-        for coupling in couplings(form, parts) {
+        for &coupling in &form.couplings {
             let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
             let pair = self.sparsity.pair(test, trial);
             let (rows, columns_of) = (&self.tests[test], &self.trials[trial]);
@@ -374,8 +314,8 @@ impl<const D: usize> BlockPattern<D> {
                 for &row in rows.nodes_at(row_cell, row_facet) {
                     for &column in columns_of.nodes_at(column_cell, column_facet) {
                         let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
-                            let name = |role| name_of(form, role);
-                            let (test, trial) = (name(Role::Test(test)), name(Role::Unknown(trial)));
+                            let (test, trial) =
+                                (form.name_of(Role::Test(test)), form.name_of(Role::Unknown(trial)));
                             AssemblyError::Pattern { form: form.name(), test, trial }
                         })?;
                         marks[pair.range(row as usize).start + place] = true;
@@ -411,9 +351,10 @@ impl<const D: usize> BlockPattern<D> {
     }
 
     /// Checks that the pattern was made for these spaces, or for some that number their unknowns alike.
-    pub(super) fn check<F: Form<D>>(
+    #[inline(never)]
+    pub(super) fn check(
         &self,
-        form: &F,
+        form: &Described<D>,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<(), AssemblyError> {
@@ -426,7 +367,7 @@ impl<const D: usize> BlockPattern<D> {
                 return Err(AssemblyError::Count { form: form.name(), what: "spaces", expected, found });
             }
             if let Some(number) = own.iter().zip(given).position(|(own, given)| !own.numbers_as(given)) {
-                let field = name_of(form, role(number));
+                let field = form.name_of(role(number));
                 return Err(AssemblyError::OtherSpace { form: form.name(), field, what });
             }
         }
@@ -439,7 +380,10 @@ fn seen_from(facet: Option<&Facet>) -> (u32, Option<u8>) {
     facet.map_or((0, None), |facet| (facet.cell, Some(facet.local)))
 }
 
-/// The name of the field with a role in a form.
-fn name_of<F: Form<D>, const D: usize>(form: &F, role: Role) -> &'static str {
-    form.fields().iter().find(|field| field.role == role).map_or("", |field| field.name)
-}
+compiled_here!(
+    BlockPattern::<D>::new,
+    BlockPattern::<D>::for_cells,
+    BlockPattern::<D>::touched,
+    BlockPattern::<D>::check,
+    PairSearch::<D>::covers
+);

@@ -8,6 +8,7 @@ use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -144,6 +145,7 @@ struct PointWalk<'a, const D: usize> {
 impl<const D: usize> PointWalk<'_, D> {
     /// Calls `receive(result of the chunk, value, weight, position)` at every quadrature point of an integral's
     /// region, and gives the results of all chunks in their order.
+    #[inline(never)]
     fn chunks<R: Default + Send>(
         &self,
         integral: &Integral,
@@ -214,3 +216,5 @@ fn each_point<K: ExpressionKernel<D>, const D: usize>(
     }
     batch.check_weights(range)
 }
+
+compiled_here!(PointWalk::<D>::chunks::<f64>, PointWalk::<D>::chunks::<Vec<u32>>);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::Assembler;
 use super::binding::Entities;
+use crate::compiled_here::compiled_here;
 use crate::mesh::{Mesh, MeshError};
 
 /// Which cells of a mesh are owned.
@@ -85,13 +86,17 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// [`MeshError::NoCell`] for a cell that the mesh does not have.
+    #[inline(never)]
     pub fn on_owned_cells(self, cells: &[u32]) -> Result<Self, MeshError> {
         let owned = Some(Arc::new(OwnedCells::new(&self.mesh, cells)?));
         Ok(Assembler { owned, ..self })
     }
 
     /// The same on all cells.
+    #[inline(never)]
     pub(super) fn on_all_cells(&self) -> Self {
         Assembler { owned: None, ..self.clone() }
     }
 }
+
+compiled_here!(Assembler::<D>::on_owned_cells, Assembler::<D>::on_all_cells);

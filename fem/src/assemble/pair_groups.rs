@@ -4,12 +4,13 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Form, Integral, Pairing, Requirements};
+use forms_core::contract::{Entity, Integral, Pairing, Requirements};
 
 use super::binding::{Binding, Entities, pair_error};
-use super::block_pattern::Coupling;
+use super::outline::{Coupling, Described};
 use super::walk::{Group, GroupSide, Places};
 use super::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
 use crate::element::{Lagrange, LaneElement};
 use crate::field::FieldView;
 use crate::mesh::{Facet, Mesh};
@@ -28,7 +29,7 @@ pub(super) struct PairTables<const D: usize> {
 }
 
 /// The degree of an integrand, from those of the fields and of the geometry map; on simplices or not.
-pub(super) type DegreeEstimate = fn(&[usize], usize, bool) -> usize;
+pub(crate) type DegreeEstimate = fn(&[usize], usize, bool) -> usize;
 
 /// The degree of a rule on pairs, whose cells may have several shapes: the highest of the estimates.
 pub(super) fn degree_on_pairs<const D: usize>(
@@ -65,6 +66,7 @@ impl<const D: usize> Default for PairSearch<D> {
 
 impl<const D: usize> PairSearch<D> {
     /// That of an assembler.
+    #[inline(never)]
     pub fn of(assembler: &Assembler<D>) -> Self {
         let Assembler { known_pairs, quadrature, threads, .. } = assembler;
         let known = Arc::clone(known_pairs);
@@ -72,9 +74,10 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// The cells or facets of a form's region; pairs count as facets with two sides.
-    pub fn entities<'a, F: Form<D>>(
+    #[inline(never)]
+    pub fn entities<'a>(
         &self,
-        form: &F,
+        form: &Described<D>,
         tests: &[&'a Arc<Space<D>>],
         trials: &[&'a Arc<Space<D>>],
         coupling: &Coupling,
@@ -92,9 +95,9 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// The pairs that an integral has at an iterate.
-    fn pairs<F: Form<D>>(
+    fn pairs(
         &self,
-        form: &F,
+        form: &Described<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         coupling: &Coupling,
@@ -109,9 +112,10 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// Lets sliding pairs couple what they do at an iterate, and their neighbours.
-    pub fn slide_to<F: Form<D>>(
+    #[inline(never)]
+    pub fn slide_to(
         &mut self,
-        form: &F,
+        form: &Described<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         couplings: &[Coupling],
@@ -135,9 +139,10 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// Whether everything that sliding pairs couple at an iterate has its place.
-    pub fn covers<F: Form<D>>(
+    #[inline(never)]
+    pub fn covers(
         &self,
-        form: &F,
+        form: &Described<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         couplings: &[Coupling],
@@ -162,6 +167,7 @@ impl SlidingCouplings {
 }
 
 /// Unknowns of which nothing but their spaces is asked.
+#[inline(never)]
 pub(super) fn without_coefficients<'a, const D: usize>(
     spaces: &[&'a Arc<Space<D>>],
 ) -> Vec<FieldView<'a, D>> {
@@ -173,6 +179,7 @@ pub(super) fn without_coefficients<'a, const D: usize>(
 const LAYERS: usize = 2;
 
 /// Pairs of facets, and each own facet with the neighbours of those opposite to it; ascending.
+#[inline(never)]
 fn with_neighbours<const D: usize>(
     mesh: &Mesh<D>,
     pairing: &Pairing,
@@ -200,6 +207,7 @@ fn with_neighbours<const D: usize>(
 }
 
 /// The groups of a region of contact pairs.
+#[inline(never)]
 pub(super) fn pair_groups<const D: usize>(
     binding: &Binding<D>,
     integral: &Integral,
@@ -217,6 +225,7 @@ pub(super) fn pair_groups<const D: usize>(
 }
 
 /// The groups of some pairs.
+#[inline(never)]
 pub(super) fn groups_of<const D: usize>(
     binding: &Binding<D>,
     place: &str,
@@ -298,7 +307,16 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The pairs, which are searched for at the first call.
+    #[inline(never)]
     pub(super) fn pairs_of(&self, pairing: &Pairing, degree: usize) -> Result<Arc<Pairs<D>>, PairError> {
         self.known_pairs.find(&self.mesh, pairing, &self.quadrature, degree, None, self.threads)
     }
 }
+
+compiled_here!(
+    PairSearch::<D>::of,
+    without_coefficients::<D>,
+    groups_of::<D>,
+    with_neighbours::<D>,
+    Assembler::<D>::pairs_of
+);

@@ -12,6 +12,7 @@ use super::scatter::{GroupNodes, VectorScatter};
 use super::sink::Deliver;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
+use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::vector::largest;
@@ -71,7 +72,7 @@ impl<const D: usize> Assembler<D> {
             Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
         // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
         let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
-        self.linear_integrals(binding, tests, parts, |visitor| match whole {
+        self.linear_integrals(binding, tests, parts, &mut |visitor| match whole {
             true => form.whole_residual(visitor),
             false => form.residual(visitor),
         })
@@ -90,19 +91,20 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<Vec<f64>, AssemblyError> {
         let binding =
             Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
-        self.linear_integrals(binding, tests, Parts::ALL, |visitor| {
+        self.linear_integrals(binding, tests, Parts::ALL, &mut |visitor| {
             visitor.added = Added::Sizes;
             form.residual(visitor)
         })
     }
 
     /// The sum of the integrals that a form hands to the visitor.
+    #[inline(never)]
     pub(super) fn linear_integrals(
         &self,
         mut binding: Binding<D>,
         tests: &[&Arc<Space<D>>],
         parts: Parts,
-        walk: impl FnOnce(&mut VectorVisitor<D>) -> Result<(), AssemblyError>,
+        walk: &mut dyn FnMut(&mut VectorVisitor<D>) -> Result<(), AssemblyError>,
     ) -> Result<Vec<f64>, AssemblyError> {
         binding.check_tests(tests, &self.mesh)?;
         let elements = tests.iter().map(|space| binding.element(space)).collect();
@@ -172,6 +174,7 @@ type Compute<'a, const D: usize> =
     &'a (dyn Fn(&ElementVectors<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
 
 impl<const D: usize> VectorVisitor<'_, D> {
+    #[inline(never)]
     fn integrate(
         &mut self,
         integral: &Integral,
@@ -219,3 +222,5 @@ impl<const D: usize> VectorVisitor<'_, D> {
         Ok(())
     }
 }
+
+compiled_here!(VectorVisitor::<D>::integrate, Assembler::<D>::linear_integrals);

@@ -8,10 +8,12 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requ
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_matrices::ElementMatrices;
+use super::outline::{Described, Outline};
 use super::scatter::{GroupNodes, MatrixScatter};
 use super::sink::Deliver;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
+use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
@@ -32,7 +34,8 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
-        let pattern = BlockPattern::at_iterate(form, tests, &views(unknowns), self)?;
+        let outline = Outline::of(form, Parts::ALL);
+        let pattern = BlockPattern::at_iterate(&outline, tests, &views(unknowns), self)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix.into_csr())
@@ -86,7 +89,7 @@ impl<const D: usize> Assembler<D> {
         count: bool,
     ) -> Result<(), AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
-        pattern.check(form, tests, &trials)?;
+        pattern.check(&Described::of(form), tests, &trials)?;
         let (own, given) = (matrix.sparsity(), pattern.sparsity());
         if !Arc::ptr_eq(own, given) && **own != **given {
             let source = LinearAlgebraError::PatternMismatch { what: "assembling a matrix" };
@@ -231,6 +234,7 @@ type Compute<'a, const D: usize> =
     &'a (dyn Fn(&ElementMatrices<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
 
 impl<const D: usize> TangentVisitor<'_, D> {
+    #[inline(never)]
     fn integrate(
         &mut self,
         integral: &Integral,
@@ -302,6 +306,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
 }
 
 /// The element matrix of a group's `number`-th entity, with its rows and columns in one piece.
+#[inline(never)]
 fn element_matrix<const D: usize>(
     integral: &Integral,
     group: &Group<D>,
@@ -332,3 +337,5 @@ fn element_matrix<const D: usize>(
     let sides = [integral.test_side, integral.trial_side];
     ElementMatrix { cell, facet, opposite, sides, rows, columns, values }
 }
+
+compiled_here!(TangentVisitor::<D>::integrate);

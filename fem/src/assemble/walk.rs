@@ -10,6 +10,7 @@ use super::AssemblyError;
 use super::binding::{Binding, Entities, Tabulated};
 use super::pair_groups::{PairTables, degree_on_pairs, pair_groups};
 use super::sum_factorisation::ProductTables;
+use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange, Tables};
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{
@@ -71,6 +72,7 @@ pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
 
 impl<const D: usize> Group<D> {
     /// A group of cells of one shape; weights may be of any kind.
+    #[inline(never)]
     pub fn new(
         binding: &Binding<D>,
         place: String,
@@ -107,6 +109,7 @@ impl<const D: usize> Group<D> {
     }
 
     /// Checks that a space on facets has nodes on all of this; of contact pairs, on one side.
+    #[inline(never)]
     pub fn check_support(
         &self,
         form: &'static str,
@@ -210,6 +213,7 @@ impl Tabulated {
 
 /// The groups of an integral's region; where the compiler's estimate of the quadrature degree is wanted,
 /// it is made from the degrees of the form's fields. A kernel that reads a history takes the history's degree.
+#[inline(never)]
 pub(super) fn groups<const D: usize>(
     binding: &Binding<D>,
     integral: &Integral,
@@ -303,6 +307,7 @@ struct Numbering {
 
 /// The groups of exterior or interior facets at the points of a rule on the facet's own reference cell, and
 /// the places of each group's facets in the region.
+#[inline(never)]
 pub(super) fn facet_groups<const D: usize>(
     binding: &Binding<D>,
     place: &str,
@@ -359,3 +364,5 @@ fn bending<const D: usize>(second: &[[f64; D]; D], tangents: &[[f64; D]; 2]) -> 
     let [first, last] = tangents;
     [along(first, first), along(first, last), along(last, last)]
 }
+
+compiled_here!(groups::<D>, facet_groups::<D>, Group::<D>::check_support, Group::<D>::new);

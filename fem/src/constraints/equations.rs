@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Constraints, ConstraintsError};
+use super::{Conditions, Constraints, ConstraintsError};
 
 /// An unknown that is given by others: Σ coefficient × unknown + value. The others are free.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,11 +34,11 @@ impl<const D: usize> Constraints<D> {
         let mut scale = value.abs();
         let mut earlier: Option<Arc<str>> = None;
         for &(unknown, coefficient) in terms {
-            if let Some(known) = self.prescribed.get(&unknown) {
+            if let Some(known) = self.conditions.prescribed.get(&unknown) {
                 right -= coefficient * known;
                 scale = scale.max((coefficient * known).abs());
-                earlier = self.origins.get(&unknown).cloned().or(earlier);
-            } else if let Some(relation) = self.relations.get(&unknown) {
+                earlier = self.conditions.origins.get(&unknown).cloned().or(earlier);
+            } else if let Some(relation) = self.conditions.relations.get(&unknown) {
                 right -= coefficient * relation.value;
                 scale = scale.max((coefficient * relation.value).abs());
                 for &(free, inner) in &relation.terms {
@@ -70,10 +70,13 @@ impl<const D: usize> Constraints<D> {
         };
         rest.remove(&pivot);
         let terms = rest.into_iter().map(|(unknown, a)| (unknown, -a / divisor)).collect();
-        self.give(pivot, Relation { terms, value: right / divisor, origin: place.into() });
+        Arc::make_mut(&mut self.conditions)
+            .give(pivot, Relation { terms, value: right / divisor, origin: place.into() });
         Ok(())
     }
+}
 
+impl Conditions {
     /// Makes a free unknown a given one, also where other relations use it.
     fn give(&mut self, unknown: usize, relation: Relation) {
         for user in self.users.remove(&unknown).unwrap_or_default() {

@@ -1,6 +1,7 @@
 //! Sums and multiples of fields on one space.
 
 use super::{Field, FieldError};
+use crate::compiled_here::compiled_here;
 use crate::space::Space;
 
 impl<const D: usize> Field<D> {
@@ -23,6 +24,7 @@ impl<const D: usize> Field<D> {
     /// # Errors
     /// [`FieldError::NothingToAdd`], [`FieldError::OtherSpace`] says in what two spaces differ, [`FieldError::NotFinite`]
     /// names the node where the sum is too large to be a number.
+    #[inline(never)]
     pub fn combination(terms: &[(f64, &Field<D>)]) -> Result<Self, FieldError> {
         let Some(((factor, first), others)) = terms.split_first() else {
             return Err(FieldError::NothingToAdd);
@@ -39,6 +41,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Errors
     /// As [`Field::combination`].
+    #[inline(never)]
     pub fn plus(&self, other: &Field<D>) -> Result<Self, FieldError> {
         Field::combination(&[(1.0, self), (1.0, other)])
     }
@@ -47,6 +50,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Errors
     /// As [`Field::combination`].
+    #[inline(never)]
     pub fn minus(&self, other: &Field<D>) -> Result<Self, FieldError> {
         Field::combination(&[(1.0, self), (-1.0, other)])
     }
@@ -55,6 +59,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Errors
     /// As [`Field::combination`].
+    #[inline(never)]
     pub fn times(&self, factor: f64) -> Result<Self, FieldError> {
         Field::combination(&[(factor, self)])
     }
@@ -74,6 +79,8 @@ impl<const D: usize> Field<D> {
         Err(FieldError::OtherSpace { differ })
     }
 }
+
+compiled_here!(Field::<D>::combination, Field::<D>::plus, Field::<D>::minus, Field::<D>::times);
 
 #[cfg(test)]
 mod tests {

@@ -20,7 +20,13 @@ use std::sync::OnceLock;
 
 use forms_core::contract::Lane;
 
+#[cfg(target_arch = "aarch64")]
+pub(crate) use self::neon::Neon;
 pub(crate) use self::ordered::{Order, Ordered};
+#[cfg(all(target_arch = "x86_64", not(without_avx2)))]
+pub(crate) use self::x86::Avx2;
+#[cfg(all(target_arch = "x86_64", not(without_avx512)))]
+pub(crate) use self::x86::Avx512;
 
 /// No lane type of any instruction set has more lanes.
 pub(crate) const WIDEST: usize = 8;

@@ -18,7 +18,7 @@ pub(super) fn run_neon<W: LaneWork>(work: W) -> W::Output {
 
 /// Four doubles.
 #[derive(Clone, Copy)]
-pub(super) struct Neon([float64x2_t; 2]);
+pub(crate) struct Neon([float64x2_t; 2]);
 
 /// Two truth values, all bits of one set or none.
 type Mask = [uint64x2_t; 2];

@@ -52,11 +52,11 @@ pub(super) fn run_avx512<W: LaneWork>(work: W) -> W::Output {
 
 /// Four doubles.
 #[derive(Clone, Copy)]
-pub(super) struct Avx2(__m256d);
+pub(crate) struct Avx2(__m256d);
 
 /// Eight doubles.
 #[derive(Clone, Copy)]
-pub(super) struct Avx512(__m512d);
+pub(crate) struct Avx512(__m512d);
 
 /// A value of a lane type exists only below [`run_avx2`] or [`run_avx512`], where the features are there.
 macro_rules! simd {

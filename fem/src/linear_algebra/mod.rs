@@ -38,6 +38,7 @@ pub mod rigid_motions;
 pub(crate) mod singularity;
 pub mod spectrum;
 pub mod symbolic;
+pub mod symmetric_eigen;
 pub mod transpose;
 pub mod vector;
 
@@ -64,4 +65,5 @@ pub use restriction::{Entry, Restriction};
 pub use rigid_motions::{free_motions, rigid_motions};
 pub use spectrum::{Spectrum, spectrum};
 pub use symbolic::Fill;
+pub use symmetric_eigen::SymmetricEigen;
 pub use transpose::Transpose;

@@ -4,6 +4,7 @@ use faer::Mat;
 
 use super::block_matrix::BlockMatrix;
 use super::error::LinearAlgebraError;
+use crate::compiled_here::compiled_here;
 
 /// The middle of the nodes' bounding box, and its largest side.
 fn frame<const D: usize>(positions: &[[f64; D]]) -> ([f64; D], f64) {
@@ -20,6 +21,7 @@ fn frame<const D: usize>(positions: &[[f64; D]]) -> ([f64; D], f64) {
 
 /// The translations, then the rotations about the axes through the middle of the nodes, as vectors of unknowns with D
 /// components per node: 3 vectors in the plane, 6 in space, 1 on a line. Lengths are measured in the size of the body.
+#[inline(never)]
 pub fn rigid_motions<const D: usize>(positions: &[[f64; D]]) -> Vec<Vec<f64>> {
     let (centre, size) = frame(positions);
     let mut motions = Vec::new();
@@ -56,11 +58,12 @@ const NOTHING: f64 = 1e-11;
 ///
 /// # Errors
 /// If the matrix is smaller than the unknowns, or those of `hindrance`.
+#[inline(never)]
 pub fn free_motions<const D: usize>(
     matrix: &BlockMatrix,
     offset: usize,
     positions: &[[f64; D]],
-    hindrance: impl Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError>,
+    hindrance: &dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError>,
 ) -> Result<Vec<String>, LinearAlgebraError> {
     let scale = super::vector::largest(matrix.values());
     if D < 2 || positions.is_empty() || !scale.is_finite() {
@@ -168,6 +171,8 @@ fn in_words<const D: usize>(motion: &[f64], centre: &[f64; D], size: f64) -> Str
     format!("{kind} about {} through {}", direction(&spin), numbers(&through))
 }
 
+compiled_here!(rigid_motions::<D>, free_motions::<D>);
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -217,35 +222,35 @@ mod tests {
     #[test]
     fn a_floating_body_has_six_motions_and_a_clamped_one_has_none() {
         let matrix = springs(&SOLID);
-        let found = free_motions(&matrix, 0, &SOLID, prescribing(|_| false)).unwrap();
+        let found = free_motions(&matrix, 0, &SOLID, &prescribing(|_| false)).unwrap();
         assert_eq!(found.len(), 6);
         assert!(found[..3].iter().all(|motion| motion.starts_with("translation along ")), "{found:?}");
         assert!(
             found[3..].iter().any(|motion| motion == "rotation about z through (1, 0.5, 0.5)"),
             "{found:?}"
         );
-        assert!(free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown < 9)).unwrap().is_empty());
+        assert!(free_motions(&matrix, 0, &SOLID, &prescribing(|unknown| unknown < 9)).unwrap().is_empty());
     }
 
     #[test]
     fn what_is_left_by_partial_supports_is_told() {
         let matrix = springs(&SOLID);
         // Held at the origin.
-        let hinge = free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown < 3)).unwrap();
+        let hinge = free_motions(&matrix, 0, &SOLID, &prescribing(|unknown| unknown < 3)).unwrap();
         assert_eq!(hinge.len(), 3);
         for (axis, motion) in ["x", "y", "z"].iter().zip(&hinge) {
             assert!(motion.starts_with(&format!("rotation about {axis} through (")), "{hinge:?}");
         }
         // No node may move along z.
-        let sliding = free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown % 3 == 2)).unwrap();
+        let sliding = free_motions(&matrix, 0, &SOLID, &prescribing(|unknown| unknown % 3 == 2)).unwrap();
         assert_eq!(sliding[..2], ["translation along x", "translation along y"]);
         assert_eq!(sliding[2], "rotation about z through (1, 0.5, 0.5)");
         // Held at two points: the axis through both is left.
-        let axis = free_motions(&matrix, 0, &SOLID, prescribing(|unknown| unknown < 6)).unwrap();
+        let axis = free_motions(&matrix, 0, &SOLID, &prescribing(|unknown| unknown < 6)).unwrap();
         assert_eq!(axis, ["rotation about x through (1, 0, 0)"]);
         let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let pinned =
-            free_motions(&springs(&triangle), 0, &triangle, prescribing(|unknown| unknown < 2)).unwrap();
+            free_motions(&springs(&triangle), 0, &triangle, &prescribing(|unknown| unknown < 2)).unwrap();
         assert_eq!(pinned, ["rotation about (0, 0)"]);
     }
 }

@@ -1,6 +1,7 @@
 //! Files and pictures.
 
 pub mod atomic;
+mod base64;
 pub mod matrix_market;
 #[cfg(feature = "pictures")]
 pub mod picture;

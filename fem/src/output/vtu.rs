@@ -1,16 +1,13 @@
 //! `.vtu` files (VTK unstructured grid, XML), which ParaView and VisIt read.
 
 mod error;
+mod xml;
 
 use std::io::Write;
 use std::path::Path;
 
-use vtkio::model::{
-    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer,
-    UnstructuredGridPiece, Version, VertexNumbers, Vtk,
-};
-
 use super::atomic::write_whole;
+use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::mesh::Mesh;
@@ -55,6 +52,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     ///
     /// # Errors
     /// [`VtuError`] if the field lives on another mesh or on facets alone, is not finite, or the name is taken.
+    #[inline(never)]
     pub fn point_data(mut self, name: &str, field: &Field<D>) -> Result<Self, VtuError> {
         if !super::lives_on(field, self.mesh) {
             return Err(VtuError::OtherMesh { name: name.into() });
@@ -89,6 +87,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError`] if there is not one value per node and component, a value is not finite, or the
     /// name is taken.
+    #[inline(never)]
     pub fn point_values(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
         let others = self.points.iter().chain(&self.corners);
         let array = Array::new::<D>(name, components, values, self.mesh.nodes().len(), others)?;
@@ -101,6 +100,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError`] if there is not one value per cell and component, a value is not finite, or the
     /// name is taken.
+    #[inline(never)]
     pub fn cell_data(mut self, name: &str, components: usize, values: &[f64]) -> Result<Self, VtuError> {
         let array = Array::new::<D>(name, components, values, self.mesh.cell_count(), &self.cells)?;
         self.cells.push(array);
@@ -114,6 +114,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError::Region`] if there is no such region of cells, or a cell belongs to two;
     /// [`VtuError::Twice`] if there is an array "region".
+    #[inline(never)]
     pub fn regions(mut self, names: &[&str]) -> Result<Self, VtuError> {
         let mut numbers = vec![-1.0; self.mesh.cell_count()];
         for (region, number) in names.iter().zip(1_u32..) {
@@ -138,13 +139,14 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError`] if the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
-        let mut bytes = Vec::new();
-        let encoded = self.model()?.write_xml(&mut bytes);
-        encoded.map_err(|error| VtuError::Encoding { reason: error.to_string() })?;
-        write_whole(path, |writer| writer.write_all(&bytes)).map_err(|source| VtuError::Write { source })
+        let text = self.encode()?;
+        write_whole(path, |writer| writer.write_all(text.as_bytes()))
+            .map_err(|source| VtuError::Write { source })
     }
 
-    fn model(&self) -> Result<Vtk, VtuError> {
+    /// The text of the file.
+    #[inline(never)]
+    fn encode(&self) -> Result<String, VtuError> {
         let cell_count = self.mesh.cell_count();
         let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
         let mut points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), [])?;
@@ -173,19 +175,10 @@ impl<'a, const D: usize> VtuFile<'a, D> {
                 types.push(cell_type);
             }
         }
-        let attributes = |arrays: &[Array]| arrays.iter().map(Array::attribute).collect();
-        Ok(Vtk {
-            // Version 1.0 is the one whose headers (64 bits) this crate writes as readers expect them.
-            version: Version::new_xml(1, 0),
-            title: String::new(),
-            byte_order: ByteOrder::LittleEndian,
-            file_path: None,
-            data: DataSet::inline(UnstructuredGridPiece {
-                points: IOBuffer::F64(points.values),
-                cells: Cells { cell_verts: VertexNumbers::XML { connectivity, offsets }, types },
-                data: Attributes { point: attributes(&data), cell: attributes(&self.cells) },
-            }),
-        })
+        let point_data = data.iter().map(Array::written).collect();
+        let cell_data = self.cells.iter().map(Array::written).collect();
+        let points = points.written();
+        Ok(xml::Grid { points, connectivity, offsets, types, point_data, cell_data }.encode())
     }
 }
 
@@ -228,40 +221,44 @@ impl Array {
         Ok(Array { name: name.into(), components: padded, values: all, whole: false })
     }
 
-    fn attribute(&self) -> Attribute {
-        Attribute::DataArray(DataArray {
-            name: self.name.clone(),
-            elem: match self.components {
-                3 => ElementType::Vectors,
-                9 => ElementType::Tensors,
-                count => ElementType::Scalars { num_comp: count as u32, lookup_table: None },
-            },
-            data: match self.whole {
-                true => IOBuffer::I32(self.values.iter().map(|&value| value as i32).collect()),
-                false => IOBuffer::F64(self.values.clone()),
-            },
-        })
+    /// The array as the file holds it.
+    fn written(&self) -> xml::Array<'_> {
+        let values = match self.whole {
+            true => xml::Values::Integers(self.values.iter().map(|&value| value as i32).collect()),
+            false => xml::Values::Reals(&self.values),
+        };
+        xml::Array { name: &self.name, components: self.components, values }
     }
 }
 
-/// VTK's cell, and for each of its points the number of our node.
-fn cell_type(shape: CellShape, degree: usize) -> (CellType, Vec<usize>) {
-    let cell_type = match (shape, degree) {
-        (CellShape::Triangle, 1) => CellType::Triangle,
-        (CellShape::Triangle, _) => CellType::QuadraticTriangle,
-        (CellShape::Quadrilateral, 1) => CellType::Quad,
-        (CellShape::Quadrilateral, _) => CellType::BiquadraticQuad,
-        (CellShape::Tetrahedron, 1) => CellType::Tetra,
-        (CellShape::Tetrahedron, _) => CellType::QuadraticTetra,
-        (CellShape::Hexahedron, 1) => CellType::Hexahedron,
-        (CellShape::Hexahedron, _) => CellType::TriquadraticHexahedron,
+/// The number of VTK's type of cell, and for each of its points the number of our node.
+fn cell_type(shape: CellShape, degree: usize) -> (u8, Vec<usize>) {
+    let number = match (shape, degree) {
+        (CellShape::Triangle, 1) => 5,
+        (CellShape::Triangle, _) => 22,
+        (CellShape::Quadrilateral, 1) => 9,
+        (CellShape::Quadrilateral, _) => 28,
+        (CellShape::Tetrahedron, 1) => 10,
+        (CellShape::Tetrahedron, _) => 24,
+        (CellShape::Hexahedron, 1) => 12,
+        (CellShape::Hexahedron, _) => 29,
     };
-    (cell_type, nodes_in_order(cell_type as u8))
+    (number, nodes_in_order(number))
 }
+
+compiled_here!(
+    VtuFile::<D>::point_data,
+    VtuFile::<D>::point_values,
+    VtuFile::<D>::cell_data,
+    VtuFile::<D>::regions,
+    VtuFile::<D>::encode
+);
 
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
+
+    use vtkio::model::{Attribute, CellType, DataSet, UnstructuredGridPiece, Vtk};
 
     use super::*;
     use crate::element::Lagrange;
@@ -269,9 +266,7 @@ mod tests {
     use crate::space::Space;
 
     fn grid(file: &VtuFile<'_, 2>) -> UnstructuredGridPiece {
-        let mut bytes = Vec::new();
-        file.model().unwrap().write_xml(&mut bytes).unwrap();
-        let vtk = Vtk::parse_xml(bytes.as_slice()).unwrap();
+        let vtk = Vtk::parse_xml(file.encode().unwrap().as_bytes()).unwrap();
         let DataSet::UnstructuredGrid { mut pieces, .. } = vtk.data else { panic!("{:?}", vtk.data) };
         pieces.remove(0).into_loaded_piece_data(None).unwrap()
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
@@ -42,6 +43,7 @@ impl Elimination {
     ///
     /// # Errors
     /// If a prescribed value or a number of a relation is not finite.
+    #[inline(never)]
     pub fn of<const D: usize>(constraints: &[&Constraints<D>]) -> Result<Self, LinearAlgebraError> {
         let (mut prescribed, mut relations) = (BTreeMap::new(), BTreeMap::new());
         let mut offset = 0;
@@ -249,6 +251,8 @@ impl Elimination {
         Ok(self.restriction.insert(restriction))
     }
 }
+
+compiled_here!(Elimination::of::<D>);
 
 #[cfg(test)]
 mod tests {

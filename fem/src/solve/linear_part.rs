@@ -2,63 +2,28 @@
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
-use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Role};
+use forms_core::contract::Role;
 
+use super::any_form::Held;
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, TouchedEntries};
-use crate::field::{Field, FieldView};
+use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::add_scaled;
 use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
 use crate::space::Space;
 
 /// A form, the spaces of its unknowns and test functions, and who assembles it.
-pub(super) struct System<'a, F, const D: usize, const N: usize> {
-    pub form: Held<'a, F>,
+pub(super) struct System<'a, const D: usize, const N: usize> {
+    pub form: Held<'a, D>,
     pub assembler: Cow<'a, Assembler<D>>,
     /// Who assembles the nonlinear integrals at an iterate, where that depends on the iterate.
     pub assembler_at: Option<AssemblerAt<'a, D>>,
     pub spaces: [Arc<Space<D>>; N],
     /// Positions of the tangent's entries, from the first use on.
     pub pattern: OnceCell<Arc<BlockPattern<D>>>,
-}
-
-/// A form that is lent, or kept.
-pub(super) enum Held<'a, F> {
-    Lent(&'a F),
-    Own(F),
-}
-
-impl<F> std::ops::Deref for Held<'_, F> {
-    type Target = F;
-
-    fn deref(&self) -> &F {
-        match self {
-            Held::Lent(form) => form,
-            Held::Own(form) => form,
-        }
-    }
-}
-
-/// Whether a form has pairs of surfaces that an unknown displaces.
-fn slides<F: Form<D>, const D: usize>(form: &F) -> bool {
-    struct Slides(bool, &'static [FieldDescription]);
-    impl<const D: usize> LinearVisitor<D> for Slides {
-        type Error = Infallible;
-        fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
-            let unknown = |field: &usize| matches!(self.1[*field].role, Role::Unknown(_));
-            self.0 |= integral.displacement.is_some_and(|fields| fields.iter().any(unknown));
-            Ok(())
-        }
-    }
-    let mut visitor = Slides(false, form.fields());
-    match form.residual(&mut visitor) {
-        Ok(()) => visitor.0,
-        Err(never) => match never {},
-    }
 }
 
 /// The assembler for the nonlinear integrals at given unknowns.
@@ -127,30 +92,31 @@ impl Assembled {
     }
 }
 
-impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
+impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The matrix pattern: blocks that the form leaves empty are not stored, nor those that the assembler's cells leave empty.
     pub fn pattern(&self) -> Result<&Arc<BlockPattern<D>>, AssemblyError> {
         if let Some(known) = self.pattern.get() {
             return Ok(known);
         }
         let spaces = self.spaces.each_ref();
-        let pattern = BlockPattern::for_cells_of(&*self.form, &spaces, &spaces, &self.assembler)?;
+        let pattern =
+            BlockPattern::for_cells_of(&self.form.outline(Parts::ALL), &spaces, &spaces, &self.assembler)?;
         Ok(self.pattern.get_or_init(|| Arc::new(pattern)))
     }
 
     /// Whether pairs of points depend on the unknowns, and with them the positions of the tangent's entries.
     pub fn slides(&self) -> bool {
-        slides(&*self.form)
+        self.form.slides()
     }
 
     /// Gives the tangent at u other positions, where those known do not hold its entries. Whether it did.
     pub fn follow(&mut self, u: &[f64]) -> Result<bool, AssemblyError> {
-        let views = self.views(u)?;
-        if self.pattern()?.covers(&*self.form, &views)? {
+        let (views, outline) = (self.views(u)?, self.form.outline(Parts::ALL));
+        if self.pattern()?.covers(&outline, &views)? {
             return Ok(false);
         }
         let spaces = self.spaces.each_ref();
-        let pattern = BlockPattern::at_iterate(&*self.form, &spaces, &views, &self.assembler)?;
+        let pattern = BlockPattern::at_iterate(&outline, &spaces, &views, &self.assembler)?;
         self.pattern = OnceCell::from(Arc::new(pattern));
         Ok(true)
     }
@@ -199,31 +165,31 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
         fields.iter().find(|field| field.role == Role::Unknown(number)).map_or("unknown", |field| field.name)
     }
 
+    /// The active quadrature points at u, bit by bit; see [`Assembler::active_set`].
+    pub fn active_set(&self, u: &[f64]) -> Result<Option<Vec<u32>>, AssemblyError> {
+        self.form.active_set(&self.assembler, &self.views(u)?)
+    }
+
     /// Assembles what no iterate changes, in the memory of an earlier assembly.
     pub fn assemble(&self, commits: u64, earlier: Option<Assembled>) -> Result<Assembled, AssemblyError> {
         let (form, pattern) = (&*self.form, self.pattern()?);
         let zero = self.spaces.each_ref().map(Field::zero);
-        let (zero, spaces) = (zero.each_ref(), self.spaces.each_ref());
-        let load = self.assembler.residual_parts(form, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?;
+        let (zero, spaces) = (views(&zero.each_ref()), self.spaces.each_ref());
+        let linear = form.outline(Parts::LINEAR_AND_CONSTANT);
+        let load = form.residual(&self.assembler, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?;
         let mut assembled = match earlier {
             Some(earlier) => Assembled { commits, load, ..earlier },
             None => {
-                let touched = pattern.touched(form, Parts::NONLINEAR)?;
+                let touched = pattern.touched(&form.outline(Parts::NONLINEAR))?;
                 let (matrix, linear_values) = (BlockMatrix::zero(pattern.sparsity()), vec![]);
-                let linear = pattern.has_tangent(form, Parts::LINEAR_AND_CONSTANT);
+                let linear = linear.has_tangent();
                 Assembled { commits, load, linear, matrix, updated: false, touched, linear_values }
             }
         };
         if assembled.linear {
             let Assembled { matrix, linear_values, touched, .. } = &mut assembled;
-            self.assembler.assemble_tangent(
-                form,
-                &zero,
-                &spaces,
-                Parts::LINEAR_AND_CONSTANT,
-                pattern,
-                matrix,
-            )?;
+            let arguments = (&zero[..], &spaces[..]);
+            form.assemble_tangent(&self.assembler, arguments, Parts::LINEAR_AND_CONSTANT, pattern, matrix)?;
             linear_values.clear();
             linear_values.reserve_exact(touched.places.iter().map(|places| places.len()).sum());
             for places in &touched.places {
@@ -251,13 +217,13 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
     /// The residual of the nonlinear integrals at u.
     pub fn nonlinear_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        self.assembler_at(u)?.residual_of(&*self.form, &views, &spaces, Parts::NONLINEAR)
+        self.form.residual(&*self.assembler_at(u)?, &views, &spaces, Parts::NONLINEAR)
     }
 
     /// See [`Assembler::sizes_of_contributions`].
     pub fn sizes_of_contributions(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        self.assembler_at(u)?.sizes_of_contributions(&*self.form, &views, &spaces)
+        self.form.sizes_of_contributions(&*self.assembler_at(u)?, &views, &spaces)
     }
 
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
@@ -280,6 +246,10 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
         }
         assembled.updated = true;
         let (form, pattern, matrix) = (&*self.form, self.pattern()?, &mut assembled.matrix);
-        assembler.tangent_of(form, &views, &spaces, Parts::NONLINEAR, pattern, matrix, !overwrites)
+        let arguments = (&views[..], &spaces[..]);
+        match overwrites {
+            true => form.assemble_tangent(&assembler, arguments, Parts::NONLINEAR, pattern, matrix),
+            false => form.add_tangent(&assembler, arguments, Parts::NONLINEAR, pattern, matrix),
+        }
     }
 }

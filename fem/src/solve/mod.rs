@@ -6,6 +6,7 @@
 //! A [`MultigridSolver`] takes large systems in space.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
+mod any_form;
 pub mod communicator;
 pub mod condensed_solver;
 #[cfg(test)]

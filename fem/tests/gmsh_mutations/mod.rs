@@ -12,7 +12,7 @@ use forms_fem::mesh::gmsh::GmshMesh;
 use forms_fem::mesh::{BOUNDARY, CellBlock, Facet, INTERIOR, Mesh, MeshError, cuboid, rectangle};
 use write::Format;
 
-/// As a rule; `FORMS_MUTATIONS` says how many otherwise.
+/// With `FORMS_SWEEPS=1`; a tenth as a rule, and as many as `FORMS_MUTATIONS` says where it is set.
 const MUTATIONS: u64 = 20_000;
 
 pub fn plane(shape: CellShape, degree: usize) -> Result<Mesh<2>, MeshError> {

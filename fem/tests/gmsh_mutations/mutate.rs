@@ -75,11 +75,12 @@ const VALUES: [u64; 14] = [
     u64::MAX,
 ];
 
-/// Number of files to mutate: `FORMS_MUTATIONS`, or so many as a rule.
-pub fn count(usual: u64) -> u64 {
+/// Number of files to mutate: `FORMS_MUTATIONS`; or so many where sweeps are asked for, and a tenth of them as a rule.
+pub fn count(in_sweeps: u64) -> u64 {
     match std::env::var("FORMS_MUTATIONS") {
         Ok(count) => count.parse().expect("FORMS_MUTATIONS is a number"),
-        Err(_) => usual,
+        Err(_) if std::env::var_os("FORMS_SWEEPS").is_some() => in_sweeps,
+        Err(_) => in_sweeps / 10,
     }
 }
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
 use crate::assemble::pair_groups::PairTables;
+use crate::compiled_here::compiled_here;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::mesh::Mesh;
 use crate::mesh::geometry::determinant;
@@ -31,6 +32,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     }
 
     #[cold]
+    #[inline(never)]
     fn find_weight(&self, mesh: &Mesh<D>, range: Range<usize>) -> Result<(), AssemblyError> {
         for index in range {
             if let Some(pairs) = &self.group.pairs {
@@ -126,3 +128,5 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         AssemblyError::FacetMismatch { form: self.binding.name, cells, position, distance }
     }
 }
+
+compiled_here!(lanes: Batch::<L, D>::find_weight);

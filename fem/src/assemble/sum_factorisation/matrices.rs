@@ -3,6 +3,7 @@
 
 use super::contraction::contract;
 use super::{Derivatives, ProductTables};
+use crate::compiled_here::compiled_here;
 use crate::lanes::{SharedWork, SimdLane};
 
 /// Sums on their way; the list at `s * (D + 1) + t` belongs to derivative s of the test function and t of the trial
@@ -51,6 +52,7 @@ pub(in crate::assemble) struct PairSums<'a, L, const D: usize> {
 
 impl<L: SimdLane> MatrixStages<L> {
     /// Makes room.
+    #[inline(never)]
     pub fn prepare<const D: usize>(&mut self, tables: &ProductTables, symmetric: bool) {
         let (n, m) = (tables.nodes, tables.points);
         let length = (n * n).max(m).pow(D as u32);
@@ -134,3 +136,5 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for PairSums<'_, L, D> {
         }
     }
 }
+
+compiled_here!(lanes: MatrixStages::<L>::prepare::<D>);

@@ -3,13 +3,11 @@
 
 use std::fmt::Write;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-
 use super::PictureError;
 use super::colour_map::Colour;
 use super::drawing::{Drawing, Item, Rectangle, Segment};
 use super::png_file;
+use crate::output::base64;
 
 /// Resolution of embedded surfaces \[pixels per point\]: 288 dots per inch.
 const SURFACE_SCALE: f64 = 4.0;
@@ -59,13 +57,14 @@ fn write_elements(text: &mut String, drawing: &Drawing) -> Result<(), PictureErr
                 let Some(pixels) = surface.pixels(SURFACE_SCALE, page) else { continue };
                 let [x, y] = pixels.origin.map(|place| place as f64 / SURFACE_SCALE);
                 let [width, height] = pixels.size.map(|length| length as f64 / SURFACE_SCALE);
-                let data = STANDARD.encode(png_file::encode_surface(&pixels)?);
-                writeln!(
+                write!(
                     text,
                     "<image{clipped} x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
-                     href=\"data:image/png;base64,{data}\"/>"
+                     href=\"data:image/png;base64,"
                 )
                 .map_err(encoding)?;
+                base64::append(text, &png_file::encode_surface(&pixels)?);
+                text.push_str("\"/>\n");
             }
         }
     }

@@ -61,12 +61,6 @@ pub enum VtuError {
         /// Why.
         reason: String,
     },
-    /// The data cannot be encoded.
-    #[error("the data cannot be encoded as .vtu: {reason}")]
-    Encoding {
-        /// The encoder's error.
-        reason: String,
-    },
     /// The file cannot be written.
     #[error("the .vtu file cannot be written: {source}")]
     Write {

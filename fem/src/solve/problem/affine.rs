@@ -1,17 +1,13 @@
 //! Affine problems: one assembly, one linear system.
 
-use std::convert::Infallible;
-
-use forms_core::contract::{Dependence, Form, Integral, LinearKernel, LinearVisitor};
-
-use super::{Found, Problem};
+use super::untyped::{Found, UntypedProblem};
 use crate::linear_algebra::vector::norm;
 use crate::solve::linear_system::{check_equations, solve_reduced};
 use crate::solve::{
     Elimination, LinearSolver, NewtonFailure, NewtonStep, NonlinearProblem, SolveError, Transpose,
 };
 
-impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
+impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// One assembly, one linear system.
     pub(super) fn solve_affine(
         &mut self,
@@ -76,22 +72,4 @@ impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
         }
         squares.iter().map(|square| square.sqrt()).collect()
     }
-}
-
-/// Whether no integral of a form is nonlinear in its unknowns.
-pub(super) fn is_affine<F: Form<D>, const D: usize>(form: &F) -> bool {
-    struct Seen {
-        nonlinear: bool,
-    }
-    impl<const D: usize> LinearVisitor<D> for Seen {
-        type Error = Infallible;
-
-        fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Self::Error> {
-            self.nonlinear |= integral.dependence == Dependence::Nonlinear;
-            Ok(())
-        }
-    }
-    let mut seen = Seen { nonlinear: false };
-    let Ok(()) = form.residual(&mut seen);
-    !seen.nonlinear
 }

@@ -1,12 +1,10 @@
 //! Errors of linear solvers told in a problem's own terms: field, component, position, rigid motions.
 
-use forms_core::contract::Form;
-
-use super::Problem;
+use super::untyped::UntypedProblem;
 use crate::linear_algebra::{LinearAlgebraError, free_motions};
 use crate::solve::{Elimination, SolverError};
 
-impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
+impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
     /// that does not hold with those of its unknown.
     pub(super) fn named(&self, error: SolverError, elimination: &Elimination) -> SolverError {
@@ -59,6 +57,6 @@ impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
         let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
         // What cannot be said is left out: the error is reported in any case.
         let residual = |motion: &[f64], forces: &[f64]| elimination.null_space_residual(motion, forces);
-        free_motions(assembled.matrix(), offset, space.positions(), residual).unwrap_or_default()
+        free_motions(assembled.matrix(), offset, space.positions(), &residual).unwrap_or_default()
     }
 }

@@ -4,15 +4,13 @@
 use std::borrow::Cow;
 use std::time::Instant;
 
-use forms_core::contract::Form;
-
-use super::Problem;
+use super::untyped::UntypedProblem;
 use crate::assemble::AssemblyError;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::communicator::{agreed, all_active, summed};
 use crate::solve::{ActivePoints, NonlinearProblem, Tangent};
 
-impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
+impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     fn own_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (system, assembled) = self.ready()?;
         let start = Instant::now();
@@ -34,7 +32,7 @@ impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
 
     fn own_active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
         let start = Instant::now();
-        let set = self.system.assembler.active_set_of(&*self.system.form, &self.system.views(u)?)?;
+        let set = self.system.active_set(u)?;
         self.seconds += start.elapsed().as_secs_f64();
         // A point with several switches counts once; which of them are on tells sets apart.
         Ok(set.map(|bits| {
@@ -44,7 +42,7 @@ impl<F: Form<D>, const D: usize, const N: usize> Problem<'_, F, D, N> {
     }
 }
 
-impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_, F, D, N> {
+impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, N> {
     type Error = AssemblyError;
 
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {

@@ -1,0 +1,118 @@
+//! Forms without their kernels: what asks for no more than names, data and couplings is compiled once and not for every form.
+
+use std::convert::Infallible;
+use std::ops::Deref;
+
+use forms_core::contract::{
+    BilinearKernel, BilinearVisitor, Entity, FieldDescription, Form, Inputs, Integral, Region, Role, Side,
+};
+
+use super::Parts;
+use super::pair_groups::DegreeEstimate;
+
+/// A form's name, fields and data.
+#[derive(Clone, Copy)]
+pub(crate) struct Described<'a, const D: usize> {
+    name: &'static str,
+    fields: &'static [FieldDescription],
+    inputs: &'a Inputs<D>,
+}
+
+impl<'a, const D: usize> Described<'a, D> {
+    pub fn of<F: Form<D>>(form: &'a F) -> Self {
+        Described { name: form.name(), fields: form.fields(), inputs: form.inputs() }
+    }
+
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    pub fn fields(&self) -> &'static [FieldDescription] {
+        self.fields
+    }
+
+    pub fn inputs(&self) -> &'a Inputs<D> {
+        self.inputs
+    }
+
+    /// The name of the field with a role; empty if there is none.
+    pub fn name_of(&self, role: Role) -> &'static str {
+        self.fields.iter().find(|field| field.role == role).map_or("", |field| field.name)
+    }
+}
+
+/// The same with what the tangents of some of its integrals couple.
+pub(crate) struct Outline<'a, const D: usize> {
+    described: Described<'a, D>,
+    pub(super) couplings: Vec<Coupling>,
+}
+
+impl<'a, const D: usize> Outline<'a, D> {
+    pub fn of<F: Form<D>>(form: &'a F, parts: Parts) -> Self {
+        Outline { described: Described::of(form), couplings: couplings(form, parts) }
+    }
+
+    /// Whether some of the integrals have tangents.
+    pub fn has_tangent(&self) -> bool {
+        !self.couplings.is_empty()
+    }
+}
+
+impl<'a, const D: usize> Deref for Outline<'a, D> {
+    type Target = Described<'a, D>;
+
+    fn deref(&self) -> &Described<'a, D> {
+        &self.described
+    }
+}
+
+/// One kind of tangent integral.
+#[derive(Clone, Copy)]
+pub(crate) struct Coupling {
+    pub test: usize,
+    pub trial: usize,
+    pub region: usize,
+    pub sides: [Side; 2],
+    /// Of contact pairs, where points decide which cells are coupled, the degree of the rule.
+    pub degree: DegreeEstimate,
+    /// Of pairs of displaced surfaces, the fields that displace them.
+    pub displacement: Option<&'static [usize]>,
+}
+
+impl Coupling {
+    fn is_like(&self, other: &Coupling) -> bool {
+        let key = |coupling: &Coupling| (coupling.test, coupling.trial, coupling.region);
+        key(self) == key(other) && self.sides == other.sides
+    }
+}
+
+struct CouplingVisitor<'a> {
+    regions: &'a [Region],
+    parts: Parts,
+    found: Vec<Coupling>,
+}
+
+/// The couplings of the tangents of some of a form's integrals.
+fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
+    let mut visitor = CouplingVisitor { regions: &form.inputs().regions, parts, found: vec![] };
+    match form.tangent(&mut visitor) {
+        Ok(()) => visitor.found,
+        Err(never) => match never {},
+    }
+}
+
+impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
+    type Error = Infallible;
+
+    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
+        let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } = *integral;
+        let sides = [test_side, trial_side];
+        let coupling = Coupling { test, trial, region, sides, degree, displacement };
+        let on_pairs = self.regions[region].entity == Entity::Pairs;
+        let is_new = on_pairs || !self.found.iter().any(|known| known.is_like(&coupling));
+        if self.parts.contain(integral.dependence) && is_new {
+            self.found.push(coupling);
+        }
+        Ok(())
+    }
+}

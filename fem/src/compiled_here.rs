@@ -1,0 +1,44 @@
+//! Functions that are generic over the dimension alone, compiled in this crate and not in every program.
+//!
+//! A generic function is compiled where it is called: in each program anew, and after each edit. One that is marked
+//! `#[inline(never)]` is not, where the library that declares it holds the instance that is called: programs link it, at
+//! every level of optimisation. `compiled_here!` stands below such functions and makes their instances for two and for
+//! three dimensions. What they call is compiled with them.
+
+/// Compiles generic functions of the dimension `D` for two and three dimensions; with `lanes`, also for each type of lane `L`.
+macro_rules! compiled_here {
+    (lanes: $($function:expr),+ $(,)?) => {
+        const _: () = {
+            fn instances<L: crate::lanes::SimdLane, const D: usize>() -> Vec<*const ()> {
+                vec![$($function as *const ()),+]
+            }
+            #[expect(dead_code, reason = "it is there for the instances that it names")]
+            static INSTANCES: &[fn() -> Vec<*const ()>] = &[
+                instances::<f64, 2>,
+                instances::<f64, 3>,
+                #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
+                instances::<crate::lanes::Avx2, 2>,
+                #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
+                instances::<crate::lanes::Avx2, 3>,
+                #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
+                instances::<crate::lanes::Avx512, 2>,
+                #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
+                instances::<crate::lanes::Avx512, 3>,
+                #[cfg(target_arch = "aarch64")]
+                instances::<crate::lanes::Neon, 2>,
+                #[cfg(target_arch = "aarch64")]
+                instances::<crate::lanes::Neon, 3>,
+            ];
+        };
+    };
+    ($($function:expr),+ $(,)?) => {
+        const _: () = {
+            fn instances<const D: usize>() -> Vec<*const ()> {
+                vec![$($function as *const ()),+]
+            }
+            #[expect(dead_code, reason = "it is there for the instances that it names")]
+            static INSTANCES: [fn() -> Vec<*const ()>; 2] = [instances::<2>, instances::<3>];
+        };
+    };
+}
+pub(crate) use compiled_here;
