@@ -48,7 +48,8 @@ impl Default for NewtonOptions {
 }
 
 /// One iterate in Newton's history, and the step that led to it.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NewtonStep {
     /// 0 for the start.
     pub iteration: usize,
