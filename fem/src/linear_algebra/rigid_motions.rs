@@ -51,6 +51,9 @@ pub fn rigid_motions<const D: usize>(positions: &[[f64; D]]) -> Vec<Vec<f64>> {
 /// Length, relative to a motion's, below which what hinders it is rounding. A body held at one node of 10⁶ leaves more than 1e-4.
 const NOTHING: f64 = 1e-11;
 
+/// Makes one vector of a motion and of its forces; see [`free_motions`].
+pub type Hindrance<'a> = dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError> + 'a;
+
 /// The rigid motions that a matrix does not resist and that constraints allow, each in words:
 /// "translation along x", "rotation about (0, 0, 1) through (0.5, 0.5, 0)". The unknowns of the nodes at `positions`
 /// start at `offset` of the matrix, which has all rows and columns. `hindrance` makes one vector of a motion and of its forces (relative to the
@@ -63,7 +66,7 @@ pub fn free_motions<const D: usize>(
     matrix: &BlockMatrix,
     offset: usize,
     positions: &[[f64; D]],
-    hindrance: &dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError>,
+    hindrance: &Hindrance<'_>,
 ) -> Result<Vec<String>, LinearAlgebraError> {
     let scale = super::vector::largest(matrix.values());
     if D < 2 || positions.is_empty() || !scale.is_finite() {

@@ -20,12 +20,8 @@ impl SymmetricEigen {
         if entries.len() != size * size || entries.iter().any(|entry| !entry.is_finite()) {
             return None;
         }
-        let mut matrix: Vec<Vec<f64>> = entries.chunks(size.max(1)).map(<[f64]>::to_vec).collect();
-        for i in 0..size {
-            for j in i + 1..size {
-                matrix[i][j] = matrix[j][i];
-            }
-        }
+        let entry = |i: usize, j: usize| entries[i.max(j) * size + i.min(j)];
+        let matrix = (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect();
         let Tridiagonal { mut diagonal, mut beside, mut basis } = Tridiagonal::of(matrix);
         diagonalise(&mut diagonal, &mut beside, &mut basis)?;
         Some(SymmetricEigen { values: diagonal, vectors: basis })

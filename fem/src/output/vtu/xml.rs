@@ -46,14 +46,15 @@ impl Grid<'_> {
         let piece = format!("<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{}\">\n", self.types.len());
         text.push_str(&piece);
         let part = |text: &mut String, name: &str, arrays: &[Array]| {
-            text.push_str(&format!("<{name}>\n"));
+            text.push_str(&format!("<{name}{}>\n", active(arrays)));
             arrays.iter().for_each(|array| array.append(text));
             text.push_str(&format!("</{name}>\n"));
         };
         part(&mut text, "PointData", &self.point_data);
         part(&mut text, "CellData", &self.cell_data);
-        part(&mut text, "Points", std::slice::from_ref(&self.points));
-        text.push_str("<Cells>\n");
+        text.push_str("<Points>\n");
+        self.points.append(&mut text);
+        text.push_str("</Points>\n<Cells>\n");
         let words = |numbers: &[u64]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
         append(&mut text, "connectivity", 1, "UInt64", words(&self.connectivity));
         append(&mut text, "offsets", 1, "UInt64", words(&self.offsets));
@@ -75,6 +76,17 @@ impl Array<'_> {
         };
         append(text, self.name, self.components, kind, bytes);
     }
+}
+
+/// The attributes that name the first array of each kind, which readers show unless they are told otherwise.
+fn active(arrays: &[Array]) -> String {
+    let mut text = String::new();
+    for (kind, components) in [("Scalars", 1), ("Vectors", 3), ("Tensors", 9)] {
+        if let Some(array) = arrays.iter().find(|array| array.components == components) {
+            text.push_str(&format!(" {kind}=\"{}\"", escaped(array.name)));
+        }
+    }
+    text
 }
 
 /// Appends an array of numbers of VTK's type `kind`.
@@ -130,10 +142,10 @@ mod tests {
 <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">
 <UnstructuredGrid>
 <Piece NumberOfPoints=\"2\" NumberOfCells=\"1\">
-<PointData>
+<PointData Scalars=\"σ &lt; &quot;τ&quot; &amp; t\">
 <DataArray type=\"Float64\" Name=\"σ &lt; &quot;τ&quot; &amp; t\" NumberOfComponents=\"1\" format=\"binary\">EAAAAAAAAAAAAAAAAADgPwAAAAAAAADA</DataArray>
 </PointData>
-<CellData>
+<CellData Scalars=\"region\">
 <DataArray type=\"Int32\" Name=\"region\" NumberOfComponents=\"1\" format=\"binary\">BAAAAAAAAAD/////</DataArray>
 </CellData>
 <Points>
