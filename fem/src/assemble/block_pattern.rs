@@ -2,7 +2,6 @@
 //! space; and where element matrices go.
 
 use std::convert::Infallible;
-use std::ops::Range;
 use std::sync::Arc;
 
 use forms_core::contract::{BilinearKernel, BilinearVisitor, Entity, Form, Integral, Region, Role, Side};
@@ -15,7 +14,6 @@ use super::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::field::FieldView;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
-use crate::mesh::Facet;
 use crate::space::Space;
 
 /// The positions of a matrix over the unknowns of several spaces in a row, with what is needed to find the blocks
@@ -26,15 +24,15 @@ use crate::space::Space;
 /// dimensions. Couplings across interior facets, of contact pairs and those of spaces on facets are searched for as they come.
 #[derive(Debug)]
 pub struct BlockPattern<const D: usize> {
-    sparsity: Arc<BlockSparsity>,
-    tests: Vec<Arc<Space<D>>>,
-    trials: Vec<Arc<Space<D>>>,
+    pub(super) sparsity: Arc<BlockSparsity>,
+    pub(super) tests: Vec<Arc<Space<D>>>,
+    pub(super) trials: Vec<Arc<Space<D>>>,
     /// `maps[test][trial]`
     maps: Vec<Vec<Option<BlockIndex>>>,
     /// The cells whose couplings it holds, where they are not all.
-    owned: Option<Arc<OwnedCells>>,
+    pub(super) owned: Option<Arc<OwnedCells>>,
     /// Source of the contact pairs.
-    search: PairSearch<D>,
+    pub(super) search: PairSearch<D>,
 }
 
 /// The coupling of an integral for a pair of spaces.
@@ -56,10 +54,10 @@ impl Coupled<'_> {
 /// One kind of tangent integral.
 #[derive(Clone, Copy)]
 pub(super) struct Coupling {
-    test: usize,
-    trial: usize,
+    pub test: usize,
+    pub trial: usize,
     pub region: usize,
-    sides: [Side; 2],
+    pub sides: [Side; 2],
     /// Of contact pairs, where points decide which cells are coupled, the degree of the rule.
     pub degree: DegreeEstimate,
     /// Of pairs of displaced surfaces, the fields that displace them.
@@ -71,6 +69,11 @@ impl Coupling {
         let key = |coupling: &Coupling| (coupling.test, coupling.trial, coupling.region);
         key(self) == key(other) && self.sides == other.sides
     }
+
+    /// Whether it has the pairs of another one, up to the degree of the rule.
+    pub fn slides_as(&self, other: &Coupling) -> bool {
+        self.region == other.region && self.displacement == other.displacement
+    }
 }
 
 struct CouplingVisitor<'a> {
@@ -80,30 +83,11 @@ struct CouplingVisitor<'a> {
 }
 
 /// The couplings of the tangents of some of a form's integrals.
-fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
+pub(super) fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
     let mut visitor = CouplingVisitor { regions: &form.inputs().regions, parts, found: vec![] };
     match form.tangent(&mut visitor) {
         Ok(()) => visitor.found,
         Err(never) => match never {},
-    }
-}
-
-/// The entries of a matrix that some integrals touch.
-pub(crate) struct TouchedEntries {
-    /// Places among the values, as ascending ranges of whole blocks.
-    pub places: Vec<Range<usize>>,
-    /// Of each trial space, the unknowns that belong to the columns.
-    pub unknowns: Vec<Vec<Range<usize>>>,
-}
-
-/// The runs of true entries, each entry standing for `width` numbers from `first` on.
-fn runs(marks: &[bool], first: usize, width: usize, runs: &mut Vec<Range<usize>>) {
-    for (number, _) in marks.iter().enumerate().filter(|(_, marked)| **marked) {
-        let (start, end) = (first + number * width, first + (number + 1) * width);
-        match runs.last_mut() {
-            Some(last) if last.end == start => last.end = end,
-            _ => runs.push(start..end),
-        }
     }
 }
 
@@ -138,7 +122,7 @@ impl<const D: usize> BlockPattern<D> {
         trials: &[&Arc<Space<D>>],
     ) -> Result<Self, AssemblyError> {
         let unknowns = without_coefficients(trials);
-        Self::for_cells(form, tests, &unknowns, None, PairSearch::default())
+        Self::for_cells(form, tests, &unknowns, None, (PairSearch::default(), Parts::ALL))
     }
 
     /// The pattern of the part of a form's tangent that an assembler assembles.
@@ -148,17 +132,18 @@ impl<const D: usize> BlockPattern<D> {
         trials: &[&Arc<Space<D>>],
         assembler: &Assembler<D>,
     ) -> Result<Self, AssemblyError> {
-        Self::at_iterate(form, tests, &without_coefficients(trials), assembler)
+        Self::at_iterate(form, tests, &without_coefficients(trials), assembler, Parts::ALL)
     }
 
-    /// The same with the pairs of displaced surfaces that there are at an iterate.
+    /// The same for some of the integrals, with the pairs of displaced surfaces that there are at an iterate.
     pub(crate) fn at_iterate<F: Form<D>>(
         form: &F,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         assembler: &Assembler<D>,
+        parts: Parts,
     ) -> Result<Self, AssemblyError> {
-        Self::for_cells(form, tests, unknowns, assembler.owned.as_ref(), PairSearch::of(assembler))
+        Self::for_cells(form, tests, unknowns, assembler.owned.as_ref(), (PairSearch::of(assembler), parts))
     }
 
     /// Whether everything that a form's pairs of displaced surfaces couple at an iterate has its place.
@@ -176,7 +161,7 @@ impl<const D: usize> BlockPattern<D> {
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         owned: Option<&Arc<OwnedCells>>,
-        mut search: PairSearch<D>,
+        (mut search, parts): (PairSearch<D>, Parts),
     ) -> Result<Self, AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|unknown| unknown.space).collect();
         let trials = &trials[..];
@@ -201,7 +186,7 @@ impl<const D: usize> BlockPattern<D> {
             }
         }
         let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
-        let couplings = couplings(form, Parts::ALL);
+        let couplings = couplings(form, parts);
         search.slide_to(form, tests, unknowns, &couplings)?;
         for coupling in couplings {
             let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
@@ -336,69 +321,6 @@ impl<const D: usize> BlockPattern<D> {
         !couplings(form, parts).is_empty()
     }
 
-    /// The entries that some of a form's integrals touch in a matrix with this pattern: at least all that their tangents
-    /// change, and whole pairs of spaces for integrals over all cells.
-    pub(crate) fn touched<F: Form<D>>(
-        &self,
-        form: &F,
-        parts: Parts,
-    ) -> Result<TouchedEntries, AssemblyError> {
-        let tests: Vec<&Arc<Space<D>>> = self.tests.iter().collect();
-        let trials: Vec<&Arc<Space<D>>> = self.trials.iter().collect();
-        let mut marks: Vec<Vec<bool>> = vec![vec![]; self.tests.len() * self.trials.len()];
-        let mut columns: Vec<Vec<bool>> = vec![vec![]; self.trials.len()];
-        for coupling in couplings(form, parts) {
-            let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
-            let pair = self.sparsity.pair(test, trial);
-            let (rows, columns_of) = (&self.tests[test], &self.trials[trial]);
-            let marks = &mut marks[test * self.trials.len() + trial];
-            marks.resize(pair.blocks(), false);
-            let columns = &mut columns[trial];
-            columns.resize(columns_of.node_count(), false);
-            let entities = self.search.entities(form, &tests, &trials, &coupling)?;
-            if let Entities::Cells(cells) = &entities
-                && cells.len() == rows.mesh.cell_count()
-            {
-                marks.fill(true);
-                columns.fill(true);
-                continue;
-            }
-            let entities = OwnedCells::among(self.owned.as_deref(), entities);
-            for index in 0..entities.count() {
-                let at = |side: Side| match (&entities, side) {
-                    (Entities::Cells(cells), _) => (cells[index], None),
-                    (_, Side::This) => seen_from(entities.sides(index).first()),
-                    (_, Side::Other) => seen_from(entities.sides(index).last()),
-                };
-                let ((row_cell, row_facet), (column_cell, column_facet)) = (at(test_side), at(trial_side));
-                for &row in rows.nodes_at(row_cell, row_facet) {
-                    for &column in columns_of.nodes_at(column_cell, column_facet) {
-                        let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
-                            let name = |role| name_of(form, role);
-                            let (test, trial) = (name(Role::Test(test)), name(Role::Unknown(trial)));
-                            AssemblyError::Pattern { form: form.name(), test, trial }
-                        })?;
-                        marks[pair.range(row as usize).start + place] = true;
-                        columns[column as usize] = true;
-                    }
-                }
-            }
-        }
-        let mut touched = TouchedEntries { places: vec![], unknowns: vec![] };
-        for (number, marks) in marks.iter().enumerate() {
-            let (test, trial) = (number / self.trials.len(), number % self.trials.len());
-            let block = self.tests[test].components() * self.trials[trial].components();
-            let first = self.sparsity.pair(test, trial).values().start;
-            runs(marks, first, block, &mut touched.places);
-        }
-        for (space, marks) in self.trials.iter().zip(&columns) {
-            let mut unknowns = Vec::new();
-            runs(marks, 0, space.components(), &mut unknowns);
-            touched.unknowns.push(unknowns);
-        }
-        Ok(touched)
-    }
-
     /// Bytes of the maps from element matrices to the matrix, without the positions themselves
     /// ([`BlockSparsity::memory`]).
     pub fn map_memory(&self) -> usize {
@@ -434,12 +356,7 @@ impl<const D: usize> BlockPattern<D> {
     }
 }
 
-/// The cell and the local number of a facet.
-fn seen_from(facet: Option<&Facet>) -> (u32, Option<u8>) {
-    facet.map_or((0, None), |facet| (facet.cell, Some(facet.local)))
-}
-
 /// The name of the field with a role in a form.
-fn name_of<F: Form<D>, const D: usize>(form: &F, role: Role) -> &'static str {
+pub(super) fn name_of<F: Form<D>, const D: usize>(form: &F, role: Role) -> &'static str {
     form.fields().iter().find(|field| field.role == role).map_or("", |field| field.name)
 }

@@ -32,7 +32,7 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
-        let pattern = BlockPattern::at_iterate(form, tests, &views(unknowns), self)?;
+        let pattern = BlockPattern::at_iterate(form, tests, &views(unknowns), self, Parts::ALL)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         self.add_tangent(form, unknowns, tests, Parts::ALL, &pattern, &mut matrix)?;
         Ok(matrix.into_csr())

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use forms_core::contract::{FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Role};
 
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, TouchedEntries};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, RegionPairs, TouchedEntries};
 use crate::field::{Field, FieldView};
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::add_scaled;
@@ -150,9 +150,14 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
             return Ok(false);
         }
         let spaces = self.spaces.each_ref();
-        let pattern = BlockPattern::at_iterate(&*self.form, &spaces, &views, &self.assembler)?;
+        let pattern = BlockPattern::at_iterate(&*self.form, &spaces, &views, &self.assembler, Parts::ALL)?;
         self.pattern = OnceCell::from(Arc::new(pattern));
         Ok(true)
+    }
+
+    /// The contact pairs at u, in numbers.
+    pub fn pairs(&self, u: &[f64]) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
+        self.assembler.pairs_of_form(&*self.form, &self.views(u)?, &self.spaces.each_ref())
     }
 
     /// Number of unknowns of all spaces.
@@ -189,7 +194,7 @@ impl<F: Form<D>, const D: usize, const N: usize> System<'_, F, D, N> {
         }
     }
 
-    fn misfit(&self, source: LinearAlgebraError) -> AssemblyError {
+    pub fn misfit(&self, source: LinearAlgebraError) -> AssemblyError {
         AssemblyError::LinearAlgebra { form: self.form.name(), source }
     }
 

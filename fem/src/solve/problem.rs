@@ -15,6 +15,7 @@ use std::time::Instant;
 use forms_core::contract::Form;
 
 use self::form_equations::{FormEquations, newton_for_form};
+use super::apart::Apart;
 use super::communicator::Communicator;
 use super::linear_part::{Assembled, Held, System};
 use super::{
@@ -66,6 +67,8 @@ pub struct Problem<'a, F, const D: usize, const N: usize = 1> {
     progress: Option<EachStep<'a>>,
     communicator: Option<&'a dyn Communicator>,
     assembled: Option<Assembled>,
+    /// Where pairs slide and the solver condenses.
+    apart: Option<Apart<D>>,
     seconds: f64,
 }
 
@@ -116,6 +119,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
             progress: None,
             communicator: None,
             assembled: None,
+            apart: None,
             seconds: 0.0,
         }
     }
@@ -228,6 +232,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
             report,
             assembly_seconds: self.seconds,
             seconds: begun.elapsed().as_secs_f64(),
+            pairs: self.system.pairs(&u)?,
             assembler: self.system.assembler.clone().into_owned(),
         })
     }
@@ -247,6 +252,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
             None => vec![0.0; self.system.unknowns()],
         };
         let guess = self.extrapolate_prescribed(&u, constraints);
+        self.apart = None;
         let options = self.options.clone();
         let mut progress = self.progress.take();
         let mut ignored = |_: &NewtonStep| ();
@@ -265,6 +271,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
                 };
                 error.why = NewtonFailure::LinearSolver(named);
             }
+            error.notes = self.lost_pairs(&error.u);
             error
         })?;
         Ok((found.u, found.residual, found.history))
