@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p forms-bench --example contact_pairs [-- THREADS]`
 //!
-//! Pairs are searched for once; residual and tangent are those of the contact integrals alone, insertion included.
+//! Fixed pairs are searched for once; sliding ones, with friction, at each iterate, with lists of candidates that are new or kept from
+//! the iterate before. Residual and tangent are those of the contact integrals alone, insertion included, without the search.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -12,6 +13,7 @@ use forms_fem::assemble::BlockPattern;
 use forms_fem::contract::PairQuadrature;
 use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::output::{StandardOutput, program};
+use forms_fem::pairs::PairError;
 use forms_fem::prelude::*;
 
 #[forms]
@@ -41,6 +43,46 @@ mod nitsche {
             0.5 * (T / gamma() * (theta * normal_stress(v) - gamma() * dot(jump(v), toward))
                 - theta / gamma() * normal_stress(u) * normal_stress(v)),
         )
+    }
+}
+
+#[forms]
+mod rubber {
+    pub struct Data {
+        lambda: Param,
+        mu: Param,
+        gamma0: Param,
+        kappa: Param,
+        old: Given<Vector>,
+    }
+    #[pairs]
+    pub struct Touch;
+
+    fn first_piola(u: Vector) -> Tensor {
+        let F = I + grad(u);
+        diff(mu / 2 * (inner(F, F) - D - 2 * ln(det(F))) + lambda / 2 * pow(ln(det(F)), 2), F)
+    }
+    fn turned(w: Vector) -> Vector {
+        normalize(cof(I + grad(w)) * n)
+    }
+    fn ball(q: Vector, s: Scalar) -> Vector {
+        if s <= 0 {
+            0 * q
+        } else if dot(q, q) <= s * s {
+            q
+        } else {
+            s / norm(q) * q
+        }
+    }
+    /// Contact and Coulomb's friction at large sliding (Poulios and Renard 2015).
+    pub fn contact(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let t = this(first_piola(u) * n);
+        let gamma = gamma0 / this(h);
+        let P = dot(t, toward) + gamma * gap;
+        let slip = jump(u - old) + gap * (toward - this(turned(old)));
+        let q = t - gamma * slip;
+        let T = ball(q - dot(q, toward) * toward, kappa * neg_part(P)) - neg_part(P) * toward;
+        -integral(Touch(u), dot(T, jump(v)) / 2)
     }
 }
 
@@ -113,6 +155,61 @@ where
     Ok(())
 }
 
+/// One row for pairs that slide: a search with new lists of candidates and one with those of an iterate near by, residual and tangent.
+fn measure_sliding<const D: usize>(
+    out: &mut StandardOutput,
+    name: &str,
+    mesh: &Arc<Mesh<D>>,
+    threads: Threads,
+) -> Result<(), Box<dyn Error>>
+where
+    Dim: Dimension<D>,
+{
+    let pairing = Pairing::between("below", "above");
+    let facets = (mesh.facet_region("below")?.len() + mesh.facet_region("above")?.len()) as f64;
+    let space = Space::vector(mesh, 2)?;
+    let assembler = Assembler::new(mesh).with_threads(threads);
+    let data = rubber::Data { lambda: 100.0, mu: 80.0, gamma0: 2e4, kappa: 0.3, old: [0.0; D].into() };
+    let form = rubber::contact(&data, &rubber::Touch::on(pairing.clone()));
+    let at = |shift: f64| {
+        Field::interpolate(&space, |x: &[f64; D]| {
+            let mut value = [shift; D];
+            value[D - 1] = 0.01 * (x[0] - 0.5) * x[D - 1];
+            value
+        })
+    };
+    let u = at(0.0)?;
+    let degree = 4;
+    let mut points = 0;
+    let new = best(10, || {
+        let fresh = Assembler::new(mesh).with_threads(threads);
+        points = fresh.pairs_at(&pairing, degree, &u)?.points;
+        Ok::<_, PairError>(())
+    })?;
+    assembler.pairs_at(&pairing, degree, &u)?;
+    let iterates: Vec<Field<D>> = (1..=10).map(|k| at(1e-7 * f64::from(k))).collect::<Result<_, _>>()?;
+    let mut next = iterates.iter();
+    let kept = best(10, || match next.next() {
+        Some(u) => assembler.pairs_at(&pairing, degree, u).map(|_| ()),
+        None => Ok(()),
+    })?;
+    let pattern = BlockPattern::for_form(&form, &[&space], &[&space])?;
+    let mut matrix = BlockMatrix::zero(pattern.sparsity());
+    let residual = best(20, || assembler.residual(&form, &[&u], &[&space]).map(|_| ()))?;
+    let tangent =
+        best(10, || assembler.assemble_tangent(&form, &[&u], &[&space], Parts::ALL, &pattern, &mut matrix))?;
+    let each = |seconds: f64| 1e6 * seconds / facets;
+    out.line(format!(
+        "| {name} | {facets} | {:.1} | {:.2} | {:.2} | {:.2} | {:.2} |",
+        points as f64 / facets,
+        each(new),
+        each(kept),
+        each(residual),
+        each(tangent)
+    ));
+    Ok(())
+}
+
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let threads = std::env::args().nth(1).map_or(Ok(1), |count| count.parse())?;
     let threads = Threads::new(threads);
@@ -129,7 +226,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let solid = stacked(&tetrahedra(0.0, 30)?, &tetrahedra(0.1, 40)?)?;
     measure(out, "tetrahedra P2, pieces", &solid, PairQuadrature::Pieces, threads)?;
-    measure(out, "tetrahedra P2, whole facets", &solid, PairQuadrature::WholeFacets, threads)
+    measure(out, "tetrahedra P2, whole facets", &solid, PairQuadrature::WholeFacets, threads)?;
+    out.line("");
+    out.line("| sliding | own facets | points per facet | search, new lists, µs | kept lists, µs | residual, µs | tangent, µs |");
+    out.line("| --- | --- | --- | --- | --- | --- | --- |");
+    measure_sliding(out, "triangles P2", &plane, threads)?;
+    measure_sliding(out, "tetrahedra P2", &solid, threads)
 }
 
 fn main() -> ExitCode {

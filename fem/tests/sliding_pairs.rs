@@ -60,7 +60,7 @@ mod rubber {
 
 /// Two boxes [0, 1]^D, the second one on top of the first and shifted by `offset`, with so many cells along each axis; the sides
 /// that meet are "below" and "above", both together "touch", the lowest side "bottom", the highest "top".
-fn boxes<const D: usize>(cells: [usize; 2], offset: [f64; D]) -> Arc<Mesh<D>> {
+pub(crate) fn boxes<const D: usize>(cells: [usize; 2], offset: [f64; D]) -> Arc<Mesh<D>> {
     let (mut nodes, mut corners) = (Vec::new(), Vec::new());
     for (body, count) in cells.into_iter().enumerate() {
         let start = nodes.len();

@@ -1,7 +1,6 @@
 //! Which matrix entries a form can touch: nodes that an integral couples, for each pair of test and trial
 //! space; and where element matrices go.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use forms_core::contract::{Form, Role, Side};
@@ -16,7 +15,6 @@ use super::{Assembler, AssemblyError, Parts};
 use crate::compiled_here::compiled_here;
 use crate::field::FieldView;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
-use crate::mesh::Facet;
 use crate::space::Space;
 
 /// The positions of a matrix over the unknowns of several spaces in a row, with what is needed to find the blocks
@@ -27,15 +25,15 @@ use crate::space::Space;
 /// dimensions. Couplings across interior facets, of contact pairs and those of spaces on facets are searched for as they come.
 #[derive(Debug)]
 pub struct BlockPattern<const D: usize> {
-    sparsity: Arc<BlockSparsity>,
-    tests: Vec<Arc<Space<D>>>,
-    trials: Vec<Arc<Space<D>>>,
+    pub(super) sparsity: Arc<BlockSparsity>,
+    pub(super) tests: Vec<Arc<Space<D>>>,
+    pub(super) trials: Vec<Arc<Space<D>>>,
     /// `maps[test][trial]`
     maps: Vec<Vec<Option<BlockIndex>>>,
     /// The cells whose couplings it holds, where they are not all.
-    owned: Option<Arc<OwnedCells>>,
+    pub(super) owned: Option<Arc<OwnedCells>>,
     /// Source of the contact pairs.
-    search: PairSearch<D>,
+    pub(super) search: PairSearch<D>,
 }
 
 /// The coupling of an integral for a pair of spaces.
@@ -51,25 +49,6 @@ impl Coupled<'_> {
     fn add_cell(&mut self, cell: u32, count: usize) {
         self.cells.resize(count, false);
         self.cells[cell as usize] = true;
-    }
-}
-
-/// The entries of a matrix that some integrals touch.
-pub(crate) struct TouchedEntries {
-    /// Places among the values, as ascending ranges of whole blocks.
-    pub places: Vec<Range<usize>>,
-    /// Of each trial space, the unknowns that belong to the columns.
-    pub unknowns: Vec<Vec<Range<usize>>>,
-}
-
-/// The runs of true entries, each entry standing for `width` numbers from `first` on.
-fn runs(marks: &[bool], first: usize, width: usize, runs: &mut Vec<Range<usize>>) {
-    for (number, _) in marks.iter().enumerate().filter(|(_, marked)| **marked) {
-        let (start, end) = (first + number * width, first + (number + 1) * width);
-        match runs.last_mut() {
-            Some(last) if last.end == start => last.end = end,
-            _ => runs.push(start..end),
-        }
     }
 }
 
@@ -279,66 +258,6 @@ impl<const D: usize> BlockPattern<D> {
         self.sparsity.column_sets()[trial].offset
     }
 
-    /// The entries that the integrals of an outline touch in a matrix with this pattern: at least all that their tangents
-    /// change, and whole pairs of spaces for integrals over all cells.
-    #[inline(never)]
-    pub(crate) fn touched(&self, form: &Outline<D>) -> Result<TouchedEntries, AssemblyError> {
-        let tests: Vec<&Arc<Space<D>>> = self.tests.iter().collect();
-        let trials: Vec<&Arc<Space<D>>> = self.trials.iter().collect();
-        let mut marks: Vec<Vec<bool>> = vec![vec![]; self.tests.len() * self.trials.len()];
-        let mut columns: Vec<Vec<bool>> = vec![vec![]; self.trials.len()];
-        for &coupling in &form.couplings {
-            let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
-            let pair = self.sparsity.pair(test, trial);
-            let (rows, columns_of) = (&self.tests[test], &self.trials[trial]);
-            let marks = &mut marks[test * self.trials.len() + trial];
-            marks.resize(pair.blocks(), false);
-            let columns = &mut columns[trial];
-            columns.resize(columns_of.node_count(), false);
-            let entities = self.search.entities(form, &tests, &trials, &coupling)?;
-            if let Entities::Cells(cells) = &entities
-                && cells.len() == rows.mesh.cell_count()
-            {
-                marks.fill(true);
-                columns.fill(true);
-                continue;
-            }
-            let entities = OwnedCells::among(self.owned.as_deref(), entities);
-            for index in 0..entities.count() {
-                let at = |side: Side| match (&entities, side) {
-                    (Entities::Cells(cells), _) => (cells[index], None),
-                    (_, Side::This) => seen_from(entities.sides(index).first()),
-                    (_, Side::Other) => seen_from(entities.sides(index).last()),
-                };
-                let ((row_cell, row_facet), (column_cell, column_facet)) = (at(test_side), at(trial_side));
-                for &row in rows.nodes_at(row_cell, row_facet) {
-                    for &column in columns_of.nodes_at(column_cell, column_facet) {
-                        let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
-                            let (test, trial) =
-                                (form.name_of(Role::Test(test)), form.name_of(Role::Unknown(trial)));
-                            AssemblyError::Pattern { form: form.name(), test, trial }
-                        })?;
-                        marks[pair.range(row as usize).start + place] = true;
-                        columns[column as usize] = true;
-                    }
-                }
-            }
-        }
-        let mut touched = TouchedEntries { places: vec![], unknowns: vec![] };
-        for (number, marks) in marks.iter().enumerate() {
-            let (test, trial) = (number / self.trials.len(), number % self.trials.len());
-            let block = self.tests[test].components() * self.trials[trial].components();
-            let first = self.sparsity.pair(test, trial).values().start;
-            runs(marks, first, block, &mut touched.places);
-        }
-        for (space, marks) in self.trials.iter().zip(&columns) {
-            let mut unknowns = Vec::new();
-            runs(marks, 0, space.components(), &mut unknowns);
-            touched.unknowns.push(unknowns);
-        }
-        Ok(touched)
-    }
-
     /// Bytes of the maps from element matrices to the matrix, without the positions themselves
     /// ([`BlockSparsity::memory`]).
     pub fn map_memory(&self) -> usize {
@@ -375,15 +294,9 @@ impl<const D: usize> BlockPattern<D> {
     }
 }
 
-/// The cell and the local number of a facet.
-fn seen_from(facet: Option<&Facet>) -> (u32, Option<u8>) {
-    facet.map_or((0, None), |facet| (facet.cell, Some(facet.local)))
-}
-
 compiled_here!(
     BlockPattern::<D>::new,
     BlockPattern::<D>::for_cells,
-    BlockPattern::<D>::touched,
     BlockPattern::<D>::check,
     PairSearch::<D>::covers
 );

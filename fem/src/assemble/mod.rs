@@ -7,7 +7,7 @@
 //! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
-//! block_pattern, sparsity, block_index   the positions of a matrix, and where element matrices go
+//! block_pattern, touched, sparsity, block_index   the positions of a matrix, and where element matrices go
 //! pair_groups   the points of contact pairs, which differ from entity to entity, as groups
 //! owned_cells   the partial sums of an assembler of some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
@@ -35,6 +35,7 @@ mod functional;
 mod outline;
 mod owned_cells;
 mod pair_groups;
+mod pair_reports;
 mod pairs;
 mod partition;
 mod positive_parts;
@@ -47,6 +48,7 @@ mod sparsity;
 mod split_facets;
 mod sum_factorisation;
 mod tangent;
+mod touched;
 mod unoptimised;
 mod walk;
 
@@ -55,15 +57,16 @@ use std::sync::Arc;
 
 pub use action::TangentAction;
 pub use block_pattern::BlockPattern;
-pub(crate) use block_pattern::TouchedEntries;
 pub use derived::{FacetSample, PointValues};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
 pub(crate) use outline::Outline;
+pub use pair_reports::RegionPairs;
 pub use positive_parts::PositivePart;
 pub use sizes::{Counted, Fixed, Sizes};
 pub use tangent::ElementMatrix;
+pub(crate) use touched::TouchedEntries;
 
 use self::owned_cells::OwnedCells;
 use crate::lanes::InstructionSet;

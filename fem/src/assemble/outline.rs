@@ -84,6 +84,11 @@ impl Coupling {
         let key = |coupling: &Coupling| (coupling.test, coupling.trial, coupling.region);
         key(self) == key(other) && self.sides == other.sides
     }
+
+    /// Whether it has the pairs of another one, up to the degree of the rule.
+    pub fn slides_as(&self, other: &Coupling) -> bool {
+        self.region == other.region && self.displacement == other.displacement
+    }
 }
 
 struct CouplingVisitor<'a> {

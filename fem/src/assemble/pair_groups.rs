@@ -12,9 +12,12 @@ use super::walk::{Group, GroupSide, Places};
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::element::{Lagrange, LaneElement};
-use crate::field::FieldView;
+use crate::field::{Field, FieldView};
 use crate::mesh::{Facet, Mesh};
-use crate::pairs::{KnownPairs, PairError, PairGroup, PairReport, Pairs};
+use crate::pairs::{
+    Approach, Displacement, DisplacementField, FirstTouch, KnownPairs, PairError, PairGroup, PairReport,
+    Pairs,
+};
 use crate::quadrature::{Quadrature, QuadratureRule, map_to_facet};
 use crate::space::Space;
 use crate::threads::Threads;
@@ -111,6 +114,25 @@ impl<const D: usize> PairSearch<D> {
         binding.pairs(coupling.region, coupling.displacement, &self.quadrature, degree)
     }
 
+    /// The facets of all surfaces of a coupling's pairs.
+    #[inline(never)]
+    pub fn surfaces(
+        &self,
+        form: &Described<D>,
+        mesh: &Mesh<D>,
+        coupling: &Coupling,
+    ) -> Result<BTreeSet<Facet>, AssemblyError> {
+        let region = &form.inputs().regions[coupling.region];
+        let refused = |source| pair_error(form.name(), region, source);
+        let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
+        let mut facets = BTreeSet::new();
+        for name in pairing.surfaces.iter().flat_map(|facing| [&facing.own, &facing.opposite]) {
+            let named = mesh.facet_region(name);
+            facets.extend(named.map_err(|source| refused(PairError::Surface { source }))?);
+        }
+        Ok(facets)
+    }
+
     /// Lets sliding pairs couple what they do at an iterate, and their neighbours.
     #[inline(never)]
     pub fn slide_to(
@@ -130,8 +152,12 @@ impl<const D: usize> PairSearch<D> {
             let region = &form.inputs().regions[coupling.region];
             let refused = |source| pair_error(form.name(), region, source);
             let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
-            let pairs = self.pairs(form, tests, unknowns, coupling)?;
-            let facets = with_neighbours(mesh, pairing, pairs.facets()).map_err(refused)?;
+            let mut pairs = Vec::new();
+            // Integrals of other degrees have other points.
+            for like in couplings.iter().filter(|like| like.slides_as(coupling)) {
+                pairs.extend(self.pairs(form, tests, unknowns, like)?.facets());
+            }
+            let facets = with_neighbours(mesh, pairing, pairs).map_err(refused)?;
             let region = coupling.region;
             self.sliding.push(SlidingCouplings { region, displacement, facets: facets.into() });
         }
@@ -302,8 +328,54 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// A [`PairError`]: unknown surfaces, surfaces that overlap or face each other nowhere, a reach that is no length.
-    pub fn pairs(&self, pairing: &Pairing, degree: usize) -> Result<PairReport, PairError> {
+    pub fn pairs(&self, pairing: &Pairing, degree: usize) -> Result<PairReport<D>, PairError> {
         Ok(self.pairs_of(pairing, degree)?.report)
+    }
+
+    /// The same with surfaces that a field displaces: open and rejected points, gaps and overlaps of sliding pairs at an iterate.
+    ///
+    /// # Errors
+    /// As [`Assembler::pairs`], and if the field is none on cells of this mesh with as many components as there are dimensions.
+    pub fn pairs_at(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        displacement: &Field<D>,
+    ) -> Result<PairReport<D>, PairError> {
+        self.check_displacement(displacement)?;
+        let (space, values) = (displacement.space(), displacement.values());
+        let displacement = Displacement { fields: vec![DisplacementField { space, values }] };
+        let Assembler { mesh, quadrature, threads, known_pairs, .. } = self;
+        let pairs = known_pairs.find(mesh, pairing, quadrature, degree, Some(&displacement), *threads)?;
+        Ok(pairs.report)
+    }
+
+    fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
+        let space = displacement.space();
+        match space.facet_region().is_none()
+            && space.components() == D
+            && Arc::ptr_eq(space.mesh(), &self.mesh)
+        {
+            true => Ok(()),
+            false => Err(PairError::NoDisplacement { field: "displacement" }),
+        }
+    }
+
+    /// A start in contact, for load control: one body moved rigidly along a direction from a displacement u until the first
+    /// quadrature point touches, and on by a small overlap. Surfaces meet along the direction, not along their normals.
+    ///
+    /// # Errors
+    /// As [`Assembler::pairs_at`]; a direction of no length, cells to which both surfaces belong or neither, surfaces that do not
+    /// meet.
+    pub fn first_touch(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        u: &Field<D>,
+        approach: &Approach<D>,
+    ) -> Result<FirstTouch<D>, PairError> {
+        self.check_displacement(u)?;
+        approach.from(u, &self.mesh, pairing, (&self.quadrature, degree), self.threads)
     }
 
     /// The pairs, which are searched for at the first call.

@@ -167,6 +167,25 @@ impl CsrMatrix {
         Ok(Self { pattern: self.pattern.clone(), values })
     }
 
+    /// The sum with some entries, which need not be stored here.
+    pub(crate) fn plus(&self, additions: &[Entry]) -> Result<Self, LinearAlgebraError> {
+        let stored = additions.iter().map(|entry| self.find_stored(entry.row, entry.column));
+        if let Ok(places) = stored.collect::<Result<Vec<usize>, _>>() {
+            let mut values = self.values.clone();
+            places.into_iter().zip(additions).for_each(|(place, entry)| values[place] += entry.value);
+            return Ok(Self { pattern: self.pattern.clone(), values });
+        }
+        let mut triplets = Vec::with_capacity(self.values.len() + additions.len());
+        for row in 0..self.rows() {
+            let (columns, values) = self.row(row);
+            triplets
+                .extend(columns.iter().zip(values).map(|(column, value)| (row, *column as usize, *value)));
+        }
+        triplets
+            .extend(additions.iter().map(|entry| (entry.row as usize, entry.column as usize, entry.value)));
+        Self::from_triplets(self.rows(), self.columns(), &triplets)
+    }
+
     /// The diagonal, `min(rows, columns)` values.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.rows().min(self.columns())).map(|i| self.get(i, i)).collect()

@@ -32,13 +32,21 @@ impl<const D: usize> Displacement<'_, D> {
         let shape = mesh.cell_shape(facet.cell as usize);
         let part = |field: &DisplacementField<D>| {
             let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
-            // A pattern is made before there are coefficients: nothing is displaced then.
-            let value =
-                |node: &u32, k: usize| field.values.get(*node as usize * D + k).copied().unwrap_or(0.0);
-            let coefficients = nodes.iter().map(|node| std::array::from_fn(|k| value(node, k))).collect();
+            let coefficients = nodes.iter().map(|node| field.value_at(*node)).collect();
             (Lagrange { shape, degree: field.space.degree }, coefficients)
         };
         CellDisplacement { parts: self.fields.iter().map(part).collect() }
+    }
+}
+
+impl<const D: usize> DisplacementField<'_, D> {
+    /// The value at a node; zero before there are coefficients, as when a pattern is made.
+    pub(super) fn value_at(&self, node: u32) -> [f64; D] {
+        let first = node as usize * D;
+        match self.values.get(first..first + D) {
+            Some(values) => std::array::from_fn(|k| values[k]),
+            None => [0.0; D],
+        }
     }
 }
 

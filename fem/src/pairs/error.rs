@@ -74,6 +74,36 @@ pub enum PairError {
         /// Its name in the form.
         field: &'static str,
     },
+    /// An approach along no direction, or by an overlap that is no number.
+    #[error(
+        "a body cannot approach along {direction:?} with an overlap of {overlap}; both must be finite, the direction not zero"
+    )]
+    Approach {
+        /// The direction given.
+        direction: Vec<f64>,
+        /// The overlap given.
+        overlap: f64,
+    },
+    /// Cells that move to which both surfaces belong, or neither, or a part of one.
+    #[error(
+        "of the surfaces \"{own}\" and \"{opposite}\" one must belong to the cells \"{moving}\" that move, and the other not"
+    )]
+    Moving {
+        /// The cells that move.
+        moving: String,
+        /// The surface that is integrated over.
+        own: String,
+        /// The opposite one.
+        opposite: String,
+    },
+    /// Surfaces of which no point meets the other along a direction.
+    #[error("the cells \"{moving}\" meet no opposite surface along {direction:?}")]
+    NeverMeet {
+        /// The cells that move.
+        moving: String,
+        /// The unit vector along which they were to move.
+        direction: Vec<f64>,
+    },
     /// A place at which pairs cannot be integrated over.
     #[error("{place} cannot integrate over contact pairs")]
     Refused {

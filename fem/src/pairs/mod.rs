@@ -3,56 +3,58 @@
 //!
 //! ```text
 //! displacement   the fields that displace surfaces
-//! surface   facets as parametrised surfaces, and where a surface ends
+//! traces    elements on facets, as polynomials
+//! surface, surfaces   facets as parametrised surfaces, and those of a pairing
+//! rim       where a surface ends
 //! opposite  the point of one facet on a ray, or nearest to a point
-//! search    the opposite points of an own facet, among candidates from a grid of boxes
+//! candidates     the facets that rays may meet, kept while motions are small
+//! search, points, found   the opposite points of an own facet's points
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
+//! report    the numbers of a pairing's points
+//! known     searches that were done
+//! first_touch    a rigid approach until surfaces meet
 //! ```
 //!
 //! Pairs of the undeformed mesh are searched for once, and kept by [`Assembler`](crate::assemble::Assembler); those of displaced
-//! surfaces are kept for the last displacements. They are a function of mesh and displacement alone, whatever was found before.
+//! surfaces are kept for the last displacements, and lists of candidates from one displacement to the next. Pairs are a function of
+//! mesh and displacement alone, whatever was found before.
 
+mod candidates;
 mod clip;
 mod displacement;
 mod error;
+mod first_touch;
+mod found;
+mod known;
 mod opposite;
 mod pieces;
+mod points;
+mod report;
+mod rim;
 mod search;
 mod surface;
+mod surfaces;
+mod traces;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use forms_core::contract::Pairing;
 
+use self::candidates::KeptCandidates;
 pub(crate) use self::displacement::{Displacement, DisplacementField};
 pub use self::error::PairError;
-use self::search::{Counts, Search, Unit};
+pub use self::first_touch::{Approach, FirstTouch};
+use self::found::{Counts, Found, PairPoint, Room, Unit};
+pub(crate) use self::known::KnownPairs;
+pub use self::report::PairReport;
+use self::search::Search;
+use self::surfaces::Surfaces;
 use crate::element::CellShape;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
-
-/// Numbers of a pairing's points: `assembler.pairs(&pairing, degree)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairReport {
-    /// Quadrature points with an opposite point.
-    pub points: usize,
-    /// Quadrature points without one. Parts of facets that face nothing get no points with
-    /// [`PairQuadrature::Pieces`](forms_core::contract::PairQuadrature::Pieces); compare `paired_measure` with `measure`.
-    pub open: usize,
-    /// Those of them for which a facet was found, but from behind or further away than the reach.
-    pub rejected: usize,
-    /// The largest −g, zero where nothing overlaps \[length\].
-    pub deepest_overlap: f64,
-    /// The largest g, zero where there is none \[length\].
-    pub largest_gap: f64,
-    /// The measure of what has opposite points \[length^(D−1)\].
-    pub paired_measure: f64,
-    /// The measure of the surfaces that are integrated over \[length^(D−1)\].
-    pub measure: f64,
-}
 
 /// Facets that see each other at the same number of points, from cells of the same shapes.
 #[derive(Clone, Debug)]
@@ -91,40 +93,52 @@ impl<const D: usize> PairGroup<D> {
 pub(crate) struct Pairs<const D: usize> {
     /// In an order that follows from the mesh alone; in each group units stand in the order of the walk.
     pub groups: Vec<Arc<PairGroup<D>>>,
-    pub report: PairReport,
+    pub report: PairReport<D>,
 }
 
 /// Own facets that a thread searches for at a time.
 const CHUNK: usize = 64;
 
 impl<const D: usize> Pairs<D> {
+    /// Searches with the candidates of an earlier search for the same pairing and rule, and leaves those of this one.
     fn find(
         mesh: &Mesh<D>,
         pairing: &Pairing,
-        quadrature: &Quadrature<D>,
-        degree: usize,
+        rule: (&Quadrature<D>, usize),
         displacement: Option<&Displacement<D>>,
         threads: Threads,
-    ) -> Result<Self, PairError> {
+        earlier: &[KeptCandidates<D>],
+    ) -> Result<(Self, Vec<KeptCandidates<D>>), PairError> {
         if pairing.surfaces.is_empty() {
             return Err(PairError::NoSurfaces);
         }
-        let mut all: Vec<(u32, Unit<D>)> = Vec::new();
+        if let Some(reach) = pairing.reach
+            && !(reach > 0.0 && reach.is_finite())
+        {
+            return Err(PairError::Reach { reach });
+        }
+        let surfaces = Surfaces::new(mesh, pairing, displacement, threads)?;
+        let (mut all, mut kept) = (Vec::new(), Vec::new());
         let mut counts = Counts::default();
-        for facing in &pairing.surfaces {
-            let search = Search::new(mesh, pairing, facing, quadrature, degree, displacement)?;
+        for (number, facing) in pairing.surfaces.iter().enumerate() {
+            let search = Search::new(mesh, pairing, facing, rule, &surfaces, earlier.get(number))?;
             let facets = search.own.len();
             let parts = threads.count().min(facets.div_ceil(CHUNK)).max(1);
             let parts = (0..parts).map(|part| part * facets / parts..(part + 1) * facets / parts).collect();
-            let found = threads.run(parts, |part: Range<usize>| {
-                part.map(|facet| search.pairs_of(facet)).collect::<Result<Vec<_>, PairError>>()
+            let found = threads.run(parts, |part: Range<usize>| -> Result<Found<D>, PairError> {
+                let (mut found, mut room) = (Found::default(), Room::default());
+                for facet in part {
+                    search.add_pairs_of(facet, &mut found, &mut room)?;
+                }
+                Ok(found)
             });
             let mut own = Counts::default();
+            let mut remade = Vec::new();
             for part in found {
-                for (units, counted) in part? {
-                    own.add(&counted);
-                    all.extend(units.into_iter().map(|unit| (mesh.walk_of_facet(&unit.facets[..1]), unit)));
-                }
+                let mut part = part?;
+                part.counts.iter().for_each(|counted| own.add(counted));
+                remade.append(&mut part.remade);
+                all.push(part);
             }
             // Displaced surfaces may part.
             if own.points == 0 && displacement.is_none() {
@@ -132,37 +146,9 @@ impl<const D: usize> Pairs<D> {
                 return Err(PairError::NoPartners { own: own_name, opposite, met: own.rejected });
             }
             counts.add(&own);
+            kept.push(search.candidates.keep(remade));
         }
-        all.sort_by_key(|(place, _)| *place);
-        let mut groups: BTreeMap<_, PairGroup<D>> = BTreeMap::new();
-        for (_, unit) in all {
-            let side = |facet: Facet| (mesh.cell_shape(facet.cell as usize), facet.local);
-            let (sides, count) = (unit.facets.map(side), unit.points.len());
-            let group = groups.entry((sides, count)).or_insert_with(|| PairGroup {
-                sides,
-                facets: vec![],
-                count,
-                points: vec![],
-            });
-            group.facets.push(unit.facets);
-            for point in &unit.points {
-                group.points.extend(point.reference.as_flattened());
-                group.points.extend([point.weight, point.gap]);
-                group.points.extend(point.toward);
-            }
-        }
-        Ok(Pairs {
-            groups: groups.into_values().map(Arc::new).collect(),
-            report: PairReport {
-                points: counts.points,
-                open: counts.open,
-                rejected: counts.rejected,
-                deepest_overlap: counts.deepest,
-                largest_gap: counts.largest,
-                paired_measure: counts.paired,
-                measure: counts.measure,
-            },
-        })
+        Ok((Pairs { groups: grouped(mesh, &all), report: PairReport::of(&counts) }, kept))
     }
 
     /// The own and opposite facets of all units, each pair of them once.
@@ -174,82 +160,27 @@ impl<const D: usize> Pairs<D> {
     }
 }
 
-/// Pairs that were searched for on one mesh, so that each search is done once.
-#[derive(Debug, Default)]
-pub(crate) struct KnownPairs<const D: usize> {
-    known: Mutex<Vec<Known<D>>>,
-}
-
-#[derive(Debug)]
-struct Known<const D: usize> {
-    pairing: Pairing,
-    quadrature: Quadrature<D>,
-    degree: usize,
-    /// Degree and coefficients of the fields that displace the surfaces.
-    displacement: Option<Vec<(usize, Vec<f64>)>>,
-    pairs: Arc<Pairs<D>>,
-}
-
-impl<const D: usize> Known<D> {
-    fn is_displaced_by(&self, displacement: Option<&Displacement<D>>) -> bool {
-        match (&self.displacement, displacement) {
-            (None, None) => true,
-            (Some(own), Some(other)) => {
-                own.len() == other.fields.len()
-                    && own.iter().zip(&other.fields).all(|((degree, values), field)| {
-                        *degree == field.space.degree && values[..] == *field.values
-                    })
-            }
-            _ => false,
-        }
-    }
-}
-
-/// Searches that are kept, of the undeformed mesh and of displaced surfaces; the oldest go.
-const KEPT: usize = 8;
-
-impl<const D: usize> KnownPairs<D> {
-    /// The pairs of the mesh, always the same one, with the rules of a choice of quadrature; `estimated` is the degree
-    /// where the choice is the compiler's estimate.
-    pub fn find(
-        &self,
-        mesh: &Mesh<D>,
-        pairing: &Pairing,
-        quadrature: &Quadrature<D>,
-        estimated: usize,
-        displacement: Option<&Displacement<D>>,
-        threads: Threads,
-    ) -> Result<Arc<Pairs<D>>, PairError> {
-        // Where facets are split elsewhere, pairs keep pieces of their own.
-        let mut choice = quadrature;
-        while let Quadrature::Split { whole, .. } = choice {
-            choice = whole;
-        }
-        let degree = if choice.follows_estimates() { estimated } else { 0 };
-        let is_known = |known: &&Known<D>| {
-            known.degree == degree
-                && known.pairing == *pairing
-                && known.quadrature == *choice
-                && known.is_displaced_by(displacement)
-        };
-        let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = lock().iter().find(is_known) {
-            return Ok(Arc::clone(&known.pairs));
-        }
-        // Not under the lock: a search runs on several threads.
-        let pairs = Arc::new(Pairs::find(mesh, pairing, choice, degree, displacement, threads)?);
-        let mut known = lock();
-        let of_this_kind = |one: &Known<D>| one.displacement.is_some() == displacement.is_some();
-        if known.iter().filter(|one| of_this_kind(one)).count() == KEPT
-            && let Some(oldest) = known.iter().position(of_this_kind)
-        {
-            known.remove(oldest);
-        }
-        let (pairing, quadrature) = (pairing.clone(), choice.clone());
-        let displacement = displacement.map(|displacement| {
-            displacement.fields.iter().map(|field| (field.space.degree, field.values.to_vec())).collect()
+/// Units with like sides and numbers of points together, in the order of the walk.
+fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGroup<D>>> {
+    let units = found.iter().flat_map(|part| part.units.iter().map(move |unit| (unit, &part.points)));
+    let mut units: Vec<(&Unit, &Vec<PairPoint<D>>)> = units.collect();
+    units.sort_by_key(|(unit, _)| unit.place);
+    let mut groups: BTreeMap<_, PairGroup<D>> = BTreeMap::new();
+    for (unit, points) in units {
+        let side = |facet: Facet| (mesh.cell_shape(facet.cell as usize), facet.local);
+        let (sides, count) = (unit.facets.map(side), unit.points.len());
+        let group = groups.entry((sides, count)).or_insert_with(|| PairGroup {
+            sides,
+            facets: vec![],
+            count,
+            points: vec![],
         });
-        known.push(Known { pairing, quadrature, degree, displacement, pairs: Arc::clone(&pairs) });
-        Ok(pairs)
+        group.facets.push(unit.facets);
+        for point in &points[unit.points.clone()] {
+            group.points.extend(point.reference.as_flattened());
+            group.points.extend([point.weight, point.gap]);
+            group.points.extend(point.toward);
+        }
     }
+    groups.into_values().map(Arc::new).collect()
 }

@@ -1,6 +1,7 @@
 //! The point of a facet that lies opposite to a given one: where a ray meets it, or the nearest.
 
-use super::surface::{Rim, SurfaceFacet, SurfacePoint, dot, minus};
+use super::rim::Rim;
+use super::surface::{SurfaceFacet, SurfacePoint, dot, minus};
 use crate::mesh::geometry::inverse;
 
 /// A point this far outside a facet, in its own coordinates, still belongs to it.
@@ -33,22 +34,28 @@ pub(super) fn along_ray<const D: usize>(
     if dot(&off, &off) - along * along > facet.radius * facet.radius * (1.0 + 1e-6) {
         return None;
     }
-    let (mut s, mut g) = (facet.middle(), along);
+    let flat = facet.flat.met_by(x, n);
+    let doubt = facet.flat.doubt(n);
+    if facet.is_missed_by(&flat, &doubt.map(|doubt| doubt + INSIDE)) {
+        return None;
+    }
+    if facet.affine {
+        return facet.contains(&flat, INSIDE).then(|| hit(facet, flat, false));
+    }
+    let starts = flat.iter().all(|s| s.is_finite());
+    let mut s = if starts { facet.clamp(&flat) } else { facet.middle() };
     let mut previous = f64::INFINITY;
     for _ in 0..STEPS {
         let point = facet.at(&s);
-        let matrix: [[f64; D]; D] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| if j + 1 < D { point.tangents[j][i] } else { -n[i] })
-        });
-        let residual: [f64; D] = std::array::from_fn(|i| x[i] + g * n[i] - point.position[i]);
-        let step: [f64; D] = inverse(&matrix)?.map(|row| dot(&row, &residual));
-        let length = step[..D - 1].iter().fold(0.0_f64, |length, s| length.max(s.abs()));
-        let factor = if facet.affine { 1.0 } else { 1.0 / length.max(1.0) };
-        for k in 0..D - 1 {
-            s[k] += factor * step[k];
+        let step = point.frame().met_by(&minus(x, &point.position), n);
+        let length = step[0].abs().max(step[1].abs());
+        if !length.is_finite() {
+            return None;
         }
-        g += factor * step[D - 1];
-        if length < 1e-13 || (length < 1e-8 && length >= 0.5 * previous) {
+        let factor = 1.0 / length.max(1.0);
+        s = [s[0] + factor * step[0], s[1] + factor * step[1]];
+        // The error after a step is the square of its length.
+        if length < 1e-9 || (length < 1e-8 && length >= 0.5 * previous) {
             return facet.contains(&s, INSIDE).then(|| hit(facet, s, false));
         }
         previous = length;

@@ -1,8 +1,7 @@
-//! Facets as parametrised surfaces: positions, tangents, normals, and the edges at which a surface ends.
-
-use std::collections::HashMap;
+//! Facets as parametrised surfaces: positions, tangents, normals, what holds them.
 
 use super::displacement::{CellDisplacement, Displacement};
+use super::traces::{Coefficients, Traces};
 use crate::element::Lagrange;
 use crate::locate::{Corners, box_around};
 use crate::mesh::{Facet, Mesh};
@@ -13,22 +12,41 @@ use crate::mesh::{Facet, Mesh};
 pub(super) struct SurfaceFacet<'m, const D: usize> {
     mesh: &'m Mesh<D>,
     pub facet: Facet,
+    /// Where the map is no polynomial of degree two.
     displacement: Option<CellDisplacement<D>>,
     /// The facet's first corner and tangents in the cell's reference coordinates.
     origin: [f64; D],
     pub tangents: [[f64; D]; 2],
     /// Whether its own reference cell is the unit triangle.
     triangle: bool,
-    /// The position as a polynomial of its own coordinates, of degree two at most: the coefficient of sⁱtʲ at `[i][j]`.
-    polynomial: Option<[[[f64; D]; 3]; 3]>,
+    /// The position as a polynomial of its own coordinates, where its degree is two at most.
+    polynomial: Option<Coefficients<[f64; D]>>,
     /// Whether its map is affine.
     pub affine: bool,
-    /// The degree of its map, and its nodes.
-    degree: usize,
-    nodes: Vec<[f64; D]>,
-    /// The mean of its nodes, and a radius that holds the facet.
+    /// A box around it, a point in its middle and a radius that holds it.
+    pub corners: Corners<D>,
     pub centre: [f64; D],
     pub radius: f64,
+    pub flat: FlatFacet<D>,
+}
+
+/// The flat facet that has three of a facet's corners, in the plane both, and how far the facet is from it.
+#[derive(Clone, Debug)]
+pub(super) struct FlatFacet<const D: usize> {
+    origin: [f64; D],
+    frame: Frame<D>,
+    /// The most that a point of the facet is away from the flat one's of the same coordinates; none where it is not known.
+    away: Option<f64>,
+    /// The lengths of the dual tangents.
+    slopes: [f64; 2],
+}
+
+/// The normal of a surface and the vectors dual to its tangents.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<const D: usize> {
+    /// Of the length of the surface element.
+    normal: [f64; D],
+    dual: [[f64; D]; 2],
 }
 
 /// A point of a facet with the derivatives of its position.
@@ -52,15 +70,34 @@ pub(super) fn unit<const D: usize>(a: &[f64; D]) -> [f64; D] {
     a.map(|a| a / length)
 }
 
+fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
+    std::array::from_fn(|i| a[(i + 1) % D] * b[(i + 2) % D] - a[(i + 2) % D] * b[(i + 1) % D])
+}
+
 impl<const D: usize> SurfacePoint<D> {
+    /// The outward normal, of the length of the surface element.
+    pub fn long_normal(&self) -> [f64; D] {
+        let [s, t] = &self.tangents;
+        match D {
+            2 => std::array::from_fn(|i| if i == 0 { s[1] } else { -s[0] }),
+            _ => cross(s, t),
+        }
+    }
+
     /// The outward unit normal.
     pub fn normal(&self) -> [f64; D] {
+        unit(&self.long_normal())
+    }
+
+    pub fn frame(&self) -> Frame<D> {
+        let normal = self.long_normal();
+        let square = dot(&normal, &normal);
         let [s, t] = &self.tangents;
-        unit(&std::array::from_fn(|i| match (D, i) {
-            (2, 0) => s[1],
-            (2, _) => -s[0],
-            _ => s[(i + 1) % D] * t[(i + 2) % D] - s[(i + 2) % D] * t[(i + 1) % D],
-        }))
+        let dual = match D {
+            2 => [s.map(|s| s / square), [0.0; D]],
+            _ => [cross(t, &normal).map(|s| s / square), cross(&normal, s).map(|t| t / square)],
+        };
+        Frame { normal, dual }
     }
 
     /// The surface element.
@@ -74,8 +111,41 @@ impl<const D: usize> SurfacePoint<D> {
     }
 }
 
+impl<const D: usize> Frame<D> {
+    /// The coordinates along the tangents at which a line through a point along n meets the tangent plane; `off` is the vector
+    /// from where the frame stands to the point. No numbers where the line runs along the plane.
+    pub fn met_by(&self, off: &[f64; D], n: &[f64; D]) -> [f64; 2] {
+        let gap = -dot(&self.normal, off) / dot(&self.normal, n);
+        let foot: [f64; D] = std::array::from_fn(|k| off[k] + gap * n[k]);
+        self.dual.each_ref().map(|dual| dot(dual, &foot))
+    }
+}
+
+impl<const D: usize> FlatFacet<D> {
+    /// Where a line through x along n meets it, in coordinates of the facet.
+    pub fn met_by(&self, x: &[f64; D], n: &[f64; D]) -> [f64; 2] {
+        self.frame.met_by(&minus(x, &self.origin), n)
+    }
+
+    /// The most by which coordinates at which a line along n meets the facet differ from those at which it meets the flat one.
+    pub fn doubt(&self, n: &[f64; D]) -> [f64; 2] {
+        let Some(away) = self.away else { return [f64::INFINITY; 2] };
+        if away == 0.0 {
+            return [0.0; 2];
+        }
+        let normal = &self.frame.normal;
+        let slant = (dot(normal, normal).sqrt() / dot(normal, n)).abs();
+        self.slopes.map(|slope| away * slope * (1.0 + slant))
+    }
+}
+
 impl<'m, const D: usize> SurfaceFacet<'m, D> {
-    pub fn new(mesh: &'m Mesh<D>, facet: Facet, displacement: Option<&Displacement<D>>) -> Self {
+    pub fn new(
+        mesh: &'m Mesh<D>,
+        facet: Facet,
+        displacement: Option<&Displacement<D>>,
+        traces: &mut Traces,
+    ) -> Self {
         let (cell, local) = (facet.cell as usize, usize::from(facet.local));
         let shape = mesh.cell_shape(cell);
         let vertices = shape.facet_vertices(local);
@@ -84,36 +154,77 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let origin = corner(vertices[0]);
         let along = minus(&corner(vertices[1]), &origin);
         let across = if D == 2 { [0.0; D] } else { minus(&corner(vertices[vertices.len() - 1]), &origin) };
+        let tangents = [along, across];
         let triangle = D == 3 && shape.is_simplex();
         let degree = displacement.map_or(1, Displacement::degree).max(mesh.degree());
+        let mut polynomial: Option<Coefficients<[f64; D]>> = None;
+        if degree <= 2 {
+            let sum = polynomial.insert([[[0.0; D]; 3]; 3]);
+            let geometry = mesh.element_of(shape);
+            traces.learn(geometry, local, &origin, &tangents);
+            let nodes = mesh.cell(cell);
+            add_trace(sum, traces.get(geometry, local), |node| mesh.nodes()[nodes[node] as usize]);
+            for field in displacement.iter().flat_map(|displacement| &displacement.fields) {
+                let element = Lagrange { shape, degree: field.space.degree };
+                traces.learn(element, local, &origin, &tangents);
+                let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
+                add_trace(sum, traces.get(element, local), |node| field.value_at(nodes[node]));
+            }
+        }
+        let displacement = displacement.filter(|_| degree > 2);
+        let zero = [0.0; D];
+        let frame = Frame { normal: zero, dual: [zero; 2] };
         let mut own = SurfaceFacet {
             mesh,
             facet,
             displacement: displacement.map(|displacement| displacement.on_cell_of(mesh, facet)),
             origin,
-            tangents: [along, across],
+            tangents,
             triangle,
-            affine: degree == 1 && (D == 2 || triangle),
-            degree,
-            polynomial: None,
-            nodes: vec![],
-            centre: [0.0; D],
+            affine: degree <= 1 && (D == 2 || triangle),
+            polynomial,
+            corners: (zero, zero),
+            centre: zero,
             radius: 0.0,
+            flat: FlatFacet { origin: zero, frame, away: None, slopes: [0.0; 2] },
         };
-        if degree <= 2 {
-            own.polynomial = Some(polynomial(|s, t| own.map(&own.reference(&[s, t])).0, degree));
-        }
-        let element = Lagrange { shape, degree };
-        let references = element.node_points::<D>();
-        let on_facet = element.facet_nodes(local).into_iter();
-        own.nodes = on_facet.map(|node| own.map(&references[node]).0).collect();
-        let count = own.nodes.len() as f64;
-        own.centre = std::array::from_fn(|k| own.nodes.iter().map(|x| x[k]).sum::<f64>() / count);
-        let reach = |x: &[f64; D]| dot(&minus(x, &own.centre), &minus(x, &own.centre)).sqrt();
-        // Quadratic facets bulge beyond their nodes, by less than this.
-        let bulge = if degree == 1 { 1.0 + 1e-9 } else { 1.5 };
-        own.radius = bulge * own.nodes.iter().map(reach).fold(0.0, f64::max);
+        own.enclose(degree, local);
         own
+    }
+
+    /// Finds what holds the facet.
+    fn enclose(&mut self, degree: usize, local: usize) {
+        let parameters = self.parameters();
+        let mut corners = [[0.0; D]; 4];
+        let corners = &mut corners[..parameters.len()];
+        for (corner, s) in corners.iter_mut().zip(parameters) {
+            *corner = self.at(s).position;
+        }
+        let tangent = |k: usize| minus(&corners[k], &corners[0]);
+        let tangents = [tangent(1), if D == 2 { [0.0; D] } else { tangent(corners.len() - 1) }];
+        let frame = SurfacePoint { position: corners[0], tangents }.frame();
+        let slopes = frame.dual.each_ref().map(|dual| dot(dual, dual).sqrt());
+        let deviations = self.polynomial.as_ref().map(|polynomial| deviations(polynomial, self.triangle));
+        self.flat = FlatFacet { origin: corners[0], frame, away: deviations.map(|found| found[0]), slopes };
+        let nodes: Vec<[f64; D]>;
+        // What is no polynomial of degree two bulges beyond its nodes by less than half of their spread, as far as is known.
+        let (held, margin, bulge) = match deviations {
+            Some([_, margin]) => (&*corners, margin, 0.0),
+            None => {
+                let element = Lagrange { shape: self.mesh.cell_shape(self.facet.cell as usize), degree };
+                let references = element.node_points::<D>();
+                let on_facet = element.facet_nodes(local).into_iter();
+                nodes = on_facet.map(|node| self.map(&references[node]).0).collect();
+                (&nodes[..], 0.0, 0.5)
+            }
+        };
+        let count = held.len() as f64;
+        self.centre = std::array::from_fn(|k| held.iter().map(|x| x[k]).sum::<f64>() / count);
+        let (lower, upper) = box_around(held, bulge);
+        self.corners = (lower.map(|x| x - margin), upper.map(|x| x + margin));
+        let distance = |x: &[f64; D]| dot(&minus(x, &self.centre), &minus(x, &self.centre));
+        let furthest = held.iter().map(distance).fold(0.0, f64::max).sqrt();
+        self.radius = (1.0 + bulge + 1e-6) * furthest + margin;
     }
 
     /// Position and Jacobian at a point of the cell.
@@ -146,12 +257,6 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
             }
         }
         largest.sqrt()
-    }
-
-    /// A box around it.
-    pub fn corners(&self) -> Corners<D> {
-        let bulge = if self.degree == 1 { 0.0 } else { 0.5 };
-        box_around(&self.nodes, bulge)
     }
 
     /// The numbers of its corners, in the order of [`SurfaceFacet::parameters`].
@@ -188,17 +293,29 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
             return SurfacePoint { position, tangents: self.along(&jacobian) };
         };
         let [mut position, mut along, mut across] = [[0.0; D]; 3];
+        let c = |i: usize, j: usize, k: usize| polynomial[i][j][k];
         for k in 0..D {
-            // Each row with its derivative by t.
-            let mut rows = [[0.0; 2]; 3];
-            for i in 0..3 {
-                let [a, b, c] = [0, 1, 2].map(|j| polynomial[i][j][k]);
-                rows[i] = [a + t * (b + t * c), b + 2.0 * t * c];
+            // A point is evaluated some ten times: no term that vanishes.
+            if D == 2 {
+                position[k] = c(0, 0, k) + s * (c(1, 0, k) + s * c(2, 0, k));
+                along[k] = c(1, 0, k) + 2.0 * s * c(2, 0, k);
+            } else if self.triangle {
+                let mixed = c(1, 1, k);
+                let (first, second) = (c(1, 0, k) + s * c(2, 0, k), c(0, 1, k) + t * c(0, 2, k));
+                position[k] = c(0, 0, k) + s * (first + t * mixed) + t * second;
+                along[k] = first + s * c(2, 0, k) + t * mixed;
+                across[k] = second + t * c(0, 2, k) + s * mixed;
+            } else {
+                // Each row with its derivative by t.
+                let row = |i: usize| {
+                    let [a, b, c] = [0, 1, 2].map(|j| c(i, j, k));
+                    [a + t * (b + t * c), b + 2.0 * t * c]
+                };
+                let [first, second, third] = [0, 1, 2].map(row);
+                position[k] = first[0] + s * (second[0] + s * third[0]);
+                along[k] = second[0] + 2.0 * s * third[0];
+                across[k] = first[1] + s * (second[1] + s * third[1]);
             }
-            let [first, second, third] = rows;
-            position[k] = first[0] + s * (second[0] + s * third[0]);
-            along[k] = second[0] + 2.0 * s * third[0];
-            across[k] = first[1] + s * (second[1] + s * third[1]);
         }
         SurfacePoint { position, tangents: [along, across] }
     }
@@ -218,6 +335,20 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         second
     }
 
+    /// Whether coordinates that may be wrong by so much lie beyond an edge.
+    pub fn is_missed_by(&self, s: &[f64; 2], doubt: &[f64; 2]) -> bool {
+        let beyond = match self.triangle {
+            true => s[0] + s[1] > 1.0 + doubt[0] + doubt[1],
+            false => s[0] > 1.0 + doubt[0] || s[1] > 1.0 + doubt[1],
+        };
+        s[0] < -doubt[0] || s[1] < -doubt[1] || beyond
+    }
+
+    /// Coordinates on the facet, or near it, that are not far from given ones.
+    pub fn clamp(&self, s: &[f64; 2]) -> [f64; 2] {
+        s.map(|s| s.clamp(0.0, 1.0))
+    }
+
     /// Whether a point lies on the facet, enlarged by `tolerance` in its own coordinates.
     pub fn contains(&self, s: &[f64; 2], tolerance: f64) -> bool {
         let last = if self.triangle { s[0] + s[1] } else { s[0].max(s[1]) };
@@ -225,61 +356,39 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
     }
 }
 
-/// The coefficients of a function that has at most this degree, 1 or 2, in each coordinate.
-fn polynomial<const D: usize>(at: impl Fn(f64, f64) -> [f64; D], degree: usize) -> [[[f64; D]; 3]; 3] {
-    // From values at 0, 1/2 and 1; of one that is linear its middle says nothing new.
-    let through = |[first, middle, last]: [[f64; D]; 3]| -> [[f64; D]; 3] {
-        let entry = |k: usize| match degree {
-            1 => [first[k], last[k] - first[k], 0.0],
-            _ => [
-                first[k],
-                4.0 * middle[k] - 3.0 * first[k] - last[k],
-                2.0 * (first[k] + last[k]) - 4.0 * middle[k],
-            ],
-        };
-        std::array::from_fn(|i| std::array::from_fn(|k| entry(k)[i]))
-    };
-    let places = [0.0, 0.5, 1.0];
-    let across = if D == 2 { [0.0; 3] } else { places };
-    // Of each place along s the polynomial of t, then these coefficients as polynomials of s.
-    let rows = places.map(|s| through(across.map(|t| at(s, t))));
-    let columns = [0, 1, 2].map(|j| through([0, 1, 2].map(|i| rows[i][j])));
-    std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
-}
-
-/// The ends of a surface: corners and edges of its facets behind which it does not go on.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Rim {
-    edges: HashMap<[u32; 2], usize>,
-    vertices: HashMap<u32, bool>,
-}
-
-impl Rim {
-    /// That of some facets, each of which is listed once.
-    pub fn of<const D: usize>(facets: &[SurfaceFacet<D>]) -> Self {
-        let mut rim = Rim::default();
-        for facet in facets {
-            let corners: Vec<u32> = facet.vertices().collect();
-            for (k, &first) in corners.iter().enumerate() {
-                let edge = if D == 2 { [first; 2] } else { [first, corners[(k + 1) % corners.len()]] };
-                *rim.edges.entry([edge[0].min(edge[1]), edge[0].max(edge[1])]).or_default() += 1;
+/// Adds what the nodes of an element make of the position.
+fn add_trace<const D: usize>(
+    sum: &mut Coefficients<[f64; D]>,
+    trace: &[(usize, Coefficients<f64>)],
+    value: impl Fn(usize) -> [f64; D],
+) {
+    let columns = if D == 2 { 1 } else { 3 };
+    for (node, polynomial) in trace {
+        let value = value(*node);
+        for i in 0..3 {
+            for j in 0..columns {
+                for k in 0..D {
+                    sum[i][j][k] += polynomial[i][j] * value[k];
+                }
             }
         }
-        for (edge, count) in &rim.edges {
-            for vertex in edge {
-                *rim.vertices.entry(*vertex).or_default() |= *count < 2;
-            }
-        }
-        rim
     }
+}
 
-    /// Whether the surface ends at a corner.
-    pub fn at_vertex(&self, vertex: u32) -> bool {
-        self.vertices.get(&vertex).copied().unwrap_or(true)
+/// The most that a polynomial facet is away, at the same coordinates, from the flat one with its first, second and last corner,
+/// and from what the corners span: segment, triangle or bilinear quadrilateral.
+fn deviations<const D: usize>(polynomial: &Coefficients<[f64; D]>, triangle: bool) -> [f64; 2] {
+    let length = |a: [f64; D]| dot(&a, &a).sqrt();
+    // s − s² is a quarter at most, and so are the other terms less what they are at the corners.
+    let bent = [(2, 0), (0, 2), (2, 1), (1, 2), (2, 2)];
+    let spanned = 0.25 * bent.iter().map(|&(i, j)| length(polynomial[i][j])).sum::<f64>();
+    if D == 2 {
+        return [spanned; 2];
     }
-
-    /// Whether the surface ends at the edge between two corners.
-    pub fn at_edge(&self, a: u32, b: u32) -> bool {
-        self.edges.get(&[a.min(b), a.max(b)]).is_none_or(|count| *count < 2)
+    if triangle {
+        return [spanned + 0.25 * length(polynomial[1][1]); 2];
     }
+    let terms = [(1, 1), (2, 1), (1, 2), (2, 2)];
+    let twist = std::array::from_fn(|k| terms.iter().map(|&(i, j)| polynomial[i][j][k]).sum());
+    [spanned + length(twist), spanned]
 }

@@ -8,7 +8,7 @@ use forms_core::contract::{
     Dependence, FieldDescription, Form, Inputs, Integral, LinearKernel, LinearVisitor, Role,
 };
 
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Outline, Parts};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, Outline, Parts, RegionPairs};
 use crate::field::FieldView;
 use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
@@ -27,6 +27,13 @@ pub(super) trait AnyForm<const D: usize> {
     fn is_affine(&self) -> bool;
     /// Whether there are pairs of surfaces that an unknown displaces.
     fn slides(&self) -> bool;
+    /// See [`Assembler::pairs_of_form`].
+    fn pairs(
+        &self,
+        assembler: &Assembler<D>,
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<RegionPairs<D>>, AssemblyError>;
     /// See [`Assembler::residual_of`].
     fn residual(
         &self,
@@ -91,6 +98,15 @@ impl<F: Form<D>, const D: usize> AnyForm<D> for F {
 
     fn slides(&self) -> bool {
         seen_in(self).displaced
+    }
+
+    fn pairs(
+        &self,
+        assembler: &Assembler<D>,
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
+        assembler.pairs_of_form(self, unknowns, tests)
     }
 
     fn residual(

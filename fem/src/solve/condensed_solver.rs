@@ -115,11 +115,7 @@ impl Sum {
     }
 
     fn to_matrix(&self) -> Result<CsrMatrix, LinearAlgebraError> {
-        let replaced = |entry: &Entry| {
-            let value = self.base.get(entry.row as usize, entry.column as usize) + entry.value;
-            Entry { value, ..*entry }
-        };
-        self.base.with_entries(&self.additions.iter().map(replaced).collect::<Vec<_>>())
+        self.base.plus(&self.additions)
     }
 }
 
@@ -167,6 +163,12 @@ impl CondensedSolver {
             }
         }
         Some(entries)
+    }
+
+    /// Whether a matrix is the linear part, and has a factor as far as is known.
+    fn knows(&self, linear_part: &Arc<CsrMatrix>) -> bool {
+        !self.refused
+            && self.linear_part.as_ref().is_some_and(|known| Arc::ptr_eq(&known.matrix, linear_part))
     }
 
     /// The linear part with additions.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use forms_core::contract::Role;
 
 use super::any_form::Held;
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, TouchedEntries};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, RegionPairs, TouchedEntries};
 use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::add_scaled;
@@ -121,6 +121,11 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         Ok(true)
     }
 
+    /// The contact pairs at u, in numbers.
+    pub fn pairs(&self, u: &[f64]) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
+        self.form.pairs(&self.assembler, &self.views(u)?, &self.spaces.each_ref())
+    }
+
     /// Number of unknowns of all spaces.
     pub fn unknowns(&self) -> usize {
         self.spaces.iter().map(|space| space.unknowns()).sum()
@@ -155,7 +160,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         }
     }
 
-    fn misfit(&self, source: LinearAlgebraError) -> AssemblyError {
+    pub fn misfit(&self, source: LinearAlgebraError) -> AssemblyError {
         AssemblyError::LinearAlgebra { form: self.form.name(), source }
     }
 

@@ -84,6 +84,18 @@ pub trait CondensingSolver: LinearSolver {
     /// As [`LinearSolver::set_matrix`], and if the linear part does not store an entry.
     fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError>;
 
+    /// Takes as the matrix of the next solves the linear part plus additions, each to another entry, which the linear part need
+    /// not store. Coming matrices are likely to add to rows and columns of the unknowns `near` by.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::set_matrix`].
+    fn set_added(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+        additions: Vec<Entry>,
+        near: &[u32],
+    ) -> Result<(), SolverError>;
+
     /// Tells which entries of the linear part the coming matrices are likely to change, by those of one of them. It
     /// may be wrong; it may save a factorisation.
     ///

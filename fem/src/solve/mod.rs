@@ -7,6 +7,7 @@
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 mod any_form;
+mod apart;
 pub mod communicator;
 pub mod condensed_solver;
 #[cfg(test)]
@@ -36,7 +37,7 @@ pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{
     ActivePoints, LineSearch, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep,
-    NonlinearProblem, Start, Tangent, newton, newton_eliminating,
+    NonlinearProblem, NonlinearTangent, Start, Tangent, newton, newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
 pub use problem::{Problem, SolveError};

@@ -5,22 +5,22 @@ mod convergence;
 mod cycles;
 mod line_search;
 mod report;
+mod tangent;
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
-use condensed::share_linear_part;
+use condensed::{changes_apart, share_linear_part};
 use convergence::{Fields, Norms, Rounding, mark};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
 pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
+pub use tangent::{NonlinearTangent, Tangent};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
@@ -58,6 +58,15 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
+    /// The derivative of [`NonlinearProblem::nonlinear_residual`] at u alone, if the problem has it apart from the linear part, as
+    /// where the positions of its entries follow the iterate. The tangent is the sum of the two.
+    ///
+    /// # Errors
+    /// If assembly fails.
+    fn nonlinear_tangent(&mut self, _u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, Self::Error> {
+        Ok(None)
+    }
+
     /// The quadrature points that are active at u, if the problem has such a notion: where a switch of a piecewise law is
     /// on.
     ///
@@ -89,31 +98,6 @@ pub trait NonlinearProblem {
     /// If assembly fails.
     fn sizes_of_terms(&mut self, _u: &[f64]) -> Result<Option<Vec<f64>>, Self::Error> {
         Ok(None)
-    }
-}
-
-/// A tangent, lent by the problem that keeps it.
-#[derive(Clone, Debug)]
-pub struct Tangent<'a> {
-    /// All rows and columns.
-    pub matrix: Cow<'a, BlockMatrix>,
-    /// Places among the matrix's values, as ascending ranges of whole blocks, outside of which it is equal to the
-    /// problem's linear part; none where the problem does not know them.
-    pub changed: Option<&'a [Range<usize>]>,
-}
-
-impl Tangent<'_> {
-    /// Σ_j |K_ij| a_j for each row i.
-    pub fn balancing_forces(&self, amplitudes: &[f64]) -> Vec<f64> {
-        let force = |row| self.matrix.row(row).map(|(column, k)| k.abs() * amplitudes[column]).sum();
-        (0..self.matrix.rows()).map(force).collect()
-    }
-}
-
-impl From<CsrMatrix> for Tangent<'_> {
-    /// A tangent of which nothing else is known.
-    fn from(matrix: CsrMatrix) -> Self {
-        Tangent { matrix: Cow::Owned(matrix.into()), changed: None }
     }
 }
 
@@ -161,7 +145,9 @@ pub fn newton<P: NonlinearProblem>(
         Ok(elimination) => {
             newton_eliminating(problem, elimination, Start::at(start), solver, options, progress)
         }
-        Err(why) => Err(NewtonError { why: NewtonFailure::Mismatch(why), history: vec![], u: start }),
+        Err(why) => {
+            Err(NewtonError { why: NewtonFailure::Mismatch(why), history: vec![], u: start, notes: vec![] })
+        }
     }
 }
 
@@ -200,7 +186,7 @@ pub fn newton_eliminating<P: NonlinearProblem>(
     let mut iteration = Iteration { u, fields, history, norms, active, forced: None, options, progress };
     match iteration.run(problem, elimination, guess, solver) {
         Ok(residual) => Ok(NewtonSolution { u: iteration.u, residual, history: iteration.history }),
-        Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u }),
+        Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u, notes: vec![] }),
     }
 }
 
@@ -300,6 +286,14 @@ impl Iteration<'_> {
         linear_part: Option<&Arc<CsrMatrix>>,
         solver: &mut dyn LinearSolver,
     ) -> Result<(), NewtonFailure<P::Error>> {
+        if let (Some(linear_part), Some(solver)) = (linear_part, solver.as_condensing())
+            && solver.condenses()
+            && self.options.line_search != LineSearch::OnPotential
+            && let Some(changes) = changes_apart(problem, elimination, &self.u)?
+        {
+            let set = solver.set_added(linear_part, changes.additions, &changes.near);
+            return set.map_err(NewtonFailure::LinearSolver);
+        }
         let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
         if self.options.line_search == LineSearch::OnPotential {
             check_potential(elimination, &tangent.matrix)?;

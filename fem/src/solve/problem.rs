@@ -19,8 +19,8 @@ use self::untyped::{Solver, UntypedProblem};
 use super::any_form::Held;
 use super::communicator::Communicator;
 use super::{
-    ActivePoints, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem, PerUnknown, Solved,
-    Tangent,
+    ActivePoints, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem, NonlinearTangent,
+    PerUnknown, Solved, Tangent,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
@@ -203,6 +203,10 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
 
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         self.untyped.nonlinear_residual(u)
+    }
+
+    fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
+        self.untyped.nonlinear_tangent(u)
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {

@@ -6,7 +6,7 @@ use forms_core::contract::{Expression, Functional};
 use thiserror::Error;
 
 use super::{NewtonStep, SolverReport};
-use crate::assemble::{Assembler, AssemblyError, PointValues};
+use crate::assemble::{Assembler, AssemblyError, PointValues, RegionPairs};
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::mesh::MeshError;
@@ -27,6 +27,8 @@ pub struct Solved<const D: usize, const N: usize = 1> {
     pub assembly_seconds: f64,
     /// Seconds of this solution in all.
     pub seconds: f64,
+    /// The contact pairs at the solution, in numbers: open points, gaps, overlaps.
+    pub pairs: Vec<RegionPairs<D>>,
     pub(super) assembler: Assembler<D>,
 }
 

@@ -29,13 +29,28 @@ impl CondensingSolver for CondensedSolver {
     }
 
     fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
-        let known = self.linear_part.as_ref().is_some_and(|known| Arc::ptr_eq(&known.matrix, linear_part));
-        if !known || self.refused {
+        if !self.knows(linear_part) {
             return self.set_matrix(linear_part.with_entries(entries)?);
         }
+        self.set_added(linear_part, additions(linear_part, entries)?, &[])
+    }
+
+    fn set_added(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+        additions: Vec<Entry>,
+        near: &[u32],
+    ) -> Result<(), SolverError> {
+        if !self.knows(linear_part) {
+            return self.set_matrix(linear_part.plus(&additions)?);
+        }
         self.current = None;
-        let additions = additions(linear_part, entries)?;
-        self.condense(&additions.clone(), self.sum(linear_part, additions))
+        self.expected.extend_from_slice(near);
+        let condensed = self.condense(&additions.clone(), self.sum(linear_part, additions));
+        if !near.is_empty() {
+            self.expected.clear();
+        }
+        condensed
     }
 
     fn expect_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {

@@ -13,6 +13,15 @@ use crate::solve::linear_solver::{CondensingSolver, LinearSolver, SolverError};
 
 type Outcome<T, P> = Result<T, NewtonFailure<<P as NonlinearProblem>::Error>>;
 
+/// What the tangent at some u adds to the linear part, reduced.
+pub(super) struct Changes {
+    pub additions: Vec<Entry>,
+    /// The unknowns that the nonlinearity reads.
+    watched: Vec<u32>,
+    /// Unknowns at which coming tangents may add.
+    pub near: Vec<u32>,
+}
+
 /// The entries of the tangent at u, reduced, at the places where it may differ from the linear part.
 fn changed_entries<P: NonlinearProblem>(
     problem: &mut P,
@@ -22,6 +31,55 @@ fn changed_entries<P: NonlinearProblem>(
     let tangent = problem.tangent(u).map_err(NewtonFailure::Assembly)?;
     let places = tangent.changed.unwrap_or_default();
     elimination.reduce_places(&tangent.matrix, places).map_err(NewtonFailure::Mismatch)
+}
+
+/// The tangent of the nonlinear part, reduced, where the problem has it apart.
+pub(super) fn changes_apart<P: NonlinearProblem>(
+    problem: &mut P,
+    elimination: &Elimination,
+    u: &[f64],
+) -> Outcome<Option<Changes>, P> {
+    let Some(tangent) = problem.nonlinear_tangent(u).map_err(NewtonFailure::Assembly)? else {
+        return Ok(None);
+    };
+    let mut places = vec![u32::MAX; elimination.size()];
+    elimination.free().iter().enumerate().for_each(|(place, unknown)| places[*unknown] = place as u32);
+    let is_free = |place: &u32| *place != u32::MAX;
+    let (mut additions, mut near) = (Vec::new(), Vec::new());
+    for &row in tangent.rows.iter().filter(|row| is_free(&places[**row])) {
+        let first = additions.len();
+        for (column, value) in tangent.matrix.row(row).filter(|(_, value)| *value != 0.0) {
+            if is_free(&places[column]) {
+                additions.push(Entry { row: places[row], column: places[column], value });
+            }
+        }
+        // What is stored beyond is where pairs may come to soon.
+        if additions.len() > first {
+            near.extend(tangent.matrix.row(row).map(|(column, _)| places[column]).filter(is_free));
+        }
+    }
+    near.sort_unstable();
+    near.dedup();
+    let watched = tangent.reads.iter().map(|unknown| places[*unknown]).filter(is_free).collect();
+    Ok(Some(Changes { additions, watched, near }))
+}
+
+/// What the tangent at u adds to the linear part, in either form in which a problem may tell it.
+fn changes<P: NonlinearProblem>(
+    problem: &mut P,
+    elimination: &mut Elimination,
+    linear_part: &CsrMatrix,
+    u: &[f64],
+) -> Outcome<Changes, P> {
+    if let Some(changes) = changes_apart(problem, elimination, u)? {
+        return Ok(changes);
+    }
+    let entries = changed_entries(problem, elimination, u)?;
+    let mut watched: Vec<u32> = entries.iter().flat_map(|entry| [entry.row, entry.column]).collect();
+    watched.sort_unstable();
+    watched.dedup();
+    let additions = additions(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
+    Ok(Changes { additions, watched, near: vec![] })
 }
 
 /// Tells a condensing solver the part that all tangents share, reduced; none where there is no such solver or part.
@@ -54,7 +112,9 @@ impl Iteration<'_> {
         solver: &mut dyn LinearSolver,
     ) -> Result<Residuals, NewtonFailure<P::Error>> {
         let Some(solver) = solver.as_condensing() else { return Ok(residuals) };
-        if let Some(guess) = guess {
+        // Where positions follow the iterate, a guess tells nothing of them.
+        let follows = problem.nonlinear_tangent(&self.u).map_err(NewtonFailure::Assembly)?.is_some();
+        if let Some(guess) = guess.filter(|_| !follows) {
             let entries = changed_entries(problem, elimination, &guess)?;
             solver.expect_changed(linear_part, &entries).map_err(NewtonFailure::LinearSolver)?;
         }
@@ -86,10 +146,8 @@ impl Iteration<'_> {
         // R(u₀ + x) = K x + N(u₀ + x) − b.
         let mut b = elimination.reduce(residual).map_err(NewtonFailure::Mismatch)?;
         b.iter_mut().zip(&nonlinear).for_each(|(b, n)| *b = n - *b);
-        let mut entries = changed_entries(problem, elimination, &self.u)?;
-        let mut watched: Vec<u32> = entries.iter().flat_map(|entry| [entry.row, entry.column]).collect();
-        watched.sort_unstable();
-        watched.dedup();
+        let Changes { additions: mut added, watched, mut near } =
+            changes(problem, elimination, linear_part, &self.u)?;
         let start: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
         // The increment since u₀, up to date in the watched unknowns.
         let mut x = vec![0.0; b.len()];
@@ -97,7 +155,6 @@ impl Iteration<'_> {
         let failed = NewtonFailure::LinearSolver;
         loop {
             let touched: Vec<u32> = (0..x.len() as u32).filter(|i| nonlinear[*i as usize] != 0.0).collect();
-            let added = additions(linear_part, &entries).map_err(failed)?;
             let holds = known.as_ref().is_some_and(|(system, _)| solver.covers(system, &added, &touched));
             if !holds {
                 // The iterate is completed with the factor that it belongs to.
@@ -106,7 +163,11 @@ impl Iteration<'_> {
                     let full = elimination.free().iter().map(|unknown| self.u[*unknown]);
                     x = full.zip(&start).map(|(u, start)| u - start).collect();
                 }
-                if !solver.cover(&added, &touched).map_err(failed)? {
+                near.extend_from_slice(&touched);
+                // What may be touched soon is too much where the dense system would cost more than it saves.
+                let covered = solver.cover(&added, &near).map_err(failed)?
+                    || (near.len() > touched.len() && solver.cover(&added, &touched).map_err(failed)?);
+                if !covered {
                     return Ok(self.history.len() > 1);
                 }
                 let system = solver.condensed_system(&b, &watched).map_err(failed)?;
@@ -153,7 +214,7 @@ impl Iteration<'_> {
             if last {
                 break;
             }
-            entries = changed_entries(problem, elimination, &self.u)?;
+            Changes { additions: added, near, .. } = changes(problem, elimination, linear_part, &self.u)?;
         }
         if let Some((system, x_c)) = known {
             self.complete(elimination, &start, &solver.complete(system, &x_c).map_err(failed)?)?;

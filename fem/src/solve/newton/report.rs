@@ -165,7 +165,7 @@ pub enum NewtonFailure<E> {
 
 /// A failure of Newton's method with the history up to it.
 #[derive(thiserror::Error)]
-#[error("{}: {why}", stage(history))]
+#[error("{}: {why}{}", stage(history), and(notes))]
 pub struct NewtonError<E: std::error::Error> {
     /// The reason.
     pub why: NewtonFailure<E>,
@@ -173,6 +173,12 @@ pub struct NewtonError<E: std::error::Error> {
     pub history: Vec<NewtonStep>,
     /// The last iterate.
     pub u: Vec<f64>,
+    /// What else the problem has to say of it, as that points of sliding pairs have lost each other.
+    pub notes: Vec<String>,
+}
+
+fn and(notes: &[String]) -> String {
+    notes.iter().map(|note| format!("; {note}")).collect()
 }
 
 /// The stage of a failure: without an iterate there was no Newton's method yet, as in an affine problem.
@@ -185,7 +191,7 @@ fn stage(history: &[NewtonStep]) -> String {
 
 impl<E: std::error::Error> From<NewtonFailure<E>> for NewtonError<E> {
     fn from(why: NewtonFailure<E>) -> Self {
-        NewtonError { why, history: vec![], u: vec![] }
+        NewtonError { why, history: vec![], u: vec![], notes: vec![] }
     }
 }
 

@@ -48,6 +48,17 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
         error
     }
 
+    /// What there is to say of points that slide and have no opposite one at u.
+    pub(super) fn lost_pairs(&self, u: &[f64]) -> Vec<String> {
+        if u.iter().any(|u| !u.is_finite()) {
+            return vec![];
+        }
+        // What cannot be said is left out: the failure is reported in any case.
+        let pairs = self.system.pairs(u).unwrap_or_default();
+        let lost = pairs.iter().filter(|pairs| pairs.displaced && pairs.report.open > 0);
+        lost.map(|pairs| pairs.to_string()).collect()
+    }
+
     /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.
     fn free_motions(&self, number: usize, elimination: &Elimination) -> Vec<String> {
         let (spaces, space) = (&self.system.spaces, &self.system.spaces[number]);

@@ -6,12 +6,20 @@ use std::time::Instant;
 
 use super::untyped::UntypedProblem;
 use crate::assemble::AssemblyError;
+use crate::history::commits;
 use crate::linear_algebra::BlockMatrix;
+use crate::solve::apart::{Nonlinear, balancing_forces};
 use crate::solve::communicator::{agreed, all_active, summed};
-use crate::solve::{ActivePoints, NonlinearProblem, Tangent};
+use crate::solve::{ActivePoints, NonlinearProblem, NonlinearTangent, Tangent};
 
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     fn own_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        if let Some(apart) = &self.apart {
+            let start = Instant::now();
+            let residual = self.system.residual_of_parts(apart, u);
+            self.seconds += start.elapsed().as_secs_f64();
+            return residual;
+        }
         let (system, assembled) = self.ready()?;
         let start = Instant::now();
         let residual = system.residual(assembled, u);
@@ -61,16 +69,38 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
     }
 
     fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
-        // Where pairs slide, an iterate may change entries anywhere.
-        match self.communicator.is_some() || self.system.slides() {
-            true => Ok(None),
-            false => Ok(self.ready()?.1.linear_part()),
+        if self.communicator.is_some() {
+            return Ok(None);
         }
+        if self.system.slides() {
+            let start = Instant::now();
+            let commits = commits(self.system.form.inputs());
+            if self.apart.as_ref().is_none_or(|known| known.commits != commits) {
+                self.apart = self.system.assemble_apart(commits)?;
+            }
+            self.seconds += start.elapsed().as_secs_f64();
+            return Ok(self.apart.as_ref().map(|apart| &apart.linear));
+        }
+        Ok(self.ready()?.1.linear_part())
+    }
+
+    fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
+        let Some(apart) = &mut self.apart else { return Ok(None) };
+        let start = Instant::now();
+        let Nonlinear { matrix, rows, reads, .. } = self.system.nonlinear_tangent(apart, u)?;
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(Some(NonlinearTangent { matrix, rows, reads }))
     }
 
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        if self.communicator.is_some() || self.system.slides() {
+        if self.communicator.is_some() || (self.system.slides() && self.apart.is_none()) {
             return Ok(None);
+        }
+        if self.system.slides() {
+            let start = Instant::now();
+            let residual = self.system.nonlinear_residual(u);
+            self.seconds += start.elapsed().as_secs_f64();
+            return residual.map(Some);
         }
         let (system, _) = self.ready()?;
         let start = Instant::now();
@@ -97,6 +127,10 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
     }
 
     fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        if let Some(apart) = &mut self.apart {
+            let nonlinear = self.system.nonlinear_tangent(apart, u)?.matrix.clone();
+            return Ok(balancing_forces(&apart.linear, &nonlinear, amplitudes));
+        }
         let own = self.tangent(u).map(|tangent| tangent.balancing_forces(amplitudes));
         // All processes must come to the same judgement of convergence.
         summed(self.communicator, self.system.form.name(), own)

@@ -4,7 +4,7 @@ use crate::assemble::AssemblyError;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
     ActivePoints, Elimination, LinearSolver, NewtonError, NewtonOptions, NewtonSolution, NewtonStep,
-    NonlinearProblem, Start, Tangent, newton_eliminating,
+    NonlinearProblem, NonlinearTangent, Start, Tangent, newton_eliminating,
 };
 
 /// [`newton_eliminating`] for the problem of any form, compiled once: a user's form brings its kernels, not Newton's method.
@@ -42,6 +42,10 @@ impl NonlinearProblem for FormEquations<'_> {
 
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         self.0.nonlinear_residual(u)
+    }
+
+    fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
+        self.0.nonlinear_tangent(u)
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {

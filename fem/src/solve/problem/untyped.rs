@@ -13,6 +13,7 @@ use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
 use crate::solve::any_form::Held;
+use crate::solve::apart::Apart;
 use crate::solve::communicator::Communicator;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::{
@@ -30,6 +31,8 @@ pub(super) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub progress: Option<EachStep<'a>>,
     pub communicator: Option<&'a dyn Communicator>,
     pub assembled: Option<Assembled>,
+    /// Where pairs slide and the solver condenses.
+    pub apart: Option<Apart<D>>,
     /// Spent in assembly so far.
     pub seconds: f64,
 }
@@ -66,6 +69,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             progress: None,
             communicator: None,
             assembled: None,
+            apart: None,
             seconds: 0.0,
         }
     }
@@ -93,6 +97,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             report,
             assembly_seconds: self.seconds,
             seconds: begun.elapsed().as_secs_f64(),
+            pairs: self.system.pairs(&u)?,
             assembler: self.system.assembler.clone().into_owned(),
         })
     }
@@ -112,6 +117,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             None => vec![0.0; self.system.unknowns()],
         };
         let guess = self.extrapolate_prescribed(&u, constraints);
+        self.apart = None;
         let options = self.options.clone();
         let mut progress = self.progress.take();
         let mut ignored = |_: &NewtonStep| ();
@@ -130,6 +136,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
                 };
                 error.why = NewtonFailure::LinearSolver(named);
             }
+            error.notes = self.lost_pairs(&error.u);
             error
         })?;
         Ok((found.u, found.residual, found.history))

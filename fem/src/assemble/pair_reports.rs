@@ -1,0 +1,93 @@
+//! The contact pairs of a form in numbers, at given unknowns.
+
+use std::fmt;
+use std::sync::Arc;
+
+use forms_core::contract::{Entity, Form, Integral, LinearKernel, LinearVisitor};
+
+use super::binding::Binding;
+use super::pair_groups::degree_on_pairs;
+use super::{Assembler, AssemblyError};
+use crate::field::FieldView;
+use crate::pairs::PairReport;
+use crate::space::Space;
+
+/// The contact pairs of a form's region in numbers. It displays as a sentence about points without a partner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionPairs<const D: usize> {
+    /// The region's name in the form.
+    pub symbol: &'static str,
+    /// Its surfaces.
+    pub surfaces: String,
+    /// Whether an unknown or another field displaces them.
+    pub displaced: bool,
+    /// The numbers; of several rules those of the first integral.
+    pub report: PairReport<D>,
+}
+
+impl<const D: usize> fmt::Display for RegionPairs<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let PairReport { points, open, rejected, deepest_overlap, deepest_at, .. } = &self.report;
+        let all = points + open;
+        write!(f, "{open} of {all} points of `{}` ({}) have no opposite point", self.symbol, self.surfaces)?;
+        if *rejected > 0 {
+            write!(f, ", {rejected} of them with a surface behind them or beyond the reach")?;
+        }
+        match deepest_at {
+            Some(at) => write!(f, "; the deepest overlap is {deepest_overlap:e} at {at:?}"),
+            None => write!(f, "; nothing overlaps"),
+        }
+    }
+}
+
+struct ReportVisitor<'a, 'b, const D: usize> {
+    assembler: &'a Assembler<D>,
+    binding: &'a Binding<'b, D>,
+    degrees: Vec<usize>,
+    found: Vec<(usize, Option<&'static [usize]>, RegionPairs<D>)>,
+}
+
+impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
+        let (number, displacement) = (integral.region, integral.displacement);
+        let region = &self.binding.regions[number];
+        let is_known = self.found.iter().any(|known| (known.0, known.1) == (number, displacement));
+        if region.entity != Entity::Pairs || is_known {
+            return Ok(());
+        }
+        let estimate = |geometry, simplex| (integral.degree)(&self.degrees, geometry, simplex);
+        let degree = degree_on_pairs(self.binding.mesh, estimate);
+        let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
+        let pairs = RegionPairs {
+            symbol: region.symbol,
+            surfaces: region.name.clone(),
+            displaced: displacement.is_some(),
+            report: pairs.report,
+        };
+        self.found.push((number, displacement, pairs));
+        Ok(())
+    }
+}
+
+impl<const D: usize> Assembler<D> {
+    /// The contact pairs of a form at some unknowns, in the order of its integrals. Pairs that were assembled on are not searched
+    /// for again.
+    pub(crate) fn pairs_of_form<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
+        if form.inputs().regions.iter().all(|region| region.entity != Entity::Pairs) {
+            return Ok(vec![]);
+        }
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        let degrees = binding.degrees(tests);
+        let mut visitor = ReportVisitor { assembler: self, binding: &binding, degrees, found: vec![] };
+        form.residual(&mut visitor)?;
+        Ok(visitor.found.into_iter().map(|(_, _, pairs)| pairs).collect())
+    }
+}

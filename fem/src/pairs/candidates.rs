@@ -1,0 +1,242 @@
+//! Facets that rays from an own facet may meet: lists that are made with a skin, and kept until motions have used it up.
+//!
+//! Which facets are tried follows from the displacement alone: a list holds at least those that the rays of an iterate can meet,
+//! and at that iterate it is reduced to just those.
+
+use std::sync::{Arc, OnceLock};
+
+use super::surface::{SurfaceFacet, dot, minus};
+use crate::locate::BoxGrid;
+
+/// The skin of an own facet's list, in its diameters.
+const SKIN: f64 = 0.5;
+
+/// The part of a skin that may be used up; the rest is for rounding.
+const USABLE: f64 = 1.0 - 1e-6;
+
+fn length<const D: usize>(a: &[f64; D]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// All rays from the points of an own facet, to both sides.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beam<const D: usize> {
+    /// They start within a radius of a point.
+    centre: [f64; D],
+    radius: f64,
+    /// Their unit directions differ from one by this vector length at most.
+    direction: [f64; D],
+    spread: f64,
+    /// The length of a ray.
+    reach: f64,
+}
+
+impl<const D: usize> Beam<D> {
+    /// The rays from some points along their normals.
+    pub fn new(own: &SurfaceFacet<D>, rays: impl Iterator<Item = ([f64; D], [f64; D])>, reach: f64) -> Self {
+        let (centre, direction) = (own.centre, own.at(&own.middle()).normal());
+        let mut squares = [0.0_f64; 2];
+        for (position, normal) in rays {
+            for (square, off) in
+                squares.iter_mut().zip([minus(&position, &centre), minus(&normal, &direction)])
+            {
+                *square = square.max(dot(&off, &off));
+            }
+        }
+        let [radius, spread] = squares.map(f64::sqrt);
+        Beam { centre, radius, direction, spread, reach }
+    }
+
+    /// Half the length and half the width of what holds the rays.
+    fn extents(&self) -> [f64; 2] {
+        [self.reach + self.radius, self.radius + self.reach * self.spread]
+    }
+
+    /// Whether rays may come to a ball, or within a skin of it.
+    fn meets(&self, ball: &Ball<D>, skin: f64) -> bool {
+        let off = minus(&ball.centre, &self.centre);
+        let along = dot(&off, &self.direction);
+        let [length, width] = self.extents().map(|extent| extent + ball.radius + skin);
+        along.abs() <= length && dot(&off, &off) - along * along <= width * width
+    }
+
+    /// The most by which the place of a ball that an earlier beam did not meet may have come nearer by the motion of the rays;
+    /// no ball that this beam meets has a larger radius.
+    fn moved_since(&self, earlier: &Beam<D>, largest: f64) -> f64 {
+        let [length_now, width] = self.extents().map(|extent| extent + largest);
+        let turned = length(&minus(&self.direction, &earlier.direction));
+        let widened = (self.radius - earlier.radius).max(0.0);
+        let spread = (self.spread - earlier.spread).max(0.0) * self.reach;
+        length(&minus(&self.centre, &earlier.centre)) + (length_now + width) * turned + widened + spread
+    }
+}
+
+/// A ball around a facet.
+#[derive(Clone, Copy, Debug)]
+struct Ball<const D: usize> {
+    centre: [f64; D],
+    radius: f64,
+}
+
+/// The candidates of an own facet.
+#[derive(Debug)]
+pub(super) struct KeptList<const D: usize> {
+    /// When the list was made: the rays, and how far balls had moved from where they are kept.
+    beam: Beam<D>,
+    moved: f64,
+    skin: f64,
+    /// Ascending.
+    facets: Vec<u32>,
+}
+
+/// The candidates of all facets of a surface.
+#[derive(Debug)]
+pub(super) struct KeptCandidates<const D: usize> {
+    balls: Arc<[Ball<D>]>,
+    lists: Vec<Option<Arc<KeptList<D>>>>,
+}
+
+/// The candidates at an iterate.
+pub(super) struct Candidates<const D: usize> {
+    balls: Arc<[Ball<D>]>,
+    /// The largest of their radii.
+    largest: f64,
+    /// How far a ball has moved from where it is kept, or grown.
+    moved: f64,
+    kept: KeptCandidates<D>,
+    grid: OnceLock<BoxGrid<D>>,
+}
+
+impl<const D: usize> Candidates<D> {
+    /// Those among opposite facets, with lists that an earlier iterate had.
+    pub fn new(
+        own: &[SurfaceFacet<D>],
+        opposite: &[SurfaceFacet<D>],
+        earlier: Option<&KeptCandidates<D>>,
+    ) -> Self {
+        let ball = |facet: &SurfaceFacet<D>| Ball { centre: facet.centre, radius: facet.radius };
+        let balls: Arc<[Ball<D>]> = opposite.iter().map(ball).collect();
+        let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+        let mut moved = 0.0;
+        let fits =
+            |known: &&KeptCandidates<D>| known.balls.len() == balls.len() && known.lists.len() == own.len();
+        let usable = earlier.filter(fits).filter(|known| {
+            let motion = |(now, then): (&Ball<D>, &Ball<D>)| {
+                length(&minus(&now.centre, &then.centre)) + (now.radius - then.radius).max(0.0)
+            };
+            moved = balls.iter().zip(&*known.balls).map(motion).fold(0.0, f64::max);
+            let skins = known.lists.iter().flatten().map(|list| list.skin);
+            moved <= 0.5 * USABLE * skins.fold(f64::INFINITY, f64::min)
+        });
+        let kept = match usable {
+            Some(known) => KeptCandidates { balls: Arc::clone(&known.balls), lists: known.lists.clone() },
+            None => {
+                moved = 0.0;
+                KeptCandidates { balls: Arc::clone(&balls), lists: vec![None; own.len()] }
+            }
+        };
+        Candidates { balls, largest, moved, kept, grid: OnceLock::new() }
+    }
+
+    /// The opposite facets that an own facet's rays may meet, ascending; a list that had to be made for them is handed back.
+    /// `may_face` says which facets count at all.
+    pub fn of(
+        &self,
+        own: usize,
+        beam: &Beam<D>,
+        diameter: f64,
+        may_face: impl Fn(usize) -> bool,
+        found: &mut Vec<usize>,
+    ) -> Option<KeptList<D>> {
+        found.clear();
+        let still_holds = |list: &&KeptList<D>| {
+            let moved = beam.moved_since(&list.beam, self.largest) + self.moved + list.moved;
+            moved <= USABLE * list.skin && beam.reach <= list.beam.reach
+        };
+        let known = self.kept.lists[own].as_deref().filter(still_holds);
+        let made = known.is_none().then(|| self.list(beam, SKIN * diameter, may_face));
+        if let Some(list) = known.or(made.as_ref()) {
+            let met = list.facets.iter().filter(|facet| beam.meets(&self.balls[**facet as usize], 0.0));
+            found.extend(met.map(|facet| *facet as usize));
+        }
+        made
+    }
+
+    fn list(&self, beam: &Beam<D>, skin: f64, may_face: impl Fn(usize) -> bool) -> KeptList<D> {
+        let grid = self.grid.get_or_init(|| {
+            // A ball that meets the rays meets the box around them if its own is wider by √2.
+            let around = |ball: &Ball<D>| {
+                let half = std::f64::consts::SQRT_2 * (1.0 + 1e-9) * ball.radius;
+                (ball.centre.map(|x| x - half), ball.centre.map(|x| x + half))
+            };
+            BoxGrid::new(self.balls.iter().map(around).collect())
+        });
+        let [length, width] = beam.extents().map(|extent| extent + skin);
+        let half: [f64; D] = beam.direction.map(|component| component.abs() * length + width);
+        let corner = |sign: f64| std::array::from_fn(|k| beam.centre[k] + sign * half[k]);
+        let met = grid.meeting(&(corner(-1.0), corner(1.0))).into_iter();
+        let met = met.filter(|facet| beam.meets(&self.balls[*facet], skin) && may_face(*facet));
+        KeptList { beam: *beam, moved: self.moved, skin, facets: met.map(|facet| facet as u32).collect() }
+    }
+
+    /// What the next iterate may use: the lists with those that were made for this one.
+    pub fn keep(self, made: Vec<(usize, KeptList<D>)>) -> KeptCandidates<D> {
+        let mut kept = self.kept;
+        for (own, list) in made {
+            kept.lists[own] = Some(Arc::new(list));
+        }
+        kept
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use forms_core::contract::Pairing;
+
+    use super::*;
+    use crate::element::CellShape;
+    use crate::field::Field;
+    use crate::mesh::rectangle;
+    use crate::pairs::surfaces::Surfaces;
+    use crate::pairs::{Displacement, DisplacementField};
+    use crate::space::Space;
+    use crate::threads::Threads;
+
+    /// Lists serve while motions are small, and give what new ones give.
+    #[test]
+    fn lists_are_kept_until_the_skin_is_used_up() {
+        let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.1], [20, 1], CellShape::Quadrilateral, 1).unwrap());
+        let space = Space::vector(&mesh, 2).unwrap();
+        let pairing = Pairing::onto("top", "bottom");
+        let mut kept: Option<KeptCandidates<2>> = None;
+        let mut made_at = vec![];
+        // Facets are 0.05 long, the skin is a half of that; the lower side moves.
+        for step in 0..12 {
+            let shift = 0.003 * f64::from(step);
+            let lower = |x: &[f64; 2]| [if x[1] < 0.05 { shift } else { 0.0 }, 0.0];
+            let u = Field::interpolate(&space, lower).unwrap();
+            let displacement =
+                Displacement { fields: vec![DisplacementField { space: &space, values: u.values() }] };
+            let surfaces = Surfaces::new(&mesh, &pairing, Some(&displacement), Threads::ONE).unwrap();
+            let (own, opposite) = (surfaces.of("top"), surfaces.of("bottom"));
+            let keeping = Candidates::new(own, opposite, kept.as_ref());
+            let fresh = Candidates::new(own, opposite, None);
+            let (mut made, mut one, mut other) = (vec![], vec![], vec![]);
+            for (index, facet) in own.iter().enumerate() {
+                let ends = facet.parameters().iter().map(|s| facet.at(s));
+                let beam = Beam::new(facet, ends.map(|end| (end.position, end.normal())), 0.15);
+                made.extend(keeping.of(index, &beam, 0.05, |_| true, &mut one).map(|list| (index, list)));
+                assert!(fresh.of(index, &beam, 0.05, |_| true, &mut other).is_some());
+                assert!(one == other && !one.is_empty());
+            }
+            if !made.is_empty() {
+                assert_eq!(made.len(), own.len());
+                made_at.push(step);
+            }
+            kept = Some(keeping.keep(made));
+        }
+        assert_eq!(made_at, [0, 5, 10]);
+    }
+}

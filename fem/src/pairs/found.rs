@@ -1,0 +1,126 @@
+//! What a search found: points with their opposite points, facet by facet, and their numbers.
+
+use std::ops::Range;
+
+use super::candidates::KeptList;
+use super::surface::SurfaceFacet;
+use crate::mesh::{Facet, Mesh};
+
+/// A quadrature point with its opposite point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairPoint<const D: usize> {
+    /// Reference coordinates in the own cell and in the opposite one.
+    pub reference: [[f64; D]; 2],
+    /// Weight on the own facet's reference cell.
+    pub weight: f64,
+    pub gap: f64,
+    pub toward: [f64; D],
+}
+
+/// The points of an own facet that lie opposite to one facet.
+#[derive(Clone, Debug)]
+pub(super) struct Unit {
+    /// The place of the own facet in the walk.
+    pub place: u32,
+    /// The own facet and the opposite one.
+    pub facets: [Facet; 2],
+    /// Its points among those that were found.
+    pub points: Range<usize>,
+}
+
+/// Numbers of a search, added up over facets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Counts<const D: usize> {
+    pub points: usize,
+    pub open: usize,
+    pub rejected: usize,
+    pub deepest: f64,
+    pub deepest_at: Option<[f64; D]>,
+    pub largest: f64,
+    pub paired: f64,
+    pub measure: f64,
+}
+
+impl<const D: usize> Default for Counts<D> {
+    fn default() -> Self {
+        let (points, open, rejected) = (0, 0, 0);
+        let (deepest, largest, paired, measure) = (0.0, 0.0, 0.0, 0.0);
+        Counts { points, open, rejected, deepest, deepest_at: None, largest, paired, measure }
+    }
+}
+
+impl<const D: usize> Counts<D> {
+    pub fn add(&mut self, other: &Counts<D>) {
+        self.points += other.points;
+        self.open += other.open;
+        self.rejected += other.rejected;
+        if other.deepest > self.deepest {
+            (self.deepest, self.deepest_at) = (other.deepest, other.deepest_at);
+        }
+        self.largest = self.largest.max(other.largest);
+        self.paired += other.paired;
+        self.measure += other.measure;
+    }
+
+    pub fn add_point(&mut self, position: &[f64; D], gap: f64, measure: f64) {
+        self.points += 1;
+        if -gap > self.deepest {
+            (self.deepest, self.deepest_at) = (-gap, Some(*position));
+        }
+        self.largest = self.largest.max(gap);
+        self.paired += measure;
+    }
+}
+
+/// The pairs of some own facets.
+#[derive(Debug, Default)]
+pub(super) struct Found<const D: usize> {
+    pub units: Vec<Unit>,
+    pub points: Vec<PairPoint<D>>,
+    /// Of each own facet.
+    pub counts: Vec<Counts<D>>,
+    /// Lists of candidates that were made for some own facets.
+    pub remade: Vec<(usize, KeptList<D>)>,
+}
+
+/// Room for what is computed of one own facet.
+#[derive(Debug, Default)]
+pub(super) struct Room<const D: usize> {
+    /// Positions and normals.
+    pub points: Vec<([f64; D], [f64; D])>,
+    pub candidates: Vec<usize>,
+    /// The pairs with the opposite facets' indices.
+    pub pairs: Vec<(usize, PairPoint<D>)>,
+}
+
+impl<const D: usize> Found<D> {
+    /// Begins with a further own facet.
+    pub fn begin(&mut self) {
+        self.counts.push(Counts::default());
+    }
+
+    /// The numbers of the last own facet.
+    pub fn counts(&mut self) -> &mut Counts<D> {
+        let last = self.counts.len() - 1;
+        &mut self.counts[last]
+    }
+
+    /// Sorts the pairs of the last own facet by opposite facets, in the order of its points.
+    pub fn end(
+        &mut self,
+        mesh: &Mesh<D>,
+        own: &SurfaceFacet<D>,
+        opposite: &[SurfaceFacet<D>],
+        room: &mut Room<D>,
+    ) {
+        let place = mesh.walk_of_facet(&[own.facet]);
+        while let Some((facet, _)) = room.pairs.first().copied() {
+            let first = self.points.len();
+            let of_facet = room.pairs.iter().filter(|(other, _)| *other == facet);
+            self.points.extend(of_facet.map(|(_, point)| *point));
+            room.pairs.retain(|(other, _)| *other != facet);
+            let facets = [own.facet, opposite[facet].facet];
+            self.units.push(Unit { place, facets, points: first..self.points.len() });
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! The quadrature points of an own facet, each with its opposite point.
+
+use forms_core::contract::Projection;
+
+use super::candidates::Beam;
+use super::found::{Found, PairPoint, Room};
+use super::search::{Partner, Search, Sought, Viewpoint};
+use super::surface::{SurfaceFacet, dot, unit};
+use super::{PairError, clip, pieces};
+use crate::quadrature::{QuadratureRule, facet_reference_rule};
+
+/// Gaps that differ by less than this part of the facet's diameter are of one surface.
+const SAME_GAP: f64 = 1e-8;
+
+impl<const D: usize> Search<'_, '_, D> {
+    /// Adds the pairs of an own facet to what was found.
+    pub fn add_pairs_of(
+        &self,
+        index: usize,
+        found: &mut Found<D>,
+        room: &mut Room<D>,
+    ) -> Result<(), PairError> {
+        found.begin();
+        match self.whole && self.projection == Projection::Ray {
+            true => self.add_rays_of(index, found, room),
+            false => self.add_pieces_of(index, found, room)?,
+        }
+        found.end(self.mesh, &self.own[index], self.opposite, room);
+        Ok(())
+    }
+
+    /// The rays from the points of a whole facet.
+    fn add_rays_of(&self, index: usize, found: &mut Found<D>, room: &mut Room<D>) {
+        let own = &self.own[index];
+        let shape = self.mesh.cell_shape(own.facet.cell as usize);
+        let Some((_, rule)) = self.rules.iter().find(|(known, _)| *known == shape) else { return };
+        let Room { points, candidates, .. } = room;
+        points.clear();
+        points.extend(rule.points.iter().map(|s| {
+            let point = own.at(s);
+            (point.position, point.long_normal())
+        }));
+        let elements: f64 = points.iter().zip(&rule.weights).map(|((_, n), w)| w * dot(n, n).sqrt()).sum();
+        found.counts().measure = elements;
+        let rays = points.iter().map(|(position, normal)| (*position, unit(normal)));
+        let (reach, diameter) = (self.reach(own), own.diameter());
+        let beam = Beam::new(own, rays, reach);
+        let made = self.candidates.of(index, &beam, diameter, |facet| self.may_face(own, facet), candidates);
+        found.remade.extend(made.map(|list| (index, list)));
+        for (q, s) in rule.points.iter().enumerate() {
+            let (position, normal) = room.points[q];
+            let from = Viewpoint { own, s: *s, position, normal: unit(&normal) };
+            let sought = self.opposite_to(&from, &room.candidates, reach);
+            self.add(sought, &from, (rule.weights[q], dot(&normal, &normal).sqrt()), found, room);
+        }
+    }
+
+    /// The points of pieces, or those that are nearest to the points of a whole facet.
+    fn add_pieces_of(&self, index: usize, found: &mut Found<D>, room: &mut Room<D>) -> Result<(), PairError> {
+        let own = &self.own[index];
+        let shape = self.mesh.cell_shape(own.facet.cell as usize);
+        let failed = |source| PairError::Quadrature { source };
+        let exact = facet_reference_rule(shape, D * self.mesh.degree() + 6).map_err(failed)?;
+        let weighted = exact.points.iter().zip(&exact.weights);
+        found.counts().measure = weighted.map(|(s, w)| w * own.at(s).element()).sum();
+        let (candidates, reach) = (self.around(index), self.reach(own));
+        for (facing, rule) in self.rules(own, &candidates, reach)? {
+            for (s, &weight) in rule.points.iter().zip(&rule.weights) {
+                let point = own.at(s);
+                let from = Viewpoint::new(own, *s, &point);
+                let sought = self.opposite_to(&from, &candidates, reach);
+                let Some(sought) = self.of_piece(facing, sought, &from, reach) else { continue };
+                self.add(sought, &from, (weight, point.element()), found, room);
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts the outcome for a point of given weight and surface element.
+    fn add(
+        &self,
+        sought: Sought<D>,
+        from: &Viewpoint<D>,
+        (weight, element): (f64, f64),
+        found: &mut Found<D>,
+        room: &mut Room<D>,
+    ) {
+        let counts = found.counts();
+        let partner = match sought {
+            Sought::Found(partner) => partner,
+            Sought::Rejected | Sought::Open => {
+                counts.open += 1;
+                counts.rejected += usize::from(matches!(sought, Sought::Rejected));
+                return;
+            }
+        };
+        counts.add_point(&from.position, partner.gap, weight * element);
+        let reference = [from.own.reference(&from.s), self.opposite[partner.facet].reference(&partner.hit.s)];
+        let toward = match self.projection {
+            Projection::Ray => from.normal,
+            Projection::Nearest => partner.hit.normal.map(|component| -component),
+        };
+        room.pairs.push((partner.facet, PairPoint { reference, weight, gap: partner.gap, toward }));
+    }
+
+    /// Rules on the own facet's reference cell, each with the opposite facet that it is made for.
+    fn rules(
+        &self,
+        own: &SurfaceFacet<D>,
+        candidates: &[usize],
+        reach: f64,
+    ) -> Result<Vec<(Option<usize>, QuadratureRule<2>)>, PairError> {
+        let failed = |source| PairError::Quadrature { source };
+        let shape = self.mesh.cell_shape(own.facet.cell as usize);
+        if let Some((_, rule)) = self.rules.iter().find(|(known, _)| *known == shape) {
+            return Ok(vec![(None, rule.clone())]);
+        }
+        let on_pieces = |pieces: &[_]| self.quadrature.rule_on_pieces(shape, self.degree, pieces);
+        let mut rules = Vec::new();
+        if D == 2 {
+            for (facet, piece) in pieces::segments(self, own, candidates, reach) {
+                rules.push((Some(facet), on_pieces(&[piece]).map_err(failed)?));
+            }
+        } else {
+            let plane = clip::FacetPlane::new(own);
+            for &facet in candidates {
+                let triangles = plane.facing(self, facet);
+                if !triangles.is_empty() {
+                    let rule = on_pieces(&triangles).map_err(failed)?;
+                    rules.push((Some(facet), plane.on_reference_cell(rule)));
+                }
+            }
+        }
+        Ok(rules)
+    }
+
+    /// Outcome of the search for a point of a piece that was made for one facet; `None` where another piece, of a surface that is
+    /// nearer, lies there too.
+    fn of_piece(
+        &self,
+        facing: Option<usize>,
+        sought: Sought<D>,
+        from: &Viewpoint<D>,
+        reach: f64,
+    ) -> Option<Sought<D>> {
+        let (Some(facing), Sought::Found(best)) = (facing, &sought) else { return Some(sought) };
+        if best.facet == facing {
+            return Some(sought);
+        }
+        let (a, b) = (&self.opposite[best.facet], &self.opposite[facing]);
+        let same_gap = |partner: &Partner<D>| best.gap.abs() >= partner.gap.abs() - SAME_GAP * b.radius;
+        match self.on_facet(facing, from).filter(|partner| self.accepts(partner, from, reach)) {
+            Some(partner) if self.projection == Projection::Ray => {
+                if same_gap(&partner) {
+                    return Some(Sought::Found(partner));
+                }
+                None
+            }
+            // The pieces of curved facets are right up to their curvature: the point is its neighbour's.
+            _ if D == 2 || a.vertices().any(|vertex| b.vertices().any(|other| other == vertex)) => {
+                Some(sought)
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Traces of Lagrange elements on facets as polynomials of the facet's own coordinates.
+
+use crate::element::CellShape;
+use crate::element::lagrange::{Lagrange, MAXIMUM_NODES};
+
+/// The coefficients of a polynomial of degree two at most in each of two coordinates: of sⁱtʲ at `[i][j]`.
+pub(super) type Coefficients<T> = [[T; 3]; 3];
+
+/// The nodes of an element that have a trace on one of its facets, each with its polynomial.
+#[derive(Debug)]
+pub(super) struct Trace {
+    key: (CellShape, usize, usize),
+    pub nodes: Vec<(usize, Coefficients<f64>)>,
+}
+
+/// Traces that were computed.
+#[derive(Debug, Default)]
+pub(super) struct Traces(Vec<Trace>);
+
+impl Traces {
+    /// Makes the trace of an element of degree two at most on a local facet known, whose coordinates are those of the cell from
+    /// `origin` along `tangents`.
+    pub fn learn<const D: usize>(
+        &mut self,
+        element: Lagrange,
+        local: usize,
+        origin: &[f64; D],
+        tangents: &[[f64; D]; 2],
+    ) {
+        let key = (element.shape, local, element.degree);
+        if self.0.iter().any(|trace| trace.key == key) {
+            return;
+        }
+        let places = [0.0, 0.5, 1.0];
+        // The values of all nodes at three places along each coordinate; in the plane the second one is zero.
+        let values = places.map(|s| {
+            places.map(|t| {
+                let t = if D == 2 { 0.0 } else { t };
+                let at = std::array::from_fn(|k| origin[k] + s * tangents[0][k] + t * tangents[1][k]);
+                let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
+                element.evaluate(&at, &mut value, &mut gradient);
+                value
+            })
+        });
+        let of_node = |node: usize| polynomial(|i, j| values[i][j][node], element.degree);
+        let nodes = (0..element.nodes()).map(|node| (node, of_node(node)));
+        let has_trace = |(_, c): &(usize, Coefficients<f64>)| c.iter().flatten().any(|c| *c != 0.0);
+        self.0.push(Trace { key, nodes: nodes.filter(has_trace).collect() });
+    }
+
+    /// A trace that is known.
+    pub fn get(&self, element: Lagrange, local: usize) -> &[(usize, Coefficients<f64>)] {
+        let key = (element.shape, local, element.degree);
+        self.0.iter().find(|trace| trace.key == key).map_or(&[], |trace| &trace.nodes)
+    }
+}
+
+/// The coefficients of a function of at most this degree, 2 or less, in each coordinate, from its values at 0, 1/2 and 1.
+fn polynomial(at: impl Fn(usize, usize) -> f64, degree: usize) -> Coefficients<f64> {
+    // Of one that is linear its middle says nothing new.
+    let through = |[first, middle, last]: [f64; 3]| match degree {
+        0 | 1 => [first, last - first, 0.0],
+        _ => [first, 4.0 * middle - 3.0 * first - last, 2.0 * (first + last) - 4.0 * middle],
+    };
+    // Of each place along s the polynomial of t, then these coefficients as polynomials of s.
+    let rows = [0, 1, 2].map(|i| through([0, 1, 2].map(|j| at(i, j))));
+    let columns = [0, 1, 2].map(|j| through([0, 1, 2].map(|i| rows[i][j])));
+    std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A trace is the element's own value on its facet.
+    #[test]
+    fn traces_are_values_on_facets() {
+        for (shape, degree) in
+            [(CellShape::Tetrahedron, 2), (CellShape::Hexahedron, 2), (CellShape::Hexahedron, 1)]
+        {
+            let element = Lagrange { shape, degree };
+            for local in 0..shape.facets() {
+                let vertices = shape.facet_vertices(local);
+                let corner =
+                    |k: usize| -> [f64; 3] { shape.vertex_points()[vertices[k]][..3].try_into().expect("3") };
+                let origin = corner(0);
+                let along = |k: usize| std::array::from_fn(|i| corner(k)[i] - origin[i]);
+                let tangents = [along(1), along(vertices.len() - 1)];
+                let mut traces = Traces::default();
+                traces.learn(element, local, &origin, &tangents);
+                assert_eq!(traces.get(element, local).len(), element.facet_nodes(local).len());
+                let (s, t) = (0.3, 0.25);
+                let at = std::array::from_fn(|k| origin[k] + s * tangents[0][k] + t * tangents[1][k]);
+                let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; 3]; MAXIMUM_NODES]);
+                element.evaluate(&at, &mut value, &mut gradient);
+                for (node, c) in traces.get(element, local) {
+                    let found: f64 = (0..3)
+                        .map(|i| (0..3).map(|j| c[i][j] * s.powi(i as i32) * t.powi(j as i32)).sum::<f64>())
+                        .sum();
+                    assert!((found - value[*node]).abs() < 1e-15, "{shape:?} {local} {node}");
+                }
+            }
+        }
+    }
+}

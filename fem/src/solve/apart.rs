@@ -1,0 +1,98 @@
+//! Linear and nonlinear integrals in matrices of their own, where pairs of points slide: the positions of the nonlinear ones' entries
+//! follow the iterate, and those of the linear ones stay with their factor.
+
+use super::linear_part::System;
+use crate::assemble::{AssemblyError, BlockPattern, Parts};
+use crate::field::Field;
+use crate::linear_algebra::BlockMatrix;
+use crate::linear_algebra::vector::add_scaled;
+
+/// The two parts of a system.
+pub(super) struct Apart<const D: usize> {
+    /// How often the form's histories had been committed when this was assembled.
+    pub commits: u64,
+    /// The residual at 0 of the integrals that are constant or linear in the unknowns.
+    load: Vec<f64>,
+    pub linear: BlockMatrix,
+    nonlinear: Option<Nonlinear<D>>,
+}
+
+/// The tangent of the nonlinear integrals.
+pub(super) struct Nonlinear<const D: usize> {
+    pattern: BlockPattern<D>,
+    pub matrix: BlockMatrix,
+    /// The rows with entries, and the unknowns that are read.
+    pub rows: Vec<usize>,
+    pub reads: Vec<usize>,
+}
+
+impl<const D: usize, const N: usize> System<'_, D, N> {
+    /// The linear part by itself; none where there is none, or where nonlinear integrals go over cells, so that it has no factor
+    /// that serves.
+    pub fn assemble_apart(&self, commits: u64) -> Result<Option<Apart<D>>, AssemblyError> {
+        let parts = Parts::LINEAR_AND_CONSTANT;
+        let outline = self.form.outline(parts);
+        let zero = self.spaces.each_ref().map(Field::zero);
+        let (zero, spaces) = (zero.each_ref(), self.spaces.each_ref());
+        let views = zero.map(Field::view);
+        if !outline.has_tangent() || BlockPattern::couples_cells(&self.form.outline(Parts::NONLINEAR)) {
+            return Ok(None);
+        }
+        let pattern = BlockPattern::at_iterate(&outline, &spaces, &views, &self.assembler)?;
+        let load = self.form.residual(&self.assembler, &views, &spaces, parts)?;
+        let mut linear = BlockMatrix::zero(pattern.sparsity());
+        self.form.assemble_tangent(&self.assembler, (&views, &spaces), parts, &pattern, &mut linear)?;
+        Ok(Some(Apart { commits, load, linear, nonlinear: None }))
+    }
+
+    /// The residual at u.
+    pub fn residual_of_parts(&self, apart: &Apart<D>, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let mut linear = vec![0.0; apart.load.len()];
+        let product = apart.linear.multiply_on(self.assembler.threads(), u, &mut linear);
+        product.map_err(|why| self.misfit(why))?;
+        add_scaled(&mut linear, 1.0, &apart.load);
+        add_scaled(&mut linear, 1.0, &self.nonlinear_residual(u)?);
+        Ok(linear)
+    }
+
+    /// The tangent of the nonlinear integrals at u, whose positions are made anew where pairs have left them.
+    pub fn nonlinear_tangent<'p>(
+        &self,
+        apart: &'p mut Apart<D>,
+        u: &[f64],
+    ) -> Result<&'p Nonlinear<D>, AssemblyError> {
+        let (spaces, views) = (self.spaces.each_ref(), self.views(u)?);
+        let outline = self.form.outline(Parts::NONLINEAR);
+        let known = match apart.nonlinear.take() {
+            Some(known) if known.pattern.covers(&outline, &views)? => Some(known),
+            _ => None,
+        };
+        let mut nonlinear = match known {
+            Some(known) => known,
+            None => {
+                let pattern = BlockPattern::at_iterate(&outline, &spaces, &views, &self.assembler)?;
+                let reads = pattern.read_unknowns(&outline)?;
+                let matrix = BlockMatrix::zero(pattern.sparsity());
+                let rows = (0..matrix.rows()).filter(|row| matrix.row(*row).next().is_some()).collect();
+                Nonlinear { pattern, matrix, rows, reads }
+            }
+        };
+        let Nonlinear { pattern, matrix, .. } = &mut nonlinear;
+        // Not every place that is stored is written at every iterate.
+        matrix.values_mut().fill(0.0);
+        self.form.add_tangent(&self.assembler, (&views, &spaces), Parts::NONLINEAR, pattern, matrix)?;
+        Ok(apart.nonlinear.insert(nonlinear))
+    }
+}
+
+/// Σ_j |K_ij| a_j + Σ_j |N_ij| a_j for each row i.
+pub(super) fn balancing_forces(
+    linear: &BlockMatrix,
+    nonlinear: &BlockMatrix,
+    amplitudes: &[f64],
+) -> Vec<f64> {
+    let of = |matrix: &BlockMatrix, row: usize| -> f64 {
+        matrix.row(row).map(|(column, k)| k.abs() * amplitudes[column]).sum()
+    };
+    (0..linear.rows()).map(|row| of(linear, row) + of(nonlinear, row)).collect()
+}
