@@ -11,7 +11,7 @@ use crate::contact_law;
 /// [`Pairing`](forms_fem::prelude::Pairing), a constant pressure is reproduced to rounding, whatever the meshes.
 #[forms]
 pub mod two_bodies {
-    use crate::operators::friction::{augmented_traction, contact_traction};
+    use crate::operators::friction::{augmented_traction, contact_traction, tangential};
     pub use crate::operators::linear_elastic::stress;
 
     /// Data of laws between two bodies. Materials may differ from cell to cell.
@@ -95,6 +95,11 @@ pub mod two_bodies {
     /// T(u), the traction of the opposite body on this one.
     pub fn opposite_traction(w: Vector) -> Vector {
         contact_traction(augmented(w), slip_limit(contact_pressure(w)), toward)
+    }
+
+    /// Π_s(P_t), the traction of friction on this body.
+    pub fn friction_traction(w: Vector) -> Vector {
+        tangential(opposite_traction(w), toward)
     }
 
     /// \[P_n\]₋, the contact pressure.

@@ -4,11 +4,14 @@
 mod augmented_lagrangian;
 mod block;
 mod capsule;
+mod cattaneo;
 mod cylinder;
 mod finite_nitsche;
 mod frictional_nitsche;
 mod frictional_penalty;
+mod hertz_of_bodies;
 mod layer;
 mod random_loads;
+mod self_contact;
 mod setting;
 mod two_bodies;
