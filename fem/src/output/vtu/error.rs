@@ -61,6 +61,12 @@ pub enum VtuError {
         /// Why.
         reason: String,
     },
+    /// A path without the name of a file.
+    #[error("\"{}\" names no .pvd file", path.display())]
+    Series {
+        /// The path.
+        path: std::path::PathBuf,
+    },
     /// The data cannot be encoded.
     #[error("the data cannot be encoded as .vtu: {reason}")]
     Encoding {
