@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 8] = [
+const MAKERS: [Maker; 9] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -50,6 +50,14 @@ const MAKERS: [Maker; 8] = [
         pictures: &[
             ("out/hertz_block.png", "hertz_block.png"),
             ("out/hertz_block_section.png", "hertz_block_section.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "half_spaces"],
+        pictures: &[
+            ("out/half_spaces_pressure.png", "half_spaces_pressure.png"),
+            ("out/half_spaces_friction.png", "half_spaces_friction.png"),
+            ("out/half_spaces_ball.png", "half_spaces_ball.png"),
         ],
     },
     Maker {

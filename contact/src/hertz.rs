@@ -200,15 +200,25 @@ pub struct Hertz {
 }
 
 impl Hertz {
-    /// A cylinder under the force P per length \[N/mm\]: a = 2√(RP/πE′), p0 = 2P/(πa), E′ = E/(1−ν²).
+    /// A cylinder on a rigid flat under the force P per length \[N/mm\]: a = 2√(RP/πE′), p0 = 2P/(πa), E′ = E/(1−ν²).
     pub fn of_line(force: f64) -> Hertz {
-        let reach = 2.0 * (RADIUS * force / (PI * modulus())).sqrt();
-        Hertz { reach, peak: 2.0 * force / (PI * reach) }
+        Hertz::of_line_between(force, RADIUS, modulus())
     }
 
     /// Ball and block under the force P \[N\]: a³ = 3PR/4E′, p0 = 3P/(2πa²), E′ = E/(1−ν²).
     pub fn of_point(force: f64) -> Hertz {
-        let reach = (3.0 * force * RADIUS / (4.0 * modulus())).cbrt();
+        Hertz::of_point_between(force, RADIUS, modulus())
+    }
+
+    /// Two cylinders under the force P per length \[N/mm\]: a = 2√(RP/πE*), 1/R = 1/R₁ + 1/R₂ and 1/E* = 1/E′₁ + 1/E′₂.
+    pub fn of_line_between(force: f64, radius: f64, modulus: f64) -> Hertz {
+        let reach = 2.0 * (radius * force / (PI * modulus)).sqrt();
+        Hertz { reach, peak: 2.0 * force / (PI * reach) }
+    }
+
+    /// Two balls under the force P \[N\]: a³ = 3PR/4E*, with R and E* as for two cylinders.
+    pub fn of_point_between(force: f64, radius: f64, modulus: f64) -> Hertz {
+        let reach = (3.0 * force * radius / (4.0 * modulus)).cbrt();
         Hertz { reach, peak: 3.0 * force / (2.0 * PI * reach * reach) }
     }
 
@@ -241,7 +251,7 @@ impl Hertz {
     }
 }
 
-/// E′ \[MPa\].
-fn modulus() -> f64 {
+/// E′ = E/(1−ν²) \[MPa\].
+pub(crate) fn modulus() -> f64 {
     YOUNG / (1.0 - POISSON * POISSON)
 }

@@ -15,11 +15,13 @@
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
 //! | [`threshold`] | when γ₀ is too small | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
+//! | [`half_spaces`] | two bodies with closed forms: Hertz, Cattaneo | |
 //!
 //! Nothing here knows an element or loops over cells.
 
 pub mod boundary_form;
 pub mod contact_problem;
+pub mod half_spaces;
 pub mod hertz;
 pub mod hollow_cylinder;
 pub mod law;

@@ -114,3 +114,31 @@ fn a_block_on_a_ball_gives_the_pressure_of_hertz() {
     let printed = run_with(env!("CARGO_BIN_EXE_hertz"), &["block"], "hertz_block.png");
     assert!(printed.contains("from Hertz"), "{printed}");
 }
+
+/// On a coarse mesh: the force grows with each step of pressing.
+#[test]
+fn two_bodies_give_forces_that_grow() {
+    let printed = run_with(env!("CARGO_BIN_EXE_12_two_bodies"), &["1", "4", "1"], "12_two_bodies.png");
+    let forces = printed_numbers(&printed, "force");
+    assert!(forces.len() >= 5 && forces[..4].is_sorted() && forces[0] > 0.0, "{printed}");
+}
+
+/// Each case of the table, on coarse meshes.
+#[test]
+fn half_spaces_give_hertz_and_cattaneo() {
+    let printed = run_with(env!("CARGO_BIN_EXE_half_spaces"), &["4", "2"], "half_spaces_friction.png");
+    let errors = printed.lines().filter(|line| line.contains("| P |") || line.contains("| p0 |"));
+    let errors: Vec<f64> = errors
+        .map(|line| {
+            let error = line.rsplit('|').nth(1).map(|cell| cell.trim().trim_end_matches(" %"));
+            error.and_then(|error| error.parse().ok()).expect("a percentage")
+        })
+        .collect();
+    assert!(errors.len() == 6 && errors.iter().all(|error| error.abs() < 2.0), "{printed}");
+}
+
+/// The numbers that stand after a word, one per line that has it.
+fn printed_numbers(printed: &str, word: &str) -> Vec<f64> {
+    let after = printed.lines().filter_map(|line| line.split(word).nth(1));
+    after.filter_map(|rest| rest.split_whitespace().next()?.parse().ok()).collect()
+}

@@ -12,7 +12,7 @@ use crate::contact_law;
 #[forms]
 pub mod two_bodies {
     pub use super::super::frictional_nitsche::frictional_nitsche::{loads, slip_limit};
-    use crate::operators::friction::{augmented_traction, contact_traction};
+    use crate::operators::friction::{augmented_traction, contact_traction, tangential};
     pub use crate::operators::linear_elastic::stress;
 
     /// Data of laws between two bodies. Materials may differ from cell to cell.
@@ -86,6 +86,11 @@ pub mod two_bodies {
     /// T(u), the traction of the opposite body on this one.
     pub fn opposite_traction(w: Vector) -> Vector {
         contact_traction(augmented(w), slip_limit(contact_pressure(w)), toward)
+    }
+
+    /// Π_s(P_t), the traction of friction on this body.
+    pub fn friction_traction(w: Vector) -> Vector {
+        tangential(opposite_traction(w), toward)
     }
 
     /// \[P_n\]₋, the contact pressure.

@@ -4,13 +4,16 @@
 mod augmented_lagrangian;
 mod block;
 mod capsule;
+mod cattaneo;
 mod cylinder;
 mod finite_nitsche;
 mod frictional_nitsche;
 mod frictional_penalty;
 mod gradients;
+mod hertz_of_bodies;
 mod layer;
 mod random_loads;
+mod self_contact;
 mod setting;
 mod shape;
 mod two_bodies;

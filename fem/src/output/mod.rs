@@ -7,11 +7,13 @@ pub mod matrix_market;
 pub mod picture;
 pub mod standard_output;
 pub mod vtu;
+pub mod vtu_series;
 
 pub use atomic::{check_writable, write_whole};
 pub use matrix_market::write_matrix_market;
 pub use standard_output::{StandardOutput, one_line, program, tell};
 pub use vtu::{VtuError, VtuFile};
+pub use vtu_series::VtuSeries;
 
 use crate::field::Field;
 use crate::mesh::Mesh;

@@ -61,6 +61,12 @@ pub enum VtuError {
         /// Why.
         reason: String,
     },
+    /// A path without the name of a file.
+    #[error("\"{}\" names no .pvd file", path.display())]
+    Series {
+        /// The path.
+        path: std::path::PathBuf,
+    },
     /// The file cannot be written.
     #[error("the .vtu file cannot be written: {source}")]
     Write {
