@@ -8,6 +8,9 @@ use crate::contact_law;
 /// ∫ P:∇v − Σ ½ ∫ T·(v(X) − v(Y)) dA = ℓ(v). Opposite points lie on rays along the deformed normal and move with u; the slip
 /// counts the rotation of that normal, so that turning both bodies together is no slip, whatever the gap. Also self contact:
 /// bind `Touch` to one surface.
+///
+/// Choose the quadrature rule, `Quadrature::Degree(4)` for quadratic displacements: its integrand is no polynomial, and the
+/// estimated degree is above 20.
 #[forms]
 pub mod sliding_bodies {
     pub use super::super::two_bodies::two_bodies::{

@@ -7,12 +7,12 @@
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 mod any_form;
-mod apart;
 pub mod communicator;
 pub mod condensed_solver;
 #[cfg(test)]
 mod contrasts;
 pub mod elimination;
+mod linear_and_nonlinear;
 mod linear_part;
 pub mod linear_solver;
 pub mod linear_system;

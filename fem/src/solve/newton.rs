@@ -15,7 +15,7 @@ use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
-use condensed::{changes_apart, share_linear_part};
+use condensed::{nonlinear_changes, share_linear_part};
 use convergence::{Fields, Norms, Rounding, mark};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
@@ -289,7 +289,7 @@ impl Iteration<'_> {
         if let (Some(linear_part), Some(solver)) = (linear_part, solver.as_condensing())
             && solver.condenses()
             && self.options.line_search != LineSearch::OnPotential
-            && let Some(changes) = changes_apart(problem, elimination, &self.u)?
+            && let Some(changes) = nonlinear_changes(problem, elimination, &self.u)?
         {
             let set = solver.set_added(linear_part, changes.additions, &changes.near);
             return set.map_err(NewtonFailure::LinearSolver);

@@ -124,7 +124,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
         self
     }
 
-    /// Another linear solver than a [`TangentSolver`] of the problem's own. It keeps the last matrix and what it factored,
+    /// Another linear solver than a [`TangentSolver`](super::TangentSolver) of the problem's own. It keeps the last matrix and what it factored,
     /// for adjoint problems as well.
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
         self.untyped.solver = Solver::Lent(solver);

@@ -33,8 +33,8 @@ fn changed_entries<P: NonlinearProblem>(
     elimination.reduce_places(&tangent.matrix, places).map_err(NewtonFailure::Mismatch)
 }
 
-/// The tangent of the nonlinear part, reduced, where the problem has it apart.
-pub(super) fn changes_apart<P: NonlinearProblem>(
+/// The tangent of the nonlinear part, reduced, where the problem has it by itself.
+pub(super) fn nonlinear_changes<P: NonlinearProblem>(
     problem: &mut P,
     elimination: &Elimination,
     u: &[f64],
@@ -71,7 +71,7 @@ fn changes<P: NonlinearProblem>(
     linear_part: &CsrMatrix,
     u: &[f64],
 ) -> Outcome<Changes, P> {
-    if let Some(changes) = changes_apart(problem, elimination, u)? {
+    if let Some(changes) = nonlinear_changes(problem, elimination, u)? {
         return Ok(changes);
     }
     let entries = changed_entries(problem, elimination, u)?;

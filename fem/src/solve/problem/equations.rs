@@ -8,15 +8,15 @@ use super::untyped::UntypedProblem;
 use crate::assemble::AssemblyError;
 use crate::history::commits;
 use crate::linear_algebra::BlockMatrix;
-use crate::solve::apart::{Nonlinear, balancing_forces};
 use crate::solve::communicator::{agreed, all_active, summed};
+use crate::solve::linear_and_nonlinear::{Nonlinear, balancing_forces};
 use crate::solve::{ActivePoints, NonlinearProblem, NonlinearTangent, Tangent};
 
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     fn own_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        if let Some(apart) = &self.apart {
+        if let Some(split) = &self.split {
             let start = Instant::now();
-            let residual = self.system.residual_of_parts(apart, u);
+            let residual = self.system.residual_of_parts(split, u);
             self.seconds += start.elapsed().as_secs_f64();
             return residual;
         }
@@ -75,25 +75,25 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
         if self.system.slides() {
             let start = Instant::now();
             let commits = commits(self.system.form.inputs());
-            if self.apart.as_ref().is_none_or(|known| known.commits != commits) {
-                self.apart = self.system.assemble_apart(commits)?;
+            if self.split.as_ref().is_none_or(|known| known.commits != commits) {
+                self.split = self.system.assemble_parts(commits)?;
             }
             self.seconds += start.elapsed().as_secs_f64();
-            return Ok(self.apart.as_ref().map(|apart| &apart.linear));
+            return Ok(self.split.as_ref().map(|split| &split.linear));
         }
         Ok(self.ready()?.1.linear_part())
     }
 
     fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
-        let Some(apart) = &mut self.apart else { return Ok(None) };
+        let Some(split) = &mut self.split else { return Ok(None) };
         let start = Instant::now();
-        let Nonlinear { matrix, rows, reads, .. } = self.system.nonlinear_tangent(apart, u)?;
+        let Nonlinear { matrix, rows, reads, .. } = self.system.nonlinear_tangent(split, u)?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(Some(NonlinearTangent { matrix, rows, reads }))
     }
 
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        if self.communicator.is_some() || (self.system.slides() && self.apart.is_none()) {
+        if self.communicator.is_some() || (self.system.slides() && self.split.is_none()) {
             return Ok(None);
         }
         if self.system.slides() {
@@ -127,9 +127,9 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
     }
 
     fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        if let Some(apart) = &mut self.apart {
-            let nonlinear = self.system.nonlinear_tangent(apart, u)?.matrix.clone();
-            return Ok(balancing_forces(&apart.linear, &nonlinear, amplitudes));
+        if let Some(split) = &mut self.split {
+            let nonlinear = self.system.nonlinear_tangent(split, u)?.matrix.clone();
+            return Ok(balancing_forces(&split.linear, &nonlinear, amplitudes));
         }
         let own = self.tangent(u).map(|tangent| tangent.balancing_forces(amplitudes));
         // All processes must come to the same judgement of convergence.

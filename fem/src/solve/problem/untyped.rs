@@ -13,8 +13,8 @@ use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
 use crate::solve::any_form::Held;
-use crate::solve::apart::Apart;
 use crate::solve::communicator::Communicator;
+use crate::solve::linear_and_nonlinear::SplitSystem;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::{
     Elimination, LinearSolver, NewtonFailure, NewtonOptions, NewtonStep, Solved, Start, TangentSolver,
@@ -32,7 +32,7 @@ pub(super) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub communicator: Option<&'a dyn Communicator>,
     pub assembled: Option<Assembled>,
     /// Where pairs slide and the solver condenses.
-    pub apart: Option<Apart<D>>,
+    pub split: Option<SplitSystem<D>>,
     /// Spent in assembly so far.
     pub seconds: f64,
 }
@@ -69,7 +69,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             progress: None,
             communicator: None,
             assembled: None,
-            apart: None,
+            split: None,
             seconds: 0.0,
         }
     }
@@ -117,7 +117,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             None => vec![0.0; self.system.unknowns()],
         };
         let guess = self.extrapolate_prescribed(&u, constraints);
-        self.apart = None;
+        self.split = None;
         let options = self.options.clone();
         let mut progress = self.progress.take();
         let mut ignored = |_: &NewtonStep| ();

@@ -7,8 +7,8 @@ use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::vector::add_scaled;
 
-/// The two parts of a system.
-pub(super) struct Apart<const D: usize> {
+/// The system as the sum of both parts.
+pub(super) struct SplitSystem<const D: usize> {
     /// How often the form's histories had been committed when this was assembled.
     pub commits: u64,
     /// The residual at 0 of the integrals that are constant or linear in the unknowns.
@@ -29,7 +29,7 @@ pub(super) struct Nonlinear<const D: usize> {
 impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The linear part by itself; none where there is none, or where nonlinear integrals go over cells, so that it has no factor
     /// that serves.
-    pub fn assemble_apart(&self, commits: u64) -> Result<Option<Apart<D>>, AssemblyError> {
+    pub fn assemble_parts(&self, commits: u64) -> Result<Option<SplitSystem<D>>, AssemblyError> {
         let parts = Parts::LINEAR_AND_CONSTANT;
         let outline = self.form.outline(parts);
         let zero = self.spaces.each_ref().map(Field::zero);
@@ -42,15 +42,15 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         let load = self.form.residual(&self.assembler, &views, &spaces, parts)?;
         let mut linear = BlockMatrix::zero(pattern.sparsity());
         self.form.assemble_tangent(&self.assembler, (&views, &spaces), parts, &pattern, &mut linear)?;
-        Ok(Some(Apart { commits, load, linear, nonlinear: None }))
+        Ok(Some(SplitSystem { commits, load, linear, nonlinear: None }))
     }
 
     /// The residual at u.
-    pub fn residual_of_parts(&self, apart: &Apart<D>, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        let mut linear = vec![0.0; apart.load.len()];
-        let product = apart.linear.multiply_on(self.assembler.threads(), u, &mut linear);
+    pub fn residual_of_parts(&self, split: &SplitSystem<D>, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let mut linear = vec![0.0; split.load.len()];
+        let product = split.linear.multiply_on(self.assembler.threads(), u, &mut linear);
         product.map_err(|why| self.misfit(why))?;
-        add_scaled(&mut linear, 1.0, &apart.load);
+        add_scaled(&mut linear, 1.0, &split.load);
         add_scaled(&mut linear, 1.0, &self.nonlinear_residual(u)?);
         Ok(linear)
     }
@@ -58,12 +58,12 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The tangent of the nonlinear integrals at u, whose positions are made anew where pairs have left them.
     pub fn nonlinear_tangent<'p>(
         &self,
-        apart: &'p mut Apart<D>,
+        split: &'p mut SplitSystem<D>,
         u: &[f64],
     ) -> Result<&'p Nonlinear<D>, AssemblyError> {
         let (spaces, views) = (self.spaces.each_ref(), self.views(u)?);
         let outline = self.form.outline(Parts::NONLINEAR);
-        let known = match apart.nonlinear.take() {
+        let known = match split.nonlinear.take() {
             Some(known) if known.pattern.covers(&outline, &views)? => Some(known),
             _ => None,
         };
@@ -81,7 +81,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         // Not every place that is stored is written at every iterate.
         matrix.values_mut().fill(0.0);
         self.form.add_tangent(&self.assembler, (&views, &spaces), Parts::NONLINEAR, pattern, matrix)?;
-        Ok(apart.nonlinear.insert(nonlinear))
+        Ok(split.nonlinear.insert(nonlinear))
     }
 }
 
