@@ -48,6 +48,9 @@ mod nitsche {
 
 #[forms]
 mod rubber {
+    use forms_contact::operators::friction::{augmented_traction, contact_traction, deformed_normal};
+    use forms_contact::operators::neo_hookean::first_piola;
+
     pub struct Data {
         lambda: Param,
         mu: Param,
@@ -58,30 +61,11 @@ mod rubber {
     #[pairs]
     pub struct Touch;
 
-    fn first_piola(u: Vector) -> Tensor {
-        let F = I + grad(u);
-        diff(mu / 2 * (inner(F, F) - D - 2 * ln(det(F))) + lambda / 2 * pow(ln(det(F)), 2), F)
-    }
-    fn turned(w: Vector) -> Vector {
-        normalize(cof(I + grad(w)) * n)
-    }
-    fn ball(q: Vector, s: Scalar) -> Vector {
-        if s <= 0 {
-            0 * q
-        } else if dot(q, q) <= s * s {
-            q
-        } else {
-            s / norm(q) * q
-        }
-    }
     /// Contact and Coulomb's friction at large sliding (Poulios and Renard 2015).
     pub fn contact(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        let t = this(first_piola(u) * n);
-        let gamma = gamma0 / this(h);
-        let P = dot(t, toward) + gamma * gap;
-        let slip = jump(u - old) + gap * (toward - this(turned(old)));
-        let q = t - gamma * slip;
-        let T = ball(q - dot(q, toward) * toward, kappa * neg_part(P)) - neg_part(P) * toward;
+        let slip = jump(u - old) + gap * (toward - this(deformed_normal(old)));
+        let P = augmented_traction(this(first_piola(u) * n), gap, slip, gamma0 / this(h), toward);
+        let T = contact_traction(P, kappa * neg_part(dot(P, toward)), toward);
         -integral(Touch(u), dot(T, jump(v)) / 2)
     }
 }

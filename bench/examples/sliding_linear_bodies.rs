@@ -15,6 +15,9 @@ use forms_fem::solve::{LineSearch, LuSolver, NewtonOptions};
 
 #[forms(dimension = 2)]
 mod elastic {
+    use forms_contact::operators::friction::{augmented_traction, contact_traction};
+    use forms_contact::operators::linear_elastic::stress;
+
     pub struct Data {
         lambda: Param,
         mu: Param,
@@ -27,24 +30,9 @@ mod elastic {
     #[pairs]
     pub struct Touch;
 
-    fn stress(u: Vector) -> Tensor {
-        lambda * div(u) * I + 2 * mu * eps(u)
-    }
-    fn ball(q: Vector, s: Scalar) -> Vector {
-        if s <= 0 {
-            0 * q
-        } else if dot(q, q) <= s * s {
-            q
-        } else {
-            s / norm(q) * q
-        }
-    }
     fn contact(u: Vector) -> Vector {
-        let t = this(stress(u) * n);
-        let gamma = gamma0 / this(h);
-        let P = dot(t, toward) + gamma * gap;
-        let q = t - gamma * jump(u - old);
-        ball(q - dot(q, toward) * toward, kappa * neg_part(P)) - neg_part(P) * toward
+        let P = augmented_traction(this(stress(u) * n), gap, jump(u - old), gamma0 / this(h), toward);
+        contact_traction(P, kappa * neg_part(dot(P, toward)), toward)
     }
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(stress(u), eps(v))) - integral(Touch(u), dot(contact(u), jump(v)) / 2)

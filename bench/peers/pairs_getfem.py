@@ -1,6 +1,6 @@
-"""The contact term of two bodies in GetFEM: Nitsche's method without friction at large sliding, by its raytracing transformation.
+"""The contact term of two bodies in GetFEM: Nitsche's method at large sliding, by its raytracing transformation.
 
-usage: pairs_getfem.py CELLS [plane | space]      (Debian: python3-getfem; GetFEM 5.4)
+usage: pairs_getfem.py CELLS [space] [friction]      (Debian: python3-getfem; GetFEM 5.4)
 
 Two blocks on meshes that do not match, quadratic displacements on triangles or tetrahedra, a rule of degree 4. Prints a line of JSON: own facets,
 and the seconds of one tangent and of one residual of the contact term alone, the least of five.
@@ -50,8 +50,13 @@ model.add_slave_contact_boundary_to_raytracing_transformation("to_upper", lower,
 NORMAL = "Transformed_unit_vector(Grad_u1, Normal)"
 STRESS = f"(((lambda*Trace(Grad_u1))*Id({dimension}) + 2*mu*Sym(Grad_u1))*Normal)"
 GAP = f"({NORMAL}.(Interpolate(X,to_upper) + Interpolate(u2,to_upper) - X - u1))"
-PRESSURE = f"neg_part({STRESS}.{NORMAL} + gamma*{GAP})"
-TERM = f"Interpolate_filter(to_upper, {PRESSURE}*({NORMAL}.(Test_u1 - Interpolate(Test_u2,to_upper))), 1)"
+if "friction" in sys.argv[2:]:
+    model.add_initialized_data("coefficient", [0.3])
+    SLIP = "(u1 - Interpolate(u2,to_upper))"
+    TRACTION = f"Coulomb_friction_coupled_projection({STRESS},{NORMAL},{SLIP},{GAP},coefficient,gamma)"
+else:
+    TRACTION = f"(-neg_part({STRESS}.{NORMAL} + gamma*{GAP})*{NORMAL})"
+TERM = f"Interpolate_filter(to_upper, -{TRACTION}.(Test_u1 - Interpolate(Test_u2,to_upper)), 1)"
 model.add_nonlinear_term(integration["u1"], TERM, 1, False, False)
 
 

@@ -49,7 +49,7 @@ fn everything_is_measured_and_written() {
     assert_eq!(names_in(&results), FILES);
     for name in FILES {
         let bytes = std::fs::read(results.join(name)).expect("a file");
-        let start: &[u8] = if name.ends_with(".png") { b"\x89PNG" } else { b"<VTKFile" };
+        let start: &[u8] = if name.ends_with(".png") { b"\x89PNG" } else { b"<?xml" };
         assert!(bytes.starts_with(start) && bytes.len() > 5000, "{name}: {} bytes", bytes.len());
     }
     assert_eq!(names_in(directory.path()), ["nested", "result.json"]);

@@ -130,7 +130,8 @@ impl Printer<'_> {
             own.iter().copied().filter(|value| roots.contains(value) && !known.contains_key(value)).collect();
         let statements = self.statements(&inputs, terminal, earlier, &mut known);
         let results = roots.iter().map(|root| self.text(*root, earlier, &mut known)).collect();
-        (bodies, Body { statements, results, operations: self.code.operations(&own) })
+        let operations = parts.iter().map(|part| self.code.operations(&part.values)).sum();
+        (bodies, Body { statements, results, operations })
     }
 
     fn statements(

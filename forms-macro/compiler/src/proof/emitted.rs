@@ -58,9 +58,11 @@ impl Kernel {
 
     /// Operations in a method's text, a multiply-add as one.
     pub fn operations(&self, method: &str) -> usize {
-        let text = self.methods[method].block.to_token_stream();
+        let block = &self.methods[method].block;
+        let parts = parts_of(block).map(|part| self.operations(&part.method)).sum::<usize>();
+        let text = block.to_token_stream();
         let contracted = text.to_string().matches("multiply_add").count();
-        operations(text) - contracted
+        operations(text) - contracted + parts
     }
 
     /// The result of a method, and what became of its arguments.
@@ -87,12 +89,64 @@ impl Kernel {
             }
         }
         assert!(arguments.next().is_none(), "as many arguments as declared");
-        let result = run(&method.block, &mut scope);
+        let mut last = method.block.clone();
+        for part in parts_of(&method.block) {
+            let kept = self.run_part(&part, &scope);
+            scope.insert(part.name, kept);
+            last.stmts.remove(0);
+        }
+        let result = run(&last, &mut scope);
         if let (syn::ReturnType::Type(_, ty), Some(result)) = (&method.sig.output, &result) {
             check_length(ty, result);
         }
         (result, scope)
     }
+
+    /// What a part keeps.
+    fn run_part(&self, part: &Part, scope: &Scope) -> Value {
+        let method = &self.methods[&part.method];
+        let Some(FnArg::Typed(inputs)) = method.sig.inputs.last() else { panic!("a part takes a tuple") };
+        let (Pat::Tuple(names), Type::Tuple(types)) = (&*inputs.pat, &*inputs.ty) else {
+            panic!("a part takes a tuple");
+        };
+        assert_eq!(names.elems.len(), part.arguments.elems.len(), "as many arguments as declared");
+        let mut inner = Scope::from([("self".to_string(), scope["self"].clone())]);
+        for ((name, ty), argument) in names.elems.iter().zip(&types.elems).zip(&part.arguments.elems) {
+            let Pat::Ident(name) = name else { panic!("an argument is a name") };
+            let value = evaluate(argument, scope);
+            check_length(ty, &value);
+            inner.insert(name.ident.to_string(), value);
+        }
+        let kept = run(&method.block, &mut inner).expect("a part keeps something");
+        let syn::ReturnType::Type(_, ty) = &method.sig.output else { panic!("a part keeps something") };
+        check_length(ty, &kept);
+        kept
+    }
+}
+
+/// `let kept_0 = L::apart(Self::part_0::<L>, self, (cell, geometry, fields));`
+struct Part {
+    name: String,
+    method: String,
+    arguments: syn::ExprTuple,
+}
+
+/// The parts that a function begins with.
+fn parts_of(block: &syn::Block) -> impl Iterator<Item = Part> {
+    block.stmts.iter().map_while(|statement| {
+        let Stmt::Local(local) = statement else { return None };
+        let (Pat::Ident(name), Expr::Call(call)) = (&local.pat, &*local.init.as_ref()?.expr) else {
+            return None;
+        };
+        if call.func.to_token_stream().to_string().replace(' ', "") != "L::apart" {
+            return None;
+        }
+        let (Expr::Path(method), Expr::Tuple(arguments)) = (&call.args[0], &call.args[2]) else {
+            panic!("a part is a function with a tuple");
+        };
+        let method = method.path.segments.last()?.ident.to_string();
+        Some(Part { name: name.ident.to_string(), method, arguments: arguments.clone() })
+    })
 }
 
 /// `[L; 3]` has three entries.
