@@ -63,7 +63,7 @@ fn column(csv: &[u8], place: usize) -> Vec<f64> {
 
 /// Killed again and again at whatever moment it was, the program ends with the files of an undisturbed run, byte for byte.
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn a_descent_that_is_killed_ends_as_one_that_is_not() {
     let directory = tempfile::tempdir().expect("a directory");
     let (calm, rough) = (directory.path().join("calm"), directory.path().join("rough"));

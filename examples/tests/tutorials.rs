@@ -102,14 +102,14 @@ fn shape_derivative_is_that_of_a_section_that_grows() {
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn a_ball_gives_the_pressure_of_hertz() {
     let printed = run_with(env!("CARGO_BIN_EXE_hertz"), &["ball"], "hertz_ball.png");
     assert!(printed.contains("from Hertz"), "{printed}");
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn a_block_on_a_ball_gives_the_pressure_of_hertz() {
     let printed = run_with(env!("CARGO_BIN_EXE_hertz"), &["block"], "hertz_block.png");
     assert!(printed.contains("from Hertz"), "{printed}");

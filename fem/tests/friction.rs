@@ -192,7 +192,7 @@ fn whole_steps_that_cycle_are_named_and_shorter_ones_converge() {
 
 /// Both laws, three θ, three coefficients, three γ₀, and three ways to shear.
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn shorter_steps_converge_in_every_case() {
     for law in [Law::Coulomb, Law::Tresca] {
         let (mut cases, mut cycled) = (0, 0);

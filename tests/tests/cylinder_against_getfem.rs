@@ -71,7 +71,7 @@ fn coarse_meshes_agree_with_getfem_digit_by_digit() {
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn the_default_mesh_agrees_with_getfem_digit_by_digit() {
     let mut compared = 0;
     for run in runs().iter().filter(|run| run["radial"].as_f64().unwrap() == 16.0) {

@@ -49,13 +49,13 @@ fn check(degree: usize, divisions: &[usize]) {
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn degree_2_with_the_transition_at_a_node() {
     check(2, &[6, 12, 24, 48]);
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn degree_2_with_the_transition_in_a_facet() {
     check(2, &[7, 13, 25, 49]);
 }

@@ -94,19 +94,19 @@ fn sweep(shape: CellShape, degree: usize) {
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn no_wrong_answer_on_straight_triangles() {
     sweep(CellShape::Triangle, 1);
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn no_wrong_answer_on_curved_triangles() {
     sweep(CellShape::Triangle, 2);
 }
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn no_wrong_answer_on_straight_quadrilaterals() {
     sweep(CellShape::Quadrilateral, 1);
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn a_form_in_a_crate_that_depends_on_forms_fem_alone_runs() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let manifest = std::fs::read_to_string(root.join("tests/separate_crate/Cargo.toml")).unwrap();
@@ -18,7 +18,7 @@ fn a_form_in_a_crate_that_depends_on_forms_fem_alone_runs() {
 
 /// Thirty lines of form, fifteen of driver; two and three dimensions from one source; its adjoint passes its Taylor test.
 #[test]
-#[ignore = "a sweep: `.ci/run` runs it"]
+#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn a_contact_law_that_is_not_in_the_library_runs() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let lines = |file: &str, from: &str, to: &str| {
