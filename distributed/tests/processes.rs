@@ -146,13 +146,6 @@ fn a_solver_that_did_not_converge_says_why_and_how_far_it_came() {
     assert!(said.contains(expected), "{said}");
 }
 
-/// Forces of a half that is 10¹⁴ times as stiff hide those of the other in a norm over all equations.
-#[test]
-fn equations_are_judged_beside_their_own_terms() {
-    let said = failure("contrast");
-    assert!(said.contains("the solution is inaccurate: equation"), "{said}");
-}
-
 #[test]
 fn there_is_one_world() {
     assert!(failure("twice").contains("PETSc was started already in this process"));

@@ -11,9 +11,9 @@ pub mod equilibrium {
     /// Material and load.
     pub struct Data {
         /// λ \[stress\].
-        pub lambda: Given<Scalar>,
+        pub lambda: Param,
         /// μ \[stress\].
-        pub mu: Given<Scalar>,
+        pub mu: Param,
         /// Force per volume.
         pub weight: Given<Vector>,
     }
@@ -43,24 +43,11 @@ impl HangingBlock {
     /// # Errors
     /// Too many cells, or none.
     pub fn new(divisions: usize, weight: Given<[f64; 3], 3>) -> Result<Self, Box<dyn std::error::Error>> {
-        Self::of_stiffness(divisions, |_| 1.0, weight)
-    }
-
-    /// With this E, which may vary by powers of ten.
-    ///
-    /// # Errors
-    /// Too many cells, or none.
-    pub fn of_stiffness(
-        divisions: usize,
-        young: fn(&[f64; 3]) -> f64,
-        weight: Given<[f64; 3], 3>,
-    ) -> Result<Self, Box<dyn std::error::Error>> {
         let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?);
         let space = Space::vector(&mesh, 2)?;
         let mut constraints = Constraints::new(&space);
         constraints.fix("top", |_| [0.0; 3])?;
-        let times = |factor: f64| Given::function(move |x: &[f64; 3]| factor * young(x));
-        let data = equilibrium::Data { lambda: times(0.3 / (1.3 * 0.4)), mu: times(0.5 / 1.3), weight };
+        let data = equilibrium::Data { lambda: 0.3 / (1.3 * 0.4), mu: 0.5 / 1.3, weight };
         let form = equilibrium::balance(&data, &equilibrium::Omega::on(EVERYWHERE));
         Ok(HangingBlock { form, space, constraints })
     }
