@@ -18,6 +18,9 @@ impl SymmetricEigen {
         if entries.len() != size * size || entries.iter().any(|entry| !entry.is_finite()) {
             return None;
         }
+        if size == 0 {
+            return Some(SymmetricEigen { values: vec![], vectors: vec![] });
+        }
         let matrix = Mat::from_fn(size, size, |row, column| entries[row * size + column]);
         let found = matrix.self_adjoint_eigen(Side::Lower).ok()?;
         Some(SymmetricEigen {
