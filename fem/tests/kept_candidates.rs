@@ -97,7 +97,7 @@ fn pairs_do_not_remember_in_space() {
     }
 }
 
-/// What a report says of displaced surfaces that are known: an overlap, its place, points that face nothing.
+/// Reports of displaced surfaces that are known: an overlap, its place, points that face nothing.
 #[test]
 fn reports_at_an_iterate() {
     let mesh = boxes([4, 4], [0.0, 0.01]);

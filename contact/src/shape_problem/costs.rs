@@ -21,7 +21,7 @@ pub(crate) struct Costs<'a> {
 }
 
 impl Costs<'_> {
-    /// What is added to the criterion, and the constraint's value.
+    /// The sum added to the criterion, and the constraint's value.
     pub fn values<const D: usize>(&self, mesh: &Arc<Mesh<D>>) -> Result<(f64, Option<f64>), Failure>
     where
         Dim: Dimension<D>,

@@ -1,4 +1,4 @@
-//! What laws of friction with a flat have alike: their tangents' Taylor tests, and adjoint gradients against differences.
+//! Checks of laws of friction with a flat: Taylor tests of tangents, and adjoint gradients against differences.
 
 use forms_contact::ContactProblem;
 use forms_contact::law::{WithAdjoint, WithFriction};
@@ -9,7 +9,7 @@ use forms_fem::prelude::*;
 use crate::block::{Block, plane_block, solid_block};
 use crate::setting::{Friction, YOUNG, check_tangent, close, data, difference, wave};
 
-/// How far a block is moved.
+/// Displacements of a block.
 #[derive(Clone, Copy)]
 pub struct Moves {
     /// The amplitude of the displacement at which the tangent is tested.

@@ -1,4 +1,4 @@
-//! What the tangents of some of a form's integrals touch in a matrix, and what they read.
+//! Entries of a matrix that the tangents of some integrals touch, and unknowns that they read.
 
 use std::ops::Range;
 use std::sync::Arc;

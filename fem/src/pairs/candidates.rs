@@ -101,7 +101,7 @@ pub(super) struct Candidates<const D: usize> {
     balls: Arc<[Ball<D>]>,
     /// The largest of their radii.
     largest: f64,
-    /// How far a ball has moved from where it is kept, or grown.
+    /// The motion of a ball from its kept place, or its growth.
     moved: f64,
     kept: KeptCandidates<D>,
     grid: OnceLock<BoxGrid<D>>,
@@ -179,7 +179,7 @@ impl<const D: usize> Candidates<D> {
         KeptList { beam: *beam, moved: self.moved, skin, facets: met.map(|facet| facet as u32).collect() }
     }
 
-    /// What the next iterate may use: the lists with those that were made for this one.
+    /// Candidates for the next iterate: the lists with those that were made for this one.
     pub fn keep(self, made: Vec<(usize, KeptList<D>)>) -> KeptCandidates<D> {
         let mut kept = self.kept;
         for (own, list) in made {

@@ -18,9 +18,9 @@ use crate::threads::Threads;
 pub struct Approach<const D: usize> {
     /// The cells that move.
     pub moving: String,
-    /// Where to, of any length.
+    /// The direction, of any length.
     pub direction: [f64; D],
-    /// How far they go on after the first quadrature point touches \[length\]: contact that just touches holds nothing.
+    /// The overlap after the first quadrature point touches \[length\]: contact that just touches holds nothing.
     pub overlap: f64,
 }
 
@@ -29,7 +29,7 @@ pub struct Approach<const D: usize> {
 pub struct FirstTouch<const D: usize> {
     /// The displacement with the moving body in contact.
     pub start: Field<D>,
-    /// How far it has gone until the first point touched \[length\].
+    /// The way until the first point touched \[length\].
     pub distance: f64,
     /// The quadrature point that touches, where it was before \[length\].
     pub at: [f64; D],

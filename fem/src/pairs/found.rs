@@ -1,4 +1,4 @@
-//! What a search found: points with their opposite points, facet by facet, and their numbers.
+//! Results of a search: points with their opposite points, facet by facet, and their numbers.
 
 use std::ops::Range;
 

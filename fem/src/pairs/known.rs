@@ -21,7 +21,7 @@ pub(crate) struct KnownPairs<const D: usize> {
     candidates: Mutex<Vec<(Sought<D>, Arc<Vec<KeptCandidates<D>>>)>>,
 }
 
-/// What is searched for.
+/// The object of a search.
 #[derive(Clone, Debug, PartialEq)]
 struct Sought<const D: usize> {
     pairing: Pairing,
@@ -32,7 +32,7 @@ struct Sought<const D: usize> {
 #[derive(Debug)]
 struct Known<const D: usize> {
     sought: Sought<D>,
-    /// What displaces the surfaces.
+    /// The displacement of the surfaces.
     displacement: Option<Vec<f64>>,
     pairs: Arc<Pairs<D>>,
 }

@@ -72,7 +72,7 @@ pub(super) struct Search<'s, 'm, const D: usize> {
     pub rules: Vec<(CellShape, QuadratureRule<2>)>,
     /// A surface that faces itself.
     within: bool,
-    /// What rays may meet.
+    /// The facets that rays may meet.
     pub candidates: Candidates<D>,
 }
 

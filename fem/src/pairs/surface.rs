@@ -12,7 +12,7 @@ use crate::mesh::{Facet, Mesh};
 pub(super) struct SurfaceFacet<'m, const D: usize> {
     mesh: &'m Mesh<D>,
     pub facet: Facet,
-    /// Where the map is no polynomial of degree two.
+    /// The case of a map that is no polynomial of degree two.
     displacement: Option<CellDisplacement<D>>,
     /// The facet's first corner and tangents in the cell's reference coordinates.
     origin: [f64; D],
@@ -122,7 +122,7 @@ impl<const D: usize> Frame<D> {
 }
 
 impl<const D: usize> FlatFacet<D> {
-    /// Where a line through x along n meets it, in coordinates of the facet.
+    /// The intersection with a line through x along n, in coordinates of the facet.
     pub fn met_by(&self, x: &[f64; D], n: &[f64; D]) -> [f64; 2] {
         self.frame.met_by(&minus(x, &self.origin), n)
     }

@@ -13,7 +13,7 @@ use crate::field::FieldView;
 use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
 
-/// What a problem asks of its form.
+/// The form of a problem, without its type.
 pub(super) trait AnyForm<const D: usize> {
     /// See [`Form::name`].
     fn name(&self) -> &'static str;

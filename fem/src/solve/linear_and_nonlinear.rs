@@ -9,7 +9,7 @@ use crate::linear_algebra::vector::add_scaled;
 
 /// The system as the sum of both parts.
 pub(super) struct SplitSystem<const D: usize> {
-    /// How often the form's histories had been committed when this was assembled.
+    /// Commits of the form's histories up to this assembly.
     pub commits: u64,
     /// The residual at 0 of the integrals that are constant or linear in the unknowns.
     load: Vec<f64>,

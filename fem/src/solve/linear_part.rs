@@ -32,7 +32,7 @@ pub(super) type AssemblerAt<'a, const D: usize> =
 
 /// What no iterate changes, and the matrix.
 pub(super) struct Assembled {
-    /// How often the form's histories had been committed when this was assembled.
+    /// Commits of the form's histories up to this assembly.
     pub commits: u64,
     /// The residual at 0 of the integrals that are constant or linear in the unknowns.
     load: Vec<f64>,

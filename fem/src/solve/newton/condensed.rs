@@ -13,7 +13,7 @@ use crate::solve::linear_solver::{CondensingSolver, LinearSolver, SolverError};
 
 type Outcome<T, P> = Result<T, NewtonFailure<<P as NonlinearProblem>::Error>>;
 
-/// What the tangent at some u adds to the linear part, reduced.
+/// The tangent at some u less the linear part, reduced.
 pub(super) struct Changes {
     pub additions: Vec<Entry>,
     /// The unknowns that the nonlinearity reads.
@@ -64,7 +64,7 @@ pub(super) fn nonlinear_changes<P: NonlinearProblem>(
     Ok(Some(Changes { additions, watched, near }))
 }
 
-/// What the tangent at u adds to the linear part, in either form in which a problem may tell it.
+/// The tangent at u less the linear part, in either form in which a problem may tell it.
 fn changes<P: NonlinearProblem>(
     problem: &mut P,
     elimination: &mut Elimination,

@@ -173,7 +173,7 @@ pub struct NewtonError<E: std::error::Error> {
     pub history: Vec<NewtonStep>,
     /// The last iterate.
     pub u: Vec<f64>,
-    /// What else the problem has to say of it, as that points of sliding pairs have lost each other.
+    /// Remarks of the problem, as that points of sliding pairs have lost each other.
     pub notes: Vec<String>,
 }
 

@@ -48,7 +48,7 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
         error
     }
 
-    /// What there is to say of points that slide and have no opposite one at u.
+    /// Remarks on points that slide and have no opposite one at u.
     pub(super) fn lost_pairs(&self, u: &[f64]) -> Vec<String> {
         if u.iter().any(|u| !u.is_finite()) {
             return vec![];

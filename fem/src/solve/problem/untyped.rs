@@ -21,7 +21,7 @@ use crate::solve::{
 };
 use crate::space::Space;
 
-/// What a [`Problem`](super::Problem) was given, and what is known of it.
+/// The data of a [`Problem`](super::Problem), and what is known of it.
 pub(super) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub system: System<'a, D, N>,
     pub constraints: Vec<Cow<'a, Constraints<D>>>,
@@ -31,7 +31,7 @@ pub(super) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub progress: Option<EachStep<'a>>,
     pub communicator: Option<&'a dyn Communicator>,
     pub assembled: Option<Assembled>,
-    /// Where pairs slide and the solver condenses.
+    /// Both parts, if pairs slide and the solver condenses.
     pub split: Option<SplitSystem<D>>,
     /// Spent in assembly so far.
     pub seconds: f64,

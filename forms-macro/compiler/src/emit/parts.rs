@@ -9,9 +9,9 @@ const OPERATIONS: usize = 1000;
 
 /// One function of a straight line.
 pub struct Part {
-    /// What it computes, operands first.
+    /// Its instructions, operands first.
     pub values: Vec<Value>,
-    /// What later parts, or the results, read of it, in the order of its slots.
+    /// The values that later parts, or the results, read of it, in the order of its slots.
     pub kept: Vec<Value>,
 }
 
@@ -71,7 +71,7 @@ impl Cut {
         self.part.get(&value).copied()
     }
 
-    /// What a part computes: its own values, and what it repeats for them.
+    /// The instructions of a part: its own values, and those that it repeats for them.
     fn values(&self, code: &Code, own: &[Value], number: usize) -> Vec<Value> {
         let of_level: BTreeSet<Value> = own.iter().copied().collect();
         let mut values: BTreeSet<Value> = BTreeSet::new();
@@ -87,7 +87,7 @@ impl Cut {
     }
 }
 
-/// What each part reads or computes anew: inputs cost nothing, and truth values are not stored.
+/// Values that each part reads or computes anew: inputs cost nothing, and truth values are not stored.
 fn is_repeated(code: &Code, value: Value) -> bool {
     let instruction = code.instruction(value);
     matches!(instruction, Instruction::Terminal(_)) || instruction.is_truth()

@@ -30,7 +30,7 @@ pub fn kept_name(part: usize) -> Ident {
     format_ident!("kept_{part}")
 }
 
-/// How each value is read.
+/// The text by which each value is read.
 type Texts = HashMap<Value, TokenStream>;
 
 /// Values that one function leaves to later ones, in the order of their slots.

@@ -102,7 +102,7 @@ impl Kernel {
         (result, scope)
     }
 
-    /// What a part keeps.
+    /// The array that a part keeps.
     fn run_part(&self, part: &Part, scope: &Scope) -> Value {
         let method = &self.methods[&part.method];
         let Some(FnArg::Typed(inputs)) = method.sig.inputs.last() else { panic!("a part takes a tuple") };
