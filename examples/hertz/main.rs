@@ -22,20 +22,21 @@ use forms_fem::prelude::*;
 
 use bodies::Contact;
 
-const DIVISIONS: usize = 12; // cells in each direction
-
 /// Presses an elastic body onto a rigid obstacle and compares the pressure with Hertz's.
 #[derive(Parser)]
 #[command(version, name = "hertz")]
 struct Options {
     /// The pair of bodies
     body: Contact,
+    /// Cells in each direction
+    #[arg(long, default_value_t = 12)]
+    divisions: usize,
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let contact = options.body;
     let body = contact.body();
-    let problem = in_space(body, DIVISIONS)?;
+    let problem = in_space(body, options.divisions)?;
     let (mesh, space) = (problem.space.mesh(), &problem.space);
     // θ = −1 is stable for every γ₀; other variants would be warned about here.
     if let Some(warning) = threshold(&problem, CONTACT_CELLS)?.warning() {
@@ -94,7 +95,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
 
     // Seen from below: the pressure on the deformed surface's plan.
     let flat = |[s, t]: [f64; 2]| [quarter_place(s), quarter_place(t)];
-    let plan = Arc::new(forms_fem::mesh::structured([DIVISIONS; 2], CellShape::Quadrilateral, 2, flat)?);
+    let plan = Arc::new(forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, flat)?);
     let plan_space = Space::scalar(&plan, 2)?;
     let below =
         plan_space.positions().iter().map(|x| on_body.evaluate(&[x[0], x[1], body.surface(x[0], x[1])]));
@@ -112,7 +113,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
         [x, z]
     };
     let section =
-        Arc::new(forms_fem::mesh::structured([DIVISIONS; 2], CellShape::Quadrilateral, 2, section)?);
+        Arc::new(forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, section)?);
     let section_space = Space::vector(&section, 2)?;
     let cut = section_space.positions().iter().map(|x| u.evaluate(&[x[0], 0.0, x[1]]).map(|u| [u[0], u[2]]));
     let cut = Field::from_values(&section_space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;

@@ -13,7 +13,6 @@ fn read(path: &Path) -> String {
 }
 
 #[test]
-#[ignore = "a sweep: `FORMS_SWEEPS=1 .ci/run` runs it"]
 fn figures_stand_beside_their_tables() {
     let directory = tempfile::tempdir().expect("a directory");
     let output =
