@@ -1,9 +1,9 @@
-//! Leaves instruction sets out of the development profile: kernels for the best set of this machine and the plain one, for
-//! debug builds run where they are built (decision: docs/decisions/lanes.md).
+//! Leaves instruction sets out: kernels for the best set of this machine and the plain one, unless all are asked for or
+//! the build is for another target (decision: docs/decisions/lanes.md).
 
 use std::env;
 
-/// Set to compile all sets of the target in the development profile, too.
+/// Set to compile all sets of the target, for programs that go to other machines.
 const ALL_SETS: &str = "FORMS_ALL_INSTRUCTION_SETS";
 
 fn main() {
@@ -11,8 +11,7 @@ fn main() {
     println!("cargo::rerun-if-env-changed={ALL_SETS}");
     println!("cargo::rustc-check-cfg=cfg(without_avx2, without_avx512)");
     let variable = |name| env::var(name).unwrap_or_default();
-    let stays = variable("PROFILE") == "debug" && variable("TARGET") == variable("HOST");
-    if stays
+    if variable("TARGET") == variable("HOST")
         && env::var_os(ALL_SETS).is_none()
         && let Some(left_out) = left_out()
     {

@@ -95,7 +95,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
 
     // Seen from below: the pressure on the deformed surface's plan.
     let flat = |[s, t]: [f64; 2]| [quarter_place(s), quarter_place(t)];
-    let plan = Arc::new(forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, flat)?);
+    let plan =
+        Arc::new(forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, flat)?);
     let plan_space = Space::scalar(&plan, 2)?;
     let below =
         plan_space.positions().iter().map(|x| on_body.evaluate(&[x[0], x[1], body.surface(x[0], x[1])]));

@@ -106,10 +106,8 @@ fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling
     }
 }
 
-impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
-    type Error = Infallible;
-
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
+impl CouplingVisitor<'_> {
+    fn add(&mut self, integral: &Integral) {
         let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } = *integral;
         let sides = [test_side, trial_side];
         let coupling = Coupling { test, trial, region, sides, degree, displacement };
@@ -118,6 +116,14 @@ impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
         if self.parts.contain(integral.dependence) && is_new {
             self.found.push(coupling);
         }
+    }
+}
+
+impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
+    type Error = Infallible;
+
+    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
+        self.add(integral);
         Ok(())
     }
 }

@@ -35,9 +35,10 @@ pub(super) struct PairTables<const D: usize> {
 pub(crate) type DegreeEstimate = fn(&[usize], usize, bool) -> usize;
 
 /// The degree of a rule on pairs, whose cells may have several shapes: the highest of the estimates.
+#[inline(never)]
 pub(super) fn degree_on_pairs<const D: usize>(
     mesh: &Mesh<D>,
-    estimate: impl Fn(usize, bool) -> usize,
+    estimate: &dyn Fn(usize, bool) -> usize,
 ) -> usize {
     mesh.shapes().into_iter().map(|shape| estimate(mesh.degree(), shape.is_simplex())).max().unwrap_or(0)
 }
@@ -110,7 +111,7 @@ impl<const D: usize> PairSearch<D> {
         binding.searches = Some((&self.known, self.threads));
         let degrees = binding.degrees(tests);
         let degree =
-            degree_on_pairs(mesh, |geometry, simplex| (coupling.degree)(&degrees, geometry, simplex));
+            degree_on_pairs(mesh, &|geometry, simplex| (coupling.degree)(&degrees, geometry, simplex));
         binding.pairs(coupling.region, coupling.displacement, &self.quadrature, degree)
     }
 
@@ -387,6 +388,7 @@ impl<const D: usize> Assembler<D> {
 
 compiled_here!(
     PairSearch::<D>::of,
+    degree_on_pairs::<D>,
     without_coefficients::<D>,
     groups_of::<D>,
     with_neighbours::<D>,

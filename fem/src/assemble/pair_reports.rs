@@ -8,6 +8,7 @@ use forms_core::contract::{Entity, Form, Integral, LinearKernel, LinearVisitor};
 use super::binding::Binding;
 use super::pair_groups::degree_on_pairs;
 use super::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
 use crate::field::FieldView;
 use crate::pairs::PairReport;
 use crate::space::Space;
@@ -47,10 +48,10 @@ struct ReportVisitor<'a, 'b, const D: usize> {
     found: Vec<(usize, Option<&'static [usize]>, RegionPairs<D>)>,
 }
 
-impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
+impl<const D: usize> ReportVisitor<'_, '_, D> {
+    /// The pairs of an integral, if it is the first of its region and displacement.
+    #[inline(never)]
+    fn add(&mut self, integral: &Integral) -> Result<(), AssemblyError> {
         let (number, displacement) = (integral.region, integral.displacement);
         let region = &self.binding.regions[number];
         let is_known = self.found.iter().any(|known| (known.0, known.1) == (number, displacement));
@@ -58,7 +59,7 @@ impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
             return Ok(());
         }
         let estimate = |geometry, simplex| (integral.degree)(&self.degrees, geometry, simplex);
-        let degree = degree_on_pairs(self.binding.mesh, estimate);
+        let degree = degree_on_pairs(self.binding.mesh, &estimate);
         let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
         let pairs = RegionPairs {
             symbol: region.symbol,
@@ -68,6 +69,16 @@ impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
         };
         self.found.push((number, displacement, pairs));
         Ok(())
+    }
+}
+
+compiled_here!(ReportVisitor::<D>::add);
+
+impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
+        self.add(integral)
     }
 }
 

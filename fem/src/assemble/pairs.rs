@@ -28,14 +28,12 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
     /// The blocks of all pairs (i, j), one after the other; of symmetric ones only i ≤ j.
     #[inline(always)]
     pub fn sum(&self, blocks: &mut [L]) {
-        // Each factor that is loaded serves several pairs, as many as there are registers for accumulators.
-        // A constant block: only the tile that is used is compiled.
-        match const { (size_of::<K::Accumulator<L>>() / size_of::<L>(), L::REGISTERS >= 32) } {
-            (0 | 1, true) => self.sweep::<4, 4>(blocks),
-            (0 | 1, false) => self.sweep::<2, 4>(blocks),
-            (2..=4, true) => self.sweep::<1, 4>(blocks),
-            (2..=4, false) => self.sweep::<1, 2>(blocks),
-            (5..=9, true) => self.sweep::<2, 1>(blocks),
+        match const { tile(size_of::<K::Accumulator<L>>() / size_of::<L>(), L::REGISTERS) } {
+            44 => self.sweep::<4, 4>(blocks),
+            24 => self.sweep::<2, 4>(blocks),
+            14 => self.sweep::<1, 4>(blocks),
+            12 => self.sweep::<1, 2>(blocks),
+            21 => self.sweep::<2, 1>(blocks),
             _ => self.sweep::<1, 1>(blocks),
         }
     }
@@ -120,6 +118,20 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
                 copy_block(block.as_ref(), &mut blocks[(before + j) * entries..][..entries]);
             }
         }
+    }
+}
+
+/// Rows and columns of a tile, as the two digits of a number: each factor that is loaded serves several pairs, as many as there are
+/// registers for accumulators of so many numbers. One number, since rustc leaves out the arms that a constant does not take where
+/// it is an integer; those of a tuple it compiles.
+const fn tile(accumulators: usize, registers: usize) -> usize {
+    match (accumulators, registers >= 32) {
+        (0 | 1, true) => 44,
+        (0 | 1, false) => 24,
+        (2..=4, true) => 14,
+        (2..=4, false) => 12,
+        (5..=9, true) => 21,
+        _ => 11,
     }
 }
 

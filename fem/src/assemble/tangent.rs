@@ -88,8 +88,22 @@ impl<const D: usize> Assembler<D> {
         matrix: &mut BlockMatrix,
         count: bool,
     ) -> Result<(), AssemblyError> {
+        let walk: WalkTangent<D> = &mut |visitor| form.tangent(visitor);
+        self.into_matrix((Described::of(form), walk), unknowns, tests, parts, (pattern, matrix), count)
+    }
+
+    #[inline(never)]
+    fn into_matrix(
+        &self,
+        (form, walk): (Described<D>, WalkTangent<D>),
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+        (pattern, matrix): (&BlockPattern<D>, &mut BlockMatrix),
+        count: bool,
+    ) -> Result<(), AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
-        pattern.check(&Described::of(form), tests, &trials)?;
+        pattern.check(&form, tests, &trials)?;
         let (own, given) = (matrix.sparsity(), pattern.sparsity());
         if !Arc::ptr_eq(own, given) && **own != **given {
             let source = LinearAlgebraError::PatternMismatch { what: "assembling a matrix" };
@@ -98,7 +112,7 @@ impl<const D: usize> Assembler<D> {
         let mut written = vec![count; tests.len() * trials.len()];
         let values = matrix.values_mut();
         let target = Target::Matrix { pattern, values: &mut *values, written: &mut written };
-        self.walk_tangent(form, unknowns, tests, parts, target)?;
+        self.walk_tangent((form, walk), unknowns, tests, parts, target)?;
         for (pair, written) in written.into_iter().enumerate() {
             if !written {
                 let pair = pattern.sparsity().pair(pair / trials.len(), pair % trials.len());
@@ -120,13 +134,16 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<ElementMatrix>, AssemblyError> {
         let mut found = Vec::new();
+        let walk: WalkTangent<D> = &mut |visitor| form.tangent(visitor);
+        let form = (Described::of(form), walk);
         self.walk_tangent(form, &views(unknowns), tests, Parts::ALL, Target::Elements(&mut found))?;
         Ok(found)
     }
 
-    fn walk_tangent<F: Form<D>>(
+    #[inline(never)]
+    fn walk_tangent(
         &self,
-        form: &F,
+        (form, walk): (Described<D>, WalkTangent<D>),
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
@@ -140,7 +157,7 @@ impl<const D: usize> Assembler<D> {
         let trial_elements = trials.iter().map(|space| binding.element(space)).collect();
         let degrees = binding.degrees(tests);
         let (binding, quadrature) = (&binding, &self.quadrature);
-        form.tangent(&mut TangentVisitor {
+        walk(&mut TangentVisitor {
             binding,
             quadrature,
             threads: self.threads,
@@ -155,6 +172,9 @@ impl<const D: usize> Assembler<D> {
         })
     }
 }
+
+/// Hands a form's integrals to the visitor; the form's type is forgotten.
+type WalkTangent<'a, const D: usize> = &'a mut dyn FnMut(&mut TangentVisitor<D>) -> Result<(), AssemblyError>;
 
 /// The contribution of one cell or facet.
 #[derive(Clone, Debug, PartialEq)]
@@ -338,4 +358,4 @@ fn element_matrix<const D: usize>(
     ElementMatrix { cell, facet, opposite, sides, rows, columns, values }
 }
 
-compiled_here!(TangentVisitor::<D>::integrate);
+compiled_here!(TangentVisitor::<D>::integrate, Assembler::<D>::into_matrix, Assembler::<D>::walk_tangent);

@@ -1,10 +1,12 @@
-//! A notice, once per process, that kernels were compiled without optimisation.
+//! Notices, once per process, that kernels were compiled without optimisation or without the machine's instructions.
 
 use std::sync::Once;
 
 use forms_core::contract::Inputs;
 
-/// Set to anything, it silences the notice.
+use crate::lanes::InstructionSet;
+
+/// Set to anything, it silences the notices.
 const SILENT: &str = "FORMS_QUIET";
 
 static TOLD: Once = Once::new();
@@ -12,6 +14,9 @@ static TOLD: Once = Once::new();
 /// Tells on standard error that the kernels of a form are slow, if they are and nothing was told before.
 pub(super) fn notice<const D: usize>(form: &str, inputs: &Inputs<D>) {
     if inputs.optimised {
+        if let Some(set) = InstructionSet::missed() {
+            TOLD.call_once(|| tell_of_missed(set));
+        }
         return;
     }
     TOLD.call_once(|| {
@@ -22,4 +27,13 @@ pub(super) fn notice<const D: usize>(form: &str, inputs: &Inputs<D>) {
             );
         }
     });
+}
+
+fn tell_of_missed(set: InstructionSet) {
+    if std::env::var_os(SILENT).is_none() {
+        eprintln!(
+            "forms-fem: this program was built on a machine with other instructions, and kernels run without this one's {set}, \
+             several times slower: build it here, or with FORMS_ALL_INSTRUCTION_SETS=1 in the environment ({SILENT}=1 silences this)"
+        );
+    }
 }

@@ -233,7 +233,7 @@ pub(super) fn groups<const D: usize>(
     let form = binding.name;
     let failed = |source| AssemblyError::Quadrature { form, source };
     if region.entity == Entity::Pairs {
-        let degree = degree_on_pairs(mesh, |_, simplex| degree(simplex));
+        let degree = degree_on_pairs(mesh, &|_, simplex| degree(simplex));
         return pair_groups(binding, integral, quadrature, degree, requirements);
     }
     match binding.entities(integral.region)? {

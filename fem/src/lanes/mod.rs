@@ -242,13 +242,18 @@ impl InstructionSet {
         *BEST.get_or_init(|| Self::available().into_iter().next_back().unwrap_or(InstructionSet::Plain))
     }
 
+    /// The best set of this machine where no set but the plain one was compiled for it.
+    pub(crate) fn missed() -> Option<Self> {
+        missed(Self::best(), |set| set.is_of_machine())
+    }
+
     /// Those of this machine that were compiled, from the plain one to the best.
     pub fn available() -> Vec<Self> {
         Self::ALL.into_iter().filter(|set| set.is_available()).collect()
     }
 
-    /// Whether this machine has it and it was compiled. Release builds have all sets of their target, debug builds the plain
-    /// one and the best of the machine they were built on.
+    /// Whether this machine has it and it was compiled: the plain one and the best of the machine of the build are, all of the
+    /// target where `FORMS_ALL_INSTRUCTION_SETS` is set in the environment of the build.
     pub fn is_available(self) -> bool {
         self.is_compiled() && self.is_of_machine()
     }
@@ -287,6 +292,12 @@ impl InstructionSet {
     pub(crate) fn checked(self) -> Checked {
         Checked(if self.is_available() { self } else { InstructionSet::Plain })
     }
+}
+
+/// The best set of a machine whose best compiled set is the plain one.
+fn missed(best: InstructionSet, is_of_machine: impl Fn(InstructionSet) -> bool) -> Option<InstructionSet> {
+    let better = InstructionSet::ALL.into_iter().rev().find(|set| is_of_machine(*set));
+    better.filter(|set| best == InstructionSet::Plain && *set != InstructionSet::Plain)
 }
 
 /// A set that is available.

@@ -174,3 +174,12 @@ fn transposed_lanes_stand_one_after_the_other() {
         }
     }
 }
+
+#[test]
+fn only_who_falls_back_to_plain_instructions_misses_a_set() {
+    let avx2 = |set| matches!(set, InstructionSet::Plain | InstructionSet::Avx2);
+    assert_eq!(missed(InstructionSet::Plain, avx2), Some(InstructionSet::Avx2));
+    assert_eq!(missed(InstructionSet::Avx2, avx2), None);
+    assert_eq!(missed(InstructionSet::Avx2, |set| set != InstructionSet::Neon), None);
+    assert_eq!(missed(InstructionSet::Plain, |set| set == InstructionSet::Plain), None);
+}

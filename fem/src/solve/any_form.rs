@@ -166,13 +166,19 @@ struct Seen {
     fields: &'static [FieldDescription],
 }
 
+impl Seen {
+    fn add(&mut self, integral: &Integral) {
+        let unknown = |field: &usize| matches!(self.fields[*field].role, Role::Unknown(_));
+        self.nonlinear |= integral.dependence == Dependence::Nonlinear;
+        self.displaced |= integral.displacement.is_some_and(|fields| fields.iter().any(unknown));
+    }
+}
+
 impl<const D: usize> LinearVisitor<D> for Seen {
     type Error = Infallible;
 
     fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
-        let unknown = |field: &usize| matches!(self.fields[*field].role, Role::Unknown(_));
-        self.nonlinear |= integral.dependence == Dependence::Nonlinear;
-        self.displaced |= integral.displacement.is_some_and(|fields| fields.iter().any(unknown));
+        self.add(integral);
         Ok(())
     }
 }
