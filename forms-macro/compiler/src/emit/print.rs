@@ -11,6 +11,9 @@ use crate::optimise::scalar::Node;
 use crate::optimise::straight_line::{Code, Instruction, Level, Value};
 use crate::tensor::{External, Function};
 
+/// Names of a function from which on one `let` declares them all; rustc's stack ends between 2,000 and 3,000.
+const MANY_NAMES: usize = 500;
+
 /// The text of one function, and what it wants from the functions before it.
 pub struct Body {
     pub statements: TokenStream,
@@ -141,17 +144,14 @@ impl Printer<'_> {
         earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
         texts: &mut Texts,
     ) -> TokenStream {
-        // One `let` for all names: with one per name, each opens a scope inside the last, and some thousands
-        // of them overflow rustc's stack where it writes debug information.
+        // Where a name's type is known at its `let`, rustc checks types in half the time. But each `let` opens a scope inside
+        // the last, and some thousands of them overflow rustc's stack where it writes debug information: one for all names then.
         let names: Vec<_> = values.iter().map(|value| format_ident!("t{}", value.0)).collect();
-        let mut statements = if values.is_empty() {
-            TokenStream::new()
-        } else {
-            quote! { let (#(#names,)*); }
-        };
+        let at_once = names.len() > MANY_NAMES;
+        let mut statements = if at_once { quote! { let (#(#names,)*); } } else { TokenStream::new() };
         for (value, name) in values.iter().zip(names) {
             let right = self.print_instruction(*value, terminal, earlier, texts);
-            statements.extend(quote! { #name = #right; });
+            statements.extend(if at_once { quote! { #name = #right; } } else { quote! { let #name = #right; } });
             texts.insert(*value, quote! { #name });
         }
         statements
