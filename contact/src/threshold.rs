@@ -76,22 +76,13 @@ where
     let (unknowns, tests) = ([&zero], [&problem.space]);
     let product = problem.law.stress_product();
     let energy = problem.law.energy_on(contact_cells);
-    let energies: BTreeMap<u32, ElementMatrix> = problem
-        .assembler
-        .element_matrices(&energy, &unknowns, &tests)?
-        .into_iter()
-        .map(|element| (element.cell, element))
-        .collect();
-    let mut stresses: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-    for element in problem.assembler.element_matrices(&product, &unknowns, &tests)? {
-        let sum = stresses.entry(element.cell).or_insert_with(|| vec![0.0; element.values.len()]);
-        sum.iter_mut().zip(&element.values).for_each(|(sum, value)| *sum += value);
-    }
+    let energies = problem.assembler.element_matrices(&energy, &unknowns, &tests)?;
+    let products = problem.assembler.element_matrices(&product, &unknowns, &tests)?;
     let mesh = problem.space.mesh();
-    let mut found = Threshold { required: 0.0, gamma0, theta, worst: None };
-    for (cell, stress) in stresses {
+    let (mut required, mut worst) = (0.0, None);
+    for (cell, largest) in largest_eigenvalues(energies, products) {
         let centre = mesh.cell_centre(cell as usize).to_vec();
-        let Some(energy) = energies.get(&cell) else {
+        let Some(largest) = largest else {
             return Err(AssemblyError::CellOfFacet {
                 form: product.name(),
                 cells: contact_cells.to_owned(),
@@ -99,13 +90,29 @@ where
                 position: centre,
             });
         };
-        let largest = largest_eigenvalue(&stress, energy);
-        let required = factor * largest * mesh.diameter(cell as usize);
-        if required > found.required {
-            (found.required, found.worst) = (required, Some(centre));
+        let of_cell = factor * largest * mesh.diameter(cell as usize);
+        if of_cell > required {
+            (required, worst) = (of_cell, Some(centre));
         }
     }
-    Ok(found)
+    Ok(Threshold { required, gamma0, theta, worst })
+}
+
+/// The largest eigenvalue of each cell that has products of stresses on its facets; none where its energy is missing.
+fn largest_eigenvalues(
+    energies: Vec<ElementMatrix>,
+    products: Vec<ElementMatrix>,
+) -> Vec<(u32, Option<f64>)> {
+    let energies: BTreeMap<u32, ElementMatrix> =
+        energies.into_iter().map(|element| (element.cell, element)).collect();
+    let mut stresses: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+    for element in products {
+        let sum = stresses.entry(element.cell).or_insert_with(|| vec![0.0; element.values.len()]);
+        sum.iter_mut().zip(&element.values).for_each(|(sum, value)| *sum += value);
+    }
+    let largest =
+        |cell: &u32, stress: &[f64]| energies.get(cell).map(|energy| largest_eigenvalue(stress, energy));
+    stresses.iter().map(|(cell, stress)| (*cell, largest(cell, stress))).collect()
 }
 
 /// The largest λ of S v = λ A v over the complement of A's kernel; infinite where it cannot be told.

@@ -148,10 +148,18 @@ impl Printer<'_> {
         // the last, and some thousands of them overflow rustc's stack where it writes debug information: one for all names then.
         let names: Vec<_> = values.iter().map(|value| format_ident!("t{}", value.0)).collect();
         let at_once = names.len() > MANY_NAMES;
-        let mut statements = if at_once { quote! { let (#(#names,)*); } } else { TokenStream::new() };
+        let mut statements = if at_once {
+            quote! { let (#(#names,)*); }
+        } else {
+            TokenStream::new()
+        };
         for (value, name) in values.iter().zip(names) {
             let right = self.print_instruction(*value, terminal, earlier, texts);
-            statements.extend(if at_once { quote! { #name = #right; } } else { quote! { let #name = #right; } });
+            statements.extend(if at_once {
+                quote! { #name = #right; }
+            } else {
+                quote! { let #name = #right; }
+            });
             texts.insert(*value, quote! { #name });
         }
         statements
