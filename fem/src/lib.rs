@@ -62,7 +62,6 @@ pub mod field;
 pub mod history;
 pub mod lanes;
 pub mod language;
-pub mod linear_algebra;
 pub mod locate;
 pub mod mesh;
 pub mod movement;
@@ -74,11 +73,14 @@ pub mod quadrature;
 pub mod shape_optimisation;
 pub mod solve;
 pub mod space;
-pub mod threads;
 pub mod verification;
 
 pub use forms_core::contract;
 pub use forms_core::forms;
+#[doc(inline)]
+pub use forms_linear_algebra as linear_algebra;
+#[doc(inline)]
+pub use forms_linear_algebra::threads;
 
 /// One weak form without a module.
 ///
