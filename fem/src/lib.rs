@@ -57,18 +57,14 @@ mod coincident;
 mod compiled_here;
 pub mod constraints;
 pub mod dimension;
-pub mod element;
 pub mod field;
 pub mod history;
 pub mod lanes;
 pub mod language;
-pub mod locate;
-pub mod mesh;
 pub mod movement;
 pub mod norms;
 pub mod output;
 pub mod pairs;
-pub mod quadrature;
 #[cfg(feature = "shape-optimisation")]
 pub mod shape_optimisation;
 pub mod solve;
@@ -81,6 +77,8 @@ pub use forms_core::forms;
 pub use forms_linear_algebra as linear_algebra;
 #[doc(inline)]
 pub use forms_linear_algebra::threads;
+#[doc(inline)]
+pub use forms_mesh::{element, locate, mesh, quadrature};
 
 /// One weak form without a module.
 ///

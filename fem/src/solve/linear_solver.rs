@@ -277,8 +277,8 @@ fn because(motions: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::solve::SolverError;
     use crate::linear_algebra::{GmresReport, KrylovReport, ResidualHistory};
+    use crate::solve::SolverError;
 
     #[test]
     fn an_error_prints_the_end_of_its_history() {
