@@ -7,13 +7,13 @@ use super::PictureError;
 use super::colour_map::Colour;
 use super::drawing::{Drawing, Item, Rectangle, Segment};
 use super::png_file;
-use crate::output::base64;
+use forms_mesh::files::base64;
 
 /// Resolution of embedded surfaces \[pixels per point\]: 288 dots per inch.
 const SURFACE_SCALE: f64 = 4.0;
 
 /// The text of an SVG file of the drawing.
-pub(super) fn encode(drawing: &Drawing) -> Result<String, PictureError> {
+pub fn encode(drawing: &Drawing) -> Result<String, PictureError> {
     let mut text = String::new();
     write_elements(&mut text, drawing)?;
     Ok(text)

@@ -6,17 +6,17 @@ use super::drawing::{Drawing, Point, Rectangle, Stroke, polyline};
 use super::text::{Anchor, CAPITAL_HEIGHT};
 
 /// Font size of tick labels \[pt\].
-pub(super) const TICK_TEXT: f64 = 8.5;
+pub const TICK_TEXT: f64 = 8.5;
 /// Font size of axis labels and legends \[pt\].
-pub(super) const LABEL_TEXT: f64 = 9.5;
+pub const LABEL_TEXT: f64 = 9.5;
 /// Font size of titles \[pt\].
-pub(super) const TITLE_TEXT: f64 = 11.0;
+pub const TITLE_TEXT: f64 = 11.0;
 /// Length of a tick \[pt\].
-pub(super) const TICK: f64 = 3.5;
+pub const TICK: f64 = 3.5;
 /// Width of axis lines \[pt\].
-pub(super) const AXIS_LINE: f64 = 0.7;
+pub const AXIS_LINE: f64 = 0.7;
 /// Distance between neighbouring things \[pt\].
-pub(super) const GAP: f64 = 4.0;
+pub const GAP: f64 = 4.0;
 
 /// Scales of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -30,7 +30,7 @@ pub enum Scale {
 
 /// An axis with the values at its ends.
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
+pub struct Axis {
     pub label: String,
     pub scale: Scale,
     pub range: [f64; 2],
@@ -38,7 +38,7 @@ pub(super) struct Axis {
 
 /// The marks of an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Ticks {
+pub struct Ticks {
     pub major: Vec<(f64, String)>,
     pub minor: Vec<f64>,
     /// The labels are to be multiplied by this power of ten.
@@ -104,7 +104,7 @@ fn linear_ticks([low, high]: [f64; 2], count: usize) -> Ticks {
 }
 
 /// A number with a true minus sign, and no minus before a zero.
-pub(super) fn number(value: f64, decimals: usize) -> String {
+pub fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let digits = text.trim_start_matches('-');
     let zero = digits.chars().all(|digit| digit == '0' || digit == '.');
@@ -154,13 +154,13 @@ fn logarithmic_ticks([low, high]: [f64; 2], count: usize) -> Ticks {
 }
 
 /// `×10^n`, or nothing if the labels stand for themselves.
-pub(super) fn multiplier(exponent: i32) -> Option<String> {
+pub fn multiplier(exponent: i32) -> Option<String> {
     (exponent != 0).then(|| format!("×10^{{{}}}", number(f64::from(exponent), 0)))
 }
 
 /// A rectangle of the page with a horizontal and a vertical axis.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub struct Frame {
     pub area: Rectangle,
     pub x: Axis,
     pub y: Axis,

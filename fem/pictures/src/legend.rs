@@ -15,7 +15,7 @@ const TEXT: f64 = LABEL_TEXT - 0.5;
 
 /// One entry of a legend.
 #[derive(Clone, Debug)]
-pub(super) struct Key {
+pub struct Key {
     pub text: String,
     pub stroke: Stroke,
     pub marker: Option<Marker>,
@@ -23,7 +23,7 @@ pub(super) struct Key {
 
 /// The entries, one below the other.
 #[derive(Clone, Debug)]
-pub(super) struct Legend {
+pub struct Legend {
     keys: Vec<Key>,
 }
 
@@ -102,7 +102,7 @@ impl Legend {
 }
 
 /// Whether a polyline passes through a rectangle, looked at every two points of length.
-pub(super) fn passes(curve: &[Point], room: &Rectangle) -> bool {
+pub fn passes(curve: &[Point], room: &Rectangle) -> bool {
     let alone = curve.len() == 1 && room.contains(curve[0]);
     alone
         || curve.windows(2).any(|pair| {

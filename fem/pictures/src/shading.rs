@@ -14,7 +14,7 @@ const BAND: usize = 32;
 
 /// How values become colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Shading {
+pub struct Shading {
     pub map: ColourMap,
     /// Values at the ends of the colour map.
     pub range: [f64; 2],
@@ -44,7 +44,7 @@ impl Shading {
 
 /// Triangles with a value at each point.
 #[derive(Clone, Debug)]
-pub(super) struct ShadedSurface {
+pub struct ShadedSurface {
     pub points: Vec<Point>,
     pub values: Vec<f32>,
     pub triangles: Vec<[u32; 3]>,
@@ -52,7 +52,7 @@ pub(super) struct ShadedSurface {
 }
 
 /// Pixels of a surface: rows of RGB with the covered fraction as alpha (not premultiplied).
-pub(super) struct Pixels {
+pub struct Pixels {
     /// Left and top of the picture, in pixels of the page.
     pub origin: [usize; 2],
     pub size: [usize; 2],

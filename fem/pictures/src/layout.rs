@@ -14,7 +14,7 @@ const BAR: f64 = 12.0;
 const BAR_HEIGHT: f64 = 90.0;
 
 /// The surroundings of a body on its page.
-pub(super) struct Layout<'a> {
+pub struct Layout<'a> {
     pub title: &'a str,
     /// Unit of length, for the labels of the axes; no axes without it.
     pub unit: Option<&'a str>,

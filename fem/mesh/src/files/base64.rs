@@ -3,7 +3,7 @@
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 /// Appends the bytes in base64, filled up with `=` to whole groups of four characters.
-pub(super) fn append(text: &mut String, bytes: &[u8]) {
+pub fn append(text: &mut String, bytes: &[u8]) {
     text.reserve(bytes.len().div_ceil(3) * 4);
     for group in bytes.chunks(3) {
         let mut word = [0; 4];

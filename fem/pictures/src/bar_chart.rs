@@ -14,6 +14,7 @@ const AXIS: f64 = 320.0;
 /// A picture of horizontal bars that start at 1 and end at a ratio, one under the other.
 ///
 /// ```no_run
+/// # mod forms_fem { pub mod output { pub use forms_pictures as picture; } }
 /// use forms_fem::output::picture::{BarChart, Picture};
 ///
 /// BarChart::new("times faster")

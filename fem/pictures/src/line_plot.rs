@@ -11,6 +11,7 @@ use super::{Picture, PictureError};
 /// A picture of curves.
 ///
 /// ```no_run
+/// # mod forms_fem { pub mod output { pub use forms_pictures as picture; } }
 /// use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
 ///
 /// let (h, error) = ([0.4, 0.2, 0.1], [2e-2, 5e-3, 1.25e-3]);

@@ -8,11 +8,11 @@ use super::shading::ShadedSurface;
 use super::text::{self, Anchor};
 
 /// A point of the page \[pt\], x to the right and y downwards.
-pub(super) type Point = [f64; 2];
+pub type Point = [f64; 2];
 
 /// An upright rectangle of the page \[pt\].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rectangle {
+pub struct Rectangle {
     pub left: f64,
     pub top: f64,
     pub width: f64,
@@ -39,7 +39,7 @@ impl Rectangle {
 
 /// A piece of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Segment {
+pub enum Segment {
     Move(Point),
     Line(Point),
     Quadratic(Point, Point),
@@ -62,7 +62,7 @@ impl Segment {
 
 /// Style of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Stroke {
+pub struct Stroke {
     pub colour: Colour,
     /// Width \[pt\].
     pub width: f64,
@@ -82,7 +82,7 @@ impl Stroke {
 
 /// Elements of a drawing.
 #[derive(Clone, Debug)]
-pub(super) enum Item {
+pub enum Item {
     Path { segments: Vec<Segment>, fill: Option<Colour>, stroke: Option<Stroke>, clip: Option<Rectangle> },
     Surface { surface: ShadedSurface, clip: Option<Rectangle> },
 }
@@ -96,8 +96,15 @@ pub struct Drawing {
 }
 
 impl Drawing {
+    /// What is drawn, from the bottom to the top.
+    #[doc(hidden)]
+    pub fn items(&self) -> &[Item] {
+        &self.items
+    }
+
     /// An empty page of a size \[pt\].
-    pub(super) fn new(size: [f64; 2]) -> Result<Drawing, PictureError> {
+    #[doc(hidden)]
+    pub fn new(size: [f64; 2]) -> Result<Drawing, PictureError> {
         if !size.iter().all(|&length| length.is_finite() && (1.0..=20_000.0).contains(&length)) {
             return Err(PictureError::Size { width: size[0], height: size[1] });
         }
@@ -110,12 +117,14 @@ impl Drawing {
     }
 
     /// Draws a path.
-    pub(super) fn path(&mut self, segments: Vec<Segment>, fill: Option<Colour>, stroke: Option<Stroke>) {
+    #[doc(hidden)]
+    pub fn path(&mut self, segments: Vec<Segment>, fill: Option<Colour>, stroke: Option<Stroke>) {
         self.clipped_path(segments, fill, stroke, None);
     }
 
     /// Draws the part of a path inside a rectangle.
-    pub(super) fn clipped_path(
+    #[doc(hidden)]
+    pub fn clipped_path(
         &mut self,
         segments: Vec<Segment>,
         fill: Option<Colour>,
@@ -128,14 +137,16 @@ impl Drawing {
     }
 
     /// Draws an open polyline; nothing with a stroke of no width.
-    pub(super) fn polyline(&mut self, points: &[Point], stroke: Stroke, clip: Option<Rectangle>) {
+    #[doc(hidden)]
+    pub fn polyline(&mut self, points: &[Point], stroke: Stroke, clip: Option<Rectangle>) {
         if stroke.width > 0.0 {
             self.clipped_path(polyline(points), None, Some(stroke), clip);
         }
     }
 
     /// Draws a rectangle.
-    pub(super) fn rectangle(&mut self, area: Rectangle, fill: Option<Colour>, stroke: Option<Stroke>) {
+    #[doc(hidden)]
+    pub fn rectangle(&mut self, area: Rectangle, fill: Option<Colour>, stroke: Option<Stroke>) {
         let corners = [
             [area.left, area.top],
             [area.right(), area.top],
@@ -148,12 +159,13 @@ impl Drawing {
     }
 
     /// Draws a surface shaded by values.
-    pub(super) fn surface(&mut self, surface: ShadedSurface, clip: Option<Rectangle>) {
+    #[doc(hidden)]
+    pub fn surface(&mut self, surface: ShadedSurface, clip: Option<Rectangle>) {
         self.items.push(Item::Surface { surface, clip });
     }
 
     /// Writes a line of text at a point and returns its width \[pt\].
-    pub(super) fn text(&mut self, content: &str, size: f64, at: Point, anchor: Anchor) -> f64 {
+    pub(crate) fn text(&mut self, content: &str, size: f64, at: Point, anchor: Anchor) -> f64 {
         let line = text::outline(&self.typeface, content, size);
         let shift = anchor.shift(line.width, size);
         let segments = line
@@ -171,12 +183,12 @@ impl Drawing {
     }
 
     /// Width of a line of text \[pt\].
-    pub(super) fn text_width(&self, content: &str, size: f64) -> f64 {
+    pub(crate) fn text_width(&self, content: &str, size: f64) -> f64 {
         text::outline(&self.typeface, content, size).width
     }
 
     /// Puts another drawing onto this one.
-    pub(super) fn place(&mut self, other: Drawing, at: Point) {
+    pub(crate) fn place(&mut self, other: Drawing, at: Point) {
         let moved = |[x, y]: Point| [x + at[0], y + at[1]];
         self.items.extend(other.items.into_iter().map(|item| match item {
             Item::Path { segments, fill, stroke, clip } => Item::Path {
@@ -194,7 +206,7 @@ impl Drawing {
 }
 
 /// The segments of an open polyline.
-pub(super) fn polyline(points: &[Point]) -> Vec<Segment> {
+pub fn polyline(points: &[Point]) -> Vec<Segment> {
     let mut segments = Vec::with_capacity(points.len() + 1);
     for (k, &point) in points.iter().enumerate() {
         segments.push(if k == 0 { Segment::Move(point) } else { Segment::Line(point) });

@@ -8,7 +8,7 @@ use super::drawing::{Drawing, Item, Rectangle, Segment, Stroke};
 use super::shading::Pixels;
 
 /// The bytes of a PNG file of the drawing, with its size in print noted in the file.
-pub(super) fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureError> {
+pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureError> {
     let scale = dots_per_inch / 72.0;
     let [width, height] = drawing.size.map(|length| (length * scale).round());
     let too_large = PictureError::Size { width, height };
@@ -41,7 +41,7 @@ pub(super) fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, P
 }
 
 /// The bytes of a PNG file with transparency, for embedding.
-pub(super) fn encode_surface(pixels: &Pixels) -> Result<Vec<u8>, PictureError> {
+pub fn encode_surface(pixels: &Pixels) -> Result<Vec<u8>, PictureError> {
     encode_pixels(&pixels.rgba, pixels.size.map(|length| length as u32), png::ColorType::Rgba, None)
 }
 
