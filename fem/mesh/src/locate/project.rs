@@ -49,7 +49,7 @@ fn entities<const D: usize>(shape: CellShape) -> Vec<Entity<D>> {
 }
 
 /// The distance of a point from a facet \[length\], where the nearest point of its surface lies on the facet, enlarged by
-/// `tolerance` in the facet's reference coordinates; `None` otherwise. As exact as [`project`].
+/// `tolerance` in the facet's reference coordinates; `None` otherwise. As exact as `project`.
 pub fn nearest_on_facet<const D: usize>(
     mesh: &Mesh<D>,
     facet: Facet,
