@@ -57,28 +57,28 @@ mod coincident;
 mod compiled_here;
 pub mod constraints;
 pub mod dimension;
-pub mod element;
 pub mod field;
 pub mod history;
 pub mod lanes;
 pub mod language;
-pub mod linear_algebra;
-pub mod locate;
-pub mod mesh;
 pub mod movement;
 pub mod norms;
 pub mod output;
 pub mod pairs;
-pub mod quadrature;
 #[cfg(feature = "shape-optimisation")]
 pub mod shape_optimisation;
 pub mod solve;
 pub mod space;
-pub mod threads;
 pub mod verification;
 
 pub use forms_core::contract;
 pub use forms_core::forms;
+#[doc(inline)]
+pub use forms_linear_algebra as linear_algebra;
+#[doc(inline)]
+pub use forms_linear_algebra::threads;
+#[doc(inline)]
+pub use forms_mesh::{element, locate, mesh, quadrature};
 
 /// One weak form without a module.
 ///

@@ -239,7 +239,7 @@ impl<const D: usize> Space<D> {
                 numbering::node_positions(mesh, degree, &lists, &cell_nodes)
             }
             Family::Discontinuous => {
-                let nodes = lists.len();
+                let nodes = lists.length();
                 if u32::try_from(nodes).is_err() {
                     return Err(SpaceError::TooLarge { unknowns: nodes });
                 }

@@ -115,7 +115,7 @@ impl<const D: usize> Assembler<D> {
                 let cells = self.mesh.cell_region(region).map_err(missing)?;
                 self.values(expression, |binding| {
                     let group = |(shape, cells): (CellShape, &[u32])| {
-                        let rule = self.quadrature.rule_on_cells(&self.mesh, shape, degree)?;
+                        let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), shape, degree)?;
                         let places = Places { points: rule.points, facet: None };
                         let cells = (shape, cells.to_vec());
                         Group::new(binding, place(region), cells, &places, rule.weights, true)
@@ -229,7 +229,7 @@ impl<const D: usize> Assembler<D> {
         let mut load = vec![vec![0.0; space.node_count()]; components];
         let mut values_and_weights = values.values.iter().zip(&values.weights);
         for block in self.mesh.blocks() {
-            let rule = self.quadrature.rule_on_cells(&self.mesh, block.shape, rule_degree);
+            let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), block.shape, rule_degree);
             let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
             let tables = space.element_of(block.shape).tabulate(&rule.points);
             let places = block.cells.clone().flat_map(|cell| (0..rule.len()).map(move |q| (cell, q)));

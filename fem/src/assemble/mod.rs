@@ -21,6 +21,7 @@
 //! `reference_tensor` call them in the same order.
 
 mod action;
+mod basis_in_lanes;
 mod batch;
 mod binding;
 mod block_index;

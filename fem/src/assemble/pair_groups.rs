@@ -6,12 +6,13 @@ use std::sync::Arc;
 
 use forms_core::contract::{Entity, Integral, Pairing, Requirements};
 
+use super::basis_in_lanes::LaneElement;
 use super::binding::{Binding, Entities, pair_error};
 use super::outline::{Coupling, Described};
 use super::walk::{Group, GroupSide, Places};
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
-use crate::element::{Lagrange, LaneElement};
+use crate::element::Lagrange;
 use crate::field::{Field, FieldView};
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::{

@@ -100,7 +100,7 @@ impl<const D: usize> MatrixScatter<'_, D> {
 
     /// The places of the values of some rows.
     fn entries(&self, rows: Range<usize>) -> Range<usize> {
-        match &self.blocks.pointers[..] {
+        match self.blocks.pointers() {
             [] => 0..0,
             pointers => pointers[rows.start] * self.block..pointers[rows.end] * self.block,
         }
@@ -158,10 +158,10 @@ impl<const D: usize> MatrixScatter<'_, D> {
                     part.deferred.values.extend_from_slice(blocks);
                     continue;
                 }
-                let ends = &self.blocks.pointers[row..row + 2];
+                let ends = &self.blocks.pointers()[row..row + 2];
                 let (start, end) = (ends[0] * block - offset, ends[1] * block - offset);
                 if part.written <= row {
-                    let written = self.blocks.pointers[part.written] * block - offset;
+                    let written = self.blocks.pointers()[part.written] * block - offset;
                     part.values[written..end].fill(0.0);
                     part.written = row + 1;
                 }

@@ -239,7 +239,7 @@ pub(super) fn groups<const D: usize>(
     match binding.entities(integral.region)? {
         Entities::Cells(cells) => {
             let group = |(shape, cells): (CellShape, Vec<u32>)| {
-                let rule = quadrature.rule_on_cells(mesh, shape, degree(shape.is_simplex()))?;
+                let rule = quadrature.rule_on_cells(&mesh.shapes(), shape, degree(shape.is_simplex()))?;
                 let places = Places { points: rule.points, facet: None };
                 Group::new(binding, place.clone(), (shape, cells), &places, rule.weights, hessians)
             };

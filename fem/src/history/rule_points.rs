@@ -16,7 +16,7 @@ pub(super) fn rule_points<const D: usize>(
     let of_shape = |shape| {
         let (points, weights) = match entity {
             Entity::Cells => {
-                let rule = quadrature.rule_on_cells(mesh, shape, degree)?;
+                let rule = quadrature.rule_on_cells(&mesh.shapes(), shape, degree)?;
                 (rule.points, rule.weights)
             }
             Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {

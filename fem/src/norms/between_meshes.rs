@@ -44,7 +44,7 @@ impl<const D: usize> Comparison<D> {
         let diameters = (0..locator.mesh().cell_count()).map(|cell| locator.mesh().diameter(cell));
         let tolerance = 0.1 * diameters.fold(0.0, f64::max);
         let of_shape = |shape| {
-            let rule = assembler.quadrature().rule_on_cells(mesh, shape, degree);
+            let rule = assembler.quadrature().rule_on_cells(&mesh.shapes(), shape, degree);
             Ok((shape, rule.map_err(|source| AssemblyError::Quadrature { form: NAME, source })?.points))
         };
         let points: BTreeMap<CellShape, Vec<[f64; D]>> =

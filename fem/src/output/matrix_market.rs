@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::atomic::write_whole;
+use super::write_whole;
 use crate::linear_algebra::CsrMatrix;
 
 /// Writes a matrix with 17 significant digits, which read back to the same numbers. An exactly symmetric matrix
@@ -44,7 +44,6 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::output::atomic::tests::TestDirectory;
 
     /// Reads what the standard says, independently of the writer.
     fn read(text: &str) -> CsrMatrix {
@@ -75,8 +74,8 @@ mod tests {
     }
 
     fn round_trip(matrix: &CsrMatrix, flavour: &str) {
-        let directory = TestDirectory::new(&format!("matrix-market-{flavour}-{}", matrix.rows()));
-        let path = directory.0.join("matrix.mtx");
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("matrix.mtx");
         write_matrix_market(&path, matrix).unwrap();
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.lines().next().unwrap().ends_with(flavour), "{text}");
@@ -97,10 +96,10 @@ mod tests {
 
     #[test]
     fn a_nan_is_refused_before_any_file_exists() {
-        let directory = TestDirectory::new("matrix-market-nan");
+        let directory = tempfile::tempdir().unwrap();
         let matrix = CsrMatrix::from_triplets(2, 2, &[(1, 0, f64::NAN)]).unwrap();
-        let error = write_matrix_market(directory.0.join("matrix.mtx"), &matrix).unwrap_err();
+        let error = write_matrix_market(directory.path().join("matrix.mtx"), &matrix).unwrap_err();
         assert!(error.to_string().contains("(1, 0)"), "{error}");
-        assert_eq!(fs::read_dir(&directory.0).unwrap().count(), 0);
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
     }
 }

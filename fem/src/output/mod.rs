@@ -1,7 +1,5 @@
 //! Files and pictures.
 
-pub mod atomic;
-mod base64;
 pub mod matrix_market;
 #[cfg(feature = "pictures")]
 pub mod picture;
@@ -9,7 +7,7 @@ pub mod standard_output;
 pub mod vtu;
 pub mod vtu_series;
 
-pub use atomic::{check_writable, write_whole};
+pub use forms_mesh::files::{atomic, check_writable, write_whole};
 pub use matrix_market::write_matrix_market;
 pub use standard_output::{StandardOutput, one_line, program, tell};
 pub use vtu::{VtuError, VtuFile};

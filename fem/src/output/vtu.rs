@@ -6,7 +6,7 @@ mod xml;
 use std::io::Write;
 use std::path::Path;
 
-use super::atomic::write_whole;
+use super::write_whole;
 use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
 use crate::field::Field;

@@ -5,8 +5,8 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::atomic::write_whole;
 use super::vtu::{VtuError, VtuFile};
+use super::write_whole;
 
 /// A series of `.vtu` files beside one another: `out/ring.pvd` names `ring_0000.vtu`, `ring_0001.vtu` and so on.
 ///

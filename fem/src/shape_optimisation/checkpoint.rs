@@ -152,7 +152,6 @@ mod tests {
 
     use super::super::history::{Finish, Row, Step};
     use super::*;
-    use crate::output::atomic::tests::TestDirectory;
 
     fn checkpoint() -> Checkpoint {
         // Numbers whose decimals are hard to read exactly.
@@ -179,8 +178,8 @@ mod tests {
 
     #[test]
     fn numbers_come_back_to_the_last_bit() {
-        let directory = TestDirectory::new("checkpoint");
-        let path = directory.0.join("checkpoint.json");
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("checkpoint.json");
         assert!(Checkpoint::read(&path).unwrap().is_none());
         let written = checkpoint();
         written.write(&path).unwrap();
@@ -213,8 +212,8 @@ mod tests {
     /// A digit that has changed leaves a number, and a file that can be read.
     #[test]
     fn a_damaged_checkpoint_is_refused() {
-        let directory = TestDirectory::new("damaged");
-        let path = directory.0.join("checkpoint.json");
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("checkpoint.json");
         checkpoint().write(&path).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         for (sound, damaged) in [("0.30000000000000004", "0.30000000000000008"), ("[0,1]", "[0,3]")] {
@@ -231,8 +230,8 @@ mod tests {
 
     #[test]
     fn a_file_that_is_no_checkpoint_is_named() {
-        let directory = TestDirectory::new("no-checkpoint");
-        let path = directory.0.join("checkpoint.json");
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("checkpoint.json");
         std::fs::write(&path, "{ \"settings\": 1 }").unwrap();
         let message = Checkpoint::read(&path).unwrap_err().to_string();
         assert!(message.contains("checkpoint.json is no checkpoint: "), "{message}");

@@ -274,3 +274,27 @@ fn because(motions: &[String]) -> String {
     }
     format!("the body can move rigidly: {}", motions.join(", "))
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::linear_algebra::{GmresReport, KrylovReport, ResidualHistory};
+    use crate::solve::SolverError;
+
+    #[test]
+    fn an_error_prints_the_end_of_its_history() {
+        let history: Vec<f64> = (0..1000).map(|k| 1.0 / f64::from(k + 1)).collect();
+        let other = ResidualHistory(history.clone());
+        let other = SolverError::Other { solver: "PETSc", why: "no".into(), history: other };
+        for printed in [format!("{other:?}"), other.to_string()] {
+            assert!(printed.contains("995 residuals, then [") && printed.len() < 300, "{printed}");
+        }
+        let report = GmresReport { history: history.clone(), iterations: 999, ..GmresReport::default() };
+        let printed = format!("{:?}", SolverError::NotConverged(report));
+        assert!(printed.contains("995 residuals, then [") && printed.len() < 300, "{printed}");
+        let report = KrylovReport { history, iterations: 999, relative_residual: 1e-3 };
+        let printed = format!("{:?}", SolverError::Krylov { method: "cg", why: "no".into(), report });
+        assert!(printed.contains("0.001]") && printed.len() < 300, "{printed}");
+        let short = KrylovReport { history: vec![1.0, 0.5], ..KrylovReport::default() };
+        assert!(format!("{short:?}").contains("history: [1.0, 0.5]"), "{short:?}");
+    }
+}

@@ -18,7 +18,7 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, degree: usize, lists: 
     };
     let mut of_vertex = vec![UNNUMBERED; mesh.node_count()];
     let mut of_entity: HashMap<[u32; 4], u32> = HashMap::new();
-    let mut cell_nodes = vec![UNNUMBERED; lists.len()];
+    let mut cell_nodes = vec![UNNUMBERED; lists.length()];
     for &cell in mesh.cell_order().cells() {
         let shape = mesh.cell_shape(cell as usize);
         let element = Lagrange { shape, degree };
@@ -78,7 +78,7 @@ pub(super) fn share_nodes<const D: usize>(mesh: &Mesh<D>, degree: usize, lists: 
 
 /// Nodes of its own for each cell, numbered along the mesh's cell order.
 pub(super) fn separate_nodes<const D: usize>(mesh: &Mesh<D>, lists: &CellLists) -> Vec<u32> {
-    let mut cell_nodes = vec![UNNUMBERED; lists.len()];
+    let mut cell_nodes = vec![UNNUMBERED; lists.length()];
     let mut next = 0;
     for &cell in mesh.cell_order().cells() {
         for number in &mut cell_nodes[lists.of(cell as usize)] {

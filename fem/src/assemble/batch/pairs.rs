@@ -9,8 +9,8 @@ use forms_core::contract::{OppositePoint, PointGeometry, Requirements};
 use super::side::{curvature, inverse_transposed, shape_operator, surface, tangential};
 use super::{Batch, SideBuffers, SideTables};
 use crate::assemble::AssemblyError;
+use crate::assemble::basis_in_lanes::{LaneBasis, LaneElement};
 use crate::assemble::pair_groups::PairTables;
-use crate::element::{LaneBasis, LaneElement};
 use crate::lanes::{SimdLane, WIDEST};
 use crate::pairs::PairGroup;
 

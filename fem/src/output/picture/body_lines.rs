@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::Colour;
 use super::body::{Body, field_values, joined};
-use super::colour_map::Colour;
 use super::drawing::{Drawing, Point, Rectangle, Segment, Stroke, polyline};
 use crate::field::Field;
 

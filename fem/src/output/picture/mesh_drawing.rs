@@ -2,11 +2,11 @@
 
 use super::body::{Body, Lattices, bounds};
 use super::body_lines::{draw_mesh_lines, draw_polylines, with_margin};
-use super::colour_map::{Colour, ColourMap};
 use super::drawing::{Drawing, Stroke};
 use super::layout::Layout;
 use super::legend::{Key, Legend};
 use super::shading::Shading;
+use super::{Colour, ColourMap};
 use super::{Picture, PictureError};
 use crate::mesh::{Facet, Mesh};
 

@@ -3,201 +3,20 @@
 //! Lengths on the page are points, 1/72 inch. Text takes `_{…}` and `^{…}` for subscripts and
 //! superscripts. Everything needed is compiled in: no system font, no system library.
 
-mod axes;
-mod bar_chart;
 mod body;
 mod body_lines;
-mod colour_map;
-mod curve;
-mod drawing;
 mod field_map;
-mod layout;
-mod legend;
-mod line_plot;
 mod mesh_drawing;
-mod panel;
-mod png_file;
-mod shading;
-mod svg_file;
-mod text;
 
-use std::io::Write;
-use std::path::Path;
+#[doc(inline)]
+pub use forms_pictures::{
+    BarChart, Colour, ColourMap, Curve, DOTS_PER_INCH, Drawing, LinePlot, Marker, Panel, Picture,
+    PictureError, Scale,
+};
+use forms_pictures::{axes, drawing, layout, legend, shading};
 
-use thiserror::Error;
-
-use super::atomic::write_whole;
-
-pub use axes::Scale;
-pub use bar_chart::BarChart;
-pub use colour_map::{Colour, ColourMap};
-pub use curve::{Curve, Marker};
-pub use drawing::Drawing;
 pub use field_map::{FieldMap, Shown};
-pub use line_plot::LinePlot;
 pub use mesh_drawing::MeshDrawing;
-pub use panel::Panel;
-
-/// Resolution of PNG files unless another one is asked for.
-pub const DOTS_PER_INCH: f64 = 250.0;
-
-/// Errors of drawing or writing a picture.
-#[derive(Debug, Error)]
-pub enum PictureError {
-    /// There is nothing to draw.
-    #[error("there is nothing to draw in {picture}")]
-    Empty {
-        /// Name of the picture or of the curve.
-        picture: String,
-    },
-    /// A value to be drawn is not a finite number.
-    #[error("value {index} of \"{name}\" is {value}, which cannot be drawn")]
-    NotFinite {
-        /// Name of the data.
-        name: String,
-        /// Place in the data.
-        index: usize,
-        /// The value.
-        value: f64,
-    },
-    /// A value in a cell is not a finite number.
-    #[error("\"{name}\" is {value} in cell {cell}, which cannot be drawn")]
-    CellNotFinite {
-        /// Name of the data.
-        name: String,
-        /// Number of the cell.
-        cell: usize,
-        /// The value.
-        value: f64,
-    },
-    /// A field on another mesh than the picture's.
-    #[error("the field \"{name}\" lives on another mesh")]
-    OtherMesh {
-        /// Name of the field.
-        name: String,
-    },
-    /// A field that has no values in cells.
-    #[error(
-        "the field \"{name}\" lives on the facets of \"{region}\" alone; sample it along them for a line plot"
-    )]
-    OnFacets {
-        /// Name of the field.
-        name: String,
-        /// The facet region of its space.
-        region: String,
-    },
-    /// The mesh has no such region.
-    #[error(transparent)]
-    Mesh(#[from] crate::mesh::MeshError),
-    /// A logarithmic axis got a value that has no logarithm.
-    #[error("value {index} of \"{name}\" is {value}, which cannot stand on a logarithmic axis")]
-    NotPositive {
-        /// Name of the data.
-        name: String,
-        /// Place in the data.
-        index: usize,
-        /// The value.
-        value: f64,
-    },
-    /// Data of the wrong length.
-    #[error("\"{name}\" has {found} values where {expected} are needed")]
-    Length {
-        /// Name of the data.
-        name: String,
-        /// Number of values needed.
-        expected: usize,
-        /// Number of values given.
-        found: usize,
-    },
-    /// An interval without length.
-    #[error("the range of {name} from {low} to {high} has no length")]
-    Range {
-        /// The name of the values.
-        name: String,
-        /// Lower end.
-        low: f64,
-        /// Upper end.
-        high: f64,
-    },
-    /// A page that has no area or is too large.
-    #[error("a picture of {width} × {height} cannot be drawn")]
-    Size {
-        /// Width.
-        width: f64,
-        /// Height.
-        height: f64,
-    },
-    /// The embedded font cannot be read.
-    #[error("the embedded font cannot be read: {reason}")]
-    Font {
-        /// The font reader's error.
-        reason: String,
-    },
-    /// The picture cannot be encoded.
-    #[error("the picture cannot be encoded: {reason}")]
-    Encoding {
-        /// The encoder's error.
-        reason: String,
-    },
-    /// The file cannot be written.
-    #[error("the picture cannot be written: {source}")]
-    Write {
-        /// The system's error, with the name of the file.
-        source: std::io::Error,
-    },
-}
-
-/// Something that can be drawn and written to a file.
-pub trait Picture {
-    /// Draws the picture.
-    ///
-    /// # Errors
-    /// [`PictureError`] if the data cannot be drawn.
-    fn draw(&self) -> Result<Drawing, PictureError>;
-
-    /// Writes the picture as PNG at [`DOTS_PER_INCH`]. The file is written whole or not at all.
-    ///
-    /// # Errors
-    /// [`PictureError`] if the data cannot be drawn or the file cannot be written.
-    fn write_png(&self, path: impl AsRef<Path>) -> Result<(), PictureError>
-    where
-        Self: Sized,
-    {
-        self.write_png_at(path, DOTS_PER_INCH)
-    }
-
-    /// Writes the picture as PNG at a resolution in dots per inch.
-    ///
-    /// # Errors
-    /// [`PictureError`] if the data cannot be drawn or the file cannot be written.
-    fn write_png_at(&self, path: impl AsRef<Path>, dots_per_inch: f64) -> Result<(), PictureError>
-    where
-        Self: Sized,
-    {
-        write_bytes(path.as_ref(), &png_file::encode(&self.draw()?, dots_per_inch)?)
-    }
-
-    /// Writes the picture as SVG. The file is written whole or not at all.
-    ///
-    /// # Errors
-    /// [`PictureError`] if the data cannot be drawn or the file cannot be written.
-    fn write_svg(&self, path: impl AsRef<Path>) -> Result<(), PictureError>
-    where
-        Self: Sized,
-    {
-        write_bytes(path.as_ref(), svg_file::encode(&self.draw()?)?.as_bytes())
-    }
-}
-
-impl Picture for Drawing {
-    fn draw(&self) -> Result<Drawing, PictureError> {
-        Ok(self.clone())
-    }
-}
-
-fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {
-    write_whole(path, |writer| writer.write_all(bytes)).map_err(|source| PictureError::Write { source })
-}
 
 #[cfg(test)]
 mod tests;

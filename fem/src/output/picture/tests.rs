@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use forms_pictures::{png_file, svg_file};
+
 use super::*;
 use crate::element::CellShape;
 use crate::field::Field;
@@ -99,7 +101,7 @@ fn nothing_leaves_the_page() {
         let map = FieldMap::of(&field, shown, label).deformed(&field, 2.0).title("Title of the picture");
         let drawing = map.line(&[[-40.0, -33.0], [40.0, -33.0]], "obstacle", Colour::BLACK).draw().unwrap();
         let [width, height] = drawing.size();
-        for item in &drawing.items {
+        for item in drawing.items() {
             let drawing::Item::Path { segments, clip: None, .. } = item else { continue };
             for segment in segments {
                 let (drawing::Segment::Move([x, y]) | drawing::Segment::Line([x, y])) = *segment else {

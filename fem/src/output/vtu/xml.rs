@@ -1,6 +1,6 @@
 //! An unstructured grid as VTK's XML, each array in base64 behind the number of its bytes.
 
-use crate::output::base64;
+use forms_mesh::files::base64;
 
 /// The start of a file whose arrays this module writes: numbers in little endian, 64 bits for the number of bytes.
 const HEAD: &str = concat!(

@@ -1,0 +1,243 @@
+//! Residuals judged equation by equation, each beside the sizes of its own terms (Oettli and Prager 1964; Arioli,
+//! Demmel and Duff 1989): a stiff part of a system then does not hide a soft one, nor one field another.
+
+use super::equations::{Equations, WorstRow};
+use super::error::LinearAlgebraError;
+use crate::threads::Threads;
+
+/// Refinement goes on as long as an equation is off by more than this part of its terms.
+const AIM: f64 = 1e-12;
+/// The most by which an equation may be off in a solution that is handed out.
+pub const ACCEPTED: f64 = 1e-10;
+/// Most further steps of refinement.
+const STEPS: usize = 8;
+
+/// b − A x, and the equation that holds worst in it.
+#[derive(Clone, Debug, Default)]
+pub struct Residual {
+    /// b − A x.
+    pub rest: Vec<f64>,
+    worst: WorstRow,
+    room: Vec<f64>,
+}
+
+impl Residual {
+    /// The residual of x.
+    pub fn of(
+        equations: &impl Equations,
+        threads: Threads,
+        x: &[f64],
+        b: &[f64],
+    ) -> Result<Self, LinearAlgebraError> {
+        let mut residual = Residual::default();
+        residual.compute(equations, threads, x, b)?;
+        Ok(residual)
+    }
+
+    /// The residual of another x, in the same memory.
+    fn compute(
+        &mut self,
+        equations: &impl Equations,
+        threads: Threads,
+        x: &[f64],
+        b: &[f64],
+    ) -> Result<(), LinearAlgebraError> {
+        self.worst = equations.residual(threads, x, b, &mut self.rest, &mut self.room)?;
+        Ok(())
+    }
+
+    /// The equation that holds worst.
+    pub fn worst(&self) -> WorstRow {
+        self.worst
+    }
+
+    /// Fails unless each equation holds up to a part of its terms. An equation all of whose terms are rounding of other
+    /// ones, as that of a flow that rests under a pressure, is judged beside what its neighbours' terms amount to in it.
+    pub fn check(
+        &self,
+        equations: &impl Equations,
+        (x, b): (&[f64], &[f64]),
+        level: f64,
+    ) -> Result<(), LinearAlgebraError> {
+        if self.worst.error <= level {
+            return Ok(());
+        }
+        let sizes = |x: &[f64]| equations.products(x).map(|(_, sizes)| sizes);
+        check_residual(&self.rest, (x, b), &equations.diagonal(), sizes, level)
+    }
+}
+
+/// Fails unless each equation of A x = b holds up to a part `level` of its terms, where `rest` is b − A x and `sizes` gives
+/// Σ_j |a_ij y_j| of each row for a y. For solvers that keep their matrix elsewhere: a norm over all rows says nothing of
+/// those with small terms.
+///
+/// # Errors
+/// [`LinearAlgebraError::Inaccurate`] with the row, or an error of `sizes`.
+pub fn check_residual<E: From<LinearAlgebraError>>(
+    rest: &[f64],
+    (x, b): (&[f64], &[f64]),
+    diagonal: &[f64],
+    mut sizes: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
+    level: f64,
+) -> Result<(), E> {
+    let mut own = sizes(x)?;
+    own.iter_mut().zip(b).for_each(|(size, b)| *size += b.abs());
+    if WorstRow::of(rest, &own).error <= level {
+        return Ok(());
+    }
+    let amounts: Vec<f64> = diagonal
+        .iter()
+        .zip(own.iter().zip(x))
+        .map(|(diagonal, (size, x))| if *diagonal == 0.0 { x.abs() } else { size / diagonal.abs() })
+        .collect();
+    let mut sizes = sizes(&amounts)?;
+    sizes.iter_mut().zip(&own).for_each(|(size, own)| *size += own);
+    let WorstRow { row, error } = WorstRow::of(rest, &sizes);
+    if error <= level {
+        return Ok(());
+    }
+    Err(LinearAlgebraError::Inaccurate { row, backward_error: error }.into())
+}
+
+/// A solution of A x = b that is improved step by step, in memory that all steps share.
+pub struct Refinement<'a, E> {
+    equations: &'a E,
+    threads: Threads,
+    b: &'a [f64],
+    pub x: Vec<f64>,
+    pub residual: Residual,
+    /// Solution after the last step.
+    candidate: Vec<f64>,
+    pub next: Residual,
+}
+
+impl<'a, E: Equations> Refinement<'a, E> {
+    /// A first solution with its residual.
+    pub fn new(
+        equations: &'a E,
+        threads: Threads,
+        b: &'a [f64],
+        x: Vec<f64>,
+    ) -> Result<Self, LinearAlgebraError> {
+        let residual = Residual::of(equations, threads, &x, b)?;
+        Ok(Refinement { equations, threads, b, x, residual, candidate: vec![], next: Residual::default() })
+    }
+
+    /// Goes on from the residual: `solve` replaces it by A⁻¹ times it. [`Refinement::next`] is the residual that is left.
+    pub fn step<F: From<LinearAlgebraError>>(
+        &mut self,
+        solve: impl FnOnce(&mut Vec<f64>) -> Result<(), F>,
+    ) -> Result<(), F> {
+        self.candidate.clone_from(&self.residual.rest);
+        solve(&mut self.candidate)?;
+        Ok(self.add_candidate()?)
+    }
+
+    /// The same with a method that solves from zero, and reports.
+    pub fn go_on<R, F: From<LinearAlgebraError>>(
+        &mut self,
+        further: impl FnOnce(&[f64], &mut [f64]) -> Result<R, F>,
+    ) -> Result<R, F> {
+        self.candidate.clear();
+        self.candidate.resize(self.x.len(), 0.0);
+        let report = further(&self.residual.rest, &mut self.candidate)?;
+        self.add_candidate()?;
+        Ok(report)
+    }
+
+    fn add_candidate(&mut self) -> Result<(), LinearAlgebraError> {
+        self.candidate.iter_mut().zip(&self.x).for_each(|(change, x)| *change += x);
+        self.next.compute(self.equations, self.threads, &self.candidate, self.b)
+    }
+
+    /// The solution that the last step leads to.
+    pub fn candidate(&self) -> &[f64] {
+        &self.candidate
+    }
+
+    /// Takes it.
+    pub fn accept(&mut self) {
+        std::mem::swap(&mut self.x, &mut self.candidate);
+        std::mem::swap(&mut self.residual, &mut self.next);
+    }
+
+    /// Fails unless each equation holds up to a part of its terms, as [`Residual::check`].
+    pub fn check(&self, level: f64) -> Result<(), LinearAlgebraError> {
+        self.residual.check(self.equations, (&self.x, self.b), level)
+    }
+
+    /// Steps until each equation holds up to 1e-12 of its terms, or no step helps.
+    ///
+    /// # Errors
+    /// [`LinearAlgebraError::Inaccurate`] with the equation that still is off by more than 1e-10, or as the solve.
+    pub fn finish<F: From<LinearAlgebraError>>(
+        &mut self,
+        mut solve: impl FnMut(&mut Vec<f64>) -> Result<(), F>,
+    ) -> Result<(), F> {
+        for _ in 0..STEPS {
+            let error = self.residual.worst.error;
+            if error <= AIM {
+                return Ok(());
+            }
+            self.step(&mut solve)?;
+            let next_error = self.next.worst.error;
+            if next_error >= error {
+                break;
+            }
+            self.accept();
+            if next_error > 0.5 * error {
+                break;
+            }
+        }
+        Ok(self.check(ACCEPTED)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CsrMatrix;
+    use crate::Transpose;
+    use crate::equations::Side;
+
+    fn matrix() -> CsrMatrix {
+        CsrMatrix::from_triplets(2, 2, &[(0, 0, 1e12), (0, 1, -2.0), (1, 0, 3.0), (1, 1, 4.0)]).unwrap()
+    }
+
+    #[test]
+    fn the_row_that_is_off_is_named_whatever_its_scale() {
+        let matrix = matrix();
+        let (x, b) = ([1.0, 1.0], [1e12 - 2.0, 8.0]);
+        let residual = Residual::of(&Side::plain(&matrix), Threads::ONE, &x, &b).unwrap();
+        assert_eq!(residual.rest, [0.0, 1.0]);
+        assert_eq!(residual.worst(), WorstRow { row: 1, error: 1.0 / 15.0 });
+        let found = residual.check(&Side::plain(&matrix), (&x, &b), 1e-6);
+        assert!(matches!(found, Err(LinearAlgebraError::Inaccurate { row: 1, .. })), "{found:?}");
+        let side = Side::of(&matrix, Transpose::Yes);
+        let transposed = Residual::of(&side, Threads::ONE, &x, &[1e12 + 3.0, 4.0]).unwrap();
+        assert_eq!(transposed.rest, [0.0, 2.0]);
+        assert_eq!(transposed.worst(), WorstRow { row: 1, error: 0.2 });
+        assert_eq!(side.products(&x).unwrap().1, [1e12 + 3.0, 6.0]);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_the_worst() {
+        let found = Residual::of(&Side::plain(&matrix()), Threads::ONE, &[f64::NAN, 0.0], &[0.0; 2]).unwrap();
+        assert_eq!(found.worst().error, f64::INFINITY);
+    }
+
+    /// [K Bᵀ; B 0] with a load that the multiplier alone carries: u is rounding, and so is every term of B u = 0.
+    #[test]
+    fn an_equation_of_rounding_is_judged_beside_its_neighbours() {
+        let entries = [(0, 0, 2.0), (1, 1, 2.0), (0, 2, 1.0), (2, 0, 1.0), (1, 2, 1.0), (2, 1, 1.0)];
+        let matrix = CsrMatrix::from_triplets(3, 3, &entries).unwrap();
+        let (x, b) = ([1e-17, 1e-17, 1.0], [1.0, 1.0, 0.0]);
+        let residual = Residual::of(&Side::plain(&matrix), Threads::ONE, &x, &b).unwrap();
+        assert_eq!(residual.worst(), WorstRow { row: 2, error: 1.0 });
+        residual.check(&Side::plain(&matrix), (&x, &b), 1e-15).unwrap();
+        // Off by much more than rounding.
+        let x = [1e-6, 1e-6, 1.0];
+        let residual = Residual::of(&Side::plain(&matrix), Threads::ONE, &x, &b).unwrap();
+        assert!(residual.check(&Side::plain(&matrix), (&x, &b), 1e-10).is_err());
+    }
+}

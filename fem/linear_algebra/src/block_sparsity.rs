@@ -1,0 +1,323 @@
+//! The positions of a block matrix: pairs of nodes, for each pair of a test and a trial space.
+
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use super::error::{LinearAlgebraError, check_size};
+use super::pattern::SparsityPattern;
+
+/// Nodes with a number of components each, and where their unknowns start in a vector over several such sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeSet {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Unknowns per node; those of a node follow each other.
+    pub components: usize,
+    /// The first unknown.
+    pub offset: usize,
+}
+
+impl NodeSet {
+    /// Sets one after the other, from their nodes and components.
+    pub fn in_a_row(sizes: impl IntoIterator<Item = (usize, usize)>) -> Vec<NodeSet> {
+        let mut offset = 0;
+        let set = |(nodes, components)| {
+            let set = NodeSet { nodes, components, offset };
+            offset += nodes * components;
+            set
+        };
+        sizes.into_iter().map(set).collect()
+    }
+
+    /// The unknowns.
+    #[inline]
+    pub fn unknowns(&self) -> Range<usize> {
+        self.offset..self.offset + self.nodes * self.components
+    }
+}
+
+/// The blocks of one pair of sets in compressed rows: row node i has the column nodes
+/// `columns[pointers[i]..pointers[i + 1]]`, ascending. Without any blocks there are no pointers either.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BlockRows {
+    pointers: Vec<usize>,
+    pub(crate) columns: Vec<u32>,
+    /// Place of the first value in the list of all values.
+    first_value: usize,
+    /// Values per block.
+    block: usize,
+}
+
+impl BlockRows {
+    /// Blocks at these places; `pointers` is empty or has one entry more than there are row nodes.
+    pub fn new(pointers: Vec<usize>, columns: Vec<u32>) -> Self {
+        BlockRows { pointers, columns, first_value: 0, block: 1 }
+    }
+
+    /// Number of blocks.
+    #[inline]
+    pub fn blocks(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// The place of each row node's first block in the list of this pair's blocks, and the number of blocks.
+    #[doc(hidden)]
+    #[inline]
+    pub fn pointers(&self) -> &[usize] {
+        &self.pointers
+    }
+
+    /// The places of a row node's blocks in the list of this pair's blocks.
+    #[doc(hidden)]
+    #[inline]
+    pub fn range(&self, node: usize) -> Range<usize> {
+        match self.pointers.get(node..node + 2) {
+            Some(ends) => ends[0]..ends[1],
+            None => 0..0,
+        }
+    }
+
+    /// Column nodes of a row node.
+    #[inline]
+    pub fn row(&self, node: usize) -> &[u32] {
+        &self.columns[self.range(node)]
+    }
+
+    /// The places of this pair's values in the list of all values.
+    #[doc(hidden)]
+    #[inline]
+    pub fn values(&self) -> Range<usize> {
+        self.first_value..self.first_value + self.columns.len() * self.block
+    }
+
+    fn check(&self, rows: &NodeSet, columns: &NodeSet) -> Result<(), LinearAlgebraError> {
+        if self.pointers.is_empty() {
+            return check_size("the list of blocks without rows", 0, self.columns.len());
+        }
+        check_size("the list of block row pointers", rows.nodes + 1, self.pointers.len())?;
+        check_size("the first block row pointer", 0, self.pointers[0])?;
+        check_size("the list of blocks", self.pointers[rows.nodes], self.columns.len())?;
+        for (node, ends) in self.pointers.windows(2).enumerate() {
+            let not_ascending = |what, position| LinearAlgebraError::NotAscending { what, position };
+            if ends[1] < ends[0] || ends[1] > self.columns.len() {
+                return Err(not_ascending("the list of block row pointers", node + 1));
+            }
+            let row = &self.columns[ends[0]..ends[1]];
+            if let Some(k) = (1..row.len()).find(|&k| row[k] <= row[k - 1]) {
+                return Err(not_ascending("the column nodes of a row", ends[0] + k));
+            }
+            if let Some(&last) = row.last()
+                && last as usize >= columns.nodes
+            {
+                let (what, index, size) = ("column node", last as usize, columns.nodes);
+                return Err(LinearAlgebraError::IndexOutOfRange { what, index, size });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where a [`super::BlockMatrix`] has entries: over the unknowns of some row sets and some column sets, blocks
+/// of row components × column components at pairs of nodes.
+#[derive(Debug)]
+pub struct BlockSparsity {
+    rows: Vec<NodeSet>,
+    columns: Vec<NodeSet>,
+    /// Row set after row set.
+    pairs: Vec<BlockRows>,
+    entries: usize,
+    pattern: OnceLock<Arc<SparsityPattern>>,
+}
+
+impl PartialEq for BlockSparsity {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.rows, &self.columns, &self.pairs) == (&other.rows, &other.columns, &other.pairs)
+    }
+}
+
+impl BlockSparsity {
+    /// From the row sets, the column sets, and the blocks of each pair: `pairs[row set][column set]`.
+    ///
+    /// # Errors
+    /// If sizes disagree or pass 32 bits, a column node does not exist, or a row is not strictly ascending.
+    pub fn new(
+        rows: Vec<NodeSet>,
+        columns: Vec<NodeSet>,
+        pairs: Vec<Vec<BlockRows>>,
+    ) -> Result<Self, LinearAlgebraError> {
+        check_size("the list of rows of pairs", rows.len(), pairs.len())?;
+        let mut all = Vec::new();
+        let mut entries = 0;
+        for (row, pairs) in rows.iter().zip(pairs) {
+            check_size("a row of pairs", columns.len(), pairs.len())?;
+            for (column, mut pair) in columns.iter().zip(pairs) {
+                pair.check(row, column)?;
+                pair.block = row.components * column.components;
+                pair.first_value = entries;
+                entries += pair.blocks() * pair.block;
+                all.push(pair);
+            }
+        }
+        let sparsity = BlockSparsity { rows, columns, pairs: all, entries, pattern: OnceLock::new() };
+        if u32::try_from(sparsity.row_count().max(sparsity.column_count())).is_err() {
+            return Err(LinearAlgebraError::TooLarge { what: "the set of rows or columns" });
+        }
+        Ok(sparsity)
+    }
+
+    /// The row sets.
+    #[inline]
+    pub fn row_sets(&self) -> &[NodeSet] {
+        &self.rows
+    }
+
+    /// The column sets.
+    #[inline]
+    pub fn column_sets(&self) -> &[NodeSet] {
+        &self.columns
+    }
+
+    /// Number of scalar rows.
+    pub fn row_count(&self) -> usize {
+        self.rows.last().map_or(0, |set| set.unknowns().end)
+    }
+
+    /// Number of scalar columns.
+    pub fn column_count(&self) -> usize {
+        self.columns.last().map_or(0, |set| set.unknowns().end)
+    }
+
+    /// Number of stored numbers.
+    pub fn entries(&self) -> usize {
+        self.entries
+    }
+
+    /// The blocks of a pair of sets.
+    #[inline]
+    pub fn pair(&self, row_set: usize, column_set: usize) -> &BlockRows {
+        &self.pairs[row_set * self.columns.len() + column_set]
+    }
+
+    /// Bytes of the positions; a matrix has 8 bytes per stored number besides.
+    pub fn memory(&self) -> usize {
+        let bytes = |pair: &BlockRows| size_of_val(&pair.pointers[..]) + size_of_val(&pair.columns[..]);
+        self.pairs.iter().map(bytes).sum()
+    }
+
+    /// The set with a scalar row (or column), its node and its component.
+    fn locate(sets: &[NodeSet], unknown: usize) -> (usize, usize, usize) {
+        let set = sets.partition_point(|set| set.unknowns().end <= unknown);
+        let within = unknown - sets[set].offset;
+        (set, within / sets[set].components, within % sets[set].components)
+    }
+
+    /// The entries of a scalar row in ascending columns, each with its place in the list of values.
+    ///
+    /// # Panics
+    /// If `row` is not below [`BlockSparsity::row_count`].
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
+        let mut entries = Vec::new();
+        self.visit_row(row, |column, place, width| {
+            entries.extend((0..width).map(|k| (column + k, place + k)));
+        });
+        entries.into_iter()
+    }
+
+    /// Calls `visit(first column, place of the first value, number of entries)` for each run of entries of a scalar
+    /// row that stand side by side, in ascending columns.
+    pub(crate) fn visit_row(&self, row: usize, mut visit: impl FnMut(usize, usize, usize)) {
+        let (set, node, component) = Self::locate(&self.rows, row);
+        for (number, columns) in self.columns.iter().enumerate() {
+            let pair = self.pair(set, number);
+            let (width, range) = (columns.components, pair.range(node));
+            let mut place = pair.first_value + range.start * pair.block + component * width;
+            for column in &pair.columns[range] {
+                visit(columns.offset + *column as usize * width, place, width);
+                place += pair.block;
+            }
+        }
+    }
+
+    /// Calls `visit(row, column, place)` for the entries at some places, given as ranges of whole blocks.
+    pub(crate) fn visit_places(&self, places: &[Range<usize>], mut visit: impl FnMut(usize, usize, usize)) {
+        for range in places {
+            let mut place = range.start;
+            while place < range.end {
+                let number = self.pairs.partition_point(|pair| pair.values().end <= place);
+                let Some(pair) = self.pairs.get(number) else { return };
+                let rows = &self.rows[number / self.columns.len()];
+                let columns = &self.columns[number % self.columns.len()];
+                let first = (place - pair.first_value) / pair.block;
+                let end = (range.end.min(pair.values().end) - pair.first_value).div_ceil(pair.block);
+                let mut node = pair.pointers.partition_point(|start| *start <= first) - 1;
+                for block in first..end {
+                    while pair.pointers[node + 1] <= block {
+                        node += 1;
+                    }
+                    let row = rows.offset + node * rows.components;
+                    let column = columns.offset + pair.columns[block] as usize * columns.components;
+                    for entry in 0..pair.block {
+                        let (a, b) = (entry / columns.components, entry % columns.components);
+                        visit(row + a, column + b, pair.first_value + block * pair.block + entry);
+                    }
+                }
+                place = pair.first_value + end * pair.block;
+            }
+        }
+    }
+
+    /// The place of an entry in the list of values, if it is stored.
+    pub fn find(&self, row: usize, column: usize) -> Option<usize> {
+        if row >= self.row_count() || column >= self.column_count() {
+            return None;
+        }
+        let (row_set, row_node, row_component) = Self::locate(&self.rows, row);
+        let (column_set, column_node, column_component) = Self::locate(&self.columns, column);
+        let pair = self.pair(row_set, column_set);
+        let place = pair.row(row_node).binary_search(&(column_node as u32)).ok()?;
+        let block = pair.first_value + (pair.range(row_node).start + place) * pair.block;
+        Some(block + row_component * self.columns[column_set].components + column_component)
+    }
+
+    /// The same positions as a pattern of scalars. Made at the first call.
+    pub fn pattern(&self) -> &Arc<SparsityPattern> {
+        self.pattern.get_or_init(|| {
+            let mut pointers = Vec::with_capacity(self.row_count() + 1);
+            pointers.push(0);
+            let mut indices: Vec<u32> = Vec::with_capacity(self.entries);
+            for (set, rows) in self.rows.iter().enumerate() {
+                for node in 0..rows.nodes {
+                    let start = indices.len();
+                    for (number, columns) in self.columns.iter().enumerate() {
+                        for &column in self.pair(set, number).row(node) {
+                            let first = columns.offset + column as usize * columns.components;
+                            indices.extend((first..first + columns.components).map(|column| column as u32));
+                        }
+                    }
+                    let end = indices.len();
+                    pointers.push(end);
+                    for _ in 1..rows.components {
+                        indices.extend_from_within(start..end);
+                        pointers.push(indices.len());
+                    }
+                }
+            }
+            Arc::new(SparsityPattern::of_checked(self.row_count(), self.column_count(), pointers, indices))
+        })
+    }
+}
+
+impl From<&Arc<SparsityPattern>> for BlockSparsity {
+    /// Blocks of one entry over one set of rows and one of columns.
+    fn from(pattern: &Arc<SparsityPattern>) -> Self {
+        let mut pair = BlockRows::new(pattern.row_pointers().to_vec(), pattern.column_indices().to_vec());
+        pair.block = 1;
+        BlockSparsity {
+            rows: NodeSet::in_a_row([(pattern.rows(), 1)]),
+            columns: NodeSet::in_a_row([(pattern.columns(), 1)]),
+            pairs: vec![pair],
+            entries: pattern.entries(),
+            pattern: OnceLock::from(pattern.clone()),
+        }
+    }
+}

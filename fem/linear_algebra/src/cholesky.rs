@@ -1,0 +1,401 @@
+//! Sparse factorisation of symmetric matrices: LLᵀ of a positive definite one, LBLᵀ of an indefinite one.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::supernodal::{self, SupernodalIntranodeLbltRef, SupernodalLltRef};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Spec};
+
+use super::analysis::Analysis;
+use super::backward_error::{Refinement, Residual};
+use super::csr::CsrMatrix;
+use super::equations::Side;
+use super::error::{LinearAlgebraError, check_finite, check_size};
+use super::singularity::singular_ratio;
+use super::vector::{largest, norm};
+use crate::threads::Threads;
+
+/// Backward error at which refinement has nothing left to gain.
+const ROUNDING: f64 = 2e-16;
+
+/// A factor of a symmetric matrix, on a shared [`Analysis`].
+#[derive(Debug)]
+pub struct SymmetricFactor {
+    analysis: Arc<Analysis>,
+    values: Vec<f64>,
+    /// None for LLᵀ.
+    pivoting: Option<Pivoting>,
+    smallest_pivot_ratio: f64,
+    seconds: f64,
+}
+
+/// The part that Bunch–Kaufman pivoting inside supernodes adds to a factor.
+#[derive(Debug)]
+struct Pivoting {
+    below_diagonal: Vec<f64>,
+    forward: Vec<u32>,
+    backward: Vec<u32>,
+}
+
+/// A solution after iterative refinement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refined {
+    /// The solution x.
+    pub solution: Vec<f64>,
+    /// ‖b − A x‖₂ / ‖b‖₂ (0 if b = 0).
+    pub relative_residual: f64,
+    /// Largest |b − A x|_i / (|A| |x| + |b|)_i: about 1e-16 when x is as good as rounding allows.
+    pub backward_error: f64,
+    /// Steps of refinement of the whole solution that improved it; single equations may have taken further ones.
+    pub steps: usize,
+}
+
+impl SymmetricFactor {
+    /// LLᵀ of a symmetric positive definite matrix. Only the upper triangle is read. `storage` is memory to
+    /// reuse, for example [`SymmetricFactor::into_storage`] of an earlier factor; it may be empty.
+    ///
+    /// # Errors
+    /// If the matrix is not positive definite or singular (the error names the unknown), an entry is not
+    /// finite, the pattern is not the analysed one, or memory is too small.
+    pub fn cholesky(
+        analysis: &Arc<Analysis>,
+        matrix: &CsrMatrix,
+        storage: Vec<f64>,
+    ) -> Result<Self, LinearAlgebraError> {
+        let start = Instant::now();
+        let (lower, mut values) = prepare(analysis, matrix, storage)?;
+        let supernodes = &analysis.supernodes;
+        let params = Spec::default();
+        let request =
+            supernodal::factorize_supernodal_numeric_llt_scratch::<u32, f64>(supernodes, Par::Seq, params);
+        let mut memory = MemBuffer::try_new(request).map_err(|_| NO_MEMORY)?;
+        supernodal::factorize_supernodal_numeric_llt(
+            &mut values,
+            lower_matrix(analysis, &lower),
+            LltRegularization::default(),
+            supernodes,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            params,
+        )
+        .map_err(|LltError::NonPositivePivot { index }| {
+            let place = index.min(analysis.size().saturating_sub(1));
+            LinearAlgebraError::NotPositiveDefinite { unknown: analysis.order[place] as usize }
+        })?;
+        let mut smallest = SmallestPivot::new(analysis.size());
+        let factor = SupernodalLltRef::new(supernodes, &values);
+        for s in 0..supernodes.n_supernodes() {
+            let node = factor.supernode(s);
+            for j in 0..node.val().ncols() {
+                let unknown = analysis.order[node.start() + j] as usize;
+                smallest.visit(unknown, node.val()[(j, j)].powi(2), matrix.get(unknown, unknown))?;
+            }
+        }
+        Ok(Self {
+            analysis: analysis.clone(),
+            values,
+            pivoting: None,
+            smallest_pivot_ratio: smallest.ratio,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// LBLᵀ of a symmetric indefinite matrix, with Bunch–Kaufman pivoting inside supernodes. Pivoting is
+    /// confined to supernodes, so solve with [`SymmetricFactor::solve_refined`], which measures the error.
+    /// Only the upper triangle is read; `storage` as in [`SymmetricFactor::cholesky`].
+    ///
+    /// # Errors
+    /// If the matrix is singular (the error names the unknown) or a block on the diagonal of the reordered
+    /// matrix is, an entry is not finite, the pattern is not the analysed one, or memory is too small.
+    pub fn indefinite(
+        analysis: &Arc<Analysis>,
+        matrix: &CsrMatrix,
+        storage: Vec<f64>,
+    ) -> Result<Self, LinearAlgebraError> {
+        let start = Instant::now();
+        let (lower, mut values) = prepare(analysis, matrix, storage)?;
+        let supernodes = &analysis.supernodes;
+        let size = analysis.size();
+        let params = Spec::default();
+        let request = supernodal::factorize_supernodal_numeric_intranode_lblt_scratch::<u32, f64>(
+            supernodes,
+            Par::Seq,
+            params,
+        );
+        let mut memory = MemBuffer::try_new(request).map_err(|_| NO_MEMORY)?;
+        let mut pivoting = Pivoting {
+            below_diagonal: vec![0.0; size],
+            forward: (0..size as u32).collect(),
+            backward: (0..size as u32).collect(),
+        };
+        supernodal::factorize_supernodal_numeric_intranode_lblt(
+            &mut values,
+            &mut pivoting.below_diagonal,
+            &mut pivoting.forward,
+            &mut pivoting.backward,
+            lower_matrix(analysis, &lower),
+            supernodes,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            params,
+        );
+        let mut smallest = SmallestPivot::new(analysis.size());
+        let permutation = PermRef::new_checked(&pivoting.forward, &pivoting.backward, size);
+        let factor =
+            SupernodalIntranodeLbltRef::new(supernodes, &values, &pivoting.below_diagonal, permutation);
+        let unknown_at = |place: usize| analysis.order[pivoting.forward[place] as usize] as usize;
+        let scale = |unknown: usize| largest(matrix.row(unknown).1);
+        for s in 0..supernodes.n_supernodes() {
+            let node = factor.supernode(s);
+            let mut j = 0;
+            while j < node.val().ncols() {
+                let place = node.start() + j;
+                let unknown = unknown_at(place);
+                let (a, b) = (node.val()[(j, j)], pivoting.below_diagonal[place]);
+                if b == 0.0 {
+                    smallest.visit(unknown, a.abs(), scale(unknown))?;
+                    j += 1;
+                } else {
+                    // A 2 × 2 pivot [a b; b c]: its smaller eigenvalue is about |det| / (largest entry).
+                    let c = node.val()[(j + 1, j + 1)];
+                    let pivot = (a * c - b * b).abs() / largest(&[a, b, c]);
+                    smallest.visit(unknown, pivot, scale(unknown).max(scale(unknown_at(place + 1))))?;
+                    j += 2;
+                }
+            }
+        }
+        Ok(Self {
+            analysis: analysis.clone(),
+            values,
+            pivoting: Some(pivoting),
+            smallest_pivot_ratio: smallest.ratio,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// LLᵀ, or LBLᵀ if the matrix turns out not to be positive definite.
+    ///
+    /// # Errors
+    /// As [`SymmetricFactor::indefinite`].
+    pub fn cholesky_or_indefinite(
+        analysis: &Arc<Analysis>,
+        matrix: &CsrMatrix,
+        storage: Vec<f64>,
+    ) -> Result<Self, LinearAlgebraError> {
+        match Self::cholesky(analysis, matrix, storage) {
+            Err(LinearAlgebraError::NotPositiveDefinite { .. }) => {
+                Self::indefinite(analysis, matrix, Vec::new())
+            }
+            other => other,
+        }
+    }
+
+    /// The analysis that the factor stands on.
+    pub fn analysis(&self) -> &Arc<Analysis> {
+        &self.analysis
+    }
+
+    pub(super) fn supernodes(
+        &self,
+    ) -> &faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32> {
+        &self.analysis.supernodes
+    }
+
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Whether this is an LLᵀ factor, so that the matrix is positive definite.
+    pub fn is_positive_definite(&self) -> bool {
+        self.pivoting.is_none()
+    }
+
+    /// Smallest pivot divided by its diagonal's scale, over all unknowns.
+    pub fn smallest_pivot_ratio(&self) -> f64 {
+        self.smallest_pivot_ratio
+    }
+
+    /// Seconds that the factorisation took.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// The factor's memory, to be reused.
+    pub fn into_storage(self) -> Vec<f64> {
+        self.values
+    }
+
+    /// Replaces b by A⁻¹ b, without refinement.
+    ///
+    /// # Errors
+    /// If the size is wrong or an entry of b or of the solution is not finite.
+    pub fn solve_in_place(&self, b: &mut [f64]) -> Result<(), LinearAlgebraError> {
+        let analysis = &*self.analysis;
+        let size = analysis.size();
+        check_size("the right-hand side", size, b.len())?;
+        check_finite("the right-hand side", b)?;
+        let supernodes = &analysis.supernodes;
+        let mut memory = MemBuffer::try_new(supernodes.solve_in_place_scratch::<f64>(1, Par::Seq))
+            .map_err(|_| LinearAlgebraError::OutOfMemory { what: "a triangular solve" })?;
+        let stack = MemStack::new(&mut memory);
+        let mut x = vec![0.0; size];
+        match &self.pivoting {
+            None => {
+                for (target, &unknown) in x.iter_mut().zip(&analysis.order) {
+                    *target = b[unknown as usize];
+                }
+                let column = MatMut::from_column_major_slice_mut(&mut x, size, 1);
+                SupernodalLltRef::new(supernodes, &self.values).solve_in_place_with_conj(
+                    Conj::No,
+                    column,
+                    Par::Seq,
+                    stack,
+                );
+                for (value, &unknown) in x.iter().zip(&analysis.order) {
+                    b[unknown as usize] = *value;
+                }
+            }
+            Some(pivoting) => {
+                let unknown_at = |place: &u32| analysis.order[*place as usize] as usize;
+                for (target, place) in x.iter_mut().zip(&pivoting.forward) {
+                    *target = b[unknown_at(place)];
+                }
+                let column = MatMut::from_column_major_slice_mut(&mut x, size, 1);
+                let permutation = PermRef::new_checked(&pivoting.forward, &pivoting.backward, size);
+                SupernodalIntranodeLbltRef::new(
+                    supernodes,
+                    &self.values,
+                    &pivoting.below_diagonal,
+                    permutation,
+                )
+                .solve_in_place_no_numeric_permute_with_conj(
+                    Conj::No,
+                    column,
+                    Par::Seq,
+                    stack,
+                );
+                for (value, place) in x.iter().zip(&pivoting.forward) {
+                    b[unknown_at(place)] = *value;
+                }
+            }
+        }
+        check_finite("the solution", b)
+    }
+
+    /// Solves A x = b with iterative refinement, at most `max_steps` of it, until the residual is at the rounding
+    /// level of the whole system or no longer halves; and further, as long as an equation is off by more than 1e-12
+    /// of its own terms. `matrix` may differ slightly from the one that was factored.
+    ///
+    /// # Errors
+    /// As [`SymmetricFactor::solve_in_place`], and [`LinearAlgebraError::Inaccurate`] if an equation
+    /// stays off by more than 1e-10 of its terms.
+    pub fn solve_refined(
+        &self,
+        matrix: &CsrMatrix,
+        b: &[f64],
+        max_steps: usize,
+    ) -> Result<Refined, LinearAlgebraError> {
+        self.solve_side_refined(&Side::plain(matrix), Threads::ONE, matrix.row_sum_norm(), b, max_steps)
+    }
+
+    /// The same for a matrix, or its transposed, whose ‖A‖∞ is known.
+    #[doc(hidden)]
+    pub fn solve_side_refined(
+        &self,
+        side: &Side<'_>,
+        threads: Threads,
+        matrix_norm: f64,
+        b: &[f64],
+        max_steps: usize,
+    ) -> Result<Refined, LinearAlgebraError> {
+        let (b_norm, b_largest) = (norm(b), largest(b));
+        let backward = |x: &[f64], residual: &Residual| {
+            let scale = matrix_norm * largest(x) + b_largest;
+            if scale == 0.0 { 0.0 } else { largest(&residual.rest) / scale }
+        };
+        let mut x = b.to_vec();
+        self.solve_in_place(&mut x)?;
+        let mut found = Refinement::new(side, threads, b, x)?;
+        let mut whole = backward(&found.x, &found.residual);
+        let mut steps = 0;
+        for _ in 0..max_steps {
+            if whole <= ROUNDING {
+                break;
+            }
+            found.step(|change| self.solve_in_place(change))?;
+            let next_whole = backward(found.candidate(), &found.next);
+            if next_whole < whole {
+                let stalled = next_whole > 0.5 * whole;
+                found.accept();
+                whole = next_whole;
+                steps += 1;
+                if !stalled {
+                    continue;
+                }
+            }
+            break;
+        }
+        found.finish(|change| self.solve_in_place(change))?;
+        let Refinement { x, residual, .. } = found;
+        let relative_residual = if b_norm == 0.0 { 0.0 } else { norm(&residual.rest) / b_norm };
+        let backward_error = residual.worst().error;
+        Ok(Refined { solution: x, relative_residual, backward_error, steps })
+    }
+}
+
+const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the factor" };
+
+/// Checks the matrix, gathers its reordered lower triangle and makes room for the factor.
+fn prepare(
+    analysis: &Analysis,
+    matrix: &CsrMatrix,
+    storage: Vec<f64>,
+) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
+    matrix.check_finite()?;
+    let lower = analysis.lower_values(matrix)?;
+    let mut values = storage;
+    values.clear();
+    values.try_reserve_exact(analysis.factor_entries()).map_err(|_| NO_MEMORY)?;
+    values.resize(analysis.factor_entries(), 0.0);
+    Ok((lower, values))
+}
+
+fn lower_matrix<'a>(analysis: &'a Analysis, lower: &'a [f64]) -> SparseColMatRef<'a, u32, f64> {
+    let size = analysis.size();
+    let symbolic = SymbolicSparseColMatRef::new_unsorted_checked(
+        size,
+        size,
+        &analysis.lower_pointers,
+        None,
+        &analysis.lower_rows,
+    );
+    SparseColMatRef::new(symbolic, lower)
+}
+
+/// Follows the smallest ratio of a pivot to its scale, and stops at one that is zero up to rounding.
+struct SmallestPivot {
+    ratio: f64,
+    threshold: f64,
+}
+
+impl SmallestPivot {
+    fn new(size: usize) -> Self {
+        Self { ratio: f64::INFINITY, threshold: singular_ratio(size) }
+    }
+
+    fn visit(&mut self, unknown: usize, pivot: f64, scale: f64) -> Result<(), LinearAlgebraError> {
+        let ratio = if scale == 0.0 { 0.0 } else { pivot / scale };
+        if ratio <= self.threshold || ratio.is_nan() {
+            return Err(LinearAlgebraError::Singular { unknown, ratio });
+        }
+        self.ratio = self.ratio.min(ratio);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

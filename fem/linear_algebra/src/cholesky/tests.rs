@@ -1,0 +1,195 @@
+//! Factorisations against closed forms and by their residuals.
+
+use std::f64::consts::PI;
+
+use super::*;
+use crate::Ordering;
+
+/// The block matrix (five-point Laplacian on an m × m grid) ⊗ B, and one of its closed-form solutions:
+/// B w at the nodes times the eigenvector sin(kπx) sin(lπy), whose eigenvalue is known.
+fn grid(m: usize, block: [[f64; 2]; 2], shift: f64) -> CsrMatrix {
+    let mut triplets = Vec::new();
+    let mut couple = |a: usize, b: usize, value: f64| {
+        for (i, row) in block.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                let shifted = if a == b && i == j { shift } else { 0.0 };
+                triplets.push((2 * a + i, 2 * b + j, value * entry - shifted));
+            }
+        }
+    };
+    for y in 0..m {
+        for x in 0..m {
+            let node = y * m + x;
+            couple(node, node, 4.0);
+            if x + 1 < m {
+                couple(node, node + 1, -1.0);
+                couple(node + 1, node, -1.0);
+            }
+            if y + 1 < m {
+                couple(node, node + m, -1.0);
+                couple(node + m, node, -1.0);
+            }
+        }
+    }
+    CsrMatrix::from_triplets(2 * m * m, 2 * m * m, &triplets).unwrap()
+}
+
+fn mode(m: usize, k: usize, l: usize, w: [f64; 2]) -> (Vec<f64>, f64) {
+    let angle = PI / (m as f64 + 1.0);
+    let values = (0..m * m)
+        .flat_map(|node| {
+            let s = ((k * (node % m + 1)) as f64 * angle).sin() * ((l * (node / m + 1)) as f64 * angle).sin();
+            [s * w[0], s * w[1]]
+        })
+        .collect();
+    (values, 4.0 - 2.0 * (k as f64 * angle).cos() - 2.0 * (l as f64 * angle).cos())
+}
+
+fn error(found: &[f64], expected: &[f64]) -> f64 {
+    let difference: Vec<f64> = found.iter().zip(expected).map(|(a, b)| a - b).collect();
+    norm(&difference) / norm(expected)
+}
+
+fn analysed(matrix: &CsrMatrix) -> Arc<Analysis> {
+    Arc::new(Analysis::new(matrix.pattern(), &Ordering::MinimumDegree).unwrap())
+}
+
+#[test]
+fn the_block_laplacian_is_solved_against_its_closed_form() {
+    let (m, block, w) = (30, [[3.0, 1.0], [1.0, 2.0]], [0.7, -0.4]);
+    let matrix = grid(m, block, 0.0);
+    let analysis = analysed(&matrix);
+    let factor = SymmetricFactor::cholesky(&analysis, &matrix, Vec::new()).unwrap();
+    assert!(factor.is_positive_definite());
+    let (x, eigenvalue) = mode(m, 3, 2, w);
+    let bw = [block[0][0] * w[0] + block[0][1] * w[1], block[1][0] * w[0] + block[1][1] * w[1]];
+    let b: Vec<f64> = mode(m, 3, 2, bw).0.iter().map(|value| eigenvalue * value).collect();
+    let refined = factor.solve_refined(&matrix, &b, 3).unwrap();
+    assert!(error(&refined.solution, &x) < 1e-12, "{}", error(&refined.solution, &x));
+    assert!(refined.relative_residual < 1e-12 && refined.backward_error < 1e-15);
+    let mut plain = b.clone();
+    factor.solve_in_place(&mut plain).unwrap();
+    assert!(error(&plain, &x) < 1e-11);
+}
+
+#[test]
+fn all_orderings_give_the_same_solution() {
+    let matrix = grid(20, [[3.0, 1.0], [1.0, 2.0]], 0.0);
+    let b: Vec<f64> = (0..800).map(|k| f64::from(k % 17) - 8.0).collect();
+    let solve = |ordering| {
+        let analysis = Arc::new(Analysis::new(matrix.pattern(), &ordering).unwrap());
+        let factor = SymmetricFactor::cholesky(&analysis, &matrix, Vec::new()).unwrap();
+        factor.solve_refined(&matrix, &b, 3).unwrap().solution
+    };
+    let reference = solve(Ordering::MinimumDegree);
+    let backwards = Ordering::Given((0..800).rev().collect());
+    for ordering in [Ordering::NestedDissection, Ordering::LeastFill, backwards] {
+        assert!(error(&solve(ordering), &reference) < 1e-13);
+    }
+}
+
+#[test]
+fn the_factor_is_of_the_new_matrix_when_analysis_and_storage_are_reused() {
+    let (m, block, w) = (12, [[2.0, 0.0], [0.0, 2.0]], [1.0, 2.0]);
+    let mut matrix = grid(m, block, 0.0);
+    let analysis = analysed(&matrix);
+    let storage = SymmetricFactor::cholesky(&analysis, &matrix, Vec::new()).unwrap().into_storage();
+    let copy = matrix.clone();
+    matrix.add_scaled(1.0, &copy).unwrap(); // twice the matrix
+    let factor = SymmetricFactor::cholesky(&analysis, &matrix, storage).unwrap();
+    let (mut b, eigenvalue) = mode(m, 1, 5, w);
+    let x: Vec<f64> = b.iter().map(|value| value / (4.0 * eigenvalue)).collect();
+    factor.solve_in_place(&mut b).unwrap();
+    assert!(error(&b, &x) < 1e-13);
+}
+
+#[test]
+fn an_indefinite_matrix_is_refused_by_llt_and_solved_by_lblt() {
+    // The shift lies between eigenvalues, so some are negative.
+    let (m, w, shift) = (25, [1.0, -3.0], 1.2345);
+    let matrix = grid(m, [[1.0, 0.0], [0.0, 1.0]], shift);
+    let analysis = analysed(&matrix);
+    let refused = SymmetricFactor::cholesky(&analysis, &matrix, Vec::new());
+    assert!(matches!(refused, Err(LinearAlgebraError::NotPositiveDefinite { unknown }) if unknown < 1250));
+    let factor = SymmetricFactor::cholesky_or_indefinite(&analysis, &matrix, Vec::new()).unwrap();
+    assert!(!factor.is_positive_definite());
+    let (x, eigenvalue) = mode(m, 2, 1, w);
+    assert!(eigenvalue < shift);
+    let b: Vec<f64> = x.iter().map(|value| (eigenvalue - shift) * value).collect();
+    let refined = factor.solve_refined(&matrix, &b, 5).unwrap();
+    assert!(refined.backward_error < 1e-15);
+    assert!(error(&refined.solution, &x) < 1e-12);
+}
+
+#[test]
+fn two_by_two_pivots_of_a_saddle_point() {
+    // [0 1; 1 0] has no nonzero diagonal pivot.
+    let swap = CsrMatrix::from_triplets(2, 2, &[(0, 0, 0.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.0)]).unwrap();
+    let factor = SymmetricFactor::indefinite(&analysed(&swap), &swap, Vec::new()).unwrap();
+    assert_eq!(factor.solve_refined(&swap, &[3.0, 5.0], 2).unwrap().solution, [5.0, 3.0]);
+}
+
+#[test]
+fn the_unknown_of_a_negative_pivot_is_named() {
+    for bad in [0, 4, 9] {
+        let triplets: Vec<_> = (0..10).map(|i| (i, i, if i == bad { -1.0 } else { 1.0 })).collect();
+        let matrix = CsrMatrix::from_triplets(10, 10, &triplets).unwrap();
+        let error = SymmetricFactor::cholesky(&analysed(&matrix), &matrix, Vec::new()).unwrap_err();
+        assert_eq!(error, LinearAlgebraError::NotPositiveDefinite { unknown: bad });
+    }
+}
+
+#[test]
+fn a_singular_matrix_is_named() {
+    // The Laplacian of a closed ring: constants are its null space. Scaled so that rounding enters.
+    let n = 50;
+    let mut triplets = Vec::new();
+    for i in 0..n {
+        let (j, weight) = ((i + 1) % n, 1.0 / (3.0 + i as f64));
+        triplets.extend([(i, i, weight), (j, j, weight), (i, j, -weight), (j, i, -weight)]);
+    }
+    let ring = CsrMatrix::from_triplets(n, n, &triplets).unwrap();
+    let analysis = analysed(&ring);
+    let cholesky = SymmetricFactor::cholesky(&analysis, &ring, Vec::new()).unwrap_err();
+    assert!(matches!(
+        cholesky,
+        LinearAlgebraError::Singular { .. } | LinearAlgebraError::NotPositiveDefinite { .. }
+    ));
+    let either = SymmetricFactor::cholesky_or_indefinite(&analysis, &ring, Vec::new()).unwrap_err();
+    assert!(matches!(either, LinearAlgebraError::Singular { .. }), "{either}");
+    // A row of zeros.
+    let zero_row = CsrMatrix::from_triplets(3, 3, &[(0, 0, 1.0), (2, 2, 1.0)]).unwrap();
+    let error = SymmetricFactor::indefinite(&analysed(&zero_row), &zero_row, Vec::new()).unwrap_err();
+    assert!(matches!(error, LinearAlgebraError::Singular { unknown: 1, .. }), "{error}");
+}
+
+#[test]
+fn nan_and_wrong_sizes_are_named() {
+    let mut matrix = grid(3, [[1.0, 0.0], [0.0, 1.0]], 0.0);
+    let analysis = analysed(&matrix);
+    let factor = SymmetricFactor::cholesky(&analysis, &matrix, Vec::new()).unwrap();
+    assert!(matches!(factor.solve_in_place(&mut [1.0; 3]), Err(LinearAlgebraError::SizeMismatch { .. })));
+    let mut b = [1.0; 18];
+    b[7] = f64::NAN;
+    assert!(matches!(
+        factor.solve_in_place(&mut b),
+        Err(LinearAlgebraError::VectorNotFinite { index: 7, .. })
+    ));
+    matrix.values_mut()[0] = f64::NAN;
+    assert!(matches!(
+        SymmetricFactor::cholesky(&analysis, &matrix, Vec::new()),
+        Err(LinearAlgebraError::EntryNotFinite { row: 0, column: 0, .. })
+    ));
+    let other = grid(2, [[1.0, 0.0], [0.0, 1.0]], 0.0);
+    assert!(matches!(
+        SymmetricFactor::cholesky(&analysis, &other, Vec::new()),
+        Err(LinearAlgebraError::PatternMismatch { .. })
+    ));
+}
+
+#[test]
+fn an_empty_matrix_is_solved() {
+    let empty = CsrMatrix::from_triplets(0, 0, &[]).unwrap();
+    let factor = SymmetricFactor::cholesky(&analysed(&empty), &empty, Vec::new()).unwrap();
+    assert!(factor.solve_refined(&empty, &[], 1).unwrap().solution.is_empty());
+}

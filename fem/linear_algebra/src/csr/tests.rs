@@ -1,0 +1,108 @@
+//! Sparse matrices against dense arithmetic.
+
+use super::*;
+use crate::BlockMatrix;
+
+fn example() -> CsrMatrix {
+    // [1 2 0; 0 3 4], the 3 as a sum of duplicates given out of order.
+    CsrMatrix::from_triplets(2, 3, &[(1, 2, 4.0), (1, 1, 1.0), (0, 1, 2.0), (0, 0, 1.0), (1, 1, 2.0)])
+        .unwrap()
+}
+
+#[test]
+fn triplets_are_sorted_and_summed() {
+    let matrix = example();
+    assert_eq!(matrix.row_pointers(), [0, 2, 4]);
+    assert_eq!(matrix.column_indices(), [0, 1, 1, 2]);
+    assert_eq!(matrix.values(), [1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(matrix.get(1, 0), 0.0);
+    assert_eq!(matrix.diagonal(), [1.0, 3.0]);
+    let empty_row = CsrMatrix::from_triplets(3, 3, &[(0, 2, 1.0), (2, 2, 5.0)]).unwrap();
+    assert_eq!(empty_row.row_pointers(), [0, 1, 1, 2]);
+    assert_eq!(empty_row.get(2, 2), 5.0);
+}
+
+#[test]
+fn products_with_the_matrix_and_its_transpose() {
+    let matrix = example();
+    assert_eq!(matrix.multiply(&[1.0, 10.0, 100.0]).unwrap(), [21.0, 430.0]);
+    assert_eq!(matrix.multiply_transposed(&[1.0, 10.0]).unwrap(), [1.0, 32.0, 40.0]);
+    assert_eq!(matrix.transpose().multiply(&[1.0, 10.0]).unwrap(), [1.0, 32.0, 40.0]);
+    assert_eq!(matrix.transpose().transpose(), matrix);
+    assert_eq!((matrix.row_sum_norm(), matrix.column_sum_norm()), (7.0, 5.0));
+}
+
+#[test]
+fn wrong_sizes_and_indices_are_errors() {
+    let matrix = example();
+    assert!(matches!(
+        matrix.multiply(&[1.0; 2]),
+        Err(LinearAlgebraError::SizeMismatch { expected: 3, found: 2, .. })
+    ));
+    assert!(matrix.multiply_transposed(&[1.0; 3]).is_err());
+    assert!(matrix.asymmetry().is_err() && matrix.symmetric_part().is_err());
+    let error = CsrMatrix::from_triplets(2, 2, &[(0, 2, 1.0)]).unwrap_err();
+    assert_eq!(error, LinearAlgebraError::IndexOutOfRange { what: "column", index: 2, size: 2 });
+    assert!(CsrMatrix::from_triplets(2, 2, &[(2, 0, 1.0)]).is_err());
+}
+
+#[test]
+fn symmetric_part_and_asymmetry() {
+    let matrix =
+        CsrMatrix::from_triplets(2, 2, &[(0, 0, 8.0), (0, 1, 3.0), (1, 0, 1.0), (1, 1, 5.0)]).unwrap();
+    assert!((matrix.asymmetry().unwrap() - 2.0 / 40.0_f64.sqrt()).abs() < 1e-15);
+    let part = matrix.symmetric_part().unwrap();
+    assert!(Arc::ptr_eq(part.pattern(), matrix.pattern()));
+    assert_eq!(part.values(), [8.0, 2.0, 2.0, 5.0]);
+    assert!(part.is_symmetric(0.0).unwrap());
+    // An unsymmetric pattern.
+    let upper = CsrMatrix::from_triplets(2, 2, &[(0, 0, 8.0), (0, 1, 3.0), (1, 1, 5.0)]).unwrap();
+    assert!((upper.asymmetry().unwrap() - 3.0 / 40.0_f64.sqrt()).abs() < 1e-15);
+    let part = upper.symmetric_part().unwrap();
+    assert_eq!(part.values(), [8.0, 1.5, 1.5, 5.0]);
+    let lower = upper.transpose();
+    assert_eq!(lower.asymmetry().unwrap(), upper.asymmetry().unwrap());
+    // A soft part beside a stiff one, and multipliers: each pair in its own unit.
+    let entries =
+        [(0, 0, 1e12), (1, 1, 2.0), (1, 2, 1.0), (2, 1, -1.0), (2, 2, 2.0), (0, 3, 1e6), (3, 0, 1e6)];
+    let soft = CsrMatrix::from_triplets(4, 4, &entries).unwrap();
+    assert!((soft.asymmetry().unwrap() - 1.0).abs() < 1e-15);
+    assert_eq!(BlockMatrix::from(soft.clone()).asymmetry().unwrap(), soft.asymmetry().unwrap());
+    assert_eq!(lower.symmetric_part().unwrap().values(), part.values());
+}
+
+#[test]
+fn adding_asks_for_the_same_pattern() {
+    let mut matrix = example();
+    let copy = matrix.clone();
+    matrix.add_scaled(-0.5, &copy).unwrap();
+    assert_eq!(matrix.values(), [0.5, 1.0, 1.5, 2.0]);
+    let other = CsrMatrix::from_triplets(2, 3, &[(0, 0, 1.0)]).unwrap();
+    assert!(matches!(matrix.add_scaled(1.0, &other), Err(LinearAlgebraError::PatternMismatch { .. })));
+}
+
+#[test]
+fn a_nan_is_named_with_its_place() {
+    let mut matrix = example();
+    assert!(matrix.check_finite().is_ok());
+    matrix.values_mut()[2] = f64::NAN;
+    assert!(matches!(
+        matrix.check_finite(),
+        Err(LinearAlgebraError::EntryNotFinite { row: 1, column: 1, .. })
+    ));
+}
+
+#[test]
+fn products_do_not_depend_on_threads() {
+    let size = 20_011;
+    let entries = |row: usize| [(row, row, 2.0), (row, row * 7 % size, 0.3 * row as f64)];
+    let matrix =
+        CsrMatrix::from_triplets(size, size, &(0..size).flat_map(entries).collect::<Vec<_>>()).unwrap();
+    let x: Vec<f64> = (0..size).map(|k| (k as f64).sin()).collect();
+    let alone = matrix.multiply(&x).unwrap();
+    for threads in [2, 3, 5] {
+        let mut product = vec![f64::NAN; size];
+        matrix.multiply_on(Threads::new(threads), &x, &mut product).unwrap();
+        assert!(product == alone);
+    }
+}

@@ -1,0 +1,74 @@
+//! Sparse matrices and linear solvers.
+//!
+//! [`BlockMatrix`] is what assembly writes: blocks of node pairs on a shared [`BlockSparsity`]. [`CsrMatrix`] is
+//! what solvers read: values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows and columns out
+//! of either. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
+//! Cholesky or a Bunch–Kaufman factor on it, [`LuFactor`] is a factor with partial pivoting of any square
+//! matrix, and [`gmres()`] solves what is nearly symmetric. [`cg()`] and [`minres()`] solve with any [`LinearOperator`] and
+//! [`Preconditioner`], of which [`Multigrid`] is the one for large systems in space.
+
+pub mod analysis;
+mod asymmetry;
+pub mod back_substitution;
+#[doc(hidden)]
+pub mod backward_error;
+mod block_graph;
+pub mod block_matrix;
+pub mod block_product;
+pub mod block_sparsity;
+pub mod cg;
+pub mod cholesky;
+pub mod condition;
+pub mod csr;
+#[doc(hidden)]
+pub mod equations;
+#[doc(hidden)]
+pub mod equilibration;
+pub mod error;
+pub mod gmres;
+pub mod krylov;
+mod large_pages;
+pub mod lu;
+pub mod minres;
+pub mod multigrid;
+pub mod operator;
+pub mod ordering;
+pub mod partial_solves;
+pub mod pattern;
+mod residual_history;
+pub mod restriction;
+pub mod rigid_motions;
+#[doc(hidden)]
+pub mod singularity;
+pub mod spectrum;
+pub mod symbolic;
+pub mod symmetric_eigen;
+pub mod threads;
+pub mod transpose;
+pub mod vector;
+
+pub use analysis::Analysis;
+pub use back_substitution::PartialBackSubstitution;
+pub use backward_error::check_residual;
+pub use block_matrix::BlockMatrix;
+pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
+pub use cg::cg;
+pub use cholesky::{Refined, SymmetricFactor};
+pub use condition::{ConditionEstimate, condition_estimate};
+pub use csr::CsrMatrix;
+pub use error::LinearAlgebraError;
+pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};
+pub use krylov::{KrylovError, KrylovOptions, KrylovReport};
+pub use lu::LuFactor;
+pub use minres::minres;
+pub use multigrid::{Multigrid, MultigridOptions};
+pub use operator::{Entries, Identity, LinearOperator, OnThreads, OperatorError, Preconditioner};
+pub use ordering::{Candidate, Chosen, Ordering};
+pub use pattern::SparsityPattern;
+pub use residual_history::ResidualHistory;
+pub use restriction::{Entry, Restriction};
+pub use rigid_motions::{free_motions, rigid_motions};
+pub use spectrum::{Spectrum, spectrum};
+pub use symbolic::Fill;
+pub use symmetric_eigen::SymmetricEigen;
+pub use transpose::Transpose;

@@ -1,0 +1,209 @@
+//! Taking chosen rows and columns out of matrices of one structure.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::block_matrix::BlockMatrix;
+use super::block_sparsity::BlockSparsity;
+use super::csr::CsrMatrix;
+use super::error::LinearAlgebraError;
+use super::pattern::SparsityPattern;
+
+/// Marks a column that is not kept.
+const DROPPED: u32 = u32::MAX;
+
+/// The map from matrices of one structure to their submatrices on chosen rows and columns. It is computed
+/// once; applying it copies values only, and all submatrices share one pattern.
+#[derive(Clone, Debug)]
+pub struct Restriction {
+    source: Arc<BlockSparsity>,
+    target: Arc<SparsityPattern>,
+    /// Rows and columns of the submatrix, or [`DROPPED`].
+    new_rows: Vec<u32>,
+    new_columns: Vec<u32>,
+}
+
+/// An entry of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Row.
+    pub row: u32,
+    /// Column.
+    pub column: u32,
+    /// Value.
+    pub value: f64,
+}
+
+impl Restriction {
+    /// The restriction to `rows` and `columns`, both strictly ascending.
+    ///
+    /// # Errors
+    /// If a list is not strictly ascending or leaves the matrix.
+    pub fn new(
+        source: &Arc<BlockSparsity>,
+        rows: &[usize],
+        columns: &[usize],
+    ) -> Result<Self, LinearAlgebraError> {
+        check_list("row", "the list of rows", rows, source.row_count())?;
+        check_list("column", "the list of columns", columns, source.column_count())?;
+        let renumbered = |kept: &[usize], count: usize| {
+            let mut new = vec![DROPPED; count];
+            for (number, &old) in kept.iter().enumerate() {
+                new[old] = number as u32;
+            }
+            new
+        };
+        let new_rows = renumbered(rows, source.row_count());
+        let new_columns = renumbered(columns, source.column_count());
+        let mut row_pointers = Vec::with_capacity(rows.len() + 1);
+        row_pointers.push(0);
+        let mut column_indices = Vec::new();
+        for &row in rows {
+            source.visit_row(row, |first, _, width| {
+                let kept = new_columns[first..first + width].iter();
+                column_indices.extend(kept.filter(|&&column| column != DROPPED));
+            });
+            row_pointers.push(column_indices.len());
+        }
+        column_indices.shrink_to_fit();
+        let target = SparsityPattern::of_checked(rows.len(), columns.len(), row_pointers, column_indices);
+        Ok(Self { source: source.clone(), target: Arc::new(target), new_rows, new_columns })
+    }
+
+    /// Pattern of the submatrices.
+    pub fn pattern(&self) -> &Arc<SparsityPattern> {
+        &self.target
+    }
+
+    /// Whether a matrix has the structure that the restriction was made for.
+    pub fn fits(&self, matrix: &BlockMatrix) -> bool {
+        Arc::ptr_eq(matrix.sparsity(), &self.source) || **matrix.sparsity() == *self.source
+    }
+
+    fn check(&self, matrix: &BlockMatrix) -> Result<(), LinearAlgebraError> {
+        match self.fits(matrix) {
+            true => Ok(()),
+            false => Err(LinearAlgebraError::PatternMismatch { what: "taking a submatrix" }),
+        }
+    }
+
+    /// The submatrix.
+    ///
+    /// # Errors
+    /// If the matrix does not have the structure that the restriction was made for.
+    pub fn apply(&self, matrix: &BlockMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
+        self.check(matrix)?;
+        let mut values = Vec::with_capacity(self.target.entries());
+        let kept = self.new_rows.iter().enumerate().filter(|(_, new)| **new != DROPPED);
+        for (row, _) in kept {
+            self.source.visit_row(row, |column, place, width| {
+                let columns = self.new_columns[column..column + width].iter();
+                for (column, value) in columns.zip(&matrix.values()[place..place + width]) {
+                    if *column != DROPPED {
+                        values.push(*value);
+                    }
+                }
+            });
+        }
+        Ok(CsrMatrix::of_checked(&self.target, values))
+    }
+
+    /// The entries of the submatrix whose values stand at some places of the matrix, as ranges of whole blocks.
+    ///
+    /// # Errors
+    /// As [`Restriction::apply`].
+    pub fn apply_to_places(
+        &self,
+        matrix: &BlockMatrix,
+        places: &[Range<usize>],
+    ) -> Result<Vec<Entry>, LinearAlgebraError> {
+        self.check(matrix)?;
+        let mut entries = Vec::new();
+        self.source.visit_places(places, |row, column, place| {
+            let (row, column) = (self.new_rows[row], self.new_columns[column]);
+            if row != DROPPED && column != DROPPED {
+                entries.push(Entry { row, column, value: matrix.values()[place] });
+            }
+        });
+        Ok(entries)
+    }
+}
+
+fn check_list(
+    what: &'static str,
+    list_name: &'static str,
+    list: &[usize],
+    size: usize,
+) -> Result<(), LinearAlgebraError> {
+    if let Some(position) = (1..list.len()).find(|&k| list[k] <= list[k - 1]) {
+        return Err(LinearAlgebraError::NotAscending { what: list_name, position });
+    }
+    match list.last() {
+        Some(&index) if index >= size => Err(LinearAlgebraError::IndexOutOfRange { what, index, size }),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BlockRows, NodeSet};
+
+    /// The dense 4 × 4 matrix with a_ij = 10 i + j.
+    fn dense() -> BlockMatrix {
+        let triplets: Vec<_> = (0..16).map(|k| (k / 4, k % 4, (10 * (k / 4) + k % 4) as f64)).collect();
+        CsrMatrix::from_triplets(4, 4, &triplets).unwrap().into()
+    }
+
+    #[test]
+    fn rows_and_columns_are_taken_out() {
+        let matrix = dense();
+        let restriction = Restriction::new(matrix.sparsity(), &[1, 3], &[0, 2, 3]).unwrap();
+        let part = restriction.apply(&matrix).unwrap();
+        assert_eq!((part.rows(), part.columns()), (2, 3));
+        assert_eq!(part.values(), [10.0, 12.0, 13.0, 30.0, 32.0, 33.0]);
+        let again = restriction.apply(&matrix).unwrap();
+        assert!(Arc::ptr_eq(again.pattern(), part.pattern()));
+    }
+
+    #[test]
+    fn entries_at_some_places() {
+        let sets = NodeSet::in_a_row([(2, 2)]);
+        let full = BlockRows::new(vec![0, 2, 4], vec![0, 1, 0, 1]);
+        let sparsity = Arc::new(BlockSparsity::new(sets.clone(), sets, vec![vec![full]]).unwrap());
+        let mut matrix = BlockMatrix::zero(&sparsity);
+        for row in 0..4 {
+            for column in 0..4 {
+                matrix.values_mut()[sparsity.find(row, column).unwrap()] = (10 * row + column) as f64;
+            }
+        }
+        let restriction = Restriction::new(&sparsity, &[1, 2, 3], &[0, 1, 3]).unwrap();
+        assert_eq!(
+            restriction.apply(&matrix).unwrap().values(),
+            [10.0, 11.0, 13.0, 20.0, 21.0, 23.0, 30.0, 31.0, 33.0]
+        );
+        // The blocks of the node pairs (0, 1) and (1, 0), which follow each other.
+        let entries = restriction.apply_to_places(&matrix, &[4..8, 8..12]).unwrap();
+        let together = restriction.apply_to_places(&matrix, std::slice::from_ref(&(4..12))).unwrap();
+        assert_eq!(entries, together);
+        let found: Vec<_> = entries.iter().map(|entry| (entry.row, entry.column, entry.value)).collect();
+        let expected = [(0, 2, 13.0), (1, 0, 20.0), (1, 1, 21.0), (2, 0, 30.0), (2, 1, 31.0)];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn bad_lists_and_patterns_are_refused() {
+        let matrix = dense();
+        assert!(matches!(
+            Restriction::new(matrix.sparsity(), &[1, 1], &[0]),
+            Err(LinearAlgebraError::NotAscending { position: 1, .. })
+        ));
+        assert!(matches!(
+            Restriction::new(matrix.sparsity(), &[0], &[4]),
+            Err(LinearAlgebraError::IndexOutOfRange { what: "column", index: 4, size: 4 })
+        ));
+        let restriction = Restriction::new(matrix.sparsity(), &[0], &[0]).unwrap();
+        let other = BlockMatrix::from(CsrMatrix::from_triplets(4, 4, &[(0, 0, 1.0)]).unwrap());
+        assert!(restriction.apply(&other).is_err() && restriction.apply_to_places(&other, &[]).is_err());
+    }
+}

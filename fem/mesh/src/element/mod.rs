@@ -1,0 +1,11 @@
+//! Reference cells and the Lagrange elements on them.
+
+pub mod lagrange;
+mod lattice;
+pub mod shape;
+
+pub use lagrange::{ElementError, Lagrange, MAXIMUM_DEGREE, MAXIMUM_GEOMETRY_NODES, MAXIMUM_NODES, Tables};
+#[doc(hidden)]
+pub use lattice::{inside_quadrilateral, inside_triangle, lattice};
+pub use shape::CellShape;
+pub(crate) use shape::plurals;

@@ -1,0 +1,11 @@
+//! Meshes, the elements on them, quadrature and point location; files.
+//!
+//! [`mesh`] holds meshes with named regions, from generators, from files, by refinement; [`element`] the reference cells and the
+//! Lagrange elements on them, [`quadrature`] their rules; [`locate`] finds the cell of a point, [`files`] writes a file whole or not at all. `forms-fem` re-exports these modules.
+
+pub mod element;
+mod facet;
+pub mod files;
+pub mod locate;
+pub mod mesh;
+pub mod quadrature;

@@ -1,0 +1,291 @@
+//! Which cell contains a point, and where: a grid of bounding boxes and Newton's method on the geometry map.
+
+mod boxes;
+mod project;
+
+#[doc(hidden)]
+pub use self::boxes::{BoxGrid, Corners, box_around};
+#[doc(hidden)]
+pub use self::project::nearest_on_facet;
+
+use std::sync::Arc;
+
+use crate::mesh::Mesh;
+use crate::mesh::geometry::inverse;
+
+/// Points this far outside a cell, in reference coordinates, still belong to it.
+pub const INSIDE: f64 = 1e-10;
+
+/// Finds cells by position.
+#[derive(Clone, Debug)]
+pub struct Locator<const D: usize> {
+    mesh: Arc<Mesh<D>>,
+    /// A box around each cell.
+    grid: BoxGrid<D>,
+}
+
+/// The cell nearest to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest<const D: usize> {
+    /// Cell index.
+    pub cell: usize,
+    /// The point's reference coordinates in that cell; outside the reference cell when the point is outside
+    /// the mesh. Use these to extrapolate.
+    pub reference: [f64; D],
+    /// The point of the reference cell whose image is nearest; `reference` itself where that lies inside.
+    pub clamped: [f64; D],
+    /// Distance from the point to the image of `clamped` \[length\].
+    pub distance: f64,
+}
+
+impl<const D: usize> Locator<D> {
+    /// A locator for a mesh; linear in the number of cells.
+    #[inline(never)]
+    pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
+        let grid = BoxGrid::new((0..mesh.cell_count()).map(|cell| cell_box(mesh, cell)).collect());
+        Locator { mesh: Arc::clone(mesh), grid }
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+        &self.mesh
+    }
+
+    /// The cell that contains a point, and the point's reference coordinates; the cell with the lowest index
+    /// where several do. A point is inside up to [`INSIDE`] in reference coordinates. `None` outside the
+    /// mesh, and for NaN.
+    #[inline(never)]
+    pub fn find(&self, point: &[f64; D]) -> Option<(usize, [f64; D])> {
+        let shape = |cell| self.mesh.cell_shape(cell);
+        let candidates: Vec<usize> = self.grid.around(point).collect();
+        let search = |invert: &dyn Fn(usize) -> Option<[f64; D]>| {
+            candidates.iter().find_map(|&cell| {
+                invert(cell)
+                    .filter(|reference| shape(cell).contains(reference, INSIDE))
+                    .map(|reference| (cell, reference))
+            })
+        };
+        // The start from the centre nearly always suffices, and the others cost much.
+        search(&|cell| self.newton(cell, point, shape(cell).centre())).or_else(|| {
+            let more = !self.mesh.is_affine();
+            if more { search(&|cell| self.invert(cell, point)) } else { None }
+        })
+    }
+
+    /// The cells that contain a point at least `margin` away from their boundaries, in reference coordinates.
+    #[doc(hidden)]
+    pub fn cells_around(&self, point: &[f64; D], margin: f64) -> Vec<usize> {
+        let within = |cell: &usize| {
+            self.invert(*cell, point)
+                .is_some_and(|reference| self.mesh.cell_shape(*cell).contains(&reference, -margin))
+        };
+        self.grid.around(point).filter(within).collect()
+    }
+
+    /// The cell nearest to a point, among those within `tolerance` \[length\]: for points slightly outside,
+    /// as between nested meshes of a curved body. `None` when every cell is further away.
+    #[inline(never)]
+    pub fn find_nearest(&self, point: &[f64; D], tolerance: f64) -> Option<Nearest<D>> {
+        if let Some((cell, reference)) = self.find(point) {
+            let clamped = self.mesh.cell_shape(cell).clamp(&reference);
+            let distance = distance(point, &self.mesh.map(cell, &clamped).0);
+            return Some(Nearest { cell, reference, clamped, distance });
+        }
+        if point.iter().any(|x| !x.is_finite()) || tolerance.is_nan() {
+            return None;
+        }
+        let mut best: Option<Nearest<D>> = None;
+        for cell in self.grid.meeting(&(point.map(|x| x - tolerance), point.map(|x| x + tolerance))) {
+            let (clamped, distance) = project::project(&self.mesh, cell, point);
+            // Where the map has no inverse at the point, there is nothing to extrapolate to.
+            let reference = self.invert(cell, point).unwrap_or(clamped);
+            if distance <= tolerance && best.is_none_or(|best| distance < best.distance) {
+                best = Some(Nearest { cell, reference, clamped, distance });
+            }
+        }
+        best
+    }
+
+    // Newton's method with a step bound; the geometry map of a valid cell is close to affine, so it takes
+    // few steps. Other starts than the centre serve strongly curved cells.
+    fn invert(&self, cell: usize, point: &[f64; D]) -> Option<[f64; D]> {
+        let shape = self.mesh.cell_shape(cell);
+        let vertices = shape.vertex_points().iter().map(|vertex| std::array::from_fn(|k| vertex[k]));
+        let converged = |start| self.newton(cell, point, start);
+        let mut outside = None;
+        for start in std::iter::once(shape.centre()).chain(vertices) {
+            match converged(start) {
+                Some(reference) if shape.contains(&reference, INSIDE) => return Some(reference),
+                // A quadratic map can take a point outside the cell there too: look on for one inside.
+                Some(reference) => outside = outside.or(Some(reference)),
+                None => {}
+            }
+            if self.mesh.is_affine_on(shape) {
+                break;
+            }
+        }
+        outside
+    }
+
+    fn newton(&self, cell: usize, point: &[f64; D], start: [f64; D]) -> Option<[f64; D]> {
+        let affine = self.mesh.is_affine_on(self.mesh.cell_shape(cell));
+        let mut reference: [f64; D] = start;
+        let mut previous = f64::INFINITY;
+        for _ in 0..40 {
+            let (x, jacobian) = self.mesh.map(cell, &reference);
+            let inverse = inverse(&jacobian)?;
+            let step: [f64; D] =
+                std::array::from_fn(|i| (0..D).map(|j| inverse[i][j] * (point[j] - x[j])).sum());
+            let length = step.iter().fold(0.0_f64, |length, s| length.max(s.abs()));
+            // An affine map is inverted by one step of any length.
+            let factor = if affine { 1.0 } else { 1.0 / length.max(1.0) };
+            for (coordinate, step) in reference.iter_mut().zip(step) {
+                *coordinate += factor * step;
+            }
+            // Far from the origin, round-off in x keeps the steps from falling below 1e-12.
+            if length < 1e-12 || (length < 1e-8 && length >= 0.5 * previous) {
+                return Some(reference);
+            }
+            previous = length;
+            if affine && reference.iter().all(|coordinate| coordinate.is_finite()) {
+                return Some(reference);
+            }
+        }
+        None
+    }
+}
+
+fn cell_box<const D: usize>(mesh: &Mesh<D>, cell: usize) -> Corners<D> {
+    let nodes = mesh.cell(cell).iter().map(|&node| &mesh.nodes()[node as usize]);
+    box_around(nodes, if mesh.degree() == 2 { 0.5 } else { 0.0 })
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+fn instances<const D: usize>() -> [*const (); 3] {
+    [Locator::<D>::new as *const (), Locator::<D>::find as *const (), Locator::<D>::find_nearest as *const ()]
+}
+/// Compiled here for the plane and for space, and not in every program (as `compiled_here!` of `forms-fem` does).
+#[expect(dead_code, reason = "it is there for the instances that it names")]
+static INSTANCES: [fn() -> [*const (); 3]; 2] = [instances::<2>, instances::<3>];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+    use crate::mesh::{MeshError, annulus, cuboid, structured};
+    use crate::quadrature::cell_rule;
+
+    // Every point of every cell is found, at its own place.
+    fn check_all<const D: usize>(mesh: Mesh<D>) {
+        let mesh = Arc::new(mesh);
+        let locator = Locator::new(&mesh);
+        let mut points = cell_rule::<D>(mesh.cell_shape(0), 6).expect("degree 6 exists").points;
+        let interior = points.len();
+        points.extend(mesh.cell_element(0).node_points::<D>());
+        for cell in 0..mesh.cell_count() {
+            for (index, point) in points.iter().enumerate() {
+                let (x, _) = mesh.map(cell, point);
+                let (found, reference) = locator.find(&x).expect("the point is in the mesh");
+                assert!(
+                    distance(&mesh.map(found, &reference).0, &x) < 1e-13 * (1.0 + distance(&x, &[0.0; D]))
+                );
+                if index < interior {
+                    assert_eq!(found, cell);
+                    assert!(distance(&reference, point) < 1e-11);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_of_all_cells_are_found() -> Result<(), MeshError> {
+        for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+            check_all(annulus(20.0, 25.0, 2, 10, shape, 1)?);
+            check_all(annulus(20.0, 25.0, 2, 10, shape, 2)?);
+            // Strongly curved, and with a hole that the boxes cover.
+            check_all(annulus(0.2, 1.0, 3, 4, shape, 2)?);
+            let wavy = |[s, t]: [f64; 2]| [10.0 * s, 0.01 * t + 0.3 * (6.0 * s).sin()];
+            check_all(structured([12, 2], shape, 2, wavy)?);
+        }
+        for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+            check_all(cuboid([0.0; 3], [1.0, 2.0, 30.0], [2, 3, 2], shape, 1)?);
+            let twist = |[r, s, t]: [f64; 3]| {
+                let (sine, cosine) = (0.5 * t).sin_cos();
+                [cosine * r - sine * s, sine * r + cosine * s, t + 0.1 * r * s]
+            };
+            check_all(structured([2, 2, 3], shape, 2, twist)?);
+        }
+        Ok(())
+    }
+
+    // The size of a cell is 1; the coordinates' round-off is about 1e-10 of it.
+    #[test]
+    fn far_from_the_origin() -> Result<(), MeshError> {
+        let shift = 1e6;
+        let mesh = structured([3, 3], CellShape::Quadrilateral, 2, |[s, t]| {
+            [shift + 3.0 * s + 0.1 * t * t, shift + 3.0 * t]
+        })?;
+        let locator = Locator::new(&Arc::new(mesh));
+        assert_eq!(locator.find(&[shift + 1.4, shift + 1.6]).map(|(cell, _)| cell), Some(4));
+        Ok(())
+    }
+
+    #[test]
+    fn the_boundary_belongs_to_the_mesh() -> Result<(), MeshError> {
+        let mesh = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
+        let locator = Locator::new(&mesh);
+        assert!(locator.find(&[25.0, 0.0]).is_some());
+        // The radial size of a cell is 2.5.
+        assert!(locator.find(&[25.0 + 2e-10, 0.0]).is_some());
+        assert!(locator.find(&[25.0 + 1e-9, 0.0]).is_none());
+        assert!(locator.find(&[19.9, 0.0]).is_none());
+        assert!(locator.find(&[0.0, 0.0]).is_none());
+        assert!(locator.find(&[1e9, 0.0]).is_none());
+        assert!(locator.find(&[f64::NAN, 0.0]).is_none());
+        Ok(())
+    }
+
+    // Between the parabola through three points of the circle and the circle itself.
+    #[test]
+    fn nested_curved_meshes_find_each_other() -> Result<(), MeshError> {
+        let coarse = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
+        let fine = annulus(20.0, 25.0, 8, 64, CellShape::Quadrilateral, 2)?;
+        let locator = Locator::new(&coarse);
+        let mut outside = 0;
+        for node in fine.nodes() {
+            let nearest = locator.find_nearest(node, 0.01).expect("the meshes differ by less");
+            let (x, _) = coarse.map(nearest.cell, &nearest.reference);
+            assert!(distance(&x, node) < 1e-12);
+            let (inside, _) = coarse.map(nearest.cell, &nearest.clamped);
+            assert!((distance(&inside, node) - nearest.distance).abs() < 1e-15);
+            assert!(coarse.cell_shape(nearest.cell).contains(&nearest.clamped, 0.0));
+            outside += usize::from(nearest.distance > 1e-6);
+        }
+        assert!(outside > 0);
+        assert_eq!(locator.find_nearest(&[26.0, 0.0], 0.99), None);
+        let near = locator.find_nearest(&[26.0, 0.0], 1.01).expect("it is 1 away");
+        assert!((near.distance - 1.0).abs() < 1e-12);
+        assert!((near.clamped[0] - 1.0).abs() < 1e-15 && (near.reference[0] - 1.4).abs() < 1e-12);
+        assert_eq!(locator.find_nearest(&[f64::NAN, 0.0], 1.0), None);
+        Ok(())
+    }
+
+    #[test]
+    fn distances_are_those_to_the_cell() -> Result<(), MeshError> {
+        for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+            let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 30.0], [2, 3, 2], shape, 1)?);
+            let locator = Locator::new(&mesh);
+            for (point, distance) in
+                [([1.5, 1.0, 7.0], 0.5), ([0.3, 2.25, 30.0], 0.25), ([-0.3, -0.4, 3.0], 0.5)]
+            {
+                let nearest = locator.find_nearest(&point, 0.6).expect("all are within 0.6");
+                assert!((nearest.distance - distance).abs() < 1e-14, "{shape:?} {nearest:?}");
+                assert_eq!(locator.find_nearest(&point, 0.2), None);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,73 @@
+//! Several bodies as one mesh.
+
+use super::{EVERYWHERE, Facet, Mesh, MeshError};
+use crate::element::CellShape;
+
+impl<const D: usize> Mesh<D> {
+    /// Bodies as one mesh, so that one field lives on all of them. They share no node, wherever they touch: contact pairs join
+    /// them, `Pairing::between("slab top", "punch bottom")` below. A body's name names its cells, and its regions are found as "body region": "slab boundary", "slab top".
+    ///
+    /// ```
+    /// # use forms_mesh as forms_fem;
+    /// use forms_fem::element::CellShape;
+    /// use forms_fem::mesh::{Mesh, rectangle};
+    ///
+    /// let slab = rectangle([0.0, 0.0], [3.0, 1.0], [6, 2], CellShape::Quadrilateral, 1)?;
+    /// let punch = rectangle([1.0, 1.0], [2.0, 2.0], [3, 3], CellShape::Quadrilateral, 1)?;
+    /// let mesh = Mesh::of_bodies(&[("slab", &slab), ("punch", &punch)])?;
+    /// assert_eq!(mesh.cell_region("punch")?.len(), 9);
+    /// assert_eq!(mesh.facet_region("slab top")?.len(), 6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MeshError::Bodies`] for geometries of different degrees and for a name that is given twice; those of [`Mesh::from_blocks`] but for
+    /// hanging nodes.
+    pub fn of_bodies(bodies: &[(&str, &Mesh<D>)]) -> Result<Self, MeshError> {
+        let Some((_, first)) = bodies.first() else {
+            return Err(MeshError::Bodies { why: "no bodies were given".to_owned() });
+        };
+        let mut nodes: Vec<[f64; D]> = Vec::new();
+        let mut blocks: Vec<(CellShape, Vec<u32>)> = Vec::new();
+        for (index, (name, body)) in bodies.iter().enumerate() {
+            if body.degree != first.degree {
+                let (own, others) = (body.degree, first.degree);
+                let why =
+                    format!("the geometry of \"{name}\" has degree {own}, that of the first body {others}");
+                return Err(MeshError::Bodies { why });
+            }
+            if bodies[..index].iter().any(|(other, _)| other == name) {
+                return Err(MeshError::Bodies { why: format!("two bodies have the name \"{name}\"") });
+            }
+            let start = nodes.len() as u32;
+            nodes.extend(&body.nodes);
+            for block in &body.blocks {
+                let cells = block.cells.clone().flat_map(|cell| body.cell(cell)).map(|node| node + start);
+                blocks.push((block.shape, cells.collect()));
+            }
+        }
+        let mut mesh = Mesh::from_nonconforming_blocks(first.degree, nodes, blocks)?;
+        let mut start = 0;
+        for (name, body) in bodies {
+            let region = |own: &str| match own {
+                EVERYWHERE => (*name).to_owned(),
+                own => format!("{name} {own}"),
+            };
+            for (own, cells) in &body.cell_regions {
+                let cells: Vec<u32> = cells.iter().map(|cell| cell + start).collect();
+                mesh.name_listed_cells(&region(own), &cells)?;
+            }
+            let moved = |facet: &Facet| Facet { cell: facet.cell + start, ..*facet };
+            for (own, facets) in &body.facet_regions {
+                mesh.name_listed_facets(&region(own), &facets.iter().map(moved).collect::<Vec<_>>())?;
+            }
+            for (own, facets) in &body.interior_regions {
+                let facets: Vec<_> = facets.iter().map(|sides| sides.each_ref().map(moved)).collect();
+                mesh.check_name(&region(own), "interior facet", facets.is_empty())?;
+                mesh.interior_regions.insert(region(own), facets);
+            }
+            start += body.cell_count() as u32;
+        }
+        Ok(mesh)
+    }
+}

@@ -1,0 +1,191 @@
+//! The geometry map of a cell: positions, Jacobians, centres, diameters.
+
+use super::determinant::{JacobianDeterminant, ROUND_OFF, SMALLEST, Sign};
+use super::{CellBlock, Facet, Mesh, MeshError};
+use crate::element::MAXIMUM_GEOMETRY_NODES;
+
+impl<const D: usize> Mesh<D> {
+    /// The position x \[length\] of a reference point of a cell, and the Jacobian
+    /// `jacobian[i][j]` = ∂x_i/∂ξ_j there.
+    ///
+    /// # Panics
+    /// When `cell` is not below [`Mesh::cell_count`].
+    pub fn map(&self, cell: usize, reference: &[f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        let mut value = [0.0; MAXIMUM_GEOMETRY_NODES];
+        let mut gradient = [[0.0; D]; MAXIMUM_GEOMETRY_NODES];
+        self.cell_element(cell).evaluate(reference, &mut value, &mut gradient);
+        let (mut position, mut jacobian) = ([0.0; D], [[0.0; D]; D]);
+        for ((node, phi), slope) in self.cell(cell).iter().zip(value).zip(gradient) {
+            let x = &self.nodes[*node as usize];
+            for i in 0..D {
+                position[i] += phi * x[i];
+                for j in 0..D {
+                    jacobian[i][j] += slope[j] * x[i];
+                }
+            }
+        }
+        (position, jacobian)
+    }
+
+    /// The image of the reference cell's centre \[length\].
+    ///
+    /// # Panics
+    /// When `cell` is not below [`Mesh::cell_count`].
+    pub fn cell_centre(&self, cell: usize) -> [f64; D] {
+        self.map(cell, &self.cell_shape(cell).centre()).0
+    }
+
+    /// The image of the centre of the facet's reference cell \[length\].
+    ///
+    /// # Panics
+    /// When the mesh has no such facet.
+    pub fn facet_centre(&self, facet: Facet) -> [f64; D] {
+        let cell = facet.cell as usize;
+        self.map(cell, &self.cell_shape(cell).facet_centre(usize::from(facet.local))).0
+    }
+
+    /// h, the largest distance between two vertices of a cell \[length\].
+    ///
+    /// # Panics
+    /// When `cell` is not below [`Mesh::cell_count`].
+    pub fn diameter(&self, cell: usize) -> f64 {
+        let vertices = self.cell_vertices(cell);
+        let mut largest = 0.0_f64;
+        for (index, &a) in vertices.iter().enumerate() {
+            for &b in &vertices[..index] {
+                let (a, b) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+                largest = largest.max(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum());
+            }
+        }
+        largest.sqrt()
+    }
+
+    /// The smallest box \[length\] that contains all nodes: its lower and its upper corner.
+    pub fn bounds(&self) -> ([f64; D], [f64; D]) {
+        let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        for node in &self.nodes {
+            for k in 0..D {
+                lower[k] = lower[k].min(node[k]);
+                upper[k] = upper[k].max(node[k]);
+            }
+        }
+        (lower, upper)
+    }
+
+    /// That the Jacobian determinant of every cell is positive everywhere in it.
+    pub(super) fn check_jacobians(&self) -> Result<(), MeshError> {
+        self.blocks().iter().try_for_each(|block| match self.is_affine_on(block.shape) {
+            true => self.check_constant_jacobians(block),
+            false => self.check_varying_jacobians(block),
+        })
+    }
+
+    fn check_constant_jacobians(&self, block: &CellBlock) -> Result<(), MeshError> {
+        let element = self.element_of(block.shape);
+        let centre = block.shape.centre::<D>();
+        let slopes = element.tabulate(&[centre]).gradient;
+        for cell in block.cells.clone() {
+            let mut jacobian = [[0.0; D]; D];
+            for (node, slope) in self.cell(cell).iter().zip(&slopes) {
+                let x = &self.nodes[*node as usize];
+                for i in 0..D {
+                    for j in 0..D {
+                        jacobian[i][j] += slope[j] * x[i];
+                    }
+                }
+            }
+            let determinant = determinant(&jacobian);
+            // Round-off of a degenerate cell is of this size relative to its edges.
+            let scale: f64 =
+                (0..D).map(|j| jacobian.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt()).product();
+            if determinant.is_nan() || determinant <= (ROUND_OFF * scale).max(SMALLEST) {
+                let position = self.map(cell, &centre).0.to_vec();
+                return Err(MeshError::Inverted { cell, determinant, position });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_varying_jacobians(&self, block: &CellBlock) -> Result<(), MeshError> {
+        let determinant = JacobianDeterminant::new(&self.element_of(block.shape));
+        let position = |cell, reference| self.map(cell, &reference).0.to_vec();
+        block.cells.clone().try_for_each(|cell| match determinant.sign(self.cell(cell), &self.nodes) {
+            Sign::Positive => Ok(()),
+            Sign::Folded { reference, determinant } => {
+                Err(MeshError::Inverted { cell, determinant, position: position(cell, reference) })
+            }
+            Sign::Undecided { reference, bound } => {
+                Err(MeshError::Undecided { cell, bound, position: position(cell, reference) })
+            }
+        })
+    }
+}
+
+/// The determinant of a 2 × 2 or 3 × 3 matrix.
+pub fn determinant<const D: usize>(a: &[[f64; D]; D]) -> f64 {
+    if D == 2 {
+        a[0][0] * a[1][1] - a[0][1] * a[1][0]
+    } else {
+        (0..D)
+            .map(|k| {
+                let (i, j) = ((k + 1) % D, (k + 2) % D);
+                a[0][k] * (a[1][i] * a[2][j] - a[1][j] * a[2][i])
+            })
+            .sum()
+    }
+}
+
+/// The inverse of a 2 × 2 or 3 × 3 matrix; `None` when it is singular.
+pub fn inverse<const D: usize>(a: &[[f64; D]; D]) -> Option<[[f64; D]; D]> {
+    let whole = determinant(a);
+    let cofactor = |i: usize, j: usize| {
+        if D == 2 {
+            let sign = if i == j { 1.0 } else { -1.0 };
+            sign * a[1 - i][1 - j]
+        } else {
+            let ([i1, i2], [j1, j2]) = ([(i + 1) % D, (i + 2) % D], [(j + 1) % D, (j + 2) % D]);
+            a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1]
+        }
+    };
+    let inverse: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) / whole));
+    inverse.iter().flatten().all(|entry| entry.is_finite()).then_some(inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+
+    #[test]
+    fn the_map_of_a_quadratic_triangle() -> Result<(), MeshError> {
+        // x = ξ + 0.4 ξ η, y = η: a quadratic map, so it is reproduced with its derivative.
+        let map = |p: [f64; 2]| [p[0] + 0.4 * p[0] * p[1], p[1]];
+        let points = crate::element::Lagrange { shape: CellShape::Triangle, degree: 2 }.node_points::<2>();
+        let nodes = points.into_iter().map(map).collect();
+        let mesh = Mesh::from_parts(CellShape::Triangle, 2, nodes, (0..6).collect())?;
+        let p = [0.3, 0.2];
+        let (x, jacobian) = mesh.map(0, &p);
+        let expected = [[1.0 + 0.4 * p[1], 0.4 * p[0]], [0.0, 1.0]];
+        for i in 0..2 {
+            assert!((x[i] - map(p)[i]).abs() < 1e-15);
+            for j in 0..2 {
+                assert!((jacobian[i][j] - expected[i][j]).abs() < 1e-15);
+            }
+        }
+        assert_eq!(mesh.diameter(0), 2f64.sqrt());
+        let centre = mesh.facet_centre(Facet { cell: 0, local: 1 });
+        assert!((centre[0] - 0.6).abs() < 1e-15 && (centre[1] - 0.5).abs() < 1e-15);
+        assert_eq!(mesh.bounds(), ([0.0, 0.0], [1.0, 1.0]));
+        Ok(())
+    }
+
+    #[test]
+    fn small_inverses() {
+        let a = [[2.0, 1.0, 0.0], [0.0, 3.0, 1.0], [1.0, 0.0, 1.0]];
+        assert_eq!(determinant(&a), 7.0);
+        let scaled = inverse(&a).map(|inverse| inverse.map(|row| row.map(|entry| (7.0 * entry).round())));
+        assert_eq!(scaled, Some([[3.0, -1.0, 1.0], [1.0, 2.0, -2.0], [-3.0, 1.0, 6.0]]));
+        assert_eq!(inverse(&[[1.0, 2.0], [3.0, 5.0]]), Some([[-5.0, 2.0], [3.0, -1.0]]));
+        assert_eq!(inverse(&[[1.0, 2.0], [2.0, 4.0]]), None);
+    }
+}

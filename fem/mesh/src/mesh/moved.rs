@@ -1,0 +1,29 @@
+//! Meshes with the same cells at other places.
+
+use super::{Mesh, MeshError};
+
+impl<const D: usize> Mesh<D> {
+    /// The mesh with its nodes at other places \[length\]: cells, facets and regions keep their numbers and names, and
+    /// spaces on it number their nodes as on this mesh, so that coefficients can be carried over.
+    ///
+    /// # Errors
+    /// [`MeshError`]: another number of nodes, a coordinate that is not finite (names the node), a cell that is
+    /// inverted or degenerate there (names the cell).
+    pub fn with_nodes(&self, nodes: Vec<[f64; D]>) -> Result<Self, MeshError> {
+        if nodes.len() != self.node_count() {
+            return Err(MeshError::NodeCount { given: nodes.len(), count: self.node_count() });
+        }
+        super::connectivity::check_nodes(&nodes)?;
+        // The walk of the cells, which numbers nodes, is kept.
+        self.cell_order();
+        let moved = Mesh { nodes, ..self.clone() };
+        moved.check_jacobians()?;
+        Ok(moved)
+    }
+
+    /// The mesh with its nodes at other places, whatever becomes of the cells: for tests of what finds inverted ones.
+    #[doc(hidden)]
+    pub fn with_unchecked_nodes(&self, nodes: Vec<[f64; D]>) -> Self {
+        Mesh { nodes, ..self.clone() }
+    }
+}

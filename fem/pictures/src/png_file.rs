@@ -1,0 +1,144 @@
+//! A drawing as PNG.
+
+use tiny_skia::{FillRule, Mask, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Transform};
+
+use super::PictureError;
+use super::colour_map::Colour;
+use super::drawing::{Drawing, Item, Rectangle, Segment, Stroke};
+use super::shading::Pixels;
+
+/// The bytes of a PNG file of the drawing, with its size in print noted in the file.
+pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureError> {
+    let scale = dots_per_inch / 72.0;
+    let [width, height] = drawing.size.map(|length| (length * scale).round());
+    let too_large = PictureError::Size { width, height };
+    if !(dots_per_inch > 0.0 && width * height <= 2e8 && width >= 1.0 && height >= 1.0) {
+        return Err(too_large);
+    }
+    let mut page = Pixmap::new(width as u32, height as u32).ok_or(too_large)?;
+    page.fill(tiny_skia::Color::WHITE);
+    for item in &drawing.items {
+        match item {
+            Item::Path { segments, fill, stroke, clip } => {
+                let Some(path) = path(segments) else { continue };
+                let mask = clip.and_then(|area| mask(area, &page, scale));
+                draw_path(&mut page, &path, *fill, stroke.as_ref(), scale, mask.as_ref());
+            }
+            Item::Surface { surface, clip } => {
+                let size = [page.width() as usize, page.height() as usize];
+                let Some(pixels) = surface.pixels(scale, size) else { continue };
+                let mask = clip.and_then(|area| mask(area, &page, scale));
+                let Some(image) = pixmap(&pixels) else { continue };
+                let [x, y] = pixels.origin.map(|place| place as i32);
+                let paint = PixmapPaint::default();
+                page.draw_pixmap(x, y, image.as_ref(), &paint, Transform::identity(), mask.as_ref());
+            }
+        }
+    }
+    // The page is opaque, so premultiplied and plain colours agree.
+    let rgb: Vec<u8> = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    encode_pixels(&rgb, [page.width(), page.height()], png::ColorType::Rgb, Some(dots_per_inch))
+}
+
+/// The bytes of a PNG file with transparency, for embedding.
+pub fn encode_surface(pixels: &Pixels) -> Result<Vec<u8>, PictureError> {
+    encode_pixels(&pixels.rgba, pixels.size.map(|length| length as u32), png::ColorType::Rgba, None)
+}
+
+fn encode_pixels(
+    data: &[u8],
+    size: [u32; 2],
+    colours: png::ColorType,
+    dots_per_inch: Option<f64>,
+) -> Result<Vec<u8>, PictureError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
+    encoder.set_color(colours);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_pixel_dims(dots_per_inch.map(|resolution| {
+        let per_metre = (resolution / 0.0254).round() as u32;
+        png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }
+    }));
+    let encoding = |error: png::EncodingError| PictureError::Encoding { reason: error.to_string() };
+    let mut writer = encoder.write_header().map_err(encoding)?;
+    writer.write_image_data(data).map_err(encoding)?;
+    writer.finish().map_err(encoding)?;
+    Ok(bytes)
+}
+
+fn draw_path(
+    page: &mut Pixmap,
+    path: &Path,
+    fill: Option<Colour>,
+    stroke: Option<&Stroke>,
+    scale: f64,
+    mask: Option<&Mask>,
+) {
+    let transform = Transform::from_scale(scale as f32, scale as f32);
+    if let Some(colour) = fill {
+        page.fill_path(path, &paint(colour), FillRule::Winding, transform, mask);
+    }
+    if let Some(stroke) = stroke {
+        let style = tiny_skia::Stroke {
+            width: stroke.width as f32,
+            line_join: tiny_skia::LineJoin::Round,
+            dash: tiny_skia::StrokeDash::new(
+                stroke.dashes.iter().map(|&length| length as f32).collect(),
+                0.0,
+            ),
+            ..tiny_skia::Stroke::default()
+        };
+        page.stroke_path(path, &paint(stroke.colour), &style, transform, mask);
+    }
+}
+
+fn paint(colour: Colour) -> Paint<'static> {
+    let [red, green, blue] = colour.rgb;
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color_rgba8(red, green, blue, (colour.opacity.clamp(0.0, 1.0) * 255.0).round() as u8);
+    paint
+}
+
+/// `None` for a path without extent or with a point that is not finite.
+fn path(segments: &[Segment]) -> Option<Path> {
+    let mut builder = PathBuilder::new();
+    let float = |[x, y]: [f64; 2]| (x as f32, y as f32);
+    for &segment in segments {
+        match segment {
+            Segment::Move(p) => {
+                let (x, y) = float(p);
+                builder.move_to(x, y);
+            }
+            Segment::Line(p) => {
+                let (x, y) = float(p);
+                builder.line_to(x, y);
+            }
+            Segment::Quadratic(a, p) => {
+                let ((x1, y1), (x, y)) = (float(a), float(p));
+                builder.quad_to(x1, y1, x, y);
+            }
+            Segment::Cubic(a, b, p) => {
+                let ((x1, y1), (x2, y2), (x, y)) = (float(a), float(b), float(p));
+                builder.cubic_to(x1, y1, x2, y2, x, y);
+            }
+            Segment::Close => builder.close(),
+        }
+    }
+    builder.finish()
+}
+
+fn mask(area: Rectangle, page: &Pixmap, scale: f64) -> Option<Mask> {
+    let corner = [area.left, area.top, area.right(), area.bottom()].map(|place| (place * scale) as f32);
+    let rectangle = tiny_skia::Rect::from_ltrb(corner[0], corner[1], corner[2], corner[3])?;
+    let mut mask = Mask::new(page.width(), page.height())?;
+    mask.fill_path(&PathBuilder::from_rect(rectangle), FillRule::Winding, true, Transform::identity());
+    Some(mask)
+}
+
+fn pixmap(pixels: &Pixels) -> Option<Pixmap> {
+    let mut image = Pixmap::new(pixels.size[0] as u32, pixels.size[1] as u32)?;
+    for (target, source) in image.pixels_mut().iter_mut().zip(pixels.rgba.chunks_exact(4)) {
+        *target = tiny_skia::ColorU8::from_rgba(source[0], source[1], source[2], source[3]).premultiply();
+    }
+    Some(image)
+}

@@ -1,0 +1,261 @@
+//! Surfaces coloured by values: triangles with linear values, sampled several times per pixel.
+//!
+//! The value is interpolated and then coloured, so colours between two nodes lie on the colour map.
+//! Neighbouring triangles share every sample on their common edge: there are no seams, and the
+//! outline is smooth because each pixel is the mean of its samples.
+
+use super::colour_map::{Colour, ColourMap};
+use super::drawing::Point;
+
+/// Samples per pixel in each direction.
+const SAMPLES: usize = 4;
+/// Rows of pixels that are sampled at once; bounds the memory.
+const BAND: usize = 32;
+
+/// How values become colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shading {
+    pub map: ColourMap,
+    /// Values at the ends of the colour map.
+    pub range: [f64; 2],
+    /// Number of bands of equal colour; `None` for a continuous map.
+    pub levels: Option<usize>,
+    /// One colour for all values.
+    pub flat: Option<Colour>,
+}
+
+impl Shading {
+    /// The colour of a value.
+    pub fn colour(&self, value: f64) -> Colour {
+        if let Some(colour) = self.flat {
+            return colour;
+        }
+        let [low, high] = self.range;
+        let t = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
+        self.map.at(match self.levels {
+            Some(levels) if levels > 1 => {
+                (t * levels as f64).floor().min((levels - 1) as f64) / (levels - 1) as f64
+            }
+            Some(_) => 0.5,
+            None => t,
+        })
+    }
+}
+
+/// Triangles with a value at each point.
+#[derive(Clone, Debug)]
+pub struct ShadedSurface {
+    pub points: Vec<Point>,
+    pub values: Vec<f32>,
+    pub triangles: Vec<[u32; 3]>,
+    pub shading: Shading,
+}
+
+/// Pixels of a surface: rows of RGB with the covered fraction as alpha (not premultiplied).
+pub struct Pixels {
+    /// Left and top of the picture, in pixels of the page.
+    pub origin: [usize; 2],
+    pub size: [usize; 2],
+    pub rgba: Vec<u8>,
+}
+
+impl ShadedSurface {
+    /// The surface at `scale` pixels per point, on a page of `page` pixels; `None` if nothing is seen.
+    pub fn pixels(&self, scale: f64, page: [usize; 2]) -> Option<Pixels> {
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for point in &self.points {
+            for k in 0..2 {
+                low[k] = low[k].min(point[k] * scale);
+                high[k] = high[k].max(point[k] * scale);
+            }
+        }
+        let start: [usize; 2] = std::array::from_fn(|k| low[k].floor().max(0.0) as usize);
+        let end: [usize; 2] = std::array::from_fn(|k| (high[k].ceil().max(0.0) as usize).min(page[k]));
+        if start[0] >= end[0] || start[1] >= end[1] {
+            return None;
+        }
+        let size = [end[0] - start[0], end[1] - start[1]];
+        let samples = SAMPLES as f64;
+        // Points in samples, so that sample (i, j) has its centre at (i + 1/2, j + 1/2).
+        let points: Vec<Point> = self
+            .points
+            .iter()
+            .map(|p| std::array::from_fn(|k| (p[k] * scale - start[k] as f64) * samples))
+            .collect();
+        let table: Vec<[u8; 3]> = self.colour_table();
+        let mut bands = vec![Vec::new(); size[1].div_ceil(BAND)];
+        let rows = (BAND * SAMPLES) as f64;
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            let y = triangle.map(|n| points[n as usize][1]);
+            let (top, bottom) = (y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]));
+            if bottom < 0.0 {
+                continue;
+            }
+            let last = ((bottom / rows) as usize).min(bands.len() - 1);
+            for band in bands.iter_mut().take(last + 1).skip((top.max(0.0) / rows) as usize) {
+                band.push(t);
+            }
+        }
+        let mut rgba = vec![0; 4 * size[0] * size[1]];
+        let mut sampled = vec![UNCOVERED; BAND * SAMPLES * size[0] * SAMPLES];
+        for (band, triangles) in bands.iter().enumerate() {
+            sampled.fill(UNCOVERED);
+            for &t in triangles {
+                let corners = self.triangles[t].map(|n| points[n as usize]);
+                let values = self.triangles[t].map(|n| self.values[n as usize]);
+                let first_row = band * BAND * SAMPLES;
+                self.sample(corners, values, first_row, size[0] * SAMPLES, table.len(), &mut sampled);
+            }
+            for row in 0..BAND.min(size[1] - band * BAND) {
+                for column in 0..size[0] {
+                    let pixel = average(&sampled, &table, row, column, size[0] * SAMPLES);
+                    let at = 4 * ((band * BAND + row) * size[0] + column);
+                    rgba[at..at + 4].copy_from_slice(&pixel);
+                }
+            }
+        }
+        Some(Pixels { origin: start, size, rgba })
+    }
+
+    /// Colours of evenly spaced values in the range.
+    fn colour_table(&self) -> Vec<[u8; 3]> {
+        let [low, high] = self.shading.range;
+        (0..1024)
+            .map(|k| self.shading.colour(low + (high - low) * (f64::from(k) + 0.5) / 1024.0).rgb)
+            .collect()
+    }
+
+    /// Writes the colour number of each sample inside a triangle.
+    fn sample(
+        &self,
+        corners: [Point; 3],
+        values: [f32; 3],
+        first_row: usize,
+        width: usize,
+        colours: usize,
+        sampled: &mut [u16],
+    ) {
+        let [a, b, c] = corners;
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if area == 0.0 {
+            return;
+        }
+        let [low, high] = self.shading.range;
+        let numbers: [f64; 3] = values.map(|value| {
+            let t = if high > low { (f64::from(value) - low) / (high - low) } else { 0.5 };
+            t * colours as f64
+        });
+        let rows = sampled.len() / width;
+        let top = corners.iter().fold(f64::INFINITY, |y, p| y.min(p[1])) - 0.5 - first_row as f64;
+        let bottom = corners.iter().fold(f64::NEG_INFINITY, |y, p| y.max(p[1])) - 0.5 - first_row as f64;
+        if bottom < 0.0 {
+            return;
+        }
+        let left = corners.iter().fold(f64::INFINITY, |x, p| x.min(p[0])) - 0.5;
+        let right = corners.iter().fold(f64::NEG_INFINITY, |x, p| x.max(p[0])) - 0.5;
+        if right < 0.0 {
+            return;
+        }
+        // Barycentric coordinates are linear in x and y; a sample on an edge belongs to both sides.
+        let scale = 1.0 / area;
+        let weight = |p: Point, q: Point, at: Point| {
+            ((q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0])) * scale
+        };
+        let inside = -1e-9;
+        for row in (top.ceil().max(0.0) as usize)..rows.min(bottom as usize + 1) {
+            let y = (first_row + row) as f64 + 0.5;
+            for column in (left.ceil().max(0.0) as usize)..width.min(right as usize + 1) {
+                let at = [column as f64 + 0.5, y];
+                let (wa, wb) = (weight(b, c, at), weight(c, a, at));
+                let wc = 1.0 - wa - wb;
+                if wa >= inside && wb >= inside && wc >= inside {
+                    let number = numbers[0] * wa + numbers[1] * wb + numbers[2] * wc;
+                    sampled[row * width + column] = number.clamp(0.0, (colours - 1) as f64) as u16;
+                }
+            }
+        }
+    }
+}
+
+/// Marks a sample outside the surface.
+const UNCOVERED: u16 = u16::MAX;
+
+/// Mean colour of the samples of a pixel, with the covered fraction as alpha.
+fn average(sampled: &[u16], table: &[[u8; 3]], row: usize, column: usize, width: usize) -> [u8; 4] {
+    let mut sum = [0_usize; 3];
+    let mut covered = 0;
+    for i in 0..SAMPLES {
+        let start = (row * SAMPLES + i) * width + column * SAMPLES;
+        for &number in &sampled[start..start + SAMPLES] {
+            if let Some(colour) = table.get(usize::from(number)) {
+                covered += 1;
+                for k in 0..3 {
+                    sum[k] += usize::from(colour[k]);
+                }
+            }
+        }
+    }
+    if covered == 0 {
+        return [0; 4];
+    }
+    let mean = |k: usize| ((sum[k] + covered / 2) / covered) as u8;
+    [mean(0), mean(1), mean(2), (covered * 255 / (SAMPLES * SAMPLES)) as u8]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(values: [f32; 4]) -> ShadedSurface {
+        ShadedSurface {
+            points: vec![[2.0, 3.0], [12.0, 3.0], [12.0, 13.0], [2.0, 13.0]],
+            values: values.to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            shading: Shading { map: ColourMap::Viridis, range: [0.0, 1.0], levels: None, flat: None },
+        }
+    }
+
+    /// A square of 10 × 10 pixels covers 100 pixels fully: no seam on the diagonal, no fringe.
+    #[test]
+    fn a_square_has_its_pixels_and_no_seam() {
+        let pixels = square([0.25; 4]).pixels(1.0, [20, 20]).unwrap();
+        assert_eq!((pixels.origin, pixels.size), ([2, 3], [10, 10]));
+        assert!(pixels.rgba.chunks(4).all(|pixel| pixel[3] == 255 && pixel == &pixels.rgba[..4]));
+    }
+
+    /// Coverage of a half-covered pixel column is one half.
+    #[test]
+    fn outline_is_antialiased() {
+        let mut surface = square([0.5; 4]);
+        surface.points.iter_mut().for_each(|point| point[0] += 0.5);
+        let pixels = surface.pixels(1.0, [20, 20]).unwrap();
+        assert_eq!(pixels.size, [11, 10]);
+        assert_eq!(pixels.rgba[3], 127);
+        assert_eq!(pixels.rgba[7], 255);
+    }
+
+    /// A linear value gives the colour map's own colours along the square.
+    #[test]
+    fn linear_values_run_through_the_map() {
+        let pixels = square([0.0, 1.0, 1.0, 0.0]).pixels(1.0, [20, 20]).unwrap();
+        for column in 0..10 {
+            // The mean of the map over the width of the pixel.
+            let colours =
+                (0..100).map(|k| ColourMap::Viridis.at((column as f64 + f64::from(k) / 100.0) / 10.0).rgb);
+            let mut mean = [0.0; 3];
+            colours.for_each(|rgb| (0..3).for_each(|k| mean[k] += f64::from(rgb[k]) / 100.0));
+            for (mean, found) in mean.into_iter().zip(&pixels.rgba[4 * column..]) {
+                assert!((f64::from(*found) - mean).abs() < 2.0, "column {column}: {found} and {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_are_even() {
+        let shading = Shading { map: ColourMap::Viridis, range: [0.0, 4.0], levels: Some(4), flat: None };
+        assert_eq!(shading.colour(0.9), shading.colour(0.1));
+        assert_eq!(shading.colour(4.0), ColourMap::Viridis.at(1.0));
+        assert_eq!(shading.colour(0.0), ColourMap::Viridis.at(0.0));
+    }
+}
