@@ -62,16 +62,26 @@ impl<const D: usize> Constraints<D> {
         region: &str,
         value: impl Fn(&[f64; D]) -> V,
     ) -> Result<(), ConstraintsError> {
+        self.fix_written(region, V::COMPONENTS, &|x, written| value(x).write(written))
+    }
+
+    #[inline(never)]
+    fn fix_written(
+        &mut self,
+        region: &str,
+        count: usize,
+        write: &dyn Fn(&[f64; D], &mut [f64]),
+    ) -> Result<(), ConstraintsError> {
         let place = format!("region \"{region}\"");
         let components = self.space.components();
-        if V::COMPONENTS != components {
-            return Err(ConstraintsError::Components { place, space: components, value: V::COMPONENTS });
+        if count != components {
+            return Err(ConstraintsError::Components { place, space: components, value: count });
         }
         let nodes = self.nodes_on(region, &place)?;
         let mut written = vec![0.0; components];
         let mut entries = Vec::with_capacity(nodes.len() * components);
         for node in nodes {
-            value(&self.space.positions()[node as usize]).write(&mut written);
+            write(&self.space.positions()[node as usize], &mut written);
             let first = node as usize * components;
             entries.extend(written.iter().enumerate().map(|(component, &value)| (first + component, value)));
         }
@@ -87,6 +97,16 @@ impl<const D: usize> Constraints<D> {
         region: &str,
         component: usize,
         value: impl Fn(&[f64; D]) -> f64,
+    ) -> Result<(), ConstraintsError> {
+        self.fix_component_to(region, component, &value)
+    }
+
+    #[inline(never)]
+    fn fix_component_to(
+        &mut self,
+        region: &str,
+        component: usize,
+        value: &dyn Fn(&[f64; D]) -> f64,
     ) -> Result<(), ConstraintsError> {
         let place = format!("region \"{region}\"");
         let components = self.check_component(&place, component)?;
@@ -248,6 +268,8 @@ compiled_here!(
     Constraints::<D>::new,
     Constraints::<D>::insert,
     Constraints::<D>::nodes_on,
+    Constraints::<D>::fix_written,
+    Constraints::<D>::fix_component_to,
     Constraints::<D>::fix_node,
     Constraints::<D>::free,
     Constraints::<D>::apply,

@@ -10,6 +10,7 @@ pub use self::project::nearest_on_facet;
 
 use std::sync::Arc;
 
+use crate::compiled_here;
 use crate::mesh::Mesh;
 use crate::mesh::geometry::inverse;
 
@@ -164,12 +165,7 @@ fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-fn instances<const D: usize>() -> [*const (); 3] {
-    [Locator::<D>::new as *const (), Locator::<D>::find as *const (), Locator::<D>::find_nearest as *const ()]
-}
-/// Compiled here for the plane and for space, and not in every program (as `compiled_here!` of `forms-fem` does).
-#[expect(dead_code, reason = "it is there for the instances that it names")]
-static INSTANCES: [fn() -> [*const (); 3]; 2] = [instances::<2>, instances::<3>];
+compiled_here!(Locator::<D>::new, Locator::<D>::find, Locator::<D>::find_nearest);
 
 #[cfg(test)]
 mod tests {

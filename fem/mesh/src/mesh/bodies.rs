@@ -1,6 +1,7 @@
 //! Several bodies as one mesh.
 
 use super::{EVERYWHERE, Facet, Mesh, MeshError};
+use crate::compiled_here;
 use crate::element::CellShape;
 
 impl<const D: usize> Mesh<D> {
@@ -23,6 +24,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::Bodies`] for geometries of different degrees and for a name that is given twice; those of [`Mesh::from_blocks`] but for
     /// hanging nodes.
+    #[inline(never)]
     pub fn of_bodies(bodies: &[(&str, &Mesh<D>)]) -> Result<Self, MeshError> {
         let Some((_, first)) = bodies.first() else {
             return Err(MeshError::Bodies { why: "no bodies were given".to_owned() });
@@ -71,3 +73,5 @@ impl<const D: usize> Mesh<D> {
         Ok(mesh)
     }
 }
+
+compiled_here!(Mesh::<D>::of_bodies);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::point_tree::PointTree;
 use super::{Facet, Mesh, MeshError};
+use crate::compiled_here;
 use crate::element::CellShape;
 use crate::locate::{Locator, nearest_on_facet};
 
@@ -68,6 +69,7 @@ impl<const D: usize> Mesh<D> {
     /// Cracks and hanging nodes are found among all exterior facets. Overlaps are found where the centre of a cell or of an
     /// exterior facet lies in another cell, further from its boundary than round-off: cells that overlap by less than half
     /// of their size may go unseen. The work is that of finding a cell for each point.
+    #[inline(never)]
     pub fn conformity(&self) -> Conformity<D> {
         let Touching { cracks, hanging_nodes, .. } = self.touching();
         Conformity { cracks, hanging_nodes, overlaps: self.overlaps() }
@@ -278,6 +280,8 @@ impl<const D: usize> fmt::Display for Conformity<D> {
         Ok(())
     }
 }
+
+compiled_here!(Mesh::<D>::conformity);
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! Named sets of interior facets, and how the two sides of one face each other.
 
 use super::{Facet, Mesh, MeshError};
+use crate::compiled_here;
 
 impl<const D: usize> Mesh<D> {
     /// The facets of a region between cells, each with its two sides. What a form calls the outward normal
@@ -33,6 +34,16 @@ impl<const D: usize> Mesh<D> {
         within: &str,
         condition: impl Fn(&[f64; D]) -> bool,
     ) -> Result<(), MeshError> {
+        self.name_interior_facets_where(name, within, &condition)
+    }
+
+    #[inline(never)]
+    fn name_interior_facets_where(
+        &mut self,
+        name: &str,
+        within: &str,
+        condition: &dyn Fn(&[f64; D]) -> bool,
+    ) -> Result<(), MeshError> {
         let facets = self.interior_facet_region(within)?.iter().copied();
         let facets = facets.filter(|[facet, _]| condition(&self.facet_centre(*facet))).collect();
         self.insert_interior_facets(name, facets)
@@ -44,6 +55,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::NotInterior`] for a facet that is not between two cells (or does not exist),
     /// [`MeshError::RegionExists`] when a region has this name, [`MeshError::EmptyRegion`] for an empty list.
+    #[inline(never)]
     pub fn name_listed_interior_facets(&mut self, name: &str, facets: &[Facet]) -> Result<(), MeshError> {
         let mut sides: Vec<(Facet, Facet)> =
             self.interior_facets().iter().flat_map(|&[a, b]| [(a, b), (b, a)]).collect();
@@ -68,6 +80,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::UnknownCellRegion`], [`MeshError::RegionExists`] when a region has this name,
     /// [`MeshError::EmptyRegion`] when the two do not touch.
+    #[inline(never)]
     pub fn name_interface(&mut self, name: &str, from: &str, to: &str) -> Result<(), MeshError> {
         let (from, to) = (self.cell_region(from)?, self.cell_region(to)?);
         let lies = |facet: Facet, cells: &[u32]| cells.binary_search(&facet.cell).is_ok();
@@ -135,6 +148,12 @@ impl<const D: usize> Mesh<D> {
         Ok(places)
     }
 }
+
+compiled_here!(
+    Mesh::<D>::name_interior_facets_where,
+    Mesh::<D>::name_listed_interior_facets,
+    Mesh::<D>::name_interface
+);
 
 #[cfg(test)]
 mod tests {

@@ -15,6 +15,8 @@ pub mod geometry;
 pub mod gmsh;
 mod imported;
 mod interior;
+compiled_here!(Mesh::<D>::from_blocks, Mesh::<D>::from_nonconforming_blocks);
+
 #[cfg(test)]
 mod measures;
 mod moved;
@@ -31,6 +33,7 @@ pub mod vtk;
 
 use std::collections::BTreeMap;
 
+use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
 pub use crate::facet::Facet;
@@ -116,6 +119,7 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// As [`Mesh::from_parts`]; [`MeshError::ShapesTogether`] for shapes in space that are not all the same.
+    #[inline(never)]
     pub fn from_blocks(
         degree: usize,
         nodes: Vec<[f64; D]>,
@@ -132,6 +136,7 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// As [`Mesh::from_blocks`], but for [`MeshError::HangingNode`].
+    #[inline(never)]
     pub fn from_nonconforming_blocks(
         degree: usize,
         nodes: Vec<[f64; D]>,
@@ -143,6 +148,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// A mesh of cells that are sound, and fit each other where they share facets. What else touches is not looked at.
+    #[inline(never)]
     fn of_sound_cells(
         degree: usize,
         nodes: Vec<[f64; D]>,

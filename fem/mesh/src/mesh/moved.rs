@@ -1,6 +1,7 @@
 //! Meshes with the same cells at other places.
 
 use super::{Mesh, MeshError};
+use crate::compiled_here;
 
 impl<const D: usize> Mesh<D> {
     /// The mesh with its nodes at other places \[length\]: cells, facets and regions keep their numbers and names, and
@@ -9,6 +10,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError`]: another number of nodes, a coordinate that is not finite (names the node), a cell that is
     /// inverted or degenerate there (names the cell).
+    #[inline(never)]
     pub fn with_nodes(&self, nodes: Vec<[f64; D]>) -> Result<Self, MeshError> {
         if nodes.len() != self.node_count() {
             return Err(MeshError::NodeCount { given: nodes.len(), count: self.node_count() });
@@ -23,7 +25,10 @@ impl<const D: usize> Mesh<D> {
 
     /// The mesh with its nodes at other places, whatever becomes of the cells: for tests of what finds inverted ones.
     #[doc(hidden)]
+    #[inline(never)]
     pub fn with_unchecked_nodes(&self, nodes: Vec<[f64; D]>) -> Self {
         Mesh { nodes, ..self.clone() }
     }
 }
+
+compiled_here!(Mesh::<D>::with_nodes, Mesh::<D>::with_unchecked_nodes);

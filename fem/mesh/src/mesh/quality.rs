@@ -5,6 +5,7 @@ use std::fmt;
 use super::determinant::{JacobianDeterminant, Sign};
 use super::geometry::determinant;
 use super::{CellBlock, Mesh, MeshError};
+use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 use crate::quadrature::cell_rule;
 
@@ -50,6 +51,7 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// [`MeshError::NodeCount`] unless there is a position per node.
+    #[inline(never)]
     pub fn quality_at(&self, positions: &[[f64; D]]) -> Result<MeshQuality<D>, MeshError> {
         if positions.len() != self.nodes.len() {
             return Err(MeshError::NodeCount { given: positions.len(), count: self.nodes.len() });
@@ -322,6 +324,8 @@ impl<const D: usize> fmt::Display for MeshQuality<D> {
         Ok(())
     }
 }
+
+compiled_here!(Mesh::<D>::quality_at);
 
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::geometry::determinant;
 use super::{BOUNDARY, CellBlock, CellLists, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
+use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
 /// A region of facets and the surface that its nodes shall lie on: a map from a position near the surface to one on it.
@@ -27,6 +28,7 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// [`MeshError::TooLarge`].
+    #[inline(never)]
     pub fn refined(&self) -> Result<Self, MeshError> {
         self.refined_onto(&[])
     }
@@ -48,6 +50,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// As [`Mesh::refined`]; [`MeshError::UnknownRegion`]; [`MeshError::NotFinite`] and [`MeshError::Inverted`] where a
     /// map moves nodes to infinity or through a cell.
+    #[inline(never)]
     pub fn refined_onto(&self, surfaces: &[Surface<'_, D>]) -> Result<Self, MeshError> {
         let children = 1 << D;
         if self.cell_count().checked_mul(children).is_none_or(|count| u32::try_from(count).is_err()) {
@@ -279,6 +282,8 @@ impl<const D: usize> Division<D> {
         Division { weights, values, children: nodes_of_children, facets }
     }
 }
+
+compiled_here!(Mesh::<D>::refined, Mesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! Named sets of cells and exterior facets.
 
 use super::{Facet, Mesh, MeshError};
+use crate::compiled_here;
 
 /// The cell region that consists of all cells.
 pub const EVERYWHERE: &str = "all";
@@ -49,6 +50,15 @@ impl<const D: usize> Mesh<D> {
     /// [`MeshError::RegionExists`] when a cell or facet region has this name,
     /// [`MeshError::EmptyRegion`] when no cell satisfies the condition.
     pub fn name_cells(&mut self, name: &str, condition: impl Fn(&[f64; D]) -> bool) -> Result<(), MeshError> {
+        self.name_cells_where(name, &condition)
+    }
+
+    #[inline(never)]
+    fn name_cells_where(
+        &mut self,
+        name: &str,
+        condition: &dyn Fn(&[f64; D]) -> bool,
+    ) -> Result<(), MeshError> {
         let cells = (0..self.cell_count()).filter(|&cell| condition(&self.cell_centre(cell)));
         let cells: Vec<u32> = cells.map(|cell| cell as u32).collect();
         self.check_name(name, "cell", cells.is_empty())?;
@@ -62,6 +72,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::NoCell`] for a cell that does not exist, [`MeshError::RegionExists`] when a cell or facet
     /// region has this name, [`MeshError::EmptyRegion`] for an empty list.
+    #[inline(never)]
     pub fn name_listed_cells(&mut self, name: &str, cells: &[u32]) -> Result<(), MeshError> {
         let count = self.cell_count();
         if let Some(&cell) = cells.iter().find(|&&cell| cell as usize >= count) {
@@ -80,6 +91,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::UnknownFacetRegion`], or [`MeshError::RegionExists`] when a cell or facet region has
     /// this name.
+    #[inline(never)]
     pub fn name_cells_of_facets(&mut self, name: &str, facets: &str) -> Result<(), MeshError> {
         let mut cells: Vec<u32> = self.facet_region(facets)?.iter().map(|facet| facet.cell).collect();
         cells.sort_unstable();
@@ -100,6 +112,16 @@ impl<const D: usize> Mesh<D> {
         within: &str,
         condition: impl Fn(&[f64; D]) -> bool,
     ) -> Result<(), MeshError> {
+        self.name_facets_where(name, within, &condition)
+    }
+
+    #[inline(never)]
+    fn name_facets_where(
+        &mut self,
+        name: &str,
+        within: &str,
+        condition: &dyn Fn(&[f64; D]) -> bool,
+    ) -> Result<(), MeshError> {
         let facets = self.facet_region(within)?.iter().copied();
         let facets = facets.filter(|&facet| condition(&self.facet_centre(facet))).collect();
         self.insert_facets(name, facets)
@@ -112,6 +134,7 @@ impl<const D: usize> Mesh<D> {
     /// [`MeshError::NotExterior`] for a facet that is not on the boundary (or does not exist),
     /// [`MeshError::RegionExists`] when a cell or facet region has this name, [`MeshError::EmptyRegion`] for
     /// an empty list.
+    #[inline(never)]
     pub fn name_listed_facets(&mut self, name: &str, facets: &[Facet]) -> Result<(), MeshError> {
         let boundary = self.boundary_facets();
         if let Some(facet) = facets.iter().find(|facet| boundary.binary_search(facet).is_err()) {
@@ -127,6 +150,7 @@ impl<const D: usize> Mesh<D> {
         self.insert_facets(name, facets)
     }
 
+    #[inline(never)]
     pub(super) fn insert_facets(&mut self, name: &str, facets: Vec<Facet>) -> Result<(), MeshError> {
         self.check_name(name, "facet", facets.is_empty())?;
         self.facet_regions.insert(name.to_owned(), facets);
@@ -147,6 +171,14 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 }
+
+compiled_here!(
+    Mesh::<D>::name_cells_where,
+    Mesh::<D>::name_facets_where,
+    Mesh::<D>::name_listed_cells,
+    Mesh::<D>::name_cells_of_facets,
+    Mesh::<D>::name_listed_facets
+);
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,7 @@
 //! Quadrilaterals divided into triangles, hexahedra into tetrahedra.
 
 use super::{BOUNDARY, CellLists, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
+use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
 impl<const D: usize> Mesh<D> {
@@ -12,6 +13,7 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// [`MeshError::Inverted`] where a cell is so distorted that a part of it is inverted, [`MeshError::TooLarge`].
+    #[inline(never)]
     pub fn simplices(&self) -> Result<Self, MeshError> {
         let parts_of = |shape| match shape {
             CellShape::Triangle | CellShape::Tetrahedron => 1,
@@ -117,6 +119,8 @@ fn divide(shape: CellShape, nodes: &[u32]) -> Vec<Vec<usize>> {
     }
     simplices
 }
+
+compiled_here!(Mesh::<D>::simplices);
 
 #[cfg(test)]
 mod tests {

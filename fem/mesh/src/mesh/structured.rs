@@ -1,6 +1,7 @@
 //! Structured meshes: a grid of logical coordinates on \[0,1\]^D, mapped by a closure.
 
 use super::{Facet, Mesh, MeshError};
+use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
 /// A structured grid. Its blocks are squares or cubes; triangles split each square along the diagonal
@@ -47,6 +48,11 @@ impl<const D: usize> Grid<D> {
     /// # Errors
     /// As [`structured`].
     pub fn mesh(&self, map: impl Fn([f64; D]) -> [f64; D]) -> Result<Mesh<D>, MeshError> {
+        self.mapped(&map)
+    }
+
+    #[inline(never)]
+    fn mapped(&self, map: &dyn Fn([f64; D]) -> [f64; D]) -> Result<Mesh<D>, MeshError> {
         let element = Lagrange::geometry(self.shape, self.degree)?;
         if self.shape.dimension() != D {
             return Err(MeshError::Dimension { shape: self.shape, dimension: D });
@@ -190,6 +196,8 @@ fn room<T>(what: &'static str, count: usize, length: usize) -> Result<Vec<T>, Me
         }
     }
 }
+
+compiled_here!(Grid::<D>::mapped);
 
 #[cfg(test)]
 mod tests {
