@@ -10,10 +10,12 @@
 //! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
 //! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
+//! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
 //!
 //! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
 //! `slip_stress` = 0, and both together are Coulomb's law with adhesion. Tresca's bound acts on all of Γ_C.
 
+pub mod analytic_obstacle;
 pub mod augmented_lagrangian;
 pub mod capsule;
 pub mod finite_nitsche;

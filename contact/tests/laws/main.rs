@@ -1,6 +1,7 @@
 //! The laws of friction: layers with known answers in the plane and in space, Taylor tests of the tangents, adjoints against
 //! differences, Newton's method from zero and from random starts, bad input.
 
+mod analytic_obstacle;
 mod augmented_lagrangian;
 mod block;
 mod capsule;
