@@ -58,7 +58,11 @@ impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
             return Ok(());
         }
         let estimate = |geometry, simplex| (integral.degree)(&self.degrees, geometry, simplex);
-        let degree = degree_on_pairs(self.binding.mesh, estimate);
+        let quadrature = &self.assembler.quadrature;
+        let degree = match self.binding.history_degree(&K::REQUIREMENTS, quadrature)? {
+            Some((_, degree)) => degree,
+            None => degree_on_pairs(self.binding.mesh, estimate),
+        };
         let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
         let pairs = RegionPairs {
             symbol: region.symbol,
