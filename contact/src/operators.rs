@@ -351,3 +351,58 @@ pub mod signed_distance {
         theta / gamma * dot(obstacle_traction - own_traction, traction_of_test) - dot(obstacle_traction, v)
     }
 }
+
+/// Separation of bodies that are glued together: Δ is the opposite side's displacement minus the own one's, n_y the unit
+/// normal toward the opposite side. Nothing is read from the module's data.
+#[forms]
+pub mod cohesion {
+    /// δ = √(\[Δ_n\]₊² + β² |Δ_t|²), the effective opening.
+    #[doc(alias = "δ")]
+    pub fn opening(separation: Vector, toward: Vector, shear_weight: Scalar) -> Scalar {
+        let parting = dot(separation, toward);
+        norm(pos_part(parting) * toward + shear_weight * (separation - parting * toward))
+    }
+
+    /// k (\[Δ_n\]₊ n_y + β² Δ_t), the traction on the own side for the secant stiffness k.
+    pub fn separation_traction(
+        separation: Vector,
+        toward: Vector,
+        shear_weight: Scalar,
+        secant: Scalar,
+    ) -> Vector {
+        let parting = dot(separation, toward);
+        secant * (pos_part(parting) * toward + sqr(shear_weight) * (separation - parting * toward))
+    }
+
+    /// k(κ), the secant stiffness of the bilinear law at the largest effective opening κ: K up to δ₀ = σ_c/K, then a straight
+    /// line of tractions k κ down to zero at δ_f = 2 G_c/σ_c.
+    pub fn bilinear_stiffness(
+        largest: Scalar,
+        stiffness: Scalar,
+        strength: Scalar,
+        energy: Scalar,
+    ) -> Scalar {
+        let begin = strength / stiffness;
+        let end = 2 * energy / strength;
+        if largest <= begin {
+            stiffness
+        } else if largest < end {
+            strength * (end - largest) / ((end - begin) * largest)
+        } else {
+            0
+        }
+    }
+
+    /// The energy per area that the bilinear law has lost at the largest effective opening κ: G_c (κ − δ₀)/(δ_f − δ₀) between
+    /// δ₀ and δ_f.
+    pub fn bilinear_dissipation(
+        largest: Scalar,
+        stiffness: Scalar,
+        strength: Scalar,
+        energy: Scalar,
+    ) -> Scalar {
+        let begin = strength / stiffness;
+        let end = 2 * energy / strength;
+        energy * min(pos_part(largest - begin) / (end - begin), 1)
+    }
+}

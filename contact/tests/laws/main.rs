@@ -6,6 +6,7 @@ mod augmented_lagrangian;
 mod block;
 mod capsule;
 mod cattaneo;
+mod cohesive;
 mod cylinder;
 mod finite_nitsche;
 mod frictional_nitsche;
