@@ -12,6 +12,7 @@
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
 //! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
 //! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |
+//! | [`wear`] | Nitsche's method, every θ, on a flat, with Archard's wear | small |
 //!
 //! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
 //! `slip_stress` = 0, and both together are Coulomb's law with adhesion. Tresca's bound acts on all of Γ_C.
@@ -25,3 +26,4 @@ pub mod frictional_nitsche;
 pub mod frictional_penalty;
 pub mod sliding_bodies;
 pub mod two_bodies;
+pub mod wear;

@@ -19,3 +19,4 @@ mod self_contact;
 mod setting;
 mod shape;
 mod two_bodies;
+mod wear;
