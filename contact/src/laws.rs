@@ -13,6 +13,7 @@
 //! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
 //! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |
 //! | [`wear`] | Nitsche's method, every θ, on a flat, with Archard's wear | small |
+//! | [`contact_heat`] | heat across two bodies' contact and from their friction, for a known displacement | small |
 //!
 //! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
 //! `slip_stress` = 0, and both together are Coulomb's law with adhesion. Tresca's bound acts on all of Γ_C.
@@ -21,6 +22,7 @@ pub mod analytic_obstacle;
 pub mod augmented_lagrangian;
 pub mod capsule;
 pub mod cohesive;
+pub mod contact_heat;
 pub mod finite_nitsche;
 pub mod frictional_nitsche;
 pub mod frictional_penalty;

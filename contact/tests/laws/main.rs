@@ -7,6 +7,7 @@ mod block;
 mod capsule;
 mod cattaneo;
 mod cohesive;
+mod contact_heat;
 mod cylinder;
 mod finite_nitsche;
 mod frictional_nitsche;
