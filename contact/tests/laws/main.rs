@@ -20,4 +20,5 @@ mod self_contact;
 mod setting;
 mod shape;
 mod two_bodies;
+mod uzawa;
 mod wear;
