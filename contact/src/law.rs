@@ -153,7 +153,7 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `threshold: product(elasticity, gamma0, theta)`, for Nitsche's
 /// method ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
 /// of extended data) that has to be positive; `non_negative: parameter`; `coefficient: parameter`, that of
-/// friction; `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
+/// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
     ($module:ident {
@@ -165,7 +165,7 @@ macro_rules! contact_law {
         $(, threshold: $product:ident($elasticity:ident, $($gamma0:ident).+, $($theta:ident).+))?
         $(, positive: $($positive:ident).+)*
         $(, non_negative: $($non_negative:ident).+)*
-        $(, coefficient: $coefficient:ident)?
+        $(, coefficient: $($coefficient:ident).+)?
         $(, line_search: $line_search:ident)?
         $(,)?
     }) => {
@@ -216,7 +216,7 @@ macro_rules! contact_law {
             {
                 fn sticking(&self) -> Self {
                     let mut law = self.clone();
-                    law.data.$coefficient = $crate::law::STICKING;
+                    law.data.$($coefficient).+ = $crate::law::STICKING;
                     law
                 }
             }

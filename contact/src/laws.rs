@@ -10,14 +10,24 @@
 //! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
 //! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
+//! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
+//! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |
+//! | [`wear`] | Nitsche's method, every θ, on a flat, with Archard's wear | small |
+//! | [`contact_heat`] | heat across two bodies' contact and from their friction, for a known displacement | small |
+//! | [`uzawa`] | multipliers at points of Γ_C, updated by [`solve_by_uzawa`](crate::uzawa::solve_by_uzawa) | small |
 //!
 //! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
 //! `slip_stress` = 0, and both together are Coulomb's law with adhesion. Tresca's bound acts on all of Γ_C.
 
+pub mod analytic_obstacle;
 pub mod augmented_lagrangian;
 pub mod capsule;
+pub mod cohesive;
+pub mod contact_heat;
 pub mod finite_nitsche;
 pub mod frictional_nitsche;
 pub mod frictional_penalty;
 pub mod sliding_bodies;
 pub mod two_bodies;
+pub mod uzawa;
+pub mod wear;

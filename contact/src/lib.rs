@@ -14,6 +14,7 @@
 //! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
 //! | [`threshold`] | when γ₀ is too small | |
+//! | [`uzawa`] | Uzawa's iteration: multipliers updated outside of Newton's method | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
 //! | [`half_spaces`] | two bodies with closed forms: Hertz, Cattaneo | |
 //!
@@ -33,6 +34,7 @@ pub mod paper_law;
 pub mod shape_gradient;
 pub mod shape_problem;
 pub mod threshold;
+pub mod uzawa;
 
 pub use contact_problem::ContactProblem;
 pub use nitsche::nitsche as forms;

@@ -288,3 +288,121 @@ pub mod friction {
         normalize(cof(I + grad(u)) * n)
     }
 }
+
+/// Contact with friction with an obstacle given by its signed distance φ, positive outside, |∇φ| = 1: the gap is φ(x + u), the
+/// normal into the obstacle −∇φ(x + u). Nothing is read from the module's data; φ is a function of a point y of the
+/// module's own, or of the shapes here, and ∇φ is `diff(distance(y), y)`.
+#[forms]
+pub mod signed_distance {
+    use super::friction::{augmented_traction, contact_traction};
+
+    /// Distance from the half-space below a plane through `point` with the unit normal `outward`.
+    pub fn half_space_distance(y: Vector, point: Vector, outward: Vector) -> Scalar {
+        dot(y - point, outward)
+    }
+
+    /// Distance from a disk or a ball.
+    pub fn ball_distance(y: Vector, centre: Vector, radius: Scalar) -> Scalar {
+        norm(y - centre) - radius
+    }
+
+    /// Distance from all points within `radius` of a box around the origin with the half edges `half_sizes`: a box with round
+    /// edges, of which balls, capsules and flat punches are cases.
+    pub fn rounded_box_distance(y: Vector, half_sizes: Vector, radius: Scalar) -> Scalar {
+        // In the plane the last axis is the second one, and counts once.
+        let first = abs(y[0]) - half_sizes[0];
+        let second = abs(y[1]) - half_sizes[1];
+        let last = abs(y[D - 1]) - half_sizes[D - 1];
+        let beyond = [pos_part(first), pos_part(second), (D - 2) * pos_part(last)];
+        norm(beyond) + min(max(first, max(second, last)), 0) - radius
+    }
+
+    /// φ/|∇φ| of a level-set function φ and its slope ∇φ: the distance on the surface and to first order beside it. The normal
+    /// into the obstacle is then −∇φ/|∇φ|.
+    pub fn level_set_distance(level: Scalar, slope: Vector) -> Scalar {
+        level / norm(slope)
+    }
+
+    /// T, the traction of the obstacle on the body where the body has the traction σn: φ, ∇φ and the slip since the last step
+    /// are those at the displaced point; s₀ and κ bound the friction. Without σn it is the penalty method's.
+    #[doc(alias = "T")]
+    pub fn obstacle_traction(
+        own_traction: Vector,
+        distance: Scalar,
+        outward: Vector,
+        slip: Vector,
+        gamma: Scalar,
+        slip_stress: Scalar,
+        friction: Scalar,
+    ) -> Vector {
+        let P = augmented_traction(own_traction, distance, slip, gamma, -outward);
+        contact_traction(P, slip_stress + friction * neg_part(-dot(P, outward)), -outward)
+    }
+
+    /// Nitsche's density −(θ/γ) σ(u)n·σ(v)n + (1/γ) T·(θ σ(v)n − γ v).
+    pub fn nitsche_density(
+        own_traction: Vector,
+        obstacle_traction: Vector,
+        traction_of_test: Vector,
+        v: Vector,
+        theta: Scalar,
+        gamma: Scalar,
+    ) -> Scalar {
+        theta / gamma * dot(obstacle_traction - own_traction, traction_of_test) - dot(obstacle_traction, v)
+    }
+}
+
+/// Separation of bodies that are glued together: Δ is the opposite side's displacement minus the own one's, n_y the unit
+/// normal toward the opposite side. Nothing is read from the module's data.
+#[forms]
+pub mod cohesion {
+    /// δ = √(\[Δ_n\]₊² + β² |Δ_t|²), the effective opening.
+    #[doc(alias = "δ")]
+    pub fn opening(separation: Vector, toward: Vector, shear_weight: Scalar) -> Scalar {
+        let parting = dot(separation, toward);
+        norm(pos_part(parting) * toward + shear_weight * (separation - parting * toward))
+    }
+
+    /// k (\[Δ_n\]₊ n_y + β² Δ_t), the traction on the own side for the secant stiffness k.
+    pub fn separation_traction(
+        separation: Vector,
+        toward: Vector,
+        shear_weight: Scalar,
+        secant: Scalar,
+    ) -> Vector {
+        let parting = dot(separation, toward);
+        secant * (pos_part(parting) * toward + sqr(shear_weight) * (separation - parting * toward))
+    }
+
+    /// k(κ), the secant stiffness of the bilinear law at the largest effective opening κ: K up to δ₀ = σ_c/K, then a straight
+    /// line of tractions k κ down to zero at δ_f = 2 G_c/σ_c.
+    pub fn bilinear_stiffness(
+        largest: Scalar,
+        stiffness: Scalar,
+        strength: Scalar,
+        energy: Scalar,
+    ) -> Scalar {
+        let begin = strength / stiffness;
+        let end = 2 * energy / strength;
+        if largest <= begin {
+            stiffness
+        } else if largest < end {
+            strength * (end - largest) / ((end - begin) * largest)
+        } else {
+            0
+        }
+    }
+
+    /// The energy per area that the bilinear law has lost at the largest effective opening κ: G_c (κ − δ₀)/(δ_f − δ₀) between
+    /// δ₀ and δ_f.
+    pub fn bilinear_dissipation(
+        largest: Scalar,
+        stiffness: Scalar,
+        strength: Scalar,
+        energy: Scalar,
+    ) -> Scalar {
+        let begin = strength / stiffness;
+        let end = 2 * energy / strength;
+        energy * min(pos_part(largest - begin) / (end - begin), 1)
+    }
+}

@@ -9,16 +9,18 @@
 //!
 //! An integral that reads a history takes that history's quadrature rule, whatever degree the compiler estimates.
 
+mod pair_points;
 mod rule_points;
 
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
-use forms_core::contract::{Entity, Expression, History, Inputs, QuadratureValues, Source};
+use forms_core::contract::{Entity, Expression, History, Inputs, Pairing, QuadratureValues, Source};
 use forms_core::source::FieldValue;
 use thiserror::Error;
 
+use self::pair_points::PairPoints;
 use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
@@ -62,6 +64,19 @@ pub enum HistoryMismatch {
         /// "cell 7" or "facet 2 of cell 7".
         what: String,
     },
+    /// It is read on contact pairs that are not its own.
+    #[error(
+        "it was made for \"{made_for}\", and is read on the pairs {read_on}; `history_on_pairs` makes one for a pairing"
+    )]
+    Pairs {
+        /// The region or the pairing of the history.
+        made_for: String,
+        /// The pairing of the integral.
+        read_on: String,
+    },
+    /// It is read from the other side of contact pairs.
+    #[error("a history of contact pairs is read from the own side, by `this`")]
+    Opposite,
     /// Its gradient is read.
     #[error("it has no gradient, because it is known at quadrature points only")]
     Gradient,
@@ -84,6 +99,8 @@ pub(crate) struct PointStorage<const D: usize> {
     entities: Vec<u32>,
     /// By entity: the number of its first point, and last the number of all points.
     starts: Vec<usize>,
+    /// Of contact pairs, whose points no named region has.
+    pairs: Option<PairPoints>,
     state: RwLock<State>,
 }
 
@@ -149,6 +166,7 @@ impl<const D: usize> PointStorage<D> {
             components: initial.len(),
             entities,
             starts,
+            pairs: None,
             state: RwLock::new(State { committed, written: None, commits: 0 }),
         })
     }
@@ -309,12 +327,23 @@ fn not_made(why: MadeError) -> AssemblyError {
     }
 }
 
+/// The components of an initial value, which is finite.
+fn components_of<V: FieldValue>(initial: V) -> Result<Vec<f64>, AssemblyError> {
+    let mut components = vec![0.0; V::COMPONENTS];
+    initial.write(&mut components);
+    match components.iter().all(|value| value.is_finite()) {
+        true => Ok(components),
+        false => Err(AssemblyError::NotFinite { form: NEW, field: "the initial value", position: None }),
+    }
+}
+
 impl<const D: usize> Assembler<D> {
     /// A history with the same value at all quadrature points of a cell or facet region. Where the assembler
     /// takes the compiler's estimate, its rule is that of `degree`; the integrals that read it take this rule.
     ///
     /// # Errors
-    /// An unknown region, contact pairs, a rule that does not exist, or a value that is not finite.
+    /// An unknown region, contact pairs (for which there is `history_on_pairs`), a rule that does not exist, or a value that is
+    /// not finite.
     pub fn history<V: FieldValue>(
         &self,
         entity: Entity,
@@ -326,13 +355,31 @@ impl<const D: usize> Assembler<D> {
             let (pairing, source) = (region.to_owned(), PairError::History);
             return Err(AssemblyError::Pairs { form: NEW, symbol: "of it", pairing, source });
         }
-        let mut components = vec![0.0; V::COMPONENTS];
-        initial.write(&mut components);
-        if !components.iter().all(|value| value.is_finite()) {
-            return Err(AssemblyError::NotFinite { form: NEW, field: "the initial value", position: None });
-        }
-        let storage = PointStorage::new(self, entity, region, degree, &components).map_err(not_made)?;
+        let initial = components_of(initial)?;
+        let storage = PointStorage::new(self, entity, region, degree, &initial).map_err(not_made)?;
         Ok(History::from_handle(Arc::new(storage)))
+    }
+
+    /// A history with the same value at all points of contact pairs that have an opposite one, on the undeformed mesh: read by
+    /// `this` in integrals over this pairing, and in no others. Where the assembler takes the compiler's estimate, its rule
+    /// is that of `degree`.
+    ///
+    /// # Errors
+    /// Surfaces that cannot be paired, or a value that is not finite.
+    pub fn history_on_pairs<V: FieldValue>(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        initial: V,
+    ) -> Result<History<V, D>, AssemblyError> {
+        let storage = PointStorage::on_pairs(self, pairing, degree, &components_of(initial)?);
+        let refused = |source| AssemblyError::Pairs {
+            form: NEW,
+            symbol: "of it",
+            pairing: pairing.to_string(),
+            source,
+        };
+        Ok(History::from_handle(Arc::new(storage.map_err(refused)?)))
     }
 
     /// Known values at the quadrature points of all cells, `values[(cell * points + point) * components + component]`,
@@ -374,7 +421,10 @@ impl<const D: usize> Assembler<D> {
         }
         // At its own points, whatever this assembler would take.
         let own = self.clone().with_quadrature(storage.quadrature.clone());
-        let values = own.at_quadrature_points(expression, storage.entity, &storage.region, storage.degree)?;
+        let values = match &storage.pairs {
+            Some(pairs) => own.at_pairs(expression, &pairs.pairing, storage.degree)?,
+            None => own.at_quadrature_points(expression, storage.entity, &storage.region, storage.degree)?,
+        };
         if values.values.len() * found != storage.committed().len() {
             return Err(mismatch(HistoryMismatch::Rule));
         }
@@ -399,4 +449,9 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-compiled_here!(PointStorage::<D>::snapshot, Assembler::<D>::known_at_points, commits::<D>);
+compiled_here!(
+    PointStorage::<D>::snapshot,
+    PointStorage::<D>::on_pairs,
+    Assembler::<D>::known_at_points,
+    commits::<D>
+);

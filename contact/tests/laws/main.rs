@@ -1,10 +1,13 @@
 //! The laws of friction: layers with known answers in the plane and in space, Taylor tests of the tangents, adjoints against
 //! differences, Newton's method from zero and from random starts, bad input.
 
+mod analytic_obstacle;
 mod augmented_lagrangian;
 mod block;
 mod capsule;
 mod cattaneo;
+mod cohesive;
+mod contact_heat;
 mod cylinder;
 mod finite_nitsche;
 mod frictional_nitsche;
@@ -17,3 +20,5 @@ mod self_contact;
 mod setting;
 mod shape;
 mod two_bodies;
+mod uzawa;
+mod wear;

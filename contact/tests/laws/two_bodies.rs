@@ -11,10 +11,11 @@ use forms_fem::verification;
 
 use crate::setting::{LAMBDA, MU, THETAS, YOUNG, along};
 
-const WIDTH: f64 = 1.5;
+/// Width \[length\].
+pub const WIDTH: f64 = 1.5;
 
 /// Two layers of height ½ with so many cells sideways, the upper one `apart` above the lower one.
-fn layers<const D: usize>(shape: CellShape, cells: [usize; 2], apart: f64) -> Arc<Mesh<D>> {
+pub fn layers<const D: usize>(shape: CellShape, cells: [usize; 2], apart: f64) -> Arc<Mesh<D>> {
     let body = |count: usize, bottom: f64| {
         let mut divisions = [count; D];
         divisions[D - 1] = 2;
@@ -28,7 +29,7 @@ fn layers<const D: usize>(shape: CellShape, cells: [usize; 2], apart: f64) -> Ar
 }
 
 /// The lowest side held, the highest moved by (U, .., −δ), the others periodic.
-fn constraints<const D: usize>(space: &Arc<Space<D>>, aside: f64, down: f64) -> Constraints<D> {
+pub fn constraints<const D: usize>(space: &Arc<Space<D>>, aside: f64, down: f64) -> Constraints<D> {
     let mut constraints = Constraints::new(space);
     let mut top = along::<D>(0, aside);
     top[D - 1] = -down;

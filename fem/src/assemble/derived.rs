@@ -19,7 +19,6 @@ use crate::history::HistoryMismatch;
 use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
-use crate::pairs::PairError;
 use crate::quadrature::{Quadrature, QuadratureRule};
 use crate::space::Space;
 
@@ -139,8 +138,8 @@ impl<const D: usize> Assembler<D> {
     /// are left out.
     ///
     /// # Errors
-    /// Surfaces that cannot be paired, a function that reads a history, a value that is not finite, or data that do not
-    /// fit.
+    /// Surfaces that cannot be paired, a function that reads a history of something else, a value that is not finite, or data
+    /// that do not fit.
     pub fn at_pairs<E: Expression<D>>(
         &self,
         expression: &E,
@@ -149,9 +148,11 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<PointValues<D>, AssemblyError> {
         let region = Region::of_pairs("derived field", pairing.clone());
         let failed = |source| pair_error(expression.name(), &region, source);
-        if self.history_degree(expression)?.is_some() {
-            return Err(failed(PairError::History));
-        }
+        let binding =
+            Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        let mut visitor = HistoryVisitor { pairing: Some(pairing), ..HistoryVisitor::of(&binding, self) };
+        expression.expression(&mut visitor)?;
+        let degree = visitor.read.map_or(degree, |(_, degree)| degree);
         let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
         let place = format!("the pairs {pairing}");
         let found = self.values(expression, |binding| groups_of(binding, &place, &pairs))?;
@@ -337,7 +338,7 @@ impl<const D: usize> Assembler<D> {
     fn history_degree<E: Expression<D>>(&self, expression: &E) -> Result<Option<usize>, AssemblyError> {
         let binding =
             Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
-        let mut visitor = HistoryVisitor { binding: &binding, quadrature: &self.quadrature, read: None };
+        let mut visitor = HistoryVisitor::of(&binding, self);
         expression.expression(&mut visitor)?;
         Ok(visitor.read.map(|(_, degree)| degree))
     }
@@ -346,7 +347,7 @@ impl<const D: usize> Assembler<D> {
     fn expect_no_history<E: Expression<D>>(&self, expression: &E) -> Result<(), AssemblyError> {
         let form = expression.name();
         let binding = Binding::new(form, expression.fields(), expression.inputs(), &self.mesh, &[])?;
-        let mut visitor = HistoryVisitor { binding: &binding, quadrature: &self.quadrature, read: None };
+        let mut visitor = HistoryVisitor::of(&binding, self);
         expression.expression(&mut visitor)?;
         match visitor.read {
             Some((field, _)) => Err(AssemblyError::History { form, field, source: HistoryMismatch::Points }),
@@ -396,14 +397,25 @@ impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
 struct HistoryVisitor<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,
+    /// The pairs at whose points the histories have to be known.
+    pairing: Option<&'a Pairing>,
     /// The name of a history, and the degree of its rule.
     read: Option<(&'static str, usize)>,
+}
+
+impl<'a, const D: usize> HistoryVisitor<'a, D> {
+    fn of(binding: &'a Binding<'a, D>, assembler: &'a Assembler<D>) -> Self {
+        HistoryVisitor { binding, quadrature: &assembler.quadrature, pairing: None, read: None }
+    }
 }
 
 impl<const D: usize> ExpressionVisitor<D> for HistoryVisitor<'_, D> {
     type Error = AssemblyError;
 
     fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, _: &K) -> Result<(), AssemblyError> {
+        if let Some(pairing) = self.pairing {
+            self.binding.histories_on_pairs(&K::REQUIREMENTS, pairing)?;
+        }
         self.read = self.binding.history_degree(&K::REQUIREMENTS, self.quadrature)?;
         Ok(())
     }

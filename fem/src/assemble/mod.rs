@@ -36,6 +36,7 @@ mod functional;
 mod outline;
 mod owned_cells;
 mod pair_groups;
+mod pair_histories;
 mod pair_reports;
 mod pairs;
 mod partition;

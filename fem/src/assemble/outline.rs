@@ -4,7 +4,8 @@ use std::convert::Infallible;
 use std::ops::Deref;
 
 use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, Entity, FieldDescription, Form, Inputs, Integral, Region, Role, Side,
+    BilinearKernel, BilinearVisitor, Entity, FieldDescription, Form, Inputs, Integral, Region, Requirements,
+    Role, Side,
 };
 
 use super::Parts;
@@ -77,6 +78,8 @@ pub(crate) struct Coupling {
     pub degree: DegreeEstimate,
     /// Of pairs of displaced surfaces, the fields that displace them.
     pub displacement: Option<&'static [usize]>,
+    /// Of contact pairs, among them histories with a rule of their own.
+    pub requirements: Requirements,
 }
 
 impl Coupling {
@@ -107,10 +110,10 @@ fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling
 }
 
 impl CouplingVisitor<'_> {
-    fn add(&mut self, integral: &Integral) {
+    fn add(&mut self, integral: &Integral, requirements: Requirements) {
         let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } = *integral;
         let sides = [test_side, trial_side];
-        let coupling = Coupling { test, trial, region, sides, degree, displacement };
+        let coupling = Coupling { test, trial, region, sides, degree, displacement, requirements };
         let on_pairs = self.regions[region].entity == Entity::Pairs;
         let is_new = on_pairs || !self.found.iter().any(|known| known.is_like(&coupling));
         if self.parts.contain(integral.dependence) && is_new {
@@ -123,7 +126,7 @@ impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
     type Error = Infallible;
 
     fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
-        self.add(integral);
+        self.add(integral, K::REQUIREMENTS);
         Ok(())
     }
 }

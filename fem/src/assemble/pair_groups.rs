@@ -111,8 +111,10 @@ impl<const D: usize> PairSearch<D> {
         let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), mesh, unknowns)?;
         binding.searches = Some((&self.known, self.threads));
         let degrees = binding.degrees(tests);
-        let degree =
-            degree_on_pairs(mesh, &|geometry, simplex| (coupling.degree)(&degrees, geometry, simplex));
+        let estimate =
+            || degree_on_pairs(mesh, &|geometry, simplex| (coupling.degree)(&degrees, geometry, simplex));
+        let history = binding.history_degree(&coupling.requirements, &self.quadrature)?;
+        let degree = history.map_or_else(estimate, |(_, degree)| degree);
         binding.pairs(coupling.region, coupling.displacement, &self.quadrature, degree)
     }
 
@@ -244,7 +246,10 @@ pub(super) fn pair_groups<const D: usize>(
     requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let region = integral.region;
-    if binding.history_degree(requirements, quadrature)?.is_some() {
+    if let Some(pairing) = &binding.regions[region].pairing
+        && binding.histories_on_pairs(requirements, pairing)? > 0
+        && integral.displacement.is_some()
+    {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
     }
     let pairs = binding.pairs(region, integral.displacement, quadrature, degree)?;
@@ -382,7 +387,7 @@ impl<const D: usize> Assembler<D> {
 
     /// The pairs, which are searched for at the first call.
     #[inline(never)]
-    pub(super) fn pairs_of(&self, pairing: &Pairing, degree: usize) -> Result<Arc<Pairs<D>>, PairError> {
+    pub(crate) fn pairs_of(&self, pairing: &Pairing, degree: usize) -> Result<Arc<Pairs<D>>, PairError> {
         self.known_pairs.find(&self.mesh, pairing, &self.quadrature, degree, None, self.threads)
     }
 }

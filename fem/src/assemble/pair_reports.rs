@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Form, Integral, LinearKernel, LinearVisitor};
+use forms_core::contract::{Entity, Form, Integral, LinearKernel, LinearVisitor, Requirements};
 
 use super::binding::Binding;
 use super::pair_groups::degree_on_pairs;
@@ -51,7 +51,7 @@ struct ReportVisitor<'a, 'b, const D: usize> {
 impl<const D: usize> ReportVisitor<'_, '_, D> {
     /// The pairs of an integral, if it is the first of its region and displacement.
     #[inline(never)]
-    fn add(&mut self, integral: &Integral) -> Result<(), AssemblyError> {
+    fn add(&mut self, integral: &Integral, requirements: &Requirements) -> Result<(), AssemblyError> {
         let (number, displacement) = (integral.region, integral.displacement);
         let region = &self.binding.regions[number];
         let is_known = self.found.iter().any(|known| (known.0, known.1) == (number, displacement));
@@ -59,7 +59,11 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
             return Ok(());
         }
         let estimate = |geometry, simplex| (integral.degree)(&self.degrees, geometry, simplex);
-        let degree = degree_on_pairs(self.binding.mesh, &estimate);
+        let quadrature = &self.assembler.quadrature;
+        let degree = match self.binding.history_degree(requirements, quadrature)? {
+            Some((_, degree)) => degree,
+            None => degree_on_pairs(self.binding.mesh, &estimate),
+        };
         let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
         let pairs = RegionPairs {
             symbol: region.symbol,
@@ -78,7 +82,7 @@ impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
     type Error = AssemblyError;
 
     fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
-        self.add(integral)
+        self.add(integral, &K::REQUIREMENTS)
     }
 }
 

@@ -62,9 +62,16 @@ pub enum PairError {
         /// The problem of the rule.
         source: QuadratureError,
     },
-    /// A history that is read on pairs.
-    #[error("a history has no values at the points of contact pairs")]
+    /// A history of facets for pairs, or one that is read at points that slide.
+    #[error(
+        "points that slide have no history; one of contact pairs of fixed points is made by `history_on_pairs`"
+    )]
     History,
+    /// An own and an opposite facet that a pairing pairs twice, so that a history cannot tell their points.
+    #[error(
+        "a history has values for each own and opposite facet once, and this pairing has some of them twice"
+    )]
+    Twice,
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,

@@ -77,7 +77,8 @@ fn what_pairs_do_not_have() {
     let touch = remembering::Touch::on(Pairing::onto("below", "above"));
     assert_eq!(
         message(assembler.functional(&remembering::remembered(&data, &touch))),
-        "form `remembered`, pairs `Touch` (below onto above): a history has no values at the points of contact pairs"
+        "form `remembered`, history `worn`: it was made for \"below\", and is read on the pairs below onto above; \
+         `history_on_pairs` makes one for a pairing"
     );
     let distance = touching::distance();
     assert_eq!(

@@ -3,6 +3,7 @@
 mod assembly;
 mod errors;
 mod geometry;
+mod histories;
 mod patch;
 
 use forms_fem::prelude::*;

@@ -258,8 +258,13 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let side = side_index(slot.side);
         let local = self.tables[side].group.facet.map(|(local, _)| local);
         let mut lanes = vec![[0.0; WIDEST]; slot.components];
+        let units = self.group.pairs.as_ref().map(|pairs| &pairs.group.facets);
         for lane in 0..L::WIDTH {
-            let values = history.at(self.buffers.sides[side].cells[lane], local, q).map_err(mismatch)?;
+            let values = match units {
+                Some(facets) => history.at_pair(facets[self.start + lane.min(self.filled - 1)], q),
+                None => history.at(self.buffers.sides[side].cells[lane], local, q),
+            };
+            let values = values.map_err(mismatch)?;
             for (component, value) in values.iter().enumerate() {
                 lanes[component][lane] = *value;
             }

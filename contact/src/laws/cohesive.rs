@@ -1,0 +1,174 @@
+//! Cohesion between two bodies: a traction that falls as they separate, small strains, at pairs of fixed points.
+
+use forms_fem::forms;
+use forms_fem::prelude::*;
+
+use crate::law::{ContactLaw, WithAdjoint};
+
+/// Bodies that are glued together by a bilinear law of traction and separation (after Camacho and Ortiz 1996, Alfano and
+/// Crisfield 2001). With Δ = u(Y) − u(X), Δ_n = Δ·n_y and the effective opening δ = √(\[Δ_n\]₊² + β² |Δ_t|²),
+///
+/// T = k(κ) (\[Δ_n\]₊ n_y + β² Δ_t) − \[P_n\]₋ n_y,  κ = max(largest δ of all steps before, δ),  P_n = σ_n + γ g,
+///
+/// Σ a_i(u,v) − Σ ½ ∫ T·⟦v⟧ = ℓ(v) over both surfaces. Along the way of largest openings the traction k(κ) κ rises with the
+/// stiffness K to the strength σ_c at δ₀ = σ_c/K and falls to zero at δ_f = 2 G_c/σ_c, so that G_c is lost per area; it unloads
+/// to the origin. What closes touches without friction by Nitsche's method with θ = 0.
+///
+/// The largest opening is a [`History`] of the pairing, made by [`Assembler::history_on_pairs`]; after a step
+/// `assembler.update_history(&model.opening_after(&u), &model.data.largest_opening)` and `commit()`. Where the bodies' stiffness
+/// is less than the slope of the softening, separation jumps, and no small load step follows it.
+#[forms]
+pub mod cohesive {
+    use super::super::frictional_nitsche::frictional_nitsche::loads;
+    pub use super::super::two_bodies::two_bodies::{GammaN, Omega, Touch, criterion};
+    use crate::operators::cohesion::{
+        bilinear_dissipation, bilinear_stiffness, opening, separation_traction,
+    };
+    pub use crate::operators::linear_elastic::stress;
+
+    /// Data of bodies and glue.
+    pub struct Data {
+        /// λ, first Lamé parameter \[stress\].
+        pub lambda: Given<Scalar>,
+        /// μ, shear modulus \[stress\].
+        pub mu: Given<Scalar>,
+        /// γ₀ \[stress\]; γ = γ₀ / h_T, for what closes.
+        pub gamma0: Given<Scalar>,
+        /// Part of each surface's integral: ½ where both surfaces are integrated over, 1 where one of them is.
+        #[default(0.5)]
+        pub share: Param,
+        /// K, stiffness before damage \[stress/length\]; above σ_c²/(2 G_c).
+        #[doc(alias = "K")]
+        pub stiffness: Param,
+        /// σ_c, the largest traction \[stress\].
+        #[doc(alias = "σ_c")]
+        pub strength: Param,
+        /// G_c, the energy that separation takes per area.
+        #[doc(alias = "G_c")]
+        pub fracture_energy: Param,
+        /// β, the weight of sliding beside opening.
+        #[doc(alias = "β")]
+        #[default(1)]
+        pub shear_weight: Param,
+        /// The largest effective opening of all steps before \[length\].
+        pub largest_opening: History<Scalar>,
+        /// f, force per volume.
+        #[doc(alias = "f")]
+        #[default(0)]
+        pub body_force: Given<Vector>,
+        /// g_N, force per area on Γ_N.
+        #[doc(alias = "g_N")]
+        #[default(0)]
+        pub traction: Given<Vector>,
+        /// F in the criterion J(u) = ∫ F·u.
+        #[doc(alias = "F")]
+        #[default(0)]
+        pub criterion_force: Given<Vector>,
+    }
+
+    /// δ(u), the effective opening.
+    #[doc(alias = "δ")]
+    pub fn effective_opening(w: Vector) -> Scalar {
+        opening(-jump(w), toward, shear_weight)
+    }
+
+    /// κ(u), the largest effective opening up to now: what the history becomes after a step.
+    #[doc(alias = "κ")]
+    pub fn opening_after(w: Vector) -> Scalar {
+        max(this(largest_opening), effective_opening(w))
+    }
+
+    /// The traction of the glue on the body of X.
+    pub fn cohesive_traction(w: Vector) -> Vector {
+        let k = bilinear_stiffness(opening_after(w), stiffness, strength, fracture_energy);
+        separation_traction(-jump(w), toward, shear_weight, k)
+    }
+
+    /// \[P_n\]₋, the pressure where the bodies touch.
+    pub fn contact_pressure(w: Vector) -> Scalar {
+        let present_gap = gap - dot(jump(w), toward);
+        neg_part(dot(this(stress(w) * n), toward) + this(gamma0) / this(h) * present_gap)
+    }
+
+    /// T(u), the traction of glue and contact on the body of X.
+    pub fn opposite_traction(w: Vector) -> Vector {
+        cohesive_traction(w) - contact_pressure(w) * toward
+    }
+
+    /// The direct problem of a step.
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(stress(u), eps(v)))
+            - loads(v)
+            - integral(Touch, share * dot(opposite_traction(u), jump(v)))
+    }
+
+    /// The adjoint of the discrete problem of one step, the history held.
+    pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+
+    /// dJ/dσ_c = ∂R/∂σ_c (u; p) for one step, with p of `discrete_adjoint`.
+    pub fn by_strength(u: State<Vector>, p: State<Vector>) -> Functional {
+        derivative(direct(u, p), strength, 1)
+    }
+
+    /// The energy that separation has taken up to now, by the largest openings that are committed.
+    pub fn dissipated_energy() -> Functional {
+        integral(
+            Touch,
+            share * bilinear_dissipation(this(largest_opening), stiffness, strength, fracture_energy),
+        )
+    }
+}
+
+impl<const D: usize> ContactLaw<D> for cohesive::Model<D>
+where
+    Dim: Dimension<D>,
+{
+    type Direct = cohesive::direct::Compiled<D>;
+
+    fn direct(&self) -> Self::Direct {
+        cohesive::Model::direct(self)
+    }
+
+    fn contact_region(&self) -> &str {
+        &self.regions.touch.0.name
+    }
+
+    fn check(&self, form: &'static str) -> Result<(), AssemblyError> {
+        let data = &self.data;
+        let out =
+            |parameter, value, range| Err(AssemblyError::ParameterRange { form, parameter, value, range });
+        // What is not finite is named when the form is bound to its data.
+        if data.strength <= 0.0 {
+            return out("strength", data.strength, "positive");
+        }
+        if data.fracture_energy <= 0.0 {
+            return out("fracture_energy", data.fracture_energy, "positive");
+        }
+        if data.stiffness <= data.strength * data.strength / (2.0 * data.fracture_energy) {
+            return out("stiffness", data.stiffness, "above strength²/(2 fracture_energy)");
+        }
+        Ok(())
+    }
+
+    fn line_search(&self) -> LineSearch {
+        LineSearch::OnResidual
+    }
+}
+
+impl<const D: usize> WithAdjoint<D> for cohesive::Model<D>
+where
+    Dim: Dimension<D>,
+{
+    type Criterion = cohesive::criterion::Compiled<D>;
+    type Adjoint = cohesive::discrete_adjoint::Compiled<D>;
+
+    fn criterion(&self, u: &Field<D>) -> Self::Criterion {
+        cohesive::Model::criterion(self, u)
+    }
+
+    fn adjoint(&self, u: &Field<D>) -> Self::Adjoint {
+        cohesive::Model::discrete_adjoint(self, u)
+    }
+}
