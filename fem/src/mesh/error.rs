@@ -42,6 +42,14 @@ pub enum MeshError {
         /// The shapes of the mesh.
         shapes: Vec<CellShape>,
     },
+    /// A feature that meshes with rigid surfaces do not have.
+    #[error("{what} is of bodies alone, and this mesh has the rigid surface \"{name}\": add it afterwards")]
+    RigidSurface {
+        /// The first rigid surface.
+        name: String,
+        /// The feature asked for.
+        what: &'static str,
+    },
     /// No cells.
     #[error("the mesh has no cells")]
     Empty,

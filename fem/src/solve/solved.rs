@@ -38,6 +38,12 @@ pub enum ReactionError {
     /// No such region.
     #[error(transparent)]
     Region(#[from] MeshError),
+    /// An unknown that is no displacement.
+    #[error("forces on an unknown of {components} components have no moment: it takes a displacement")]
+    NoMoment {
+        /// Components of the unknown.
+        components: usize,
+    },
     /// No such unknown.
     #[error("there is no unknown {number}; the problem has {count} (numbered from 0)")]
     Unknown {
@@ -124,6 +130,29 @@ impl<const D: usize> Solved<D, 1> {
     /// [`ReactionError::Region`].
     pub fn reaction(&self, region: &str) -> Result<Vec<f64>, ReactionError> {
         self.reaction_of(0, region)
+    }
+
+    /// The moment of the same forces about a point, where they act: Σ (x + u − about) × R(u) over the nodes of a region, one number in the
+    /// plane (counter-clockwise), three in space \[force × length\]. Of a rigid surface it is that of the forces which hold the tool.
+    ///
+    /// # Errors
+    /// [`ReactionError::Region`]; [`ReactionError::NoMoment`] where the unknown is no vector of D components.
+    pub fn reaction_moment(&self, region: &str, about: [f64; D]) -> Result<Vec<f64>, ReactionError> {
+        let (field, space) = (self.field(), self.field().space());
+        if space.shape() != [D] {
+            return Err(ReactionError::NoMoment { components: space.components() });
+        }
+        let axes: &[[usize; 2]] = if D == 2 { &[[0, 1]] } else { &[[1, 2], [2, 0], [0, 1]] };
+        let mut moment = vec![0.0; axes.len()];
+        for node in space.nodes_on(region)? {
+            let (x, u) = (space.positions()[node as usize], field.at_node(node as usize));
+            let force = &self.residual[node as usize * D..][..D];
+            for (moment, [i, j]) in moment.iter_mut().zip(axes) {
+                let arm = |k: usize| x[k] + u[k] - about[k];
+                *moment += arm(*i) * force[*j] - arm(*j) * force[*i];
+            }
+        }
+        Ok(moment)
     }
 }
 
