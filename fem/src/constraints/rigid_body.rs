@@ -1,6 +1,7 @@
 //! Boundaries that move as a rigid body: a few of their unknowns give all the others.
 
 use super::{Constraints, ConstraintsError, RigidMap};
+use crate::compiled_here::compiled_here;
 use crate::linear_algebra::rigid_motions;
 
 /// A motion is new if it differs from those before by more than this part of the largest.
@@ -27,6 +28,7 @@ impl<const D: usize> Constraints<D> {
     ///
     /// # Errors
     /// As [`Constraints::rigid_body`]; [`ConstraintsError::NotRigid`].
+    #[inline(never)]
     pub fn rigid_body_from(&mut self, region: &str, motion: &RigidMap<D>) -> Result<(), ConstraintsError> {
         let place = format!("region \"{region}\"");
         self.check_vectors(&place)?;
@@ -55,6 +57,7 @@ impl<const D: usize> Constraints<D> {
     ///
     /// # Errors
     /// As [`Constraints::fix`]; [`ConstraintsError::NotRigid`].
+    #[inline(never)]
     pub fn move_rigidly(&mut self, region: &str, motion: &RigidMap<D>) -> Result<(), ConstraintsError> {
         let place = format!("region \"{region}\"");
         self.check_vectors(&place)?;
@@ -127,6 +130,8 @@ fn leading_unknowns(motions: &[Vec<f64>]) -> Leading {
     });
     Leading { factors: factors.collect(), unknowns: leaders }
 }
+
+compiled_here!(Constraints::<D>::rigid_body_from, Constraints::<D>::move_rigidly);
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

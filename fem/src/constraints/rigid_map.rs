@@ -1,6 +1,7 @@
 //! Rigid maps: motions of bodies, and of one region onto another.
 
 use super::ConstraintsError;
+use crate::compiled_here::compiled_here;
 use crate::field::Field;
 use crate::mesh::geometry::{determinant, inverse};
 
@@ -72,6 +73,7 @@ impl<const D: usize> RigidMap<D> {
     ///
     /// # Errors
     /// [`ConstraintsError`]: no vectors of D components, an unknown region, nodes that do not fix a motion or have no finite positions.
+    #[inline(never)]
     pub fn nearest(field: &Field<D>, region: &str) -> Result<(Self, f64), ConstraintsError> {
         let (space, place) = (field.space(), format!("region \"{region}\""));
         if space.shape() != [D] {
@@ -162,3 +164,5 @@ fn polar<const D: usize>(matrix: [[f64; D]; D]) -> Option<[[f64; D]; D]> {
 fn times<const D: usize>(matrix: &[[f64; D]; D], x: &[f64; D]) -> [f64; D] {
     matrix.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum())
 }
+
+compiled_here!(RigidMap::<D>::nearest);

@@ -50,6 +50,14 @@ pub enum MeshError {
         /// The feature asked for.
         what: &'static str,
     },
+    /// A rigid surface as a region of cells to integrate over.
+    #[error(
+        "\"{name}\" is a rigid surface: the cell that carries it is no part of a body, and nothing is integrated over it"
+    )]
+    NoBody {
+        /// Its name.
+        name: String,
+    },
     /// No cells.
     #[error("the mesh has no cells")]
     Empty,

@@ -63,7 +63,7 @@ pub struct Facet {
 /// Geometry nodes of a cell stand in the order of [`crate::element::Lagrange`].
 ///
 /// The cell region "all", the facet region "boundary" and (where cells share facets) the region "interior" of
-/// interior facets always exist.
+/// interior facets always exist. Rigid surfaces ([`Mesh::with_rigid_surfaces`]) stand on further cells, which are in none of them.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     /// Which cells have which shape.

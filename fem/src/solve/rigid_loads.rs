@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::compiled_here::compiled_here;
 use crate::constraints::RigidMap;
 use crate::mesh::geometry::inverse;
 use crate::mesh::{CarriedSurface, Mesh};
@@ -97,6 +98,7 @@ impl<const D: usize> RigidLoads<D> {
     ///
     /// # Errors
     /// [`RigidLoadError`].
+    #[inline(never)]
     pub fn force(&mut self, name: &str, point: [f64; D], force: [f64; D]) -> Result<(), RigidLoadError> {
         for (what, value) in [("the point", &point), ("the force", &force)] {
             check_finite(name, what, value)?;
@@ -118,6 +120,7 @@ impl<const D: usize> RigidLoads<D> {
     ///
     /// # Errors
     /// [`RigidLoadError`].
+    #[inline(never)]
     pub fn couple(&mut self, name: &str, couple: &[f64], motion: &RigidMap<D>) -> Result<(), RigidLoadError> {
         check_finite(name, "the couple", couple)?;
         let (found, expected) = (couple.len(), D * (D - 1) / 2);
@@ -163,3 +166,5 @@ fn check_finite(name: &str, what: &'static str, value: &[f64]) -> Result<(), Rig
         false => Err(RigidLoadError::NotFinite { name: name.to_owned(), what, value: value.to_vec() }),
     }
 }
+
+compiled_here!(RigidLoads::<D>::force, RigidLoads::<D>::couple);

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::{NewtonStep, SolverReport};
 use crate::assemble::{Assembler, AssemblyError, PointValues, RegionPairs};
+use crate::compiled_here::compiled_here;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::mesh::MeshError;
@@ -137,6 +138,7 @@ impl<const D: usize> Solved<D, 1> {
     ///
     /// # Errors
     /// [`ReactionError::Region`]; [`ReactionError::NoMoment`] where the unknown is no vector of D components.
+    #[inline(never)]
     pub fn reaction_moment(&self, region: &str, about: [f64; D]) -> Result<Vec<f64>, ReactionError> {
         let (field, space) = (self.field(), self.field().space());
         if space.shape() != [D] {
@@ -170,3 +172,5 @@ fn resultant<const D: usize>(
     }
     Ok(sums)
 }
+
+compiled_here!(Solved::<D, 1>::reaction_moment);

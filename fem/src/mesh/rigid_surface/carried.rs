@@ -53,6 +53,7 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::RegionExists`] for a name that is taken, by a region or by another surface; [`MeshError::Inverted`] where a surface is so
     /// small beside its distance from the origin that its cell has no volume.
+    #[inline(never)]
     pub fn with_rigid_surfaces(&self, surfaces: &[(&str, &RigidSurface<D>)]) -> Result<Self, MeshError> {
         let mut nodes = self.nodes.clone();
         let mut blocks: Vec<(CellShape, Vec<u32>)> = Vec::new();

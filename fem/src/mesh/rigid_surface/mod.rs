@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 pub(crate) use self::carried::CarriedSurface;
 pub use self::error::RigidSurfaceError;
 use super::{Facet, Mesh, MeshError};
+use crate::compiled_here::compiled_here;
 
 /// The side of a rigid tool: segments in the plane, triangles in space, whose normals point out of the tool, toward the bodies that
 /// it meets. [`Mesh::with_rigid_surfaces`] puts it beside bodies.
@@ -36,11 +37,6 @@ pub struct RigidSurface<const D: usize> {
     rim: usize,
 }
 
-/// The corners of a facet by number, for messages.
-fn numbers<const D: usize>(facet: &[u32; D]) -> Vec<u32> {
-    facet.to_vec()
-}
-
 impl<const D: usize> RigidSurface<D> {
     /// A surface from its points \[length\] and the numbers of each facet's corners: from left to right as seen with the outward
     /// normal up in the plane, counter-clockwise as seen from outside in space.
@@ -48,6 +44,7 @@ impl<const D: usize> RigidSurface<D> {
     /// # Errors
     /// A [`RigidSurfaceError`] that names the facet or point: no facets, a point that does not exist, a coordinate that is not finite,
     /// a facet without an area, neighbours with opposite sides outward.
+    #[inline(never)]
     pub fn new(points: Vec<[f64; D]>, facets: Vec<[u32; D]>) -> Result<Self, RigidSurfaceError> {
         if facets.is_empty() {
             return Err(RigidSurfaceError::Empty);
@@ -73,6 +70,7 @@ impl<const D: usize> RigidSurface<D> {
     ///
     /// # Errors
     /// [`RigidSurfaceError::Region`], [`RigidSurfaceError::Curved`]; those of [`RigidSurface::new`].
+    #[inline(never)]
     pub fn of_boundary(body: &Mesh<D>, region: &str) -> Result<Self, RigidSurfaceError> {
         let named = body.facet_region(region).map_err(|source| RigidSurfaceError::Region { source })?;
         if body.degree() > 1 {
@@ -169,7 +167,7 @@ fn rim<const D: usize>(points: &[[f64; D]], facets: &[[u32; D]]) -> Result<usize
             let middle = std::array::from_fn::<f64, D, _>(|k| {
                 edge.iter().map(|point| 0.5 * points[*point as usize][k]).sum()
             });
-            let corners = numbers(&facets[facet]);
+            let corners = facets[facet].to_vec();
             return Err(RigidSurfaceError::Sides { facet, corners, position: middle.to_vec() });
         }
     }
@@ -218,3 +216,5 @@ impl<const D: usize> Mesh<D> {
         self.rigid_surface(name).map(|carried| Facet { cell: carried.cell, local: 0 })
     }
 }
+
+compiled_here!(RigidSurface::<D>::new, RigidSurface::<D>::of_boundary, Mesh::<D>::with_rigid_surfaces);
