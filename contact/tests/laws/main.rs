@@ -13,6 +13,7 @@ mod gradients;
 mod hertz_of_bodies;
 mod layer;
 mod random_loads;
+mod rigid_layers;
 mod rigid_tools;
 mod self_contact;
 mod setting;
