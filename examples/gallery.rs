@@ -61,6 +61,13 @@ const MAKERS: [Maker; 9] = [
         ],
     },
     Maker {
+        arguments: &["--bin", "rigid_punch"],
+        pictures: &[
+            ("out/rigid_punch.png", "rigid_punch.png"),
+            ("out/rigid_punch_forces.png", "rigid_punch_forces.png"),
+        ],
+    },
+    Maker {
         arguments: &["--bin", "shape_optimisation", "--", "figure-6", "--anew"],
         pictures: &[
             ("out/shape_optimisation/figure_6.png", "figure_6.png"),

@@ -142,6 +142,18 @@ fn half_spaces_give_hertz_and_cattaneo() {
     assert!(errors.len() == 6 && errors.iter().all(|error| error.abs() < 2.0), "{printed}");
 }
 
+/// Forces grow with depth, in the plane and in space.
+#[test]
+fn a_rigid_punch_meets_growing_forces() {
+    let printed = run_with(env!("CARGO_BIN_EXE_rigid_punch"), &["20", "5", "10"], "rigid_punch.png");
+    let (plane, space) = printed.split_once("3D: ").expect("a table in space");
+    for table in [plane, space] {
+        let rows = table.lines().filter_map(|line| line.split('|').nth(2)?.trim().parse::<f64>().ok());
+        let forces: Vec<f64> = rows.collect();
+        assert!(forces.len() >= 10 && forces.is_sorted() && forces[0] > 0.0, "{printed}");
+    }
+}
+
 /// The numbers that stand after a word, one per line that has it.
 fn printed_numbers(printed: &str, word: &str) -> Vec<f64> {
     let after = printed.lines().filter_map(|line| line.split(word).nth(1));

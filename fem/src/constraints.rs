@@ -5,6 +5,7 @@ mod error;
 mod mean_value;
 mod periodic;
 mod rigid_body;
+mod rigid_map;
 mod sliding;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -13,7 +14,7 @@ use std::sync::Arc;
 pub use equations::Relation;
 pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
-pub use periodic::RigidMap;
+pub use rigid_map::RigidMap;
 
 use crate::compiled_here::compiled_here;
 use crate::space::Space;

@@ -21,6 +21,7 @@ mod pairs;
 mod positive_parts;
 mod reactions;
 mod related_unknowns;
+mod rigid_surfaces;
 mod rotated_relations;
 mod second_derivatives;
 mod several_shapes;

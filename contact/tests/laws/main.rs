@@ -16,6 +16,8 @@ mod gradients;
 mod hertz_of_bodies;
 mod layer;
 mod random_loads;
+mod rigid_layers;
+mod rigid_tools;
 mod self_contact;
 mod setting;
 mod shape;

@@ -43,7 +43,7 @@ impl<const D: usize> Locator<D> {
     /// A locator for a mesh; linear in the number of cells.
     #[inline(never)]
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
-        let grid = BoxGrid::new((0..mesh.cell_count()).map(|cell| cell_box(mesh, cell)).collect());
+        let grid = BoxGrid::new(mesh.body_cells().map(|cell| cell_box(mesh, cell)).collect());
         Locator { mesh: Arc::clone(mesh), grid }
     }
 

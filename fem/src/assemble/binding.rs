@@ -12,7 +12,7 @@ use super::{Assembler, AssemblyError, unoptimised};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
-use crate::mesh::{Facet, Mesh};
+use crate::mesh::{Facet, Mesh, MeshError};
 use crate::pairs::{Displacement, DisplacementField, KnownPairs, PairError, Pairs};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -98,6 +98,9 @@ impl<'a> Entities<'a> {
     ) -> Result<Self, AssemblyError> {
         let name = &region.name;
         let found = match region.entity {
+            Entity::Cells if mesh.rigid_surface(name).is_some() => {
+                Err(MeshError::NoBody { name: name.clone() })
+            }
             Entity::Cells => mesh.cell_region(name).map(|cells| Entities::Cells(cells.into())),
             Entity::Facets => mesh.facet_region(name).map(|facets| Entities::Facets(facets.into())),
             // Their facets follow from a search, not from a name: `Binding::pairs`.

@@ -16,7 +16,7 @@ use crate::dimension::{Dim, Dimension};
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
-use crate::linear_algebra::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
+use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
 use crate::quadrature::{Quadrature, QuadratureRule};
@@ -229,7 +229,7 @@ impl<const D: usize> Assembler<D> {
         let rule_degree = self.history_degree(expression)?.unwrap_or(degree);
         let mut load = vec![vec![0.0; space.node_count()]; components];
         let mut values_and_weights = values.values.iter().zip(&values.weights);
-        for block in self.mesh.blocks() {
+        for block in self.mesh.body_blocks() {
             let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), block.shape, rule_degree);
             let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
             let tables = space.element_of(block.shape).tabulate(&rule.points);
@@ -243,7 +243,14 @@ impl<const D: usize> Assembler<D> {
                 }
             }
         }
-        let mass = crate::norms::mass_matrix(&self.on_all_cells(), space, degree)?;
+        let mut mass = crate::norms::mass_matrix(&self.on_all_cells(), space, degree)?;
+        // Cells that carry rigid surfaces have no quantities: the projection is zero there.
+        let carriers = self.mesh.body_cells().end..self.mesh.cell_count();
+        let nodes = carriers.flat_map(|cell| space.cell_nodes(cell));
+        let entries: Vec<Entry> = nodes.map(|node| Entry { row: *node, column: *node, value: 1.0 }).collect();
+        if !entries.is_empty() {
+            mass = mass.plus(&entries).map_err(linear_algebra)?;
+        }
         let factor = factor(&mass).map_err(linear_algebra)?;
         let mut coefficients = vec![0.0; space.unknowns()];
         for (component, mut load) in load.into_iter().enumerate() {

@@ -63,6 +63,11 @@ impl<const D: usize> Assembler<D> {
         self.owned.is_some()
     }
 
+    /// Whether the integrals over a cell are taken here.
+    pub(crate) fn owns_cell(&self, cell: u32) -> bool {
+        self.owned.as_ref().is_none_or(|owned| owned.owns(cell))
+    }
+
     /// The same on some of the mesh's cells: integrals over cells and facets are taken over those that are owned, an exterior
     /// facet with its cell, an interior one with the cell of its first side. Vectors, matrices, actions, functionals and
     /// active sets become partial: over assemblers whose cells are a partition of the mesh's they add up to the whole. A

@@ -17,7 +17,7 @@ use crate::field::{Field, FieldView};
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::{
     Approach, Displacement, DisplacementField, FirstTouch, KnownPairs, PairError, PairGroup, PairReport,
-    Pairs,
+    Pairs, coupled_facets,
 };
 use crate::quadrature::{Quadrature, QuadratureRule, map_to_facet};
 use crate::space::Space;
@@ -131,8 +131,7 @@ impl<const D: usize> PairSearch<D> {
         let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
         let mut facets = BTreeSet::new();
         for name in pairing.surfaces.iter().flat_map(|facing| [&facing.own, &facing.opposite]) {
-            let named = mesh.facet_region(name);
-            facets.extend(named.map_err(|source| refused(PairError::Surface { source }))?);
+            facets.extend(coupled_facets(mesh, name).map_err(refused)?.iter().copied());
         }
         Ok(facets)
     }
@@ -217,8 +216,12 @@ fn with_neighbours<const D: usize>(
 ) -> Result<Vec<[Facet; 2]>, PairError> {
     let mut around: HashMap<u32, Vec<Facet>> = HashMap::new();
     for facing in &pairing.surfaces {
-        let facets = mesh.facet_region(&facing.opposite).map_err(|source| PairError::Surface { source })?;
-        for facet in facets {
+        // A rigid surface is one cell: points stay on it wherever they slide.
+        if mesh.carrier(&facing.opposite).is_some() {
+            continue;
+        }
+        let facets = coupled_facets(mesh, &facing.opposite)?;
+        for facet in &*facets {
             for vertex in mesh.facet_vertices(*facet) {
                 around.entry(vertex).or_default().push(*facet);
             }
@@ -228,7 +231,8 @@ fn with_neighbours<const D: usize>(
     for _ in 0..LAYERS {
         let neighbours = |[own, opposite]: &[Facet; 2]| -> Vec<[Facet; 2]> {
             let vertices = mesh.facet_vertices(*opposite).collect::<Vec<_>>().into_iter();
-            vertices.flat_map(|vertex| around[&vertex].iter().map(|facet| [*own, *facet])).collect()
+            let of_vertex = |vertex| around.get(&vertex).into_iter().flatten();
+            vertices.flat_map(|vertex| of_vertex(vertex).map(|facet| [*own, *facet])).collect()
         };
         let found: Vec<_> = all.iter().flat_map(neighbours).collect();
         all.extend(found);

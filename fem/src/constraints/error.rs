@@ -97,6 +97,26 @@ pub enum ConstraintsError {
         /// The remainder of the right-hand side after the earlier conditions.
         difference: f64,
     },
+    /// A map that is no motion of a rigid body.
+    #[error(
+        "{place}: a rigid body does not move by {rotation:?} x + {translation:?}, which turns it inside out, stretches it or is not finite"
+    )]
+    NotRigid {
+        /// The region.
+        place: String,
+        /// The matrix, by rows.
+        rotation: Vec<Vec<f64>>,
+        /// The translation.
+        translation: Vec<f64>,
+    },
+    /// Nodes that do not say how a body has moved.
+    #[error(
+        "the nodes of {place} fix no motion: they lie on a line or in a plane, are turned inside out or nowhere finite"
+    )]
+    NoMotion {
+        /// The region.
+        place: String,
+    },
     /// A direction without a length.
     #[error("{place}: the normal at {position:?} is {normal:?}")]
     Normal {

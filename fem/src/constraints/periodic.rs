@@ -1,39 +1,7 @@
 //! Periodic conditions: the values on one region are those on another, carried over by a rigid motion.
 
-use super::{Constraints, ConstraintsError};
+use super::{Constraints, ConstraintsError, RigidMap};
 use crate::coincident::{Coincident, distance};
-
-/// x ↦ R x + t with a rotation (or reflection) R.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidMap<const D: usize> {
-    /// R, by rows.
-    pub rotation: [[f64; D]; D],
-    /// t \[length\].
-    pub translation: [f64; D],
-}
-
-impl<const D: usize> RigidMap<D> {
-    /// x ↦ x + t.
-    pub fn translation(translation: [f64; D]) -> Self {
-        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
-        RigidMap { rotation, translation }
-    }
-
-    /// x ↦ c + R (x − c).
-    pub fn rotation(rotation: [[f64; D]; D], centre: [f64; D]) -> Self {
-        let turned = times(&rotation, &centre);
-        RigidMap { rotation, translation: std::array::from_fn(|i| centre[i] - turned[i]) }
-    }
-
-    fn apply(&self, x: &[f64; D]) -> [f64; D] {
-        let turned = times(&self.rotation, x);
-        std::array::from_fn(|i| turned[i] + self.translation[i])
-    }
-}
-
-fn times<const D: usize>(matrix: &[[f64; D]; D], x: &[f64; D]) -> [f64; D] {
-    matrix.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum())
-}
 
 impl<const D: usize> Constraints<D> {
     /// u at the image of each node of `from`, which must be a node of `to`, equals u at the node; vectors of D

@@ -1,6 +1,7 @@
 //! Boundaries that move as a rigid body: a few of their unknowns give all the others.
 
-use super::{Constraints, ConstraintsError};
+use super::{Constraints, ConstraintsError, RigidMap};
+use crate::compiled_here::compiled_here;
 use crate::linear_algebra::rigid_motions;
 
 /// A motion is new if it differs from those before by more than this part of the largest.
@@ -18,11 +19,24 @@ impl<const D: usize> Constraints<D> {
     /// # Errors
     /// A space without vectors of D components, an unknown region, or a contradiction to earlier conditions.
     pub fn rigid_body(&mut self, region: &str) -> Result<(), ConstraintsError> {
+        self.rigid_body_from(region, &RigidMap::translation([0.0; D]))
+    }
+
+    /// The nodes of a region move as one rigid body from where a motion has brought it: u(x) = y − x + a + W y with y = map(x) and a skew
+    /// W. For large rotations: with the motion of the last solution ([`RigidMap::nearest`]) the problem is solved again, until W is zero
+    /// to a tolerance; then the body is turned and not stretched, and its forces and moments balance where it is.
+    ///
+    /// # Errors
+    /// As [`Constraints::rigid_body`]; [`ConstraintsError::NotRigid`].
+    #[inline(never)]
+    pub fn rigid_body_from(&mut self, region: &str, motion: &RigidMap<D>) -> Result<(), ConstraintsError> {
         let place = format!("region \"{region}\"");
         self.check_vectors(&place)?;
+        check_motion(motion, &place)?;
         let nodes = self.nodes_on(region, &place)?;
-        let positions: Vec<[f64; D]> =
-            nodes.iter().map(|&node| self.space.positions()[node as usize]).collect();
+        let before = |node: &u32| self.space.positions()[*node as usize];
+        let moved: Vec<f64> = nodes.iter().flat_map(|node| motion.displacement(&before(node))).collect();
+        let positions: Vec<[f64; D]> = nodes.iter().map(|node| motion.apply(&before(node))).collect();
         let motions = rigid_motions(&positions);
         let Leading { unknowns: leaders, factors } = leading_unknowns(&motions);
         let unknown = |k: usize| nodes[k / D] as usize * D + k % D;
@@ -31,11 +45,42 @@ impl<const D: usize> Constraints<D> {
             let mut terms = vec![(unknown(k), 1.0)];
             let given = leaders.iter().zip(factors).filter(|(_, factor)| factor.abs() > ROUNDING);
             terms.extend(given.map(|(leader, factor)| (unknown(*leader), -factor)));
-            changed.add_equation(&place, &terms, 0.0)?;
+            let of_leaders: f64 =
+                leaders.iter().zip(factors).map(|(leader, factor)| factor * moved[*leader]).sum();
+            changed.add_equation(&place, &terms, moved[k] - of_leaders)?;
         }
         *self = changed;
         Ok(())
     }
+
+    /// Prescribes a motion of a region, finite rotations included: u(x) = map(x) − x at its nodes.
+    ///
+    /// # Errors
+    /// As [`Constraints::fix`]; [`ConstraintsError::NotRigid`].
+    #[inline(never)]
+    pub fn move_rigidly(&mut self, region: &str, motion: &RigidMap<D>) -> Result<(), ConstraintsError> {
+        let place = format!("region \"{region}\"");
+        self.check_vectors(&place)?;
+        check_motion(motion, &place)?;
+        let mut entries = Vec::new();
+        for node in self.nodes_on(region, &place)? {
+            let by = motion.displacement(&self.space.positions()[node as usize]);
+            entries.extend((node as usize * D..).zip(by));
+        }
+        self.insert(&place, &entries)
+    }
+}
+
+fn check_motion<const D: usize>(motion: &RigidMap<D>, place: &str) -> Result<(), ConstraintsError> {
+    if motion.is_motion() {
+        return Ok(());
+    }
+    let rotation = motion.rotation.iter().map(|row| row.to_vec()).collect();
+    Err(ConstraintsError::NotRigid {
+        place: place.to_owned(),
+        rotation,
+        translation: motion.translation.to_vec(),
+    })
 }
 
 /// Unknowns whose values determine a motion.
@@ -85,6 +130,8 @@ fn leading_unknowns(motions: &[Vec<f64>]) -> Leading {
     });
     Leading { factors: factors.collect(), unknowns: leaders }
 }
+
+compiled_here!(Constraints::<D>::rigid_body_from, Constraints::<D>::move_rigidly);
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

@@ -147,11 +147,11 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// The text of the file.
     #[inline(never)]
     fn encode(&self) -> Result<String, VtuError> {
-        let cell_count = self.mesh.cell_count();
+        let cell_count = self.mesh.body_cells().len();
         let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
         let mut points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), [])?;
         let separate = !self.corners.is_empty();
-        let mut data = self.points.clone();
+        let (mut data, mut cells) = (self.points.clone(), self.cells.clone());
         if separate {
             // Points of the cells, one after the other, in place of the nodes that they share.
             for array in data.iter_mut().chain([&mut points]) {
@@ -162,9 +162,14 @@ impl<'a, const D: usize> VtuFile<'a, D> {
             }
             data.extend(self.corners.iter().cloned());
         }
+        // Cells that carry rigid surfaces are the last ones, and their nodes too.
+        let (node_count, corner_count) = self.mesh.body_nodes();
+        let kept = if separate { corner_count } else { node_count };
+        data.iter_mut().chain([&mut points]).for_each(|array| array.values.truncate(kept * array.components));
+        cells.iter_mut().for_each(|array| array.values.truncate(cell_count * array.components));
         let mut connectivity = Vec::with_capacity(self.mesh.cells().len());
         let (mut offsets, mut types) = (Vec::with_capacity(cell_count), Vec::with_capacity(cell_count));
-        for block in self.mesh.blocks() {
+        for block in self.mesh.body_blocks() {
             let (cell_type, order) = cell_type(block.shape, self.mesh.degree());
             for cell in block.cells.clone() {
                 let (nodes, start) = (self.mesh.cell(cell), connectivity.len());
@@ -176,7 +181,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
             }
         }
         let point_data = data.iter().map(Array::written).collect();
-        let cell_data = self.cells.iter().map(Array::written).collect();
+        let cell_data = cells.iter().map(Array::written).collect();
         let points = points.written();
         Ok(xml::Grid { points, connectivity, offsets, types, point_data, cell_data }.encode())
     }

@@ -38,6 +38,26 @@ pub enum PairError {
         /// The centre of the first.
         position: Vec<f64>,
     },
+    /// A rigid surface that is to be integrated over.
+    #[error(
+        "the surface \"{surface}\" is rigid: there is nothing to integrate over on it. Let a body face it (`Pairing::onto(body, \
+         \"{surface}\")`, with the whole of the integral on the body's side)"
+    )]
+    RigidSide {
+        /// Its name.
+        surface: String,
+    },
+    /// A rigid surface whose nodes are displaced by what is no affine map.
+    #[error(
+        "the rigid surface \"{surface}\" is bent: a node of the cell that carries it is {away:e} away from where the others put it. \
+         Let all of its nodes follow one motion (`Constraints::move_rigidly`, `Constraints::rigid_body`)"
+    )]
+    Bent {
+        /// Its name.
+        surface: String,
+        /// The distance \[length\].
+        away: f64,
+    },
     /// A reach that is not positive and finite.
     #[error("the reach is {reach}; it must be a positive length")]
     Reach {

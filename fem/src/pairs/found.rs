@@ -15,6 +15,8 @@ pub(super) struct PairPoint<const D: usize> {
     pub weight: f64,
     pub gap: f64,
     pub toward: [f64; D],
+    /// The opposite surface's outward unit normal before it moves, where it is rigid.
+    pub rigid_normal: Option<[f64; D]>,
 }
 
 /// The points of an own facet that lie opposite to one facet.
@@ -105,7 +107,8 @@ impl<const D: usize> Found<D> {
         &mut self.counts[last]
     }
 
-    /// Sorts the pairs of the last own facet by opposite facets, in the order of its points.
+    /// Sorts the pairs of the last own facet by opposite facets, in the order of its points. All facets of a rigid surface move with one
+    /// cell, and count as one.
     pub fn end(
         &mut self,
         mesh: &Mesh<D>,
@@ -114,12 +117,13 @@ impl<const D: usize> Found<D> {
         room: &mut Room<D>,
     ) {
         let place = mesh.walk_of_facet(&[own.facet]);
-        while let Some((facet, _)) = room.pairs.first().copied() {
-            let first = self.points.len();
-            let of_facet = room.pairs.iter().filter(|(other, _)| *other == facet);
+        while let Some((index, _)) = room.pairs.first().copied() {
+            let (first, facet) = (self.points.len(), opposite[index].facet);
+            let is_of_facet = |other: usize| other == index || opposite[other].facet == facet;
+            let of_facet = room.pairs.iter().filter(|(other, _)| is_of_facet(*other));
             self.points.extend(of_facet.map(|(_, point)| *point));
-            room.pairs.retain(|(other, _)| *other != facet);
-            let facets = [own.facet, opposite[facet].facet];
+            room.pairs.retain(|(other, _)| !is_of_facet(*other));
+            let facets = [own.facet, facet];
             self.units.push(Unit { place, facets, points: first..self.points.len() });
         }
     }

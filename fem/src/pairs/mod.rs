@@ -4,7 +4,8 @@
 //! ```text
 //! displacement   the fields that displace surfaces
 //! traces    elements on facets, as polynomials
-//! surface, surfaces   facets as parametrised surfaces, and those of a pairing
+//! surface, frame   facets as parametrised surfaces, their points and normals
+//! surfaces, rigid   the surfaces of a pairing by name; those that are rigid
 //! rim       where a surface ends
 //! opposite  the point of one facet on a ray, or nearest to a point
 //! candidates     the facets that rays may meet, kept while motions are small
@@ -25,11 +26,13 @@ mod displacement;
 mod error;
 mod first_touch;
 mod found;
+mod frame;
 mod known;
 mod opposite;
 mod pieces;
 mod points;
 mod report;
+mod rigid;
 mod rim;
 mod search;
 mod surface;
@@ -49,6 +52,7 @@ pub use self::first_touch::{Approach, FirstTouch};
 use self::found::{Counts, Found, PairPoint, Room, Unit};
 pub(crate) use self::known::KnownPairs;
 pub use self::report::PairReport;
+pub(crate) use self::rigid::coupled_facets;
 use self::search::Search;
 use self::surfaces::Surfaces;
 use crate::element::CellShape;
@@ -68,6 +72,9 @@ pub(crate) struct PairGroup<const D: usize> {
     /// Of each unit and point: reference coordinates in the own cell, in the opposite one, the weight on the own facet's
     /// reference cell, the gap, the direction toward the opposite point.
     pub points: Vec<f64>,
+    /// Of each unit and point where the opposite surface is rigid, so that its facets are none of cells: their outward unit normal
+    /// before they move. Empty elsewhere.
+    pub rigid_normals: Vec<f64>,
 }
 
 impl<const D: usize> PairGroup<D> {
@@ -76,14 +83,19 @@ impl<const D: usize> PairGroup<D> {
 
     /// The units whose own cell is wanted.
     pub fn filtered(&self, wanted: impl Fn(u32) -> bool) -> Self {
-        let length = self.count * Self::STRIDE;
+        let of_units = |numbers: &[f64], stride: usize, kept: &[usize]| -> Vec<f64> {
+            let length = self.count * stride;
+            let known = kept.iter().filter(|_| !numbers.is_empty());
+            known.flat_map(|unit| &numbers[unit * length..][..length]).copied().collect()
+        };
         let kept: Vec<usize> =
             (0..self.facets.len()).filter(|unit| wanted(self.facets[*unit][0].cell)).collect();
         PairGroup {
             sides: self.sides,
             facets: kept.iter().map(|unit| self.facets[*unit]).collect(),
             count: self.count,
-            points: kept.iter().flat_map(|unit| &self.points[unit * length..][..length]).copied().collect(),
+            points: of_units(&self.points, Self::STRIDE, &kept),
+            rigid_normals: of_units(&self.rigid_normals, D, &kept),
         }
     }
 }
@@ -169,17 +181,20 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
     for (unit, points) in units {
         let side = |facet: Facet| (mesh.cell_shape(facet.cell as usize), facet.local);
         let (sides, count) = (unit.facets.map(side), unit.points.len());
-        let group = groups.entry((sides, count)).or_insert_with(|| PairGroup {
+        let rigid = mesh.carries(unit.facets[1].cell);
+        let group = groups.entry((sides, count, rigid)).or_insert_with(|| PairGroup {
             sides,
             facets: vec![],
             count,
             points: vec![],
+            rigid_normals: vec![],
         });
         group.facets.push(unit.facets);
         for point in &points[unit.points.clone()] {
             group.points.extend(point.reference.as_flattened());
             group.points.extend([point.weight, point.gap]);
             group.points.extend(point.toward);
+            group.rigid_normals.extend(point.rigid_normal.iter().flatten());
         }
     }
     groups.into_values().map(Arc::new).collect()

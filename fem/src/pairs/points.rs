@@ -100,7 +100,9 @@ impl<const D: usize> Search<'_, '_, D> {
             Projection::Ray => from.normal,
             Projection::Nearest => partner.hit.normal.map(|component| -component),
         };
-        room.pairs.push((partner.facet, PairPoint { reference, weight, gap: partner.gap, toward }));
+        let rigid_normal = self.opposite[partner.facet].rigid_normal;
+        let point = PairPoint { reference, weight, gap: partner.gap, toward, rigid_normal };
+        room.pairs.push((partner.facet, point));
     }
 
     /// Rules on the own facet's reference cell, each with the opposite facet that it is made for.

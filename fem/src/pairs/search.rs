@@ -87,6 +87,9 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         earlier: Option<&KeptCandidates<D>>,
     ) -> Result<Self, PairError> {
         let (own, opposite) = (surfaces.of(&facing.own), surfaces.of(&facing.opposite));
+        if mesh.rigid_surface(&facing.own).is_some() {
+            return Err(PairError::RigidSide { surface: facing.own.clone() });
+        }
         let within = facing.own == facing.opposite;
         let is_shared = |facet: &&SurfaceFacet<D>| {
             !within && opposite.binary_search_by_key(&facet.facet, |other| other.facet).is_ok()

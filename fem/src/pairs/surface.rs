@@ -1,10 +1,12 @@
 //! Facets as parametrised surfaces: positions, tangents, normals, what holds them.
 
 use super::displacement::{CellDisplacement, Displacement};
+use super::frame::{FlatFacet, Frame};
+pub(super) use super::frame::{SurfacePoint, dot, minus, unit};
 use super::traces::{Coefficients, Traces};
 use crate::element::Lagrange;
 use crate::locate::{Corners, box_around};
-use crate::mesh::{Facet, Mesh};
+use crate::mesh::{CarriedSurface, Facet, Mesh};
 
 /// A facet of a mesh over its own reference cell, whose second coordinate is zero in the plane; where it is displaced, the
 /// displaced facet.
@@ -28,115 +30,10 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
     pub centre: [f64; D],
     pub radius: f64,
     pub flat: FlatFacet<D>,
-}
-
-/// The flat facet that has three of a facet's corners, in the plane both, and how far the facet is from it.
-#[derive(Clone, Debug)]
-pub(super) struct FlatFacet<const D: usize> {
-    origin: [f64; D],
-    frame: Frame<D>,
-    /// The most that a point of the facet is away from the flat one's of the same coordinates; none where it is not known.
-    away: Option<f64>,
-    /// The lengths of the dual tangents.
-    slopes: [f64; 2],
-}
-
-/// The normal of a surface and the vectors dual to its tangents.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame<const D: usize> {
-    /// Of the length of the surface element.
-    normal: [f64; D],
-    dual: [[f64; D]; 2],
-}
-
-/// A point of a facet with the derivatives of its position.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SurfacePoint<const D: usize> {
-    pub position: [f64; D],
-    /// Derivatives along the facet's own coordinates; the second is zero in the plane.
-    pub tangents: [[f64; D]; 2],
-}
-
-pub(super) fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    (0..D).map(|k| a[k] * b[k]).sum()
-}
-
-pub(super) fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-pub(super) fn unit<const D: usize>(a: &[f64; D]) -> [f64; D] {
-    let length = dot(a, a).sqrt();
-    a.map(|a| a / length)
-}
-
-fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
-    std::array::from_fn(|i| a[(i + 1) % D] * b[(i + 2) % D] - a[(i + 2) % D] * b[(i + 1) % D])
-}
-
-impl<const D: usize> SurfacePoint<D> {
-    /// The outward normal, of the length of the surface element.
-    pub fn long_normal(&self) -> [f64; D] {
-        let [s, t] = &self.tangents;
-        match D {
-            2 => std::array::from_fn(|i| if i == 0 { s[1] } else { -s[0] }),
-            _ => cross(s, t),
-        }
-    }
-
-    /// The outward unit normal.
-    pub fn normal(&self) -> [f64; D] {
-        unit(&self.long_normal())
-    }
-
-    pub fn frame(&self) -> Frame<D> {
-        let normal = self.long_normal();
-        let square = dot(&normal, &normal);
-        let [s, t] = &self.tangents;
-        let dual = match D {
-            2 => [s.map(|s| s / square), [0.0; D]],
-            _ => [cross(t, &normal).map(|s| s / square), cross(&normal, s).map(|t| t / square)],
-        };
-        Frame { normal, dual }
-    }
-
-    /// The surface element.
-    pub fn element(&self) -> f64 {
-        let [s, t] = &self.tangents;
-        if D == 2 {
-            return dot(s, s).sqrt();
-        }
-        let (first, mixed, last) = (dot(s, s), dot(s, t), dot(t, t));
-        (first * last - mixed * mixed).max(0.0).sqrt()
-    }
-}
-
-impl<const D: usize> Frame<D> {
-    /// The coordinates along the tangents at which a line through a point along n meets the tangent plane; `off` is the vector
-    /// from where the frame stands to the point. No numbers where the line runs along the plane.
-    pub fn met_by(&self, off: &[f64; D], n: &[f64; D]) -> [f64; 2] {
-        let gap = -dot(&self.normal, off) / dot(&self.normal, n);
-        let foot: [f64; D] = std::array::from_fn(|k| off[k] + gap * n[k]);
-        self.dual.each_ref().map(|dual| dot(dual, &foot))
-    }
-}
-
-impl<const D: usize> FlatFacet<D> {
-    /// The intersection with a line through x along n, in coordinates of the facet.
-    pub fn met_by(&self, x: &[f64; D], n: &[f64; D]) -> [f64; 2] {
-        self.frame.met_by(&minus(x, &self.origin), n)
-    }
-
-    /// The most by which coordinates at which a line along n meets the facet differ from those at which it meets the flat one.
-    pub fn doubt(&self, n: &[f64; D]) -> [f64; 2] {
-        let Some(away) = self.away else { return [f64::INFINITY; 2] };
-        if away == 0.0 {
-            return [0.0; 2];
-        }
-        let normal = &self.frame.normal;
-        let slant = (dot(normal, normal).sqrt() / dot(normal, n)).abs();
-        self.slopes.map(|slope| away * slope * (1.0 + slant))
-    }
+    /// The numbers of its corners, and how many it has.
+    vertices: ([u32; 4], usize),
+    /// The outward unit normal before it is displaced, of a facet of a rigid surface.
+    pub rigid_normal: Option<[f64; D]>,
 }
 
 impl<'m, const D: usize> SurfaceFacet<'m, D> {
@@ -187,8 +84,48 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
             centre: zero,
             radius: 0.0,
             flat: FlatFacet { origin: zero, frame, away: None, slopes: [0.0; 2] },
+            vertices: numbered(mesh.facet_vertices(facet)),
+            rigid_normal: None,
         };
         own.enclose(degree, local);
+        own
+    }
+
+    /// A facet of a rigid surface, whose points have these positions now.
+    pub fn rigid(
+        mesh: &'m Mesh<D>,
+        carried: &CarriedSurface<D>,
+        index: usize,
+        positions: &[[f64; D]],
+    ) -> Self {
+        let corners = carried.surface.facets()[index];
+        let reference = |k: usize| carried.references[corners[k] as usize];
+        let position = |k: usize| positions[corners[k] as usize];
+        let (zero, origin) = ([0.0; D], reference(0));
+        let across = |first: [f64; D], last: [f64; D]| if D == 2 { zero } else { minus(&last, &first) };
+        let tangents = [minus(&reference(1), &origin), across(origin, reference(D - 1))];
+        let mut polynomial: Coefficients<[f64; D]> = [[zero; 3]; 3];
+        polynomial[0][0] = position(0);
+        polynomial[1][0] = minus(&position(1), &position(0));
+        polynomial[0][1] = across(position(0), position(D - 1));
+        let frame = Frame { normal: zero, dual: [zero; 2] };
+        let mut own = SurfaceFacet {
+            mesh,
+            facet: Facet { cell: carried.cell, local: 0 },
+            displacement: None,
+            origin,
+            tangents,
+            triangle: D == 3,
+            affine: true,
+            polynomial: Some(polynomial),
+            corners: (zero, zero),
+            centre: zero,
+            radius: 0.0,
+            flat: FlatFacet { origin: zero, frame, away: None, slopes: [0.0; 2] },
+            vertices: numbered(corners.into_iter()),
+            rigid_normal: Some(carried.normals[index]),
+        };
+        own.enclose(1, 0);
         own
     }
 
@@ -249,7 +186,10 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
 
     /// The largest distance between two corners, before they are displaced.
     pub fn diameter(&self) -> f64 {
-        let corners: Vec<_> = self.vertices().map(|vertex| self.mesh.nodes()[vertex as usize]).collect();
+        let corners: Vec<_> = match self.rigid_normal {
+            None => self.vertices().map(|vertex| self.mesh.nodes()[vertex as usize]).collect(),
+            Some(_) => self.parameters().iter().map(|s| self.undisplaced(s).0).collect(),
+        };
         let mut largest = 0.0_f64;
         for (index, a) in corners.iter().enumerate() {
             for b in &corners[..index] {
@@ -261,7 +201,8 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
 
     /// The numbers of its corners, in the order of [`SurfaceFacet::parameters`].
     pub fn vertices(&self) -> impl Iterator<Item = u32> {
-        self.mesh.facet_vertices(self.facet)
+        let (numbers, count) = self.vertices;
+        numbers.into_iter().take(count)
     }
 
     /// Its corners on its own reference cell.
@@ -354,6 +295,16 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let last = if self.triangle { s[0] + s[1] } else { s[0].max(s[1]) };
         s[0] >= -tolerance && s[1] >= -tolerance && last <= 1.0 + tolerance
     }
+}
+
+/// Some corners and their number.
+fn numbered(corners: impl Iterator<Item = u32>) -> ([u32; 4], usize) {
+    let (mut numbers, mut count) = ([0; 4], 0);
+    for (number, corner) in numbers.iter_mut().zip(corners) {
+        *number = corner;
+        count += 1;
+    }
+    (numbers, count)
 }
 
 /// Adds what the nodes of an element make of the position.

@@ -2,10 +2,10 @@
 
 use forms_core::contract::Pairing;
 
-use super::PairError;
 use super::displacement::Displacement;
 use super::surface::SurfaceFacet;
 use super::traces::Traces;
+use super::{PairError, rigid};
 use crate::element::Lagrange;
 use crate::mesh::{Facet, Mesh};
 use crate::threads::Threads;
@@ -19,7 +19,7 @@ pub(super) struct Surfaces<'m, const D: usize> {
     pub displaced: bool,
 }
 
-/// The facets of a surface, of which there is one at least.
+/// The facets of a surface of a body, of which there is one at least.
 fn facets<'m, const D: usize>(mesh: &'m Mesh<D>, name: &str) -> Result<&'m [Facet], PairError> {
     let facets = mesh.facet_region(name).map_err(|source| PairError::Surface { source })?;
     match facets.is_empty() {
@@ -49,6 +49,10 @@ impl<'m, const D: usize> Surfaces<'m, D> {
     ) -> Result<Self, PairError> {
         let mut surfaces = Vec::new();
         for name in names(pairing) {
+            if let Some(carried) = mesh.rigid_surface(name) {
+                surfaces.push((name.to_owned(), rigid::facets(mesh, carried, displacement, threads)?));
+                continue;
+            }
             let facets = facets(mesh, name)?;
             let parts = threads.count().min(facets.len().div_ceil(CHUNK)).max(1);
             let cut = |part: usize| part * facets.len() / parts;
@@ -77,6 +81,13 @@ pub(super) fn displacements<const D: usize>(
     let mut values: Vec<f64> = displacement.fields.iter().map(|field| field.space.degree as f64).collect();
     let mut known: Vec<(Lagrange, u8, Vec<usize>)> = Vec::new();
     for name in names(pairing) {
+        if let Some(carried) = mesh.rigid_surface(name) {
+            for field in &displacement.fields {
+                let nodes = field.space.nodes_at(carried.cell, None);
+                values.extend(nodes.iter().flat_map(|node| field.value_at(*node)));
+            }
+            continue;
+        }
         for facet in facets(mesh, name)? {
             let shape = mesh.cell_shape(facet.cell as usize);
             for field in &displacement.fields {

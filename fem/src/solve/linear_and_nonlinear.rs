@@ -39,7 +39,8 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
             return Ok(None);
         }
         let pattern = BlockPattern::at_iterate(&outline, &spaces, &views, &self.assembler)?;
-        let load = self.form.residual(&self.assembler, &views, &spaces, parts)?;
+        let mut load = self.form.residual(&self.assembler, &views, &spaces, parts)?;
+        self.for_each_load(|unknown, force| load[unknown] -= force)?;
         let mut linear = BlockMatrix::zero(pattern.sparsity());
         self.form.assemble_tangent(&self.assembler, (&views, &spaces), parts, &pattern, &mut linear)?;
         Ok(Some(SplitSystem { commits, load, linear, nonlinear: None }))

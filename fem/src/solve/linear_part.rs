@@ -8,6 +8,7 @@ use std::sync::Arc;
 use forms_core::contract::Role;
 
 use super::any_form::Held;
+use super::rigid_loads::RigidLoads;
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, RegionPairs, TouchedEntries};
 use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::error::check_size;
@@ -24,6 +25,8 @@ pub(super) struct System<'a, const D: usize, const N: usize> {
     pub spaces: [Arc<Space<D>>; N],
     /// Positions of the tangent's entries, from the first use on.
     pub pattern: OnceCell<Arc<BlockPattern<D>>>,
+    /// Given forces and couples on rigid surfaces.
+    pub loads: Vec<&'a RigidLoads<D>>,
 }
 
 /// The assembler for the nonlinear integrals at given unknowns.
@@ -181,7 +184,8 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (views(&zero.each_ref()), self.spaces.each_ref());
         let linear = form.outline(Parts::LINEAR_AND_CONSTANT);
-        let load = form.residual(&self.assembler, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?;
+        let mut load = form.residual(&self.assembler, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?;
+        self.for_each_load(|unknown, force| load[unknown] -= force)?;
         let mut assembled = match earlier {
             Some(earlier) => Assembled { commits, load, ..earlier },
             None => {
@@ -225,10 +229,28 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         self.form.residual(&*self.assembler_at(u)?, &views, &spaces, Parts::NONLINEAR)
     }
 
+    /// Visits the forces on rigid surfaces with their unknowns among those of all spaces. Of several processes the one that owns the cell
+    /// that carries a surface has its loads.
+    pub fn for_each_load(&self, mut visit: impl FnMut(usize, f64)) -> Result<(), AssemblyError> {
+        for loads in &self.loads {
+            let Some(number) = self.spaces.iter().position(|space| space.numbers_as(&loads.space)) else {
+                let (form, field) = (self.form.name(), self.unknown_name(0));
+                return Err(AssemblyError::OtherSpace { form, field, what: "loads" });
+            };
+            let offset: usize = self.spaces[..number].iter().map(|space| space.unknowns()).sum();
+            for (_, entries) in loads.entries.iter().filter(|(cell, _)| self.assembler.owns_cell(*cell)) {
+                entries.iter().for_each(|(unknown, force)| visit(offset + unknown, *force));
+            }
+        }
+        Ok(())
+    }
+
     /// See [`Assembler::sizes_of_contributions`].
     pub fn sizes_of_contributions(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        self.form.sizes_of_contributions(&*self.assembler_at(u)?, &views, &spaces)
+        let mut sizes = self.form.sizes_of_contributions(&*self.assembler_at(u)?, &views, &spaces)?;
+        self.for_each_load(|unknown, force| sizes[unknown] += force.abs())?;
+        Ok(sizes)
     }
 
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.

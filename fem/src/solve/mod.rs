@@ -23,6 +23,7 @@ pub mod newton;
 mod node_blocks;
 pub mod per_unknown;
 pub mod problem;
+mod rigid_loads;
 pub mod solved;
 pub mod solver_report;
 pub mod tangent_solver;
@@ -41,6 +42,7 @@ pub use newton::{
 };
 pub use per_unknown::PerUnknown;
 pub use problem::{Problem, SolveError};
+pub use rigid_loads::{RigidLoadError, RigidLoads};
 pub use solved::{ReactionError, Solved};
 pub use solver_report::{SolverPath, SolverReport};
 pub use tangent_solver::{TangentSolver, TangentSolverOptions};

@@ -20,7 +20,7 @@ use super::any_form::Held;
 use super::communicator::Communicator;
 use super::{
     ActivePoints, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem, NonlinearTangent,
-    PerUnknown, Solved, Tangent,
+    PerUnknown, RigidLoads, Solved, Tangent,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
@@ -92,6 +92,12 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// These constraints with zero for the prescribed values and the same relations, as for adjoint states and increments.
     pub fn vanishing(mut self, constraints: &Constraints<D>) -> Self {
         self.untyped.constraints.push(Cow::Owned(constraints.homogeneous()));
+        self
+    }
+
+    /// Forces and couples on rigid surfaces, on the first unknown on their space.
+    pub fn loaded(mut self, loads: &'a RigidLoads<D>) -> Self {
+        self.untyped.system.loads.push(loads);
         self
     }
 

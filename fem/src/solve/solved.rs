@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::{NewtonStep, SolverReport};
 use crate::assemble::{Assembler, AssemblyError, PointValues, RegionPairs};
+use crate::compiled_here::compiled_here;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::mesh::MeshError;
@@ -38,6 +39,12 @@ pub enum ReactionError {
     /// No such region.
     #[error(transparent)]
     Region(#[from] MeshError),
+    /// An unknown that is no displacement.
+    #[error("forces on an unknown of {components} components have no moment: it takes a displacement")]
+    NoMoment {
+        /// Components of the unknown.
+        components: usize,
+    },
     /// No such unknown.
     #[error("there is no unknown {number}; the problem has {count} (numbered from 0)")]
     Unknown {
@@ -125,6 +132,30 @@ impl<const D: usize> Solved<D, 1> {
     pub fn reaction(&self, region: &str) -> Result<Vec<f64>, ReactionError> {
         self.reaction_of(0, region)
     }
+
+    /// The moment of the same forces about a point, where they act: Σ (x + u − about) × R(u) over the nodes of a region, one number in the
+    /// plane (counter-clockwise), three in space \[force × length\]. Of a rigid surface it is that of the forces which hold the tool.
+    ///
+    /// # Errors
+    /// [`ReactionError::Region`]; [`ReactionError::NoMoment`] where the unknown is no vector of D components.
+    #[inline(never)]
+    pub fn reaction_moment(&self, region: &str, about: [f64; D]) -> Result<Vec<f64>, ReactionError> {
+        let (field, space) = (self.field(), self.field().space());
+        if space.shape() != [D] {
+            return Err(ReactionError::NoMoment { components: space.components() });
+        }
+        let axes: &[[usize; 2]] = if D == 2 { &[[0, 1]] } else { &[[1, 2], [2, 0], [0, 1]] };
+        let mut moment = vec![0.0; axes.len()];
+        for node in space.nodes_on(region)? {
+            let (x, u) = (space.positions()[node as usize], field.at_node(node as usize));
+            let force = &self.residual[node as usize * D..][..D];
+            for (moment, [i, j]) in moment.iter_mut().zip(axes) {
+                let arm = |k: usize| x[k] + u[k] - about[k];
+                *moment += arm(*i) * force[*j] - arm(*j) * force[*i];
+            }
+        }
+        Ok(moment)
+    }
 }
 
 /// The sum of a space's part of a residual over the nodes of a region, one number per component.
@@ -141,3 +172,5 @@ fn resultant<const D: usize>(
     }
     Ok(sums)
 }
+
+compiled_here!(Solved::<D, 1>::reaction_moment);

@@ -32,6 +32,7 @@ impl<const D: usize> Mesh<D> {
         let mut nodes: Vec<[f64; D]> = Vec::new();
         let mut blocks: Vec<(CellShape, Vec<u32>)> = Vec::new();
         for (index, (name, body)) in bodies.iter().enumerate() {
+            body.without_rigid_surfaces("a mesh of several bodies")?;
             if body.degree != first.degree {
                 let (own, others) = (body.degree, first.degree);
                 let why =

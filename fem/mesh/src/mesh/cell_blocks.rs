@@ -86,6 +86,17 @@ impl<const D: usize> Mesh<D> {
         &self.blocks
     }
 
+    /// The blocks of the bodies' cells, without those that carry rigid surfaces.
+    #[doc(hidden)]
+    pub fn body_blocks(&self) -> impl Iterator<Item = CellBlock> + '_ {
+        let end = self.body_cells().end;
+        let cut = move |block: &CellBlock| CellBlock {
+            shape: block.shape,
+            cells: block.cells.start.min(end)..block.cells.end.min(end),
+        };
+        self.blocks.iter().map(cut).filter(|block| !block.cells.is_empty())
+    }
+
     /// The shapes of the cells, each once, in the order of the blocks.
     pub fn shapes(&self) -> Vec<CellShape> {
         let mut shapes = Vec::new();

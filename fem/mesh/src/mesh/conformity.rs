@@ -172,7 +172,7 @@ impl<const D: usize> Mesh<D> {
                 }
             }
         };
-        for cell in 0..self.cell_count() {
+        for cell in self.body_cells() {
             look(cell as u32, self.cell_centre(cell));
         }
         for &facet in self.boundary_facets() {

@@ -42,6 +42,22 @@ pub enum MeshError {
         /// The shapes of the mesh.
         shapes: Vec<CellShape>,
     },
+    /// A feature that meshes with rigid surfaces do not have.
+    #[error("{what} is of bodies alone, and this mesh has the rigid surface \"{name}\": add it afterwards")]
+    RigidSurface {
+        /// The first rigid surface.
+        name: String,
+        /// The feature asked for.
+        what: &'static str,
+    },
+    /// A rigid surface as a region of cells to integrate over.
+    #[error(
+        "\"{name}\" is a rigid surface: the cell that carries it is no part of a body, and nothing is integrated over it"
+    )]
+    NoBody {
+        /// Its name.
+        name: String,
+    },
     /// No cells.
     #[error("the mesh has no cells")]
     Empty,

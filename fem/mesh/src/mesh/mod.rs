@@ -26,6 +26,7 @@ mod point_tree;
 mod quality;
 mod refine;
 mod regions;
+mod rigid_surface;
 mod shared_facets;
 mod simplices;
 mod structured;
@@ -50,6 +51,9 @@ pub use perforated::PerforatedAnnulus;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
 pub use refine::{Surface, onto_sphere};
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
+#[doc(hidden)]
+pub use rigid_surface::CarriedSurface;
+pub use rigid_surface::{RigidSurface, RigidSurfaceError};
 pub use structured::{Grid, structured};
 pub use vtk::{VtkError, VtkMesh, VtkReader};
 
@@ -58,7 +62,7 @@ pub use vtk::{VtkError, VtkMesh, VtkReader};
 /// Geometry nodes of a cell stand in the order of [`crate::element::Lagrange`].
 ///
 /// The cell region "all", the facet region "boundary" and (where cells share facets) the region "interior" of
-/// interior facets always exist.
+/// interior facets always exist. Rigid surfaces ([`Mesh::with_rigid_surfaces`]) stand on further cells, which are in none of them.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     /// Which cells have which shape.
@@ -77,6 +81,8 @@ pub struct Mesh<const D: usize> {
     pub(crate) facet_regions: BTreeMap<String, Vec<Facet>>,
     /// Named sets of interior facets, each with its two sides.
     interior_regions: BTreeMap<String, Vec<[Facet; 2]>>,
+    /// Rigid surfaces, each on one of the last cells, in their order.
+    rigid: Vec<CarriedSurface<D>>,
     order: order::LazyOrder,
 }
 
@@ -169,6 +175,7 @@ impl<const D: usize> Mesh<D> {
             cell_regions: BTreeMap::from([(EVERYWHERE.to_owned(), all)]),
             facet_regions: BTreeMap::from([(BOUNDARY.to_owned(), boundary)]),
             interior_regions: BTreeMap::from([(INTERIOR.to_owned(), interior_facets)]),
+            rigid: vec![],
             order: order::LazyOrder::new(),
         };
         mesh.check_jacobians()?;

@@ -16,6 +16,14 @@ impl<const D: usize> Mesh<D> {
             return Err(MeshError::NodeCount { given: nodes.len(), count: self.node_count() });
         }
         super::connectivity::check_nodes(&nodes)?;
+        // Normals of rigid surfaces are known where the cells that carry them are.
+        let carriers = || self.body_cells().end..self.cell_count();
+        if carriers()
+            .flat_map(|cell| self.cell(cell))
+            .any(|node| nodes[*node as usize] != self.nodes[*node as usize])
+        {
+            self.without_rigid_surfaces("moving the nodes of the cell that carries a surface")?;
+        }
         // The walk of the cells, which numbers nodes, is kept.
         self.cell_order();
         let moved = Mesh { nodes, ..self.clone() };

@@ -60,7 +60,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     fn qualities(&self, positions: &[[f64; D]]) -> Vec<CellQuality<D>> {
-        self.blocks().iter().flat_map(|block| self.qualities_of(block, positions)).collect()
+        self.body_blocks().flat_map(|block| self.qualities_of(&block, positions)).collect()
     }
 
     fn qualities_of(&self, block: &CellBlock, positions: &[[f64; D]]) -> Vec<CellQuality<D>> {

@@ -52,6 +52,7 @@ impl<const D: usize> Mesh<D> {
     /// map moves nodes to infinity or through a cell.
     #[inline(never)]
     pub fn refined_onto(&self, surfaces: &[Surface<'_, D>]) -> Result<Self, MeshError> {
+        self.without_rigid_surfaces("refinement")?;
         let children = 1 << D;
         if self.cell_count().checked_mul(children).is_none_or(|count| u32::try_from(count).is_err()) {
             return Err(MeshError::TooLarge { what: "cells" });

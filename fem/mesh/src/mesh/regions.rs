@@ -59,7 +59,7 @@ impl<const D: usize> Mesh<D> {
         name: &str,
         condition: &dyn Fn(&[f64; D]) -> bool,
     ) -> Result<(), MeshError> {
-        let cells = (0..self.cell_count()).filter(|&cell| condition(&self.cell_centre(cell)));
+        let cells = self.body_cells().filter(|&cell| condition(&self.cell_centre(cell)));
         let cells: Vec<u32> = cells.map(|cell| cell as u32).collect();
         self.check_name(name, "cell", cells.is_empty())?;
         self.cell_regions.insert(name.to_owned(), cells);
@@ -74,7 +74,7 @@ impl<const D: usize> Mesh<D> {
     /// region has this name, [`MeshError::EmptyRegion`] for an empty list.
     #[inline(never)]
     pub fn name_listed_cells(&mut self, name: &str, cells: &[u32]) -> Result<(), MeshError> {
-        let count = self.cell_count();
+        let count = self.body_cells().len();
         if let Some(&cell) = cells.iter().find(|&&cell| cell as usize >= count) {
             return Err(MeshError::NoCell { name: name.to_owned(), cell, count });
         }

@@ -20,6 +20,7 @@ impl<const D: usize> Mesh<D> {
             CellShape::Quadrilateral => 2,
             CellShape::Hexahedron => 6,
         };
+        self.without_rigid_surfaces("division into simplices")?;
         if self.shapes().into_iter().all(CellShape::is_simplex) {
             return Ok(self.clone());
         }

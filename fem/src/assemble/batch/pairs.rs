@@ -68,8 +68,17 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             later[lane] += 2;
         }
         let toward = L::gather::<D>(points, &later);
-        let this = self.facet_point(requirements, 0, &own, pairs);
-        let other = self.facet_point(requirements, 1, &opposite, pairs);
+        let normals = &pairs.group.rigid_normals;
+        let rigid = if normals.is_empty() {
+            None
+        } else {
+            for lane in 0..L::WIDTH {
+                later[lane] = places[lane] / stride * D;
+            }
+            Some(L::gather::<D>(normals, &later))
+        };
+        let this = self.facet_point(requirements, 0, &own, pairs, None);
+        let other = self.facet_point(requirements, 1, &opposite, pairs, rigid);
         self.evaluate_fields(requirements, q, &this.position, &other.position)?;
         Ok(PointGeometry {
             weight: weight * this.element,
@@ -86,7 +95,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         })
     }
 
-    /// Geometry and basis functions on one side.
+    /// Geometry and basis functions on one side; the normal of a rigid surface is none of its cell's facets'.
     #[inline(always)]
     fn facet_point(
         &mut self,
@@ -94,13 +103,15 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         side: usize,
         reference: &[L; D],
         pairs: &PairTables<D>,
+        rigid_normal: Option<[L; D]>,
     ) -> FacetPoint<L, D> {
         let zero = L::splat(0.0);
         let reads = &self.buffers.reads;
         let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
         let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
         let bent = requirements.curvature && side == 0 && self.binding.mesh.degree() > 1;
-        let turning = requirements.opposite_shape_operator && side == 1 && !tables.affine;
+        let flat = tables.affine || rigid_normal.is_some();
+        let turning = requirements.opposite_shape_operator && side == 1 && !flat;
         let mut second = bent || turning;
         for index in 0..reads.len() {
             second |= reads[index].hessian;
@@ -133,7 +144,9 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             curvature: zero,
             shape_operator: [[zero; D]; D],
         };
-        if let Some((_, tangents)) = &tables.group.facet {
+        if let Some(normal) = rigid_normal {
+            point.normal = normal;
+        } else if let Some((_, tangents)) = &tables.group.facet {
             (point.element, point.normal) = surface(&buffers.jacobian, tangents);
             if bent || turning {
                 let mut along = [zero; 3];

@@ -144,7 +144,7 @@ impl<'a> Body<'a> {
     pub fn edges(&self) -> Vec<Vec<[f64; 2]>> {
         let mut seen = BTreeSet::new();
         let mut edges = Vec::new();
-        for cell in 0..self.mesh.cell_count() {
+        for cell in self.mesh.body_cells() {
             let nodes = self.mesh.cell(cell);
             for (local, ends) in self.mesh.cell_shape(cell).edges().iter().enumerate() {
                 let [a, b] = ends.map(|vertex| nodes[vertex]);

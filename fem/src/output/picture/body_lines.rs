@@ -57,7 +57,7 @@ pub(super) fn draw_polylines(
 /// Positions and values of a vector field at the centres of the cells.
 pub(super) fn arrow_samples(body: &Body<'_>, field: &Field<2>) -> Vec<([f64; 2], [f64; 2])> {
     let mut samples = Vec::with_capacity(body.mesh.cell_count());
-    for block in body.mesh.blocks() {
+    for block in body.mesh.body_blocks() {
         let centre = [block.shape.centre::<2>()];
         let basis = field.space().element_of(block.shape).tabulate::<2>(&centre).value;
         let positions = body.positions(block.shape, &centre, block.cells.clone());

@@ -309,7 +309,7 @@ impl Picture for FieldMap<'_> {
         let body = Body { mesh: self.mesh, displacement: self.displacement };
         let still = Body { mesh: self.mesh, displacement: None };
         let lattices = Lattices::of(self.mesh);
-        let cells: Vec<u32> = (0..self.mesh.cell_count() as u32).collect();
+        let cells: Vec<u32> = (0..self.mesh.body_cells().end as u32).collect();
         let samples = self.sample(&lattices, &cells)?;
         let shading = self.shading(&samples)?;
         let outline = body.facets(self.mesh.boundary_facets());

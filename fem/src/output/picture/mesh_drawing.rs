@@ -157,7 +157,7 @@ impl Picture for MeshDrawing<'_> {
             let values = vec![0.0; lattices.points_in(self.mesh, cells)];
             drawing.surface(body.surface(&lattices, cells, values, shading, place), clip);
         };
-        let all: Vec<u32> = (0..self.mesh.cell_count() as u32).collect();
+        let all: Vec<u32> = (0..self.mesh.body_cells().end as u32).collect();
         fill(&all, Colour::grey(238));
         for (number, (_, cells)) in self.cells.iter().enumerate() {
             fill(cells, cell_colour(number));

@@ -61,7 +61,14 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         let assembler = Cow::Owned(Assembler::new(spaces[0].mesh()));
         let spaces = spaces.map(Arc::clone);
         UntypedProblem {
-            system: System { form, assembler, assembler_at: None, spaces, pattern: OnceCell::new() },
+            system: System {
+                form,
+                assembler,
+                assembler_at: None,
+                spaces,
+                pattern: OnceCell::new(),
+                loads: vec![],
+            },
             constraints: vec![],
             start: None,
             solver: Solver::Own(Box::default()),
