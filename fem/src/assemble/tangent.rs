@@ -89,11 +89,11 @@ impl<const D: usize> Assembler<D> {
         count: bool,
     ) -> Result<(), AssemblyError> {
         let walk: WalkTangent<D> = &mut |visitor| form.tangent(visitor);
-        self.into_matrix((Described::of(form), walk), unknowns, tests, parts, (pattern, matrix), count)
+        self.write_matrix((Described::of(form), walk), unknowns, tests, parts, (pattern, matrix), count)
     }
 
     #[inline(never)]
-    fn into_matrix(
+    fn write_matrix(
         &self,
         (form, walk): (Described<D>, WalkTangent<D>),
         unknowns: &[FieldView<D>],
@@ -358,4 +358,4 @@ fn element_matrix<const D: usize>(
     ElementMatrix { cell, facet, opposite, sides, rows, columns, values }
 }
 
-compiled_here!(TangentVisitor::<D>::integrate, Assembler::<D>::into_matrix, Assembler::<D>::walk_tangent);
+compiled_here!(TangentVisitor::<D>::integrate, Assembler::<D>::write_matrix, Assembler::<D>::walk_tangent);

@@ -17,17 +17,16 @@ use crate::compiled_here;
 /// it meets. [`Mesh::with_rigid_surfaces`] puts it beside bodies.
 ///
 /// ```
-/// use forms_fem::mesh::RigidSurface;
-/// use forms_fem::prelude::*;
+/// # use forms_mesh as forms_fem;
+/// use forms_fem::element::CellShape;
+/// use forms_fem::mesh::{RigidSurface, rectangle};
 ///
 /// let block = rectangle([0.0, 0.0], [2.0, 1.0], [8, 4], CellShape::Quadrilateral, 1)?;
 /// // The outward side of a polygon is on the right of the way along it: this one looks down.
 /// let punch = RigidSurface::along(&[[0.5, 1.5], [0.6, 1.0], [1.4, 1.0], [1.5, 1.5]])?;
 /// let mesh = block.with_rigid_surfaces(&[("punch", &punch)])?;
-/// let touch = Pairing::onto("top", "punch");
-/// // The bodies are all that a form or a picture sees.
+/// // A pairing finds it by its name: `Pairing::onto("top", "punch")`. The bodies are all that a form or a picture sees.
 /// assert_eq!(mesh.cell_region("all")?.len(), 32);
-/// # let _ = touch;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
