@@ -215,7 +215,7 @@ fn tangents_pass_their_taylor_test() {
         let mut law = model(&assembler, &(pairing.clone(), *share));
         law.data.shear_weight = 0.7;
         let largest = &law.data.largest_opening;
-        assembler.update_history(&law.opening_after(&parted(&space, 1.7)), largest).unwrap();
+        assembler.update_history(&law.opening_after(parted(&space, 1.7)), largest).unwrap();
         largest.commit();
         let (u, direction) = (parted(&space, 0.4), parted(&space, 3.9));
         let known = assembler.history_values(largest).unwrap().concat();

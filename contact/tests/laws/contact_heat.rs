@@ -36,7 +36,7 @@ fn of_bodies<const D: usize>(mesh: &Arc<Mesh<D>>, values: [f64; 2]) -> Given<f64
             numbers[*node as usize] = values[usize::from(!lower)];
         }
     }
-    Given::field(&Field::from_values(&space, numbers).unwrap())
+    Given::field(Field::from_values(&space, numbers).unwrap())
 }
 
 /// The bodies pressed by δ and sheared by U, and the heat of that step, with the given temperatures at the ends: the flows of

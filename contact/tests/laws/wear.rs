@@ -112,7 +112,7 @@ fn tangents_pass_their_taylor_test() {
             law.data.sliding = Given::constant(along(0, 0.01));
             // A depth that differs from point to point.
             let worn = &law.data.worn;
-            assembler.update_history(&law.worn_after(&wave(&block.space, 0.03, 1.7)), worn).unwrap();
+            assembler.update_history(&law.worn_after(wave(&block.space, 0.03, 1.7)), worn).unwrap();
             worn.commit();
             let (u, direction) = (wave(&block.space, 0.02, 0.4), wave(&block.space, 0.02, 2.3));
             let depths = assembler.history_values(worn).unwrap().concat();
