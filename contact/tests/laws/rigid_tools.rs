@@ -293,11 +293,11 @@ where
     let (problem, solved) = last.unwrap();
     let angle = motion.rotation[D - 1][0];
     assert!(angle.abs() > 0.02, "{angle}");
-    for axis in 0..D {
+    for (axis, force) in force.iter().enumerate() {
         let mut model = problem.law.clone();
         model.data.force_direction = Given::constant(along(axis, 1.0));
         let found = problem.assembler.functional(&model.contact_force(solved.field())).unwrap();
-        assert!((found - force[axis]).abs() < 1e-10 * 6.0, "along {axis}: {found} is not {}", force[axis]);
+        assert!((found - force).abs() < 1e-10 * 6.0, "along {axis}: {found} is not {force}");
     }
     // The moment of the tractions on the tool about the point of the force. On the body it is another by what friction makes of a gap.
     let at = motion.apply(&point);
