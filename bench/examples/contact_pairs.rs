@@ -98,6 +98,21 @@ fn stacked<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> Result<Arc<Mesh
     Ok(Arc::new(mesh))
 }
 
+/// Seconds of a residual, and of a tangent into its pattern.
+fn assembly<F: Form<D>, const D: usize>(
+    assembler: &Assembler<D>,
+    form: &F,
+    u: &Field<D>,
+    space: &Arc<Space<D>>,
+) -> Result<[f64; 2], AssemblyError> {
+    let pattern = BlockPattern::for_form(form, &[space], &[space])?;
+    let mut matrix = BlockMatrix::zero(pattern.sparsity());
+    let residual = best(20, || assembler.residual(form, &[u], &[space]).map(|_| ()))?;
+    let tangent =
+        best(10, || assembler.assemble_tangent(form, &[u], &[space], Parts::ALL, &pattern, &mut matrix))?;
+    Ok([residual, tangent])
+}
+
 /// One row: search, residual and tangent of the contact term on degree-2 spaces.
 fn measure<const D: usize>(
     out: &mut StandardOutput,
@@ -123,11 +138,7 @@ where
     let start = Instant::now();
     let points = assembler.pairs(&pairing, 4)?.points;
     let search = start.elapsed().as_secs_f64();
-    let pattern = BlockPattern::for_form(&form, &[&space], &[&space])?;
-    let mut matrix = BlockMatrix::zero(pattern.sparsity());
-    let residual = best(20, || assembler.residual(&form, &[&u], &[&space]).map(|_| ()))?;
-    let tangent =
-        best(10, || assembler.assemble_tangent(&form, &[&u], &[&space], Parts::ALL, &pattern, &mut matrix))?;
+    let [residual, tangent] = assembly(&assembler, &form, &u, &space)?;
     let each = |seconds: f64| 1e6 * seconds / facets;
     out.line(format!(
         "| {name} | {facets} | {:.1} | {:.1} | {:.2} | {:.2} |",
@@ -179,11 +190,7 @@ where
         Some(u) => assembler.pairs_at(&pairing, degree, u).map(|_| ()),
         None => Ok(()),
     })?;
-    let pattern = BlockPattern::for_form(&form, &[&space], &[&space])?;
-    let mut matrix = BlockMatrix::zero(pattern.sparsity());
-    let residual = best(20, || assembler.residual(&form, &[&u], &[&space]).map(|_| ()))?;
-    let tangent =
-        best(10, || assembler.assemble_tangent(&form, &[&u], &[&space], Parts::ALL, &pattern, &mut matrix))?;
+    let [residual, tangent] = assembly(&assembler, &form, &u, &space)?;
     let each = |seconds: f64| 1e6 * seconds / facets;
     out.line(format!(
         "| {name} | {facets} | {:.1} | {:.2} | {:.2} | {:.2} | {:.2} |",

@@ -9,6 +9,8 @@ use crate::sliding_pairs::boxes;
 
 #[forms]
 mod elastic {
+    use crate::sliding_pairs::rubber::ball;
+
     pub struct Data {
         lambda: Param,
         mu: Param,
@@ -24,15 +26,6 @@ mod elastic {
 
     fn stress(u: Vector) -> Tensor {
         lambda * div(u) * I + 2 * mu * eps(u)
-    }
-    fn ball(q: Vector, s: Scalar) -> Vector {
-        if s <= 0 {
-            0 * q
-        } else if dot(q, q) <= s * s {
-            q
-        } else {
-            s / norm(q) * q
-        }
     }
     fn contact(u: Vector) -> Vector {
         let t = this(stress(u) * n);

@@ -6,7 +6,7 @@ use forms_fem::solve::{LineSearch, NewtonOptions};
 use forms_fem::verification;
 
 #[forms]
-mod rubber {
+pub(crate) mod rubber {
     pub struct Data {
         lambda: Param,
         mu: Param,
@@ -26,7 +26,8 @@ mod rubber {
     fn turned(w: Vector) -> Vector {
         normalize(cof(I + grad(w)) * n)
     }
-    fn ball(q: Vector, s: Scalar) -> Vector {
+    /// The nearest vector that is no longer than s; zero for s ≤ 0.
+    pub fn ball(q: Vector, s: Scalar) -> Vector {
         if s <= 0 {
             0 * q
         } else if dot(q, q) <= s * s {
