@@ -28,7 +28,7 @@ use bodies::Contact;
 struct Options {
     /// The pair of bodies
     body: Contact,
-    /// Cells in each direction
+    /// Cells in each direction; a multiple of four, since those of equal size are three quarters
     #[arg(long, default_value_t = 12)]
     divisions: usize,
 }
@@ -128,7 +128,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
         .line(&outline, obstacle, Colour::BLACK)
         .write_png(picture("_section"))?;
 
-    assert!(error < 0.02, "the pressure profile is {error} from Hertz");
+    assert!(options.divisions < 12 || error < 0.02, "the pressure profile is {error} from Hertz");
     Ok(())
 }
 
