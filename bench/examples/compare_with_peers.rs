@@ -30,7 +30,7 @@ struct Arguments {
     /// Only kernels with this in their name.
     #[arg(long)]
     forms: Option<String>,
-    /// Where to write.
+    /// The directory of the results.
     #[arg(long, default_value = "out/comparison")]
     out: PathBuf,
 }

@@ -60,7 +60,7 @@ pub enum BatchError {
 }
 
 impl Setting {
-    /// Where each field's coefficients start in a cell's list, and the length of that list.
+    /// Starts of each field's coefficients in a cell's list, and the length of that list.
     pub fn coefficients<const D: usize>(&self, form: &impl Form<D>) -> (Vec<usize>, usize) {
         let mut starts = Vec::new();
         let mut start = 0;
@@ -71,7 +71,7 @@ impl Setting {
         (starts, start)
     }
 
-    /// How FFCx lays out coordinates, coefficients and matrices.
+    /// FFCx's layout of coordinates, coefficients and matrices.
     fn layout<const D: usize>(&self, form: &impl Form<D>) -> ElementLayout {
         let Setting { shape, degree, geometry, order, .. } = *self;
         // Entry `ours` is where `theirs` stands.

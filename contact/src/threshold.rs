@@ -1,4 +1,4 @@
-//! When is γ₀ large enough? For θ > −1 Nitsche's method is monotone only if, on every contact cell,
+//! The threshold of γ₀. For θ > −1 Nitsche's method is monotone only if, on every contact cell,
 //! γ ≥ s (1+θ)²/4 λ_T with s > 1, where λ_T is the largest eigenvalue of ∫_F σ_n(v)² = λ ∫_T σ(v):ε(v)
 //! modulo rigid motions (F runs over the contact facets of T). With friction the whole traction counts: ∫_F |σ(v)n|².
 

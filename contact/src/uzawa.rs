@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::contact_problem::ContactProblem;
 use crate::laws::uzawa::uzawa;
 
-/// When the iteration ends.
+/// The ends of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UzawaOptions {
     /// The largest change of the multiplier at a point, beside the largest multiplier, at which it has converged.

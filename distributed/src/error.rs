@@ -43,7 +43,7 @@ impl From<PetscError> for SolverError {
     }
 }
 
-/// Why something that all processes do together was not done.
+/// A failure of something that all processes do together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DistributedError<E: std::error::Error> {
     /// This process failed.

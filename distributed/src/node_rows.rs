@@ -11,7 +11,7 @@ use crate::world::World;
 /// A motion whose part outside of the span of others is smaller than this, relative to its length, adds nothing to them.
 const DEPENDENT: f64 = 1e-8;
 
-/// How the free unknowns of a space with constraints become rows: a component that is not free at a node with free ones
+/// The rows of the free unknowns of a space with constraints: a component that is not free at a node with free ones
 /// gets a row with 1 on the diagonal; nodes without free components have no rows.
 #[derive(Clone, Debug)]
 pub(crate) struct NodeRows {

@@ -10,7 +10,7 @@ const DEGREE: usize = 8;
 /// Parts whose ends are this close are one: facets meet within rounding \[cm\].
 const MEETING: f64 = 1e-9;
 
-/// Where β_h > 0, as intervals of the arc length on the outer circle from its lowest point \[cm\], ascending.
+/// The contact zone, β_h > 0, as intervals of the arc length on the outer circle from its lowest point \[cm\], ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactZone {
     /// Neither overlapping nor meeting.

@@ -12,7 +12,7 @@ pub struct Direct {
     pub problem: ContactProblem<2>,
     /// u_h of (14).
     pub u: Field<2>,
-    /// Where β_h > 0.
+    /// The contact zone, β_h > 0.
     pub zone: ContactZone,
     /// Newton steps.
     pub steps: usize,

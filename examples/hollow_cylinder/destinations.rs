@@ -1,4 +1,4 @@
-//! Whether results can be written, asked before the computation.
+//! Destinations of the results, asked before the computation whether they can be written.
 
 use std::fs;
 use std::io;

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::Outcome;
 
-/// Where u and p are given \[cm\].
+/// Points at which u and p are given \[cm\].
 const POINTS: [[f64; 2]; 3] = [[0.0, -25.0], [25.0, 0.0], [0.0, 25.0]];
 
 /// Everything that is measured: lengths in cm, stresses in MPa, forces in MPa·cm.

@@ -31,7 +31,7 @@ pub struct Run {
     pub end: ContactState<2>,
     /// The adjoint states, on the round holes and on the best shape; none if the criterion is not the paper's.
     pub adjoints: Option<[Field<2>; 2]>,
-    /// Where results are.
+    /// The directory of the results.
     pub logbook: Logbook,
     seconds: f64,
 }

@@ -288,7 +288,7 @@ pub(crate) fn degree_of<'a, const D: usize>(
     Ok(found)
 }
 
-/// How often the histories of a form have been committed: integrals that were assembled before are out of date
+/// The number of commits of a form's histories: integrals that were assembled before are out of date
 /// when this number has changed.
 pub(crate) fn commits<const D: usize>(inputs: &Inputs<D>) -> u64 {
     let histories = inputs.sources.iter().map(|source| match source {

@@ -15,7 +15,7 @@ use crate::element::{CellShape, ElementError, Lagrange, MAXIMUM_DEGREE};
 use crate::locate::Locator;
 use crate::mesh::{CellLists, Facet, Mesh, MeshError};
 
-/// Where the nodes of a space lie, and which cells share them.
+/// The places of a space's nodes, and the cells that share them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Family {
     /// Lagrange elements of degree 1 to 4; cells share the nodes on the facets that they share.
@@ -44,7 +44,7 @@ pub struct Space<const D: usize> {
     pub(crate) shape: Vec<usize>,
     /// Nodes of the space, cell after cell, in the order of the element's nodes; none on facets.
     pub(crate) cell_nodes: Vec<u32>,
-    /// Where each cell's nodes stand there.
+    /// Places of each cell's nodes there.
     lists: CellLists,
     /// The facets that a space on facets lives on, sorted, with their nodes.
     pub(crate) facets: Vec<(Facet, Vec<u32>)>,
@@ -295,7 +295,7 @@ impl<const D: usize> Space<D> {
         Lagrange { shape, degree: self.degree }
     }
 
-    /// Where the nodes lie, and which cells share them.
+    /// The places of the nodes, and the cells that share them.
     pub fn family(&self) -> &Family {
         &self.family
     }

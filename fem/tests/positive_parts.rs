@@ -1,4 +1,4 @@
-//! Where a scalar is positive along facets, against intervals computed by hand; and fields compared between meshes.
+//! Positive parts of a scalar along facets, against intervals computed by hand; and fields compared between meshes.
 
 use forms_fem::norms::Comparison;
 use forms_fem::prelude::*;

@@ -89,7 +89,7 @@ fn a_sector_that_repeats_by_rotation_is_a_sixth_of_the_annulus() {
     }
 }
 
-/// How the radial displacement is prescribed on the inner boundary.
+/// The way in which the radial displacement is prescribed on the inner boundary.
 #[derive(Clone, Copy, Debug)]
 enum Normals {
     /// By the mesh's normals.

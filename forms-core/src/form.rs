@@ -1,4 +1,4 @@
-//! How a compiled form hands its kernels and what the compiler knows to a backend.
+//! Compiled forms, as they hand kernels and the compiler's knowledge to a backend.
 //!
 //! A form is a value of a type that `#[forms]` emits. The backend walks its integrals with a visitor,
 //! so each kernel arrives with its static type and is inlined into the backend's loops.
@@ -80,7 +80,7 @@ impl FieldDescription {
     }
 }
 
-/// How an integral depends on the unknowns; proved by the compiler.
+/// The dependence of an integral on the unknowns; proved by the compiler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dependence {
     /// Not at all: a load. Its tangent does not exist.
@@ -110,7 +110,7 @@ pub struct Integral {
     pub test_side: Side,
     /// The cell on which the trial function lives.
     pub trial_side: Side,
-    /// How the residual's integral depends on the unknowns.
+    /// The dependence of the residual's integral on the unknowns.
     pub dependence: Dependence,
     /// The tangent's blocks are proved symmetric (tangents only, else false).
     pub symmetric: bool,
@@ -123,7 +123,7 @@ pub struct Integral {
 /// The data that a form was built with.
 #[derive(Clone, Debug)]
 pub struct Inputs<const D: usize> {
-    /// Where each field comes from; `None` for unknowns, test functions and directions.
+    /// The source of each field; `None` for unknowns, test functions and directions.
     pub sources: Vec<Option<Source<D>>>,
     /// The regions, bound.
     pub regions: Vec<Region>,

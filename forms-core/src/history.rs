@@ -16,7 +16,7 @@ pub trait QuadratureValues: Any + Send + Sync {
     fn commit(&self);
     /// Discards values that were written and not committed.
     fn revert(&self);
-    /// How many times something was committed: values read before have changed if this number has.
+    /// The number of commits: values read before have changed if this number has.
     fn commits(&self) -> u64;
     /// For the backend, which knows the type.
     fn as_any(&self) -> &dyn Any;
@@ -60,7 +60,7 @@ impl<V: FieldValue, const D: usize> History<V, D> {
         &self.handle
     }
 
-    /// Where a form's values come from.
+    /// The source of a form's values.
     pub fn source(&self) -> &Source<D> {
         &self.source
     }

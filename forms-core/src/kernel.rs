@@ -123,7 +123,7 @@ pub struct FieldSlot {
     pub side: Side,
     /// Number of scalar components of the field.
     pub components: usize,
-    /// Where this entry starts in the `fields` slice.
+    /// The start of this entry in the `fields` slice.
     pub offset: usize,
 }
 

@@ -48,7 +48,7 @@ pub trait Real:
     + DivAssign<f64>
     + Sum
 {
-    /// How many derivatives the number carries along: 0 for `f64`.
+    /// The number of derivatives that are carried along: 0 for `f64`.
     const ORDER: usize;
 
     /// The number without its derivatives.

@@ -1,4 +1,4 @@
-//! Where the values of a form's data come from: constants, functions of position, fields on a space.
+//! Sources of the values of a form's data: constants, functions of position, fields on a space.
 
 use std::any::Any;
 use std::fmt;
@@ -21,7 +21,7 @@ pub type FieldHandle = Arc<dyn DiscreteField>;
 /// A function of position: writes its components to the slice.
 pub type PositionFunction<const D: usize> = Arc<dyn Fn(&[f64; D], &mut [f64]) + Send + Sync>;
 
-/// Where a field's values come from.
+/// The source of a field's values.
 #[derive(Clone)]
 pub enum Source<const D: usize> {
     /// The same components everywhere; the gradient is zero.
@@ -156,7 +156,7 @@ impl<V: FieldValue, const D: usize> Given<V, D> {
         Given { source: Source::Discrete(field.into()), value: PhantomData }
     }
 
-    /// Where the values come from.
+    /// The source of the values.
     pub fn source(&self) -> &Source<D> {
         &self.source
     }

@@ -80,7 +80,7 @@ trait Spectral {
     fn secant(a: f64, b: f64) -> f64;
     /// The coefficients of order `first`, `first` + 1, … of the Taylor series at c.
     fn taylor(c: f64, first: usize) -> [f64; TERMS];
-    /// How fast that series converges: the terms fall as (distance / radius)^k or faster.
+    /// The rate at which that series converges: the terms fall as (distance / radius)^k or faster.
     fn radius(c: f64) -> f64;
 }
 

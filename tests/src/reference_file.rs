@@ -55,7 +55,7 @@ impl Family {
         Family::Nitsche,
     ];
 
-    /// How the names of its files begin.
+    /// The start of its files' names.
     pub fn prefix(self) -> &'static str {
         match self {
             Family::Elasticity => "elasticity",

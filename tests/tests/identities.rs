@@ -45,7 +45,7 @@ mod by_hand {
     }
 }
 
-/// What the forms give at a body's state: matrix, and the residual at some p.
+/// Results of the forms at a body's state: matrix, and the residual at some p.
 struct System {
     matrix: nalgebra::DMatrix<f64>,
     residual: Vec<f64>,

@@ -31,7 +31,7 @@ pub type ContactRow = ContactUpdate;
 /// A program beside ours.
 struct Peer {
     name: &'static str,
-    /// How to install it.
+    /// The commands that install it.
     install: &'static str,
     present: bool,
     command: fn(Case) -> Option<Command>,

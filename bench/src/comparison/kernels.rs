@@ -11,7 +11,7 @@ use super::process::{environment_python, output, peers, succeeds, system_python,
 use super::{ComparisonError, Options, Report};
 use crate::basket::BASKET;
 
-/// How the harness names our plugin.
+/// The harness's name of our plugin.
 const OURS: &str = "ours";
 
 /// One kernel in one library.
@@ -39,7 +39,7 @@ pub struct KernelRow {
 }
 
 impl KernelRow {
-    /// How many times faster ours is than FFCx at its best.
+    /// FFCx's least time over ours.
     pub fn ratio(&self) -> Option<f64> {
         self.ours.as_ref().map(|ours| self.best.1.ns / ours.ns)
     }

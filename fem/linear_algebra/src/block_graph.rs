@@ -9,7 +9,7 @@ use super::pattern::SparsityPattern;
 pub(super) struct BlockGraph {
     /// First unknown of each block, and the number of unknowns at the end.
     pub(super) begins: Vec<usize>,
-    /// Where the neighbours of each block start.
+    /// Starts of each block's neighbours.
     pub(super) pointers: Vec<u32>,
     pub(super) neighbours: Vec<u32>,
 }

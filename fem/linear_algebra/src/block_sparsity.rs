@@ -117,7 +117,7 @@ impl BlockRows {
     }
 }
 
-/// Where a [`super::BlockMatrix`] has entries: over the unknowns of some row sets and some column sets, blocks
+/// The entries that a [`super::BlockMatrix`] has: over the unknowns of some row sets and some column sets, blocks
 /// of row components × column components at pairs of nodes.
 #[derive(Debug)]
 pub struct BlockSparsity {

@@ -110,7 +110,7 @@ impl CsrMatrix {
         self.pattern.columns()
     }
 
-    /// Where each row begins in the list of entries; `rows + 1` numbers.
+    /// Starts of the rows in the list of entries; `rows + 1` numbers.
     #[inline]
     pub fn row_pointers(&self) -> &[usize] {
         self.pattern.row_pointers()

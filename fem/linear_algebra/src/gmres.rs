@@ -3,7 +3,7 @@
 use super::vector::{add_scaled, dot_on, largest, norm, norm_on};
 use crate::threads::Threads;
 
-/// When to stop, and when to restart.
+/// Conditions to stop and to restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GmresOptions {
     /// Stop at ‖b − A x‖₂ ≤ `tolerance` ‖b‖₂.

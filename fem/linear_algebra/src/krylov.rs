@@ -7,7 +7,7 @@ use super::operator::{LinearOperator, OperatorError};
 use super::vector::norm_on;
 use crate::threads::Threads;
 
-/// When a Krylov method stops.
+/// Conditions for a Krylov method to stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KrylovOptions {
     /// Stop at ‖b − A x‖₂ ≤ `tolerance` ‖b‖₂. Where the operator is a matrix, each equation has to hold besides, up to a

@@ -85,7 +85,7 @@ impl SparsityPattern {
         self.column_indices.len()
     }
 
-    /// Where each row begins; `rows + 1` numbers.
+    /// Starts of the rows; `rows + 1` numbers.
     #[inline]
     pub fn row_pointers(&self) -> &[usize] {
         &self.row_pointers

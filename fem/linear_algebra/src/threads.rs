@@ -1,4 +1,4 @@
-//! How many threads a computation may use.
+//! The number of threads that a computation may use.
 //!
 //! Results do not depend on it, to the last bit: work is cut into pieces whose sums are formed in a fixed order.
 

@@ -56,7 +56,7 @@ impl Axis {
         Ok(Axis { label: label.into(), scale, range })
     }
 
-    /// Where a value lies: 0 at the lower end, 1 at the upper end.
+    /// The place of a value: 0 at the lower end, 1 at the upper end.
     pub fn fraction(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         match self.scale {

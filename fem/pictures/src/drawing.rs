@@ -96,7 +96,7 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// What is drawn, from the bottom to the top.
+    /// The things drawn, from the bottom to the top.
     #[doc(hidden)]
     pub fn items(&self) -> &[Item] {
         &self.items

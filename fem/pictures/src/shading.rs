@@ -12,7 +12,7 @@ const SAMPLES: usize = 4;
 /// Rows of pixels that are sampled at once; bounds the memory.
 const BAND: usize = 32;
 
-/// How values become colours.
+/// The colours of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shading {
     pub map: ColourMap,

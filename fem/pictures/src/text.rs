@@ -29,7 +29,7 @@ impl Anchor {
         Anchor { along, above, upwards: false }
     }
 
-    /// Where the text begins, seen from its anchor, in the text's own directions.
+    /// The start of the text, seen from its anchor, in the text's own directions.
     pub fn shift(&self, width: f64, size: f64) -> Point {
         [-self.along * width, self.above * CAPITAL_HEIGHT * size]
     }

@@ -25,7 +25,7 @@ use crate::compiled_here::compiled_here;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
 
-/// Where the nodes of the cells come from.
+/// The source of the cells' nodes.
 #[derive(Clone, Copy)]
 pub(super) enum Cells<'a, const D: usize> {
     /// The cells of the group, on their mesh.

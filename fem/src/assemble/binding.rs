@@ -18,7 +18,7 @@ use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
 
-/// Where a field's values come from, resolved.
+/// The source of a field's values, resolved.
 pub(super) enum Values<'a, const D: usize> {
     /// A test function: it has no values.
     Absent,
@@ -218,7 +218,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         }
     }
 
-    /// Where a field's values come from, of a field that is no unknown and no test function.
+    /// The source of the values of a field that is no unknown and no test function.
     #[inline(never)]
     pub fn resolve(
         &mut self,

@@ -77,7 +77,7 @@ impl Slots {
 pub(super) struct BlockIndex {
     /// Shape after shape, `[cell in the walk of those of its shape][test node][trial node]`.
     pub places: Slots,
-    /// Where the places of the cells of each shape begin.
+    /// Starts of the places of each shape's cells.
     pub starts: Vec<(CellShape, usize)>,
     /// Of each cell of the mesh, where it comes in the walk of those of its shape; [`BlockIndex::ABSENT`] for those that
     /// take no part.
@@ -87,7 +87,7 @@ pub(super) struct BlockIndex {
 impl BlockIndex {
     pub const ABSENT: u32 = u32::MAX;
 
-    /// Where the places of the cells of a shape begin.
+    /// The start of the places of a shape's cells.
     pub fn start(&self, shape: CellShape) -> usize {
         self.starts.iter().find(|(known, _)| *known == shape).map_or(0, |(_, start)| *start)
     }

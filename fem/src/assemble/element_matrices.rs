@@ -22,7 +22,7 @@ use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposi
 pub(super) struct ElementMatrices<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
-    /// Where the cells' nodes come from.
+    /// The source of the cells' nodes.
     pub cells: Cells<'a, D>,
     /// The sides on which test and trial functions live.
     pub sides: [usize; 2],
@@ -278,7 +278,7 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     }
 }
 
-/// Where the computed blocks have the entries of an element matrix, for the entries block after block. Of a
+/// Places in the computed blocks of an element matrix's entries, for the entries block after block. Of a
 /// symmetric matrix only the blocks of pairs i ≤ j are computed.
 pub(super) fn block_order(
     [rows, columns]: [usize; 2],

@@ -19,7 +19,7 @@ use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposi
 pub(super) struct ElementVectors<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
-    /// Where the cells' nodes come from.
+    /// The source of the cells' nodes.
     pub cells: Cells<'a, D>,
     /// The side on which the test function lives.
     pub side: usize,

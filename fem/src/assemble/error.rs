@@ -241,7 +241,7 @@ pub enum AssemblyError {
     NeedsInteriorFacet {
         /// The form or function.
         form: &'static str,
-        /// Where it is integrated or evaluated.
+        /// The place where it is integrated or evaluated.
         place: String,
     },
     /// A field that lives on facets is needed elsewhere.
@@ -253,7 +253,7 @@ pub enum AssemblyError {
         form: &'static str,
         /// The field's name in the form.
         field: &'static str,
-        /// Where it is integrated or evaluated.
+        /// The place where it is integrated or evaluated.
         place: String,
         /// The facet region of the field's space.
         region: String,

@@ -1,4 +1,4 @@
-//! Where a scalar is positive along the facets of a plane mesh: the parts between its zeros, which lie anywhere on a
+//! The positive parts of a scalar along the facets of a plane mesh: those between its zeros, which lie anywhere on a
 //! facet, not at quadrature points.
 
 use forms_core::contract::Expression;

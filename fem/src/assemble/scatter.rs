@@ -54,7 +54,7 @@ pub(super) struct OwnRows<'a> {
     deferred: Deferred,
 }
 
-/// Where the element matrices of a group go.
+/// The destination of a group's element matrices.
 pub(super) struct MatrixScatter<'a, const D: usize> {
     pub tests: GroupNodes<'a, D>,
     pub trials: GroupNodes<'a, D>,
@@ -327,7 +327,7 @@ fn add_row<P: Slot, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: &
     }
 }
 
-/// Where the element vectors of a group go.
+/// The destination of a group's element vectors.
 pub(super) struct VectorScatter<'a, const D: usize> {
     pub tests: GroupNodes<'a, D>,
     pub components: usize,

@@ -43,7 +43,7 @@ impl Sink for Buffered<'_> {
 /// Writes to memory of the caller, over what is there or in addition to it.
 pub(super) struct Direct<'a> {
     pub target: &'a mut [f64],
-    /// Where results are made before they are added; `None`: they are not added.
+    /// Room for results before they are added; `None`: they are not added.
     pub addend: Option<&'a mut Vec<f64>>,
 }
 

@@ -101,7 +101,7 @@ pub(super) fn couple(
 struct Rows<'a> {
     cliques: &'a Cliques<'a>,
     around: Around,
-    /// Where the places of each clique begin, of those that are mapped, and where they end.
+    /// Starts of the places of each clique that is mapped, and their end.
     begins: Vec<usize>,
     pointers: Vec<usize>,
     columns: Vec<u32>,

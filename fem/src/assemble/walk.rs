@@ -20,7 +20,7 @@ use crate::space::Space;
 
 /// Entities with the same points in the reference cell.
 pub(super) struct Group<const D: usize> {
-    /// Where this is, for messages.
+    /// The place, for messages.
     pub place: String,
     /// One side of cells and exterior facets, two of interior ones. Entry k of both sides' cells is one facet.
     pub sides: Vec<GroupSide<D>>,
@@ -297,7 +297,7 @@ fn by_degree<'a, const D: usize>(mesh: &Mesh<D>, facets: Entities<'a>) -> Vec<(b
     [true, false].map(|simplex| (simplex, part(simplex))).into()
 }
 
-/// How the sides of a facet are numbered: the local number and the cell's shape on each, and for interior ones
+/// The numbering of a facet's sides: the local number and the cell's shape on each, and for interior ones
 /// [`Mesh::facing`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Numbering {

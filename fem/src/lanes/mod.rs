@@ -120,7 +120,7 @@ pub(crate) trait SimdLane: Lane {
     }
 }
 
-/// Where the lists of the cells of a batch start.
+/// Starts of the lists of a batch's cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Starts {
     places: [usize; WIDEST],
@@ -162,7 +162,7 @@ pub(crate) struct Transposition<'a, E: ?Sized> {
     pub source: &'a E,
     /// Number of lanes that are written.
     pub filled: usize,
-    /// Where to.
+    /// The destination.
     pub target: &'a mut [f64],
     /// From one lane to the next.
     pub stride: usize,

@@ -16,7 +16,7 @@ use crate::space::Space;
 /// Its name in messages.
 const NAME: &str = "errors between meshes";
 
-/// Where the quadrature points of a reference mesh lie in a coarse one.
+/// Places in a coarse mesh of a reference mesh's quadrature points.
 #[derive(Clone, Debug)]
 pub struct Comparison<const D: usize> {
     assembler: Assembler<D>,

@@ -81,7 +81,7 @@ struct Ball<const D: usize> {
 /// The candidates of an own facet.
 #[derive(Debug)]
 pub(super) struct KeptList<const D: usize> {
-    /// When the list was made: the rays, and how far balls had moved from where they are kept.
+    /// The state in which the list was made: the rays, and how far balls had moved from where they are kept.
     beam: Beam<D>,
     moved: f64,
     skin: f64,

@@ -1,4 +1,4 @@
-//! How far the boundaries of two shapes are apart.
+//! The distance between the boundaries of two shapes.
 
 use crate::mesh::{Mesh, MeshError};
 

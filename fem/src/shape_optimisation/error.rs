@@ -1,4 +1,4 @@
-//! Why a shape could not be optimised.
+//! Reasons why a shape could not be optimised.
 
 use thiserror::Error;
 

@@ -11,7 +11,7 @@ use crate::space::Space;
 /// along such means keeps its pattern.
 #[derive(Clone, Debug)]
 pub struct Rotations<const D: usize> {
-    /// Where a turn by one sector takes each node.
+    /// The node to which a turn by one sector takes each node.
     images: Vec<u32>,
     /// Cosine and sine of each multiple.
     turns: Vec<[f64; 2]>,

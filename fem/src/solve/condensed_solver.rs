@@ -125,7 +125,7 @@ impl CondensedSolver {
         CondensedSolver { fallback: TangentSolver::new(options), ..Self::default() }
     }
 
-    /// What was done so far, by this solver and its fallback.
+    /// The work done so far, by this solver and its fallback.
     pub fn report(&self) -> SolverReport {
         let (own, other) = (&self.report, self.fallback.report());
         SolverReport {
@@ -267,7 +267,7 @@ impl CondensedSolver {
     }
 }
 
-/// What entries of T add to those of K.
+/// Amounts that entries of T add to those of K.
 pub(super) fn additions(linear_part: &CsrMatrix, entries: &[Entry]) -> Result<Vec<Entry>, SolverError> {
     let mut additions = Vec::with_capacity(entries.len());
     for Entry { row, column, value } in entries.iter().copied() {

@@ -33,7 +33,7 @@ pub(super) struct System<'a, const D: usize, const N: usize> {
 pub(super) type AssemblerAt<'a, const D: usize> =
     Box<dyn Fn(&[Field<D>]) -> Result<Assembler<D>, AssemblyError> + 'a>;
 
-/// What no iterate changes, and the matrix.
+/// The parts that no iterate changes, and the matrix.
 pub(super) struct Assembled {
     /// Commits of the form's histories up to this assembly.
     pub commits: u64,
@@ -44,7 +44,7 @@ pub(super) struct Assembled {
     /// The tangent of the linear integrals; if `updated`, also that of the others at some iterate.
     matrix: BlockMatrix,
     updated: bool,
-    /// What the nonlinear integrals touch, and the linear ones' values there (none without linear integrals).
+    /// The entries that the nonlinear integrals touch, and the linear ones' values there (none without linear integrals).
     touched: TouchedEntries,
     linear_values: Vec<f64>,
 }

@@ -154,7 +154,7 @@ pub struct LinearSolution {
     pub iterations: usize,
 }
 
-/// Why a linear system was not solved.
+/// A reason why a linear system was not solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SolverError {
     /// The matrix or a vector is unfit, or the factorisation failed.
@@ -227,7 +227,7 @@ pub enum SolverError {
         method: &'static str,
         /// The reason.
         why: String,
-        /// What was done, with the history of residuals.
+        /// The work done, with the history of residuals.
         report: KrylovReport,
     },
     /// A solver that is none of this crate's failed.

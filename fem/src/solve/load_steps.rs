@@ -40,9 +40,9 @@ pub struct LoadStep {
     pub from: f64,
     /// The factor aimed at.
     pub factor: f64,
-    /// How often the way to the next factor asked for has been halved.
+    /// The number of halvings of the way to the next factor asked for.
     pub halvings: u32,
-    /// Why it failed; `None` for a success.
+    /// The reason of a failure; `None` for a success.
     pub failure: Option<String>,
 }
 
@@ -55,7 +55,7 @@ pub struct LoadPath<S> {
     pub steps: Vec<LoadStep>,
 }
 
-/// Why a load path ended early.
+/// A reason why a load path ended early.
 pub struct LoadStepError<S, E> {
     /// The last factor with a solution.
     pub factor: f64,
@@ -63,7 +63,7 @@ pub struct LoadStepError<S, E> {
     pub state: S,
     /// The factor that could not be reached.
     pub failed: f64,
-    /// What failed at the smallest increment.
+    /// The failure at the smallest increment.
     pub why: E,
     /// All attempts.
     pub steps: Vec<LoadStep>,

@@ -49,7 +49,7 @@ impl Default for MultigridSolverOptions {
     }
 }
 
-/// What a [`MultigridSolver`] did since it was made.
+/// The work of a [`MultigridSolver`] since it was made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MultigridSolverReport {
     /// Hierarchies that were set up.
@@ -128,7 +128,7 @@ impl MultigridSolver {
         Ok(MultigridSolver { options, blocks, current: None, report: MultigridSolverReport::default() })
     }
 
-    /// What was done so far.
+    /// The work done so far.
     pub fn report(&self) -> &MultigridSolverReport {
         &self.report
     }

@@ -25,7 +25,7 @@ pub use tangent::{NonlinearTangent, Tangent};
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
 pub trait NonlinearProblem {
-    /// What can go wrong in assembly.
+    /// Errors of assembly.
     type Error: std::error::Error;
 
     /// R(u), one entry per unknown.
@@ -49,7 +49,7 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
-    /// What R(u) has beyond an affine function with the linear part for its matrix, if the problem knows it. It reads
+    /// The part of R(u) beyond an affine function with the linear part for its matrix, if the problem knows it. It reads
     /// the unknowns alone in whose rows or columns some tangent differs from the linear part.
     ///
     /// # Errors
@@ -151,7 +151,7 @@ pub fn newton<P: NonlinearProblem>(
     }
 }
 
-/// Where Newton's method starts.
+/// The start of Newton's method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// The first iterate, before the prescribed values are imposed.

@@ -1,4 +1,4 @@
-//! What multigrid needs to know of a space: blocks by nodes, transfers to lower degrees, and the near-null space.
+//! Properties of a space that multigrid needs: blocks by nodes, transfers to lower degrees, and the near-null space.
 
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ impl FreeNodes {
     }
 }
 
-/// How the reduced systems of a space become systems over nodes. Components that are prescribed at a node with free ones
+/// The way from reduced systems of a space to systems over nodes. Components that are prescribed at a node with free ones
 /// get a row of their own with 1 on the diagonal; nodes without free components are left out.
 #[derive(Debug)]
 pub(super) struct NodeBlocks {

@@ -1,4 +1,4 @@
-//! What a direct solver did, and by which way.
+//! The work of a direct solver, and its path.
 
 use std::fmt;
 
@@ -31,7 +31,7 @@ impl fmt::Display for SolverPath {
     }
 }
 
-/// What a [`super::TangentSolver`] or a [`super::CondensedSolver`] did since it was made.
+/// The work of a [`super::TangentSolver`] or a [`super::CondensedSolver`] since it was made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolverReport {
     /// Symbolic analyses.

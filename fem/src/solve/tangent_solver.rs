@@ -108,7 +108,7 @@ impl TangentSolver {
         Self { options, ..Self::default() }
     }
 
-    /// What was done so far.
+    /// The work done so far.
     pub fn report(&self) -> &SolverReport {
         &self.report
     }

@@ -1,4 +1,4 @@
-//! How a space of lower degree lies in one of higher degree on the same mesh.
+//! The embedding of a space of lower degree in one of higher degree on the same mesh.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Whether the cells of a mesh fold or overlap, from nodes and numbers alone: with basis functions, quadrature and facets
+//! Folds and overlaps of a mesh's cells, from nodes and numbers alone: with basis functions, quadrature and facets
 //! written anew, after the description of the mesh's public order of nodes.
 
 use forms_fem::element::CellShape;

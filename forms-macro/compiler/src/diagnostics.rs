@@ -43,7 +43,7 @@ pub struct Diagnostics {
     inside: Option<Inside>,
 }
 
-/// Where mistakes inside an imported function are told: its own tokens stand in another module.
+/// The place at which mistakes inside an imported function are told: its own tokens stand in another module.
 #[derive(Clone, Copy, Debug)]
 struct Inside {
     /// The call.

@@ -26,7 +26,7 @@ pub struct OneForm {
     pub options: TokenStream,
     members: Vec<Entry>,
     regions: Vec<RegionEntry>,
-    /// How many arguments are neither unknowns nor test functions.
+    /// The number of arguments that are neither unknowns nor test functions.
     known_fields: usize,
 }
 

@@ -211,7 +211,7 @@ pub enum Variable {
     Size(Geometry),
 }
 
-/// Where the divisor of [`Operator::DivideOrZero`] counts as zero: its inverse, to the third power,
+/// The divisor of [`Operator::DivideOrZero`] that counts as zero: its inverse, to the third power,
 /// is still a number.
 pub const NEARLY_ZERO: f64 = 1e-100;
 

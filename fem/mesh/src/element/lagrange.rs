@@ -159,7 +159,7 @@ impl Lagrange {
         steps.filter_map(|steps| nodes.iter().position(|node| *node == steps)).collect()
     }
 
-    /// Where the nodes of a facet lie on its own reference cell (second coordinate zero on a segment), in the order
+    /// Places of a facet's nodes on its own reference cell (second coordinate zero on a segment), in the order
     /// of [`Lagrange::facet_nodes`].
     #[doc(hidden)]
     pub fn facet_node_points(&self) -> Vec<[f64; 2]> {

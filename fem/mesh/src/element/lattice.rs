@@ -1,4 +1,4 @@
-//! Where the nodes of Lagrange elements lie on their reference cells: equispaced, entity after entity.
+//! Places of the nodes of Lagrange elements on their reference cells: equispaced, entity after entity.
 
 use std::sync::LazyLock;
 

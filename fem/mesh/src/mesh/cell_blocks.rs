@@ -21,7 +21,7 @@ impl CellBlock {
     }
 }
 
-/// Where the numbers of each cell stand in a list of all cells' numbers, cell after cell: within a block each cell has
+/// Places of each cell's numbers in a list of all cells' numbers, cell after cell: within a block each cell has
 /// equally many.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct CellLists {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct ListBlock {
     cells: Range<usize>,
-    /// Where the first cell's numbers begin.
+    /// The start of the first cell's numbers.
     start: usize,
     per_cell: usize,
 }

@@ -67,7 +67,7 @@ pub use vtk::{VtkError, VtkMesh, VtkReader};
 pub struct Mesh<const D: usize> {
     /// Which cells have which shape.
     blocks: Vec<CellBlock>,
-    /// Where the nodes of each cell stand among those of all.
+    /// Places of each cell's nodes among those of all.
     lists: CellLists,
     /// Degree of the geometry map.
     pub(crate) degree: usize,

@@ -115,7 +115,7 @@ impl<const D: usize> Mesh<D> {
         walk
     }
 
-    /// Where a facet stands in the walk: with the later one of its cells, so that the nodes of all facets
+    /// The place of a facet in the walk: with the later one of its cells, so that the nodes of all facets
     /// before it have been met before.
     #[doc(hidden)]
     pub fn walk_of_facet(&self, sides: &[Facet]) -> u32 {

@@ -1,4 +1,4 @@
-//! How good the cells of a mesh are: scaled Jacobians, aspect ratios, inverted cells.
+//! The quality of a mesh's cells: scaled Jacobians, aspect ratios, inverted cells.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ pub struct CellQuality<const D: usize> {
     pub aspect_ratio: f64,
     /// The least Jacobian determinant \[length^D\].
     pub determinant: f64,
-    /// Where the scaled Jacobian is least.
+    /// The place of the least scaled Jacobian.
     pub position: [f64; D],
 }
 

@@ -1,4 +1,4 @@
-//! Where a polynomial on [0, 1] changes its sign.
+//! Sign changes of a polynomial on [0, 1].
 
 /// Halvings of an interval, after which it is as short as doubles allow.
 const HALVINGS: usize = 60;

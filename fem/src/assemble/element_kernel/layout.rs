@@ -1,8 +1,8 @@
-//! How the caller's lists are laid out, and the cells that they describe.
+//! The layout of the caller's lists, and the cells that they describe.
 
 use crate::element::Lagrange;
 
-/// How the caller's lists of coordinates, coefficients and results are laid out. Nodes are numbered as in
+/// The layout of the caller's lists of coordinates, coefficients and results. Nodes are numbered as in
 /// [`Lagrange`].
 #[derive(Clone, Debug)]
 pub struct ElementLayout {

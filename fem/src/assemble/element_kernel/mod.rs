@@ -43,7 +43,7 @@ struct Integrals<const D: usize> {
     list: Vec<Prepared<D>>,
     /// None of them counts its lengths: known beforehand, because it decides at each call.
     all_fixed: bool,
-    /// Where results are made before they are added.
+    /// Room for results before they are added.
     addend: Vec<f64>,
 }
 

@@ -43,7 +43,7 @@ fn no_facet(form: &'static str, facet: usize) -> AssemblyError {
     AssemblyError::Layout { form, what: format!("there is no facet {facet}") }
 }
 
-/// When the loops of a kernel may have fixed lengths.
+/// Conditions for loops of fixed lengths.
 pub(super) struct Lengths<K, S>(PhantomData<(K, S)>);
 
 impl<K, S: Sizes> Lengths<K, S> {

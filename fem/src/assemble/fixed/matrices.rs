@@ -19,7 +19,7 @@ pub(in crate::assemble) struct PrepareMatrices<'a, K, S: Sizes, const D: usize> 
     pub kernel: &'a K,
     pub group: &'a Group<D>,
     pub tables: FixedTables<S, D>,
-    /// Where the computed blocks have the entries of a matrix.
+    /// Places in the computed blocks of a matrix's entries.
     pub order: &'a Order,
 }
 

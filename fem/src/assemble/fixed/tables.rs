@@ -70,7 +70,7 @@ pub(in crate::assemble) struct FixedTables<S: Sizes, const D: usize> {
     pub(super) arguments: ArgumentTables<S, D>,
     /// By the form's index; `None` where there are no coefficients.
     pub(super) fields: Vec<Option<FieldTables<D>>>,
-    /// Where the coordinates of a cell's geometry nodes are, and from one cell's to the next's; see [`ElementLayout`].
+    /// Places of the coordinates of a cell's geometry nodes, and from one cell's to the next's; see [`ElementLayout`].
     pub(super) coordinate_offsets: S::GeometryNodes<usize>,
     pub(super) coordinate_stride: usize,
     pub(super) coefficient_stride: usize,

@@ -11,7 +11,7 @@ use crate::lanes::{SharedWork, SimdLane};
 pub(in crate::assemble) struct MatrixStages<L> {
     from: Vec<Vec<L>>,
     to: Vec<Vec<L>>,
-    /// Where the pairs (i, j) of nodes, row after row, of symmetric matrices those with i ≤ j, are among the last sums.
+    /// Places among the last sums of the pairs (i, j) of nodes, row after row; of symmetric matrices those with i ≤ j.
     places: Vec<u32>,
 }
 
@@ -82,7 +82,7 @@ impl<L: SimdLane> MatrixStages<L> {
     }
 }
 
-/// Where the pair of two places is among the last sums: indices of pairs along the axes, the last axis fastest. Of
+/// The place of a pair of two places among the last sums: indices of pairs along the axes, the last axis fastest. Of
 /// symmetric matrices those along the first axis are ordered.
 fn pair_place<const D: usize>(n: usize, [mut i, mut j]: [usize; 2], symmetric: bool) -> u32 {
     let along = |place: usize, axis: usize| place / n.pow((D - 1 - axis) as u32) % n;

@@ -45,7 +45,7 @@ impl SimdLane for Avx2 {
     }
 }
 
-/// Where the next four of `count` entries begin. The last four may have been written in part before, which does not matter
+/// The start of the next four of `count` entries. The last four may have been written in part before, which does not matter
 /// unless they are added.
 #[inline(always)]
 fn next_tile<const ADD: bool>(done: usize, count: usize) -> Option<usize> {

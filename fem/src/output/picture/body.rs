@@ -15,10 +15,10 @@ pub(super) struct Body<'a> {
     pub displacement: Option<(&'a Field<2>, f64)>,
 }
 
-/// How the reference cell of each shape in a mesh is cut.
+/// The cuts of the reference cell of each shape in a mesh.
 pub(super) struct Lattices(Vec<(CellShape, Lattice)>);
 
-/// How a reference cell is cut.
+/// The cut of a reference cell.
 pub(super) struct Lattice {
     pub points: Vec<[f64; 2]>,
     triangles: Vec<[u32; 3]>,

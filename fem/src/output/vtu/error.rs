@@ -1,4 +1,4 @@
-//! Why a `.vtu` file cannot be written.
+//! Reasons why a `.vtu` file cannot be written.
 
 use thiserror::Error;
 

@@ -109,7 +109,7 @@ impl NewtonSolution {
     }
 }
 
-/// Why Newton's method failed.
+/// A reason why Newton's method failed.
 #[derive(Debug, thiserror::Error)]
 pub enum NewtonFailure<E> {
     /// The iterations are used up.

@@ -25,7 +25,7 @@ impl Evaluator<'_> {
         describe(self.arena.shape(tensor), self.dimension)
     }
 
-    /// Where an operand stands.
+    /// The place of an operand.
     pub(super) fn place_of(&self, tensor: Tensor) -> SourceSpan {
         self.uses.get(&tensor).copied().unwrap_or_else(|| self.arena.span(tensor))
     }

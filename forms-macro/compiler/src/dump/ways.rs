@@ -74,7 +74,7 @@ pub fn factorised_vector(
     points * (point + slots.len() * test) + components * stages.sum::<usize>()
 }
 
-/// How many kinds of derivatives are left when the axes before one have been summed over: those along them are no
+/// The number of kinds of derivatives that are left when the axes before one have been summed over: those along them are no
 /// longer told apart from values.
 fn remaining(slots: &BTreeSet<Derivative>, axis: usize) -> usize {
     let kinds = slots.iter().map(|slot| match slot {

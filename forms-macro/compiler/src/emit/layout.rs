@@ -9,7 +9,7 @@ use super::description::name_of_side;
 use crate::optimise::scalar::{Derivative, Graph, Node, Scalar};
 use crate::tensor::{FieldInfo, Geometry, Side};
 
-/// Where each derivative of a field stands in the `fields` slice: (field, side, order) → offset.
+/// The place of each derivative of a field in the `fields` slice: (field, side, order) → offset.
 pub struct Layout {
     dimension: usize,
     offsets: BTreeMap<(usize, Side, usize), usize>,
@@ -86,7 +86,7 @@ impl Layout {
         Layout { dimension, offsets, requirements }
     }
 
-    /// Where a derivative of a component stands.
+    /// The place of a derivative of a component.
     pub fn position(&self, field: usize, side: Side, component: usize, derivative: Derivative) -> usize {
         let offset = self.offsets[&(field, side, derivative.order())];
         let d = self.dimension;

@@ -157,7 +157,7 @@ fn cheaper(first: Candidate, second: Candidate) -> Candidate {
     if first.total() < second.total() { first } else { second }
 }
 
-/// How many products are taken out, and how many are tried for each.
+/// The numbers of products that are taken out and that are tried for each.
 const MOST_PRODUCTS: usize = 8;
 const MOST_TRIED: usize = 8;
 

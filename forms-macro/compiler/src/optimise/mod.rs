@@ -54,7 +54,7 @@ pub struct Optimised {
     pub value: Option<(Vec<Scalar>, Vec<usize>)>,
 }
 
-/// How an integral depends on the unknowns: `forms_core::contract::Dependence`.
+/// The dependence of an integral on the unknowns: `forms_core::contract::Dependence`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Dependence {
     Constant,
@@ -96,7 +96,7 @@ pub struct ExpressionIntegral {
     pub components: Vec<Scalar>,
 }
 
-/// Where a function's integrals stand.
+/// The place of a function's integrals.
 pub struct Setting<'a> {
     pub dimension: usize,
     pub fields: &'a [FieldInfo],

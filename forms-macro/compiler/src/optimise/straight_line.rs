@@ -7,7 +7,7 @@ use super::hashing::Map;
 use super::scalar::{Argument, Graph, Node, Scalar};
 use crate::tensor::{External, Function, Geometry};
 
-/// When a value is known: with the parameters, per cell, per point, per basis function (or pair).
+/// The moment from which a value is known: with the parameters, per cell, per point, per basis function (or pair).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
     Form,
@@ -196,7 +196,7 @@ impl<'a> Code<'a> {
         own
     }
 
-    /// How many of these instructions cost anything.
+    /// The number of these instructions that cost anything.
     pub fn operations(&self, values: &[Value]) -> usize {
         values.iter().filter(|value| self.instruction(**value).is_operation()).count()
     }

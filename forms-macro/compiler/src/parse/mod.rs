@@ -140,7 +140,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
     }
 }
 
-/// What is known of a function, should its signature have a mistake.
+/// The known part of a function, should its signature have a mistake.
 fn placeholder(item: &ItemFn) -> Mistaken {
     let known = item.sig.inputs.iter().filter(|input| match input {
         FnArg::Typed(input) => {

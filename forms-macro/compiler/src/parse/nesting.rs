@@ -1,4 +1,4 @@
-//! How deep tokens nest, counted without recursion: before `syn`, which recurses, sees them.
+//! The depth to which tokens nest, counted without recursion: before `syn`, which recurses, sees them.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 

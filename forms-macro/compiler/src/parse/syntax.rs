@@ -59,7 +59,7 @@ pub enum Mistaken {
     Function {
         visibility: Visibility,
         name: Ident,
-        /// How many arguments are neither unknowns nor test functions.
+        /// The number of arguments that are neither unknowns nor test functions.
         arguments: usize,
         /// Most likely a form, an energy or a functional.
         integrates: bool,
@@ -267,12 +267,12 @@ pub struct Foreign {
 /// `fn flux(g: Vector, k: Scalar) -> Vector;` in an `extern "Rust"` block: a function written in Rust.
 pub struct External {
     pub name: Ident,
-    /// Where it is found from inside the module.
+    /// Its path from inside the module.
     pub path: TokenStream,
     /// All [`ArgumentRole::Plain`].
     pub arguments: Vec<Argument>,
     pub output: Rank,
-    /// Where the output's type stands.
+    /// The place of the output's type.
     pub output_span: Span,
 }
 

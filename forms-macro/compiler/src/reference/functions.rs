@@ -114,7 +114,7 @@ pub fn function(function: Function, a: &Number) -> Number {
     }
 }
 
-/// Where a function of one scalar has a kink, a jump or a singularity: the distance from there.
+/// The distance of a function of one scalar from its kink, jump or singularity.
 pub fn distance_from_kink(function: Function, a: f64) -> f64 {
     #[allow(unreachable_patterns)]
     match function {

@@ -14,7 +14,7 @@ use crate::tensor::{FieldRole, Function, Tensor};
 pub type Directions = [Vec<Vec<Number>>; 2];
 
 impl Evaluator<'_> {
-    /// How many derivatives of Θ a derivative by the shape reads.
+    /// The number of derivatives of Θ that a derivative by the shape reads.
     pub(super) fn orders_of_shape(&self, expression: Tensor) -> usize {
         let carried = |field: usize| self.checked.fields[field].role != FieldRole::Given;
         self.order_of(expression, &carried).unwrap_or(0).max(1)

@@ -2,7 +2,7 @@
 
 use super::symbols::Symbol;
 
-/// How tightly a formula holds together, loosest first.
+/// The strength with which a formula holds together, loosest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// a < b, and what is chosen by cases.
@@ -104,7 +104,7 @@ pub enum Formula {
 }
 
 impl Formula {
-    /// How tightly it holds together where fractions are two-dimensional.
+    /// The strength with which it holds together where fractions are two-dimensional.
     pub fn level(&self) -> Level {
         use Formula::*;
         match self {

@@ -1,4 +1,4 @@
-//! Whether two expressions are the same, as far as shows without arithmetic.
+//! Equality of two expressions, as far as it shows without arithmetic.
 
 use std::collections::HashMap;
 

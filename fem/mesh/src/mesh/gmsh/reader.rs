@@ -3,7 +3,7 @@
 use super::error::{GmshError, GmshProblem};
 use crate::mesh::imported::{FilePosition, shortened};
 
-/// How a file writes numbers.
+/// A file's way of writing numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,
@@ -76,7 +76,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where the next number stands: in text behind white space.
+    /// The place of the next number: in text behind white space.
     pub(super) fn here(&mut self) -> usize {
         if self.encoding == Encoding::Text {
             self.skip_white();

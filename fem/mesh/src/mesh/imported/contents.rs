@@ -38,17 +38,17 @@ pub(in crate::mesh) struct Contents {
 pub(in crate::mesh) struct Node {
     pub(in crate::mesh) tag: u64,
     pub(in crate::mesh) position: [f64; 3],
-    /// Where the file lists it \[bytes\].
+    /// Its place in the file \[bytes\].
     pub(in crate::mesh) at: usize,
 }
 
 pub(in crate::mesh) struct Element {
     pub(in crate::mesh) tag: u64,
     pub(in crate::mesh) kind: &'static Kind,
-    /// Where its nodes begin in [`Contents::element_nodes`].
+    /// The start of its nodes in [`Contents::element_nodes`].
     pub(in crate::mesh) start: usize,
     pub(in crate::mesh) membership: u32,
-    /// Where the file lists it \[bytes\].
+    /// Its place in the file \[bytes\].
     pub(in crate::mesh) at: usize,
 }
 

@@ -264,7 +264,7 @@ pub enum Note {
     },
     /// Points at one place that cells do not share: the mesh is not connected there.
     Coincident {
-        /// How many stand where another one does.
+        /// The number of those that stand where another one does.
         count: usize,
         /// The first two at one place.
         first: [Item; 2],

@@ -4,7 +4,7 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-/// How the file says its bytes.
+/// The file's encoding of bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Encoding {
     pub(super) little: bool,

@@ -77,9 +77,9 @@ pub enum VtkProblem {
     Connectivity {
         /// The cell.
         cell: usize,
-        /// Where its points begin.
+        /// The start of its points.
         start: i64,
-        /// Where they end.
+        /// Their end.
         end: i64,
         /// Length of the connectivity.
         length: usize,

@@ -54,7 +54,7 @@ struct File<'a> {
     grid: Grid,
 }
 
-/// Where data belong.
+/// The entities that data belong to.
 #[derive(Clone, Copy)]
 enum Target {
     Points,

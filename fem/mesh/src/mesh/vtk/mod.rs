@@ -37,7 +37,7 @@ pub struct VtkMesh<const D: usize> {
     pub notes: Vec<Note>,
 }
 
-/// How a file becomes a mesh: which array holds the regions, and what these are called.
+/// Choices in reading a file: the array that holds the regions, and their names.
 ///
 /// The numbers of an integer array on the cells become regions: of the cells of dimension D "region 3" and so on, of
 /// those of dimension D − 1 "facets 3", unless they are given names; a cell with a negative number is in none. The array
