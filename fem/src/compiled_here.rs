@@ -1,5 +1,5 @@
 //! Functions that are generic over the dimension and the lane type alone, compiled in this crate and not in every program: as
-//! `forms_mesh::compiled_here!`, which see.
+//! `forms_mesh::compiled_here!` does for the dimension.
 
 /// Compiles generic functions of the dimension `D` for two and three dimensions; with `lanes`, also for each type of lane `L`.
 macro_rules! compiled_here {

@@ -176,7 +176,7 @@ fn in_words<const D: usize>(motion: &[f64], centre: &[f64; D], size: f64) -> Str
 fn instances<const D: usize>() -> [*const (); 2] {
     [rigid_motions::<D> as *const (), free_motions::<D> as *const ()]
 }
-/// Compiled here for the plane and for space, and not in every program (as `compiled_here!` of `forms-fem` does).
+/// Compiled here for the plane and for space, and not in every program (as `compiled_here!` of `forms-mesh` does, which this crate does not know).
 #[expect(dead_code, reason = "it is there for the instances that it names")]
 static INSTANCES: [fn() -> [*const (); 2]; 2] = [instances::<2>, instances::<3>];
 

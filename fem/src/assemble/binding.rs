@@ -8,7 +8,7 @@ use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirement
 use forms_core::source::PositionFunction;
 
 use super::owned_cells::OwnedCells;
-use super::{Assembler, AssemblyError, unoptimised};
+use super::{Assembler, AssemblyError, notices};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
@@ -151,7 +151,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             let found = unknowns.len();
             return Err(AssemblyError::Count { form: name, what: "unknowns", expected, found });
         }
-        unoptimised::notice(name, inputs);
+        notices::tell(name, inputs);
         let mut binding = Binding::empty(name, fields, &inputs.regions, mesh);
         let mut values = Vec::with_capacity(fields.len());
         for (index, field) in fields.iter().enumerate() {

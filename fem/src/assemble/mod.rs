@@ -33,6 +33,7 @@ mod element_vectors;
 mod error;
 mod fixed;
 mod functional;
+mod notices;
 mod outline;
 mod owned_cells;
 mod pair_groups;
@@ -51,7 +52,6 @@ mod split_facets;
 mod sum_factorisation;
 mod tangent;
 mod touched;
-mod unoptimised;
 mod walk;
 
 use std::borrow::Cow;

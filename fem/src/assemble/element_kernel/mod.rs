@@ -19,7 +19,7 @@ use self::tables::ElementTables;
 use super::binding::{Binding, Tabulated};
 use super::element_matrices::block_order;
 use super::sizes::{Counted, Sizes};
-use super::{AssemblyError, unoptimised};
+use super::{AssemblyError, notices};
 use crate::element::CellShape;
 use crate::lanes::{InstructionSet, Order};
 use crate::mesh::Mesh;
@@ -154,7 +154,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             orders,
             instructions: instructions.checked(),
         };
-        unoptimised::notice(name, form.inputs());
+        notices::tell(name, form.inputs());
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
         binding.tabulated(Tabulated { degree: tables.layout.element.degree, on_facets: false });
         let listed: Option<Vec<_>> = tables.listed(&form, &mut binding).into_iter().collect();

@@ -11,8 +11,8 @@ const SILENT: &str = "FORMS_QUIET";
 
 static TOLD: Once = Once::new();
 
-/// Tells on standard error that the kernels of a form are slow, if they are and nothing was told before.
-pub(super) fn notice<const D: usize>(form: &str, inputs: &Inputs<D>) {
+/// A word on standard error on what makes the kernels of a form slow, if anything does and nothing was told before.
+pub(super) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) {
     if inputs.optimised {
         if let Some(set) = InstructionSet::missed() {
             TOLD.call_once(|| tell_of_missed(set));
