@@ -1,5 +1,6 @@
 //! Contact laws with friction, one per file. They read one [`Data`](frictional_nitsche::frictional_nitsche::Data), so that a
-//! program changes the formulation by the module's name; `capsule` has its own, and those between bodies have theirs.
+//! program changes the formulation by the module's name; those with an obstacle that moves
+//! extend [`moving_obstacle`]'s, and those between bodies have their own.
 //!
 //! | module | formulation | strains |
 //! | --- | --- | --- |
@@ -27,6 +28,7 @@ pub mod contact_heat;
 pub mod finite_nitsche;
 pub mod frictional_nitsche;
 pub mod frictional_penalty;
+pub mod moving_obstacle;
 pub mod sliding_bodies;
 pub mod two_bodies;
 pub mod uzawa;

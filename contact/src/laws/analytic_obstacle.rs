@@ -23,6 +23,7 @@ use crate::contact_law;
 #[forms]
 pub mod analytic_obstacle {
     use super::super::frictional_nitsche::frictional_nitsche::{elasticity, loads};
+    use super::super::moving_obstacle::moving_obstacle::{in_own_axes, slip};
     pub use super::super::two_bodies::two_bodies::criterion;
     pub use crate::operators::linear_elastic::stress;
     use crate::operators::obstacle::gamma;
@@ -30,41 +31,12 @@ pub mod analytic_obstacle {
         nitsche_density, obstacle_traction as law, rounded_box_distance,
     };
 
-    /// Data of the body, the method and the obstacle.
+    /// Data of the body, the method, the obstacle's motion and its shape, and of the loads.
+    #[extends(crate::laws::moving_obstacle::moving_obstacle::Data)]
     pub struct Data {
-        /// λ \[stress\].
-        pub lambda: Param,
-        /// μ \[stress\].
-        pub mu: Param,
-        /// γ₀ \[stress\]; γ = γ₀/h_T.
-        pub gamma0: Param,
         /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
         #[default(0)]
         pub theta: Param,
-        /// s₀, the bound of Tresca's law \[stress\].
-        #[doc(alias = "s₀")]
-        #[default(0)]
-        pub slip_stress: Param,
-        /// κ, the coefficient of Coulomb's law.
-        #[doc(alias = "κ")]
-        #[default(0)]
-        pub friction: Param,
-        /// u₀, the displacement of the last step that converged \[length\].
-        #[doc(alias = "u₀")]
-        #[default(0)]
-        pub displacement_before: Given<Vector>,
-        /// c, the obstacle's centre \[length\].
-        #[doc(alias = "c")]
-        pub centre: Param<Vector>,
-        /// Q, the obstacle's rotation.
-        #[doc(alias = "Q")]
-        pub rotation: Param<Tensor>,
-        /// c₀, the centre at the last step \[length\].
-        #[doc(alias = "c₀")]
-        pub centre_before: Param<Vector>,
-        /// Q₀, the rotation at the last step.
-        #[doc(alias = "Q₀")]
-        pub rotation_before: Param<Tensor>,
         /// Half the edges of the box \[length\]; zero for a disk or a ball.
         #[default(0)]
         pub half_sizes: Param<Vector>,
@@ -78,10 +50,6 @@ pub mod analytic_obstacle {
         #[doc(alias = "g_N")]
         #[default(0)]
         pub traction: Given<Vector>,
-        /// F of the criterion J = ∫ F·u.
-        #[doc(alias = "F")]
-        #[default(0)]
-        pub criterion_force: Given<Vector>,
     }
 
     /// Ω.
@@ -96,7 +64,7 @@ pub mod analytic_obstacle {
 
     /// φ at a point of space.
     fn distance(y: Vector) -> Scalar {
-        rounded_box_distance(transpose(rotation) * (y - centre), half_sizes, radius)
+        rounded_box_distance(in_own_axes(y), half_sizes, radius)
     }
 
     /// ∇φ there.
@@ -112,10 +80,6 @@ pub mod analytic_obstacle {
     /// n_y = −∇φ(x + u), the unit normal into the obstacle.
     pub fn obstacle_normal(w: Vector) -> Vector {
         -outward(x + w)
-    }
-
-    fn slip(w: Vector) -> Vector {
-        x + w - centre - rotation * (transpose(rotation_before) * (x + displacement_before - centre_before))
     }
 
     fn traction_with(own: Vector, w: Vector) -> Vector {
@@ -172,10 +136,10 @@ contact_law!(analytic_obstacle {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
-    positive: gamma0,
+    positive: base.gamma0,
     non_negative: radius,
-    non_negative: slip_stress,
-    non_negative: friction,
-    coefficient: friction,
+    non_negative: base.slip_stress,
+    non_negative: base.friction,
+    coefficient: base.friction,
     line_search: OnResidual,
 });

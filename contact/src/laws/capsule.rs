@@ -29,6 +29,7 @@ pub fn capsule_distance<R: Real, const D: usize>(y: [R; D], half_length: R, radi
 #[forms]
 pub mod capsule {
     use super::super::frictional_nitsche::frictional_nitsche::slip_limit;
+    use super::super::moving_obstacle::moving_obstacle::{in_own_axes, slip};
     pub use super::super::two_bodies::two_bodies::criterion;
     use crate::operators::friction::{augmented_traction, contact_traction};
     pub use crate::operators::neo_hookean::first_piola;
@@ -37,47 +38,14 @@ pub mod capsule {
         fn capsule_distance(y: Vector, half_length: Scalar, radius: Scalar) -> Scalar;
     }
 
-    /// Data of the body, the method and the obstacle.
+    /// Data of the body, the method, the obstacle's motion and its shape.
+    #[extends(crate::laws::moving_obstacle::moving_obstacle::Data)]
     pub struct Data {
-        /// λ \[stress\].
-        pub lambda: Param,
-        /// μ \[stress\].
-        pub mu: Param,
-        /// γ₀ \[stress\]; γ = γ₀/h_T.
-        pub gamma0: Param,
-        /// s₀, the bound of Tresca's law \[stress\].
-        #[doc(alias = "s₀")]
-        #[default(0)]
-        pub slip_stress: Param,
-        /// κ, the coefficient of Coulomb's law.
-        #[doc(alias = "κ")]
-        #[default(0)]
-        pub friction: Param,
-        /// u₀, the displacement of the last step that converged \[length\].
-        #[doc(alias = "u₀")]
-        #[default(0)]
-        pub displacement_before: Given<Vector>,
-        /// c, the obstacle's centre \[length\].
-        #[doc(alias = "c")]
-        pub centre: Param<Vector>,
-        /// Q, the obstacle's rotation.
-        #[doc(alias = "Q")]
-        pub rotation: Param<Tensor>,
-        /// c₀, the centre at the last step \[length\].
-        #[doc(alias = "c₀")]
-        pub centre_before: Param<Vector>,
-        /// Q₀, the rotation at the last step.
-        #[doc(alias = "Q₀")]
-        pub rotation_before: Param<Tensor>,
         /// Half the length of the capsule's segment \[length\].
         #[default(0)]
         pub half_length: Param,
         /// Its radius \[length\].
         pub radius: Param,
-        /// F of the criterion J = ∫ F·u.
-        #[doc(alias = "F")]
-        #[default(0)]
-        pub criterion_force: Given<Vector>,
     }
 
     /// Ω.
@@ -89,7 +57,7 @@ pub mod capsule {
 
     /// φ at a point of space.
     fn distance(y: Vector) -> Scalar {
-        capsule_distance(transpose(rotation) * (y - centre), half_length, radius)
+        capsule_distance(in_own_axes(y), half_length, radius)
     }
 
     /// ∇φ there.
@@ -105,10 +73,6 @@ pub mod capsule {
     /// n_y = −∇φ(x + u), the unit normal into the obstacle.
     pub fn obstacle_normal(w: Vector) -> Vector {
         -outward(x + w)
-    }
-
-    fn slip(w: Vector) -> Vector {
-        x + w - centre - rotation * (transpose(rotation_before) * (x + displacement_before - centre_before))
     }
 
     /// T(u), the traction of the obstacle on the body, per reference area.
@@ -140,11 +104,11 @@ contact_law!(capsule {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
-    positive: gamma0,
+    positive: base.gamma0,
     positive: radius,
-    non_negative: slip_stress,
-    non_negative: friction,
+    non_negative: base.slip_stress,
+    non_negative: base.friction,
     non_negative: half_length,
-    coefficient: friction,
+    coefficient: base.friction,
     line_search: OnResidual,
 });

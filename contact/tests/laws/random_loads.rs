@@ -8,6 +8,7 @@ use forms_contact::laws::capsule::capsule;
 use forms_contact::laws::finite_nitsche::finite_nitsche;
 use forms_contact::laws::frictional_nitsche::frictional_nitsche;
 use forms_contact::laws::frictional_penalty::frictional_penalty;
+use forms_contact::laws::moving_obstacle::moving_obstacle;
 use forms_contact::{ContactProblem, law::ContactLaw};
 use forms_fem::contract::Expression;
 use forms_fem::prelude::*;
@@ -246,11 +247,11 @@ fn a_round_obstacle() {
             Friction::Tresca(bound) => (bound, 0.0),
             Friction::Coulomb(coefficient) => (0.0, coefficient),
         };
-        let data = capsule::Data {
+        let half_length = random.between(0.0, 0.4);
+        let base = moving_obstacle::Data {
             slip_stress,
             friction,
-            half_length: random.between(0.0, 0.4),
-            ..capsule::Required {
+            ..moving_obstacle::Required {
                 lambda: LAMBDA,
                 mu: MU,
                 gamma0: case.gamma0,
@@ -258,10 +259,10 @@ fn a_round_obstacle() {
                 rotation: still,
                 centre_before: centre,
                 rotation_before: still,
-                radius: 2.0,
             }
             .into()
         };
+        let data = capsule::Data { base, half_length, radius: 2.0 };
         let law = capsule::Model { data, regions: capsule::Regions::default().gamma_c("bottom") };
         let problem = block.problem(law, 0.0, 0.0);
         let start = random.start(&block.space, 0.01);

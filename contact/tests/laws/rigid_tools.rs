@@ -3,6 +3,7 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::capsule::capsule as round;
+use forms_contact::laws::moving_obstacle::moving_obstacle;
 use forms_contact::laws::sliding_bodies::sliding_bodies as sliding;
 use forms_contact::laws::two_bodies::two_bodies as law;
 use forms_fem::constraints::RigidMap;
@@ -330,7 +331,7 @@ fn exact_disk() -> f64 {
     for step in 1..=DEPTHS {
         let centre = [1.0, 1.8 - DEPTH * step as f64 / DEPTHS as f64];
         let still = RigidMap::translation([0.0; 2]).rotation;
-        let data = round::Data::from(round::Required {
+        let base = moving_obstacle::Data::from(moving_obstacle::Required {
             lambda: LAMBDA,
             mu: MU,
             gamma0: 20.0 * YOUNG,
@@ -338,8 +339,8 @@ fn exact_disk() -> f64 {
             rotation: still,
             centre_before: centre,
             rotation_before: still,
-            radius: 0.8,
         });
+        let data = round::Data::from(round::Required { base, radius: 0.8 });
         let mut constraints = Constraints::new(&space);
         constraints.fix("bottom", |_| [0.0; 2]).unwrap();
         let model = round::Model { data, regions: round::Regions::default().gamma_c("top") };
