@@ -1,9 +1,9 @@
 //! Instructions → straight-line Rust.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use proc_macro2::{Ident, TokenStream};
-use quote::{ToTokens, format_ident, quote};
+use quote::{format_ident, quote};
 
 use super::external::ExternalNames;
 use super::parts::parts;
@@ -31,10 +31,6 @@ pub struct PartBody {
 /// The name of the array that a part leaves to later ones.
 pub fn kept_name(part: usize) -> Ident {
     format_ident!("kept_{part}")
-}
-
-fn name_of(value: Value) -> Ident {
-    format_ident!("t{}", value.0)
 }
 
 /// The text by which each value is read.
@@ -150,44 +146,23 @@ impl Printer<'_> {
     ) -> TokenStream {
         // Where a name's type is known at its `let`, rustc checks types in half the time. But each `let` opens a scope inside
         // the last, and some thousands of them overflow rustc's stack where it writes debug information: one for all names then.
-        let repeated = self.repeated_inputs(values, texts);
-        let at_once = values.len() + repeated.len() > MANY_NAMES;
-        let inputs = repeated.into_iter().map(|value| {
-            let text = self.text(value, earlier, texts);
-            texts.insert(value, name_of(value).into_token_stream());
-            (name_of(value), text)
-        });
-        let mut bindings: Vec<(Ident, TokenStream)> = inputs.collect();
-        for value in values {
-            bindings.push((name_of(*value), self.print_instruction(*value, terminal, earlier, texts)));
-            texts.insert(*value, name_of(*value).into_token_stream());
-        }
-        if at_once {
-            let names = bindings.iter().map(|(name, _)| name);
-            let assignments = bindings.iter().map(|(name, right)| quote! { #name = #right; });
-            quote! { let (#(#names,)*); #(#assignments)* }
+        let names: Vec<_> = values.iter().map(|value| format_ident!("t{}", value.0)).collect();
+        let at_once = names.len() > MANY_NAMES;
+        let mut statements = if at_once {
+            quote! { let (#(#names,)*); }
         } else {
-            bindings.iter().map(|(name, right)| quote! { let #name = #right; }).collect()
+            TokenStream::new()
+        };
+        for (value, name) in values.iter().zip(names) {
+            let right = self.print_instruction(*value, terminal, earlier, texts);
+            statements.extend(if at_once {
+                quote! { #name = #right; }
+            } else {
+                quote! { let #name = #right; }
+            });
+            texts.insert(*value, quote! { #name });
         }
-    }
-
-    /// Numbers and values of earlier functions that `values` read more than once, in the order of their second
-    /// reads. They get names: `L::splat(2.)` and `cell[3]` cost rustc a call each time they are written.
-    fn repeated_inputs(&self, values: &[Value], known: &Texts) -> Vec<Value> {
-        let own: HashSet<Value> = values.iter().copied().collect();
-        let mut reads: HashMap<Value, usize> = HashMap::new();
-        let mut order = vec![];
-        for operand in values.iter().flat_map(|value| self.code.instruction(*value).operands()) {
-            if own.contains(&operand) || known.contains_key(&operand) {
-                continue;
-            }
-            let count = reads.entry(operand).or_default();
-            *count += 1;
-            if *count == 2 {
-                order.push(operand);
-            }
-        }
-        order
+        statements
     }
 
     fn text(
