@@ -22,7 +22,7 @@ use crate::parse::parse;
 use crate::reuse::import::Arrived;
 use crate::reuse::uses::{self, Import};
 use crate::reuse::{self, State, Subject, carrier, import, payload};
-use crate::show::formulas;
+use crate::show::{Shown, formulas};
 
 /// `#[forms(dimension = 3, crate = my_backend)]`
 pub struct Options {
@@ -160,6 +160,21 @@ pub fn dump(options: &Options, item: ItemMod, request: &str) -> syn::Result<Stri
     let unit = Unit { options, item, diagnostics: Diagnostics::default(), dump: &mut dump };
     unit.compile(vec![]);
     Ok(dump.text)
+}
+
+/// The names of the functions that become forms, functionals and the like, of a module without imports, with their formulas.
+pub fn typeset(options: &Options, item: ItemMod) -> syn::Result<Vec<(String, Shown)>> {
+    let (imports, mut diagnostics) = read_uses(&item);
+    if let Some(import) = imports.first() {
+        return Err(syn::Error::new(import.name.span(), "formulas of a module with imports need the other modules' texts"));
+    }
+    let module = parse(item, &mut diagnostics);
+    if !diagnostics.is_empty() {
+        return Err(syn::Error::new(module.name.span(), format!("`{}` has mistakes", module.name)));
+    }
+    let formulas = formulas(&module, options.dimensions[0]).into_iter();
+    let names = module.functions.iter().map(|function| function.name.to_string());
+    Ok(names.zip(formulas).filter_map(|(name, shown)| Some((name, shown?))).collect())
 }
 
 fn read_uses(item: &ItemMod) -> (Vec<Import>, Diagnostics) {

@@ -51,6 +51,13 @@ pub fn dump(attribute: TokenStream, item: TokenStream, request: &str) -> syn::Re
     compile::dump(&syn::parse2(attribute)?, syn::parse2(item)?, request)
 }
 
+/// The formulas of a module without imports: the name and the MathML of each function that becomes a form, a functional or
+/// an expression, as on its page in rustdoc.
+pub fn mathml(attribute: TokenStream, item: TokenStream) -> syn::Result<Vec<(String, String)>> {
+    let shown = compile::typeset(&syn::parse2(attribute)?, syn::parse2(parse::raw::plain(item))?)?;
+    Ok(shown.into_iter().map(|(name, shown)| (name, shown.mathml())).collect())
+}
+
 /// Resumes a module when the text of one of its imports has arrived: the call for the next, or kernels.
 pub fn resume_forms(input: TokenStream) -> TokenStream {
     match syn::parse2::<reuse::State>(input) {

@@ -1,0 +1,50 @@
+"""Links of a book that mdBook wrote: every file and every anchor that a page names has to be there.
+
+    mdbook build docs && python3 tests/book/check_links.py target/book
+"""
+
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+
+class Page(HTMLParser):
+    def __init__(self, path):
+        super().__init__()
+        self.anchors, self.targets, self.formulas = set(), [], 0
+        text = path.read_text()
+        self.declares_forms = "#[forms]" in text
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        self.anchors.update(attributes[name] for name in ("id", "name") if attributes.get(name))
+        self.targets += [attributes[name] for name in ("href", "src") if attributes.get(name)]
+        self.formulas += tag == "math"
+
+
+def main(root):
+    # print.html holds all pages once more, 404.html's links are those of a server's root.
+    paths = [path for path in root.rglob("*.html") if path.name not in ("print.html", "404.html", "toc.html")]
+    pages = {path.resolve(): Page(path) for path in paths}
+    broken, links = [], 0
+    for path, page in pages.items():
+        for target in page.targets:
+            parts = urlsplit(target)
+            if parts.scheme or parts.netloc:
+                continue
+            links += 1
+            file = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            anchor = unquote(parts.fragment)
+            if not file.exists() or (anchor and file in pages and anchor not in pages[file].anchors):
+                broken.append(f"{path.relative_to(root.resolve())}: {target}")
+    tutorials = [page for path, page in pages.items() if path.parent.name == "tutorials" and page.declares_forms]
+    without = sum(page.formulas == 0 for page in tutorials)
+    print(f"{len(pages)} pages, {links} links, {sum(page.formulas for page in pages.values())} formulas")
+    print("\n".join(broken))
+    if broken or without or not tutorials:
+        sys.exit(f"{len(broken)} broken links; {without} of {len(tutorials)} tutorials without formulas")
+
+
+main(Path(sys.argv[1]))
