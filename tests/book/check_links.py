@@ -1,6 +1,7 @@
-"""Links of a book that mdBook wrote: every file and every anchor that a page names has to be there.
+"""A book that mdBook wrote: every page of its source stands in it, every file and anchor that a page names is there, and
+tutorials with forms show their formulas.
 
-    mdbook build docs && python3 tests/book/check_links.py target/book
+    mdbook build docs && python3 tests/book/check_links.py docs target/book
 """
 
 import sys
@@ -24,7 +25,12 @@ class Page(HTMLParser):
         self.formulas += tag == "math"
 
 
-def main(root):
+def main(source, root):
+    written = (page.relative_to(source) for page in source.rglob("*.md") if page.name != "SUMMARY.md")
+    pages_of_source = [page.with_name("index.md") if page.name == "README.md" else page for page in written]
+    left_out = [str(page) for page in pages_of_source if not (root / page.with_suffix(".html")).exists()]
+    if left_out:
+        sys.exit(f"not in SUMMARY.md: {', '.join(left_out)}")
     # print.html holds all pages once more, 404.html's links are those of a server's root.
     paths = [path for path in root.rglob("*.html") if path.name not in ("print.html", "404.html", "toc.html")]
     pages = {path.resolve(): Page(path) for path in paths}
@@ -47,4 +53,4 @@ def main(root):
         sys.exit(f"{len(broken)} broken links; {without} of {len(tutorials)} tutorials without formulas")
 
 
-main(Path(sys.argv[1]))
+main(Path(sys.argv[1]), Path(sys.argv[2]))
