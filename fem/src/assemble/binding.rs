@@ -12,6 +12,7 @@ use super::{Assembler, AssemblyError, notices};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
+use crate::lanes::InstructionSet;
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::pairs::{Displacement, DisplacementField, KnownPairs, PairError, Pairs};
 use crate::quadrature::Quadrature;
@@ -151,6 +152,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             let found = unknowns.len();
             return Err(AssemblyError::Count { form: name, what: "unknowns", expected, found });
         }
+        notices::check_instructions(name, InstructionSet::best())?;
         notices::tell(name, inputs);
         let mut binding = Binding::empty(name, fields, &inputs.regions, mesh);
         let mut values = Vec::with_capacity(fields.len());

@@ -26,6 +26,17 @@ pub enum AssemblyError {
         /// The reason.
         source: CommunicationError,
     },
+    /// Kernels for instructions that this machine does not have.
+    #[error(
+        "form `{form}`: this program's kernels were compiled for {compiled}, which this machine does not have: build it here, \
+         or with FORMS_ALL_INSTRUCTION_SETS=1 in the environment"
+    )]
+    Instructions {
+        /// The form.
+        form: &'static str,
+        /// The sets of instructions of the build.
+        compiled: String,
+    },
     /// The layout of an element kernel does not fit the form or its cells.
     #[error("form `{form}`, element kernel: {what}")]
     Layout {

@@ -151,8 +151,8 @@ impl<const D: usize> Assembler<D> {
         Assembler { quadrature, ..self }
     }
 
-    /// The same with kernels compiled for a certain set of instructions; plain ones where the machine does not
-    /// have it. Without this the best set of the machine is taken.
+    /// The same with kernels of a certain set of instructions; of the best that is available where that one is not. Without
+    /// this the best set is taken.
     pub fn with_instructions(self, instructions: InstructionSet) -> Self {
         Assembler { instructions, ..self }
     }

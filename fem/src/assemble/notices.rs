@@ -1,22 +1,20 @@
-//! Notices, once per process, that kernels were compiled without optimisation or without the machine's instructions.
+//! What makes kernels slow, or keeps them from running: compiled without optimisation, or for the instructions of another
+//! machine.
 
 use std::sync::Once;
 
 use forms_core::contract::Inputs;
 
+use super::AssemblyError;
 use crate::lanes::InstructionSet;
 
-/// Set to anything, it silences the notices.
+/// Set to anything, it silences the notice.
 const SILENT: &str = "FORMS_QUIET";
 
-static TOLD: Once = Once::new();
-
-/// A word on standard error on what makes the kernels of a form slow, if anything does and nothing was told before.
+/// A word on standard error, once per process, where the kernels of a form were compiled without optimisation.
 pub(super) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) {
+    static TOLD: Once = Once::new();
     if inputs.optimised {
-        if let Some(set) = InstructionSet::missed() {
-            TOLD.call_once(|| tell_of_missed(set));
-        }
         return;
     }
     TOLD.call_once(|| {
@@ -29,11 +27,32 @@ pub(super) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) {
     });
 }
 
-fn tell_of_missed(set: InstructionSet) {
-    if std::env::var_os(SILENT).is_none() {
-        eprintln!(
-            "forms-fem: this program was built on a machine with other instructions, and kernels run without this one's {set}, \
-             several times slower: build it here, or with FORMS_ALL_INSTRUCTION_SETS=1 in the environment ({SILENT}=1 silences this)"
-        );
+/// Refuses a form whose kernels were compiled for no set of instructions that this machine has; `best` is the best that it has.
+pub(super) fn check_instructions(form: &'static str, best: InstructionSet) -> Result<(), AssemblyError> {
+    if best.is_available() {
+        return Ok(());
+    }
+    let compiled: Vec<String> = InstructionSet::compiled().iter().map(InstructionSet::to_string).collect();
+    Err(AssemblyError::Instructions { form, compiled: compiled.join(", ") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_of_another_machine_are_refused() {
+        assert!(check_instructions("direct", InstructionSet::best()).is_ok());
+        let foreign =
+            [InstructionSet::Plain, InstructionSet::Neon, InstructionSet::Avx2, InstructionSet::Avx512];
+        let mut refused = 0;
+        for set in foreign.into_iter().filter(|set| !set.is_available()) {
+            let error = check_instructions("direct", set).unwrap_err().to_string();
+            assert!(error.contains("`direct`") && error.contains("FORMS_ALL_INSTRUCTION_SETS"), "{error}");
+            assert!(error.contains(&InstructionSet::best().to_string()), "{error}");
+            refused += 1;
+        }
+        // NEON and AVX are never on one machine.
+        assert!(refused > 0);
     }
 }

@@ -108,7 +108,7 @@ impl<const D: usize> MatrixScatter<'_, D> {
 
     /// Adds the matrices of the entities from `first` on. `None`: a block is not in the pattern.
     pub fn add(&self, set: InstructionSet, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
-        set.checked().run(Addition { scatter: self, first, matrices, part })
+        set.checked().run_without_kernel(Addition { scatter: self, first, matrices, part })
     }
 
     #[inline(always)]

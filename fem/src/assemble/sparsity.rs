@@ -83,9 +83,9 @@ pub(super) fn couple(
     loop {
         let rows = &mut rows;
         let finished = match &mut places {
-            Slots::Bytes(places) => set.run(Fill { rows, places }),
-            Slots::Words(places) => set.run(Fill { rows, places }),
-            Slots::Long(places) => set.run(Fill { rows, places }),
+            Slots::Bytes(places) => set.run_without_kernel(Fill { rows, places }),
+            Slots::Words(places) => set.run_without_kernel(Fill { rows, places }),
+            Slots::Long(places) => set.run_without_kernel(Fill { rows, places }),
         };
         if finished {
             break;

@@ -236,15 +236,11 @@ impl InstructionSet {
     const ALL: [InstructionSet; 4] =
         [InstructionSet::Plain, InstructionSet::Neon, InstructionSet::Avx2, InstructionSet::Avx512];
 
-    /// The best set of this machine; found once.
+    /// The best set that this machine has and that was compiled; found once. The plain one where there is none: forms are
+    /// refused then ([`InstructionSet::is_available`]).
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| Self::available().into_iter().next_back().unwrap_or(InstructionSet::Plain))
-    }
-
-    /// The best set of this machine where no set but the plain one was compiled for it.
-    pub(crate) fn missed() -> Option<Self> {
-        missed(Self::best(), |set| set.is_of_machine())
     }
 
     /// Those of this machine that were compiled, from the plain one to the best.
@@ -252,17 +248,23 @@ impl InstructionSet {
         Self::ALL.into_iter().filter(|set| set.is_available()).collect()
     }
 
-    /// Whether this machine has it and it was compiled: the plain one and the best of the machine of the build are, all of the
-    /// target where `FORMS_ALL_INSTRUCTION_SETS` is set in the environment of the build.
+    /// Those that were compiled: the best of the machine of the build, all of the target where `FORMS_ALL_INSTRUCTION_SETS` is
+    /// set in the environment of the build.
+    pub fn compiled() -> Vec<Self> {
+        Self::ALL.into_iter().filter(|set| set.is_compiled()).collect()
+    }
+
+    /// Whether this machine has it and it was compiled.
     pub fn is_available(self) -> bool {
         self.is_compiled() && self.is_of_machine()
     }
 
     fn is_compiled(self) -> bool {
         match self {
-            InstructionSet::Avx2 => cfg!(not(without_avx2)),
-            InstructionSet::Avx512 => cfg!(not(without_avx512)),
-            InstructionSet::Plain | InstructionSet::Neon => true,
+            InstructionSet::Plain => cfg!(not(without_plain)),
+            InstructionSet::Neon => cfg!(target_arch = "aarch64"),
+            InstructionSet::Avx2 => cfg!(all(target_arch = "x86_64", not(without_avx2))),
+            InstructionSet::Avx512 => cfg!(all(target_arch = "x86_64", not(without_avx512))),
         }
     }
 
@@ -288,24 +290,18 @@ impl InstructionSet {
         }
     }
 
-    /// This set if it is available, else the plain one.
+    /// This set if it is available, else the best that is.
     pub(crate) fn checked(self) -> Checked {
-        Checked(if self.is_available() { self } else { InstructionSet::Plain })
+        Checked(if self.is_available() { self } else { InstructionSet::best() })
     }
 }
 
-/// The best set of a machine whose best compiled set is the plain one.
-fn missed(best: InstructionSet, is_of_machine: impl Fn(InstructionSet) -> bool) -> Option<InstructionSet> {
-    let better = InstructionSet::ALL.into_iter().rev().find(|set| is_of_machine(*set));
-    better.filter(|set| best == InstructionSet::Plain && *set != InstructionSet::Plain)
-}
-
-/// A set that is available.
+/// A set that is available, or the plain one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Checked(InstructionSet);
 
 impl Checked {
-    /// Runs some work compiled for the set.
+    /// Runs the work of a kernel, compiled for the set.
     #[inline]
     pub(crate) fn run<W: LaneWork>(self, work: W) -> W::Output {
         match self.0 {
@@ -317,7 +313,19 @@ impl Checked {
             InstructionSet::Avx2 => unsafe { x86::run_avx2(work) },
             #[cfg(target_arch = "aarch64")]
             InstructionSet::Neon => neon::run_neon(work),
+            #[cfg(not(without_plain))]
             _ => work.run::<f64>(),
+            #[cfg(without_plain)]
+            _ => unreachable!("a form is refused where no instructions of its kernels are available"),
+        }
+    }
+
+    /// Runs work of this crate alone, which is compiled for the plain set in any build.
+    #[inline]
+    pub(crate) fn run_without_kernel<W: LaneWork>(self, work: W) -> W::Output {
+        match self.0 {
+            InstructionSet::Plain => work.run::<f64>(),
+            _ => self.run(work),
         }
     }
 }

@@ -19,7 +19,7 @@ fn run_in<W: LaneWork>(set: InstructionSet, work: W) -> W::Output {
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx2 if set.is_of_machine() => unsafe { x86::run_avx2(work) },
-        set => set.checked().run(work),
+        set => set.checked().run_without_kernel(work),
     }
 }
 
@@ -176,10 +176,8 @@ fn transposed_lanes_stand_one_after_the_other() {
 }
 
 #[test]
-fn only_who_falls_back_to_plain_instructions_misses_a_set() {
-    let avx2 = |set| matches!(set, InstructionSet::Plain | InstructionSet::Avx2);
-    assert_eq!(missed(InstructionSet::Plain, avx2), Some(InstructionSet::Avx2));
-    assert_eq!(missed(InstructionSet::Avx2, avx2), None);
-    assert_eq!(missed(InstructionSet::Avx2, |set| set != InstructionSet::Neon), None);
-    assert_eq!(missed(InstructionSet::Plain, |set| set == InstructionSet::Plain), None);
+fn the_best_set_is_one_that_was_compiled() {
+    assert!(InstructionSet::best().is_available());
+    assert_eq!(InstructionSet::available().last(), Some(&InstructionSet::best()));
+    assert!(InstructionSet::available().iter().all(|set| InstructionSet::compiled().contains(set)));
 }

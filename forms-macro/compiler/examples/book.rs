@@ -138,7 +138,9 @@ fn tutorial(source: &str) -> Outcome<String> {
         };
         page += &format!("\n\n## The forms of `{}`\n", module.ident);
         for (name, formula) in forms_compiler::mathml(attribute, module.to_token_stream())? {
-            page += &format!("\n**`{name}`**\n\n<div style=\"overflow: auto hidden; padding: 0.5em 0\">\n{formula}\n</div>\n");
+            page += &format!(
+                "\n**`{name}`**\n\n<div style=\"overflow: auto hidden; padding: 0.5em 0\">\n{formula}\n</div>\n"
+            );
         }
     }
     let program = source.lines().skip(head.len()).collect::<Vec<_>>().join("\n");

@@ -166,7 +166,10 @@ pub fn dump(options: &Options, item: ItemMod, request: &str) -> syn::Result<Stri
 pub fn typeset(options: &Options, item: ItemMod) -> syn::Result<Vec<(String, Shown)>> {
     let (imports, mut diagnostics) = read_uses(&item);
     if let Some(import) = imports.first() {
-        return Err(syn::Error::new(import.name.span(), "formulas of a module with imports need the other modules' texts"));
+        return Err(syn::Error::new(
+            import.name.span(),
+            "formulas of a module with imports need the other modules' texts",
+        ));
     }
     let module = parse(item, &mut diagnostics);
     if !diagnostics.is_empty() {

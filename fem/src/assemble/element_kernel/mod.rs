@@ -77,7 +77,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         Self::with_instructions(form, layout, quadrature, InstructionSet::best())
     }
 
-    /// The same with kernels compiled for a certain set of instructions; for the plain one if the machine does not have it.
+    /// The same with kernels of a certain set of instructions; of the best that is available where that one is not.
     ///
     /// # Errors
     /// As [`ElementKernel::with_sizes`].
@@ -154,6 +154,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
             orders,
             instructions: instructions.checked(),
         };
+        notices::check_instructions(name, InstructionSet::best())?;
         notices::tell(name, form.inputs());
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
         binding.tabulated(Tabulated { degree: tables.layout.element.degree, on_facets: false });
