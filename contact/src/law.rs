@@ -57,12 +57,25 @@ pub trait WithFriction<const D: usize>: ContactLaw<D> {
     fn sticking(&self) -> Self;
 }
 
+/// A contact law by Nitsche's method with a choice of θ.
+#[diagnostic::on_unimplemented(
+    message = "the contact law `{Self}` names no θ",
+    note = "add `theta: name` of a parameter to its `contact_law!`"
+)]
+pub trait WithTheta<const D: usize>: ContactLaw<D> {
+    /// θ.
+    fn theta(&self) -> f64;
+
+    /// The same law with another θ.
+    fn with_theta(&self, theta: f64) -> Self;
+}
+
 /// A contact law by Nitsche's method at small strains, which is stable where γ₀ is above a threshold.
 #[diagnostic::on_unimplemented(
     message = "the contact law `{Self}` does not say what the threshold of its γ₀ rests on",
-    note = "add `threshold: product(elasticity, gamma0, theta)` to its `contact_law!`: two forms and two parameters"
+    note = "add `theta: theta, threshold: product(elasticity, gamma0)` to its `contact_law!`: two forms and two parameters"
 )]
-pub trait WithThreshold<const D: usize>: ContactLaw<D> {
+pub trait WithThreshold<const D: usize>: WithTheta<D> {
     /// ∫ of the products on Γ_C of the stresses that the method takes: σ_n(u) σ_n(v), or σ(u)n·σ(v)n with friction.
     type StressProduct: Form<D>;
     /// ∫ σ(u):ε(v).
@@ -70,9 +83,6 @@ pub trait WithThreshold<const D: usize>: ContactLaw<D> {
 
     /// γ₀ \[stress\].
     fn gamma0(&self) -> f64;
-
-    /// θ.
-    fn theta(&self) -> f64;
 
     /// The product of stresses.
     fn stress_product(&self) -> Self::StressProduct;
@@ -150,8 +160,9 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// ```
 ///
 /// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
-/// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `threshold: product(elasticity, gamma0, theta)`, for Nitsche's
-/// method ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
+/// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `theta: parameter`, for
+/// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` beside it
+/// ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
 /// of extended data) that has to be positive; `non_negative: parameter`; `coefficient: parameter`, that of
 /// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
 #[macro_export]
@@ -162,7 +173,8 @@ macro_rules! contact_law {
         $(, indicator: $indicator:ident)?
         $(, criterion: $criterion:ident, adjoint: $adjoint:ident
             $(, shape_gradient: $shape_gradient:ident, diameter_gradient: $diameter_gradient:ident)?)?
-        $(, threshold: $product:ident($elasticity:ident, $($gamma0:ident).+, $($theta:ident).+))?
+        $(, theta: $($theta:ident).+)?
+        $(, threshold: $product:ident($elasticity:ident, $($gamma0:ident).+))?
         $(, positive: $($positive:ident).+)*
         $(, non_negative: $($non_negative:ident).+)*
         $(, coefficient: $($coefficient:ident).+)?
@@ -234,6 +246,22 @@ macro_rules! contact_law {
             }
         )?
         $(
+            impl<const D: usize> $crate::law::WithTheta<D> for $module::Model<D>
+            where
+                $crate::fem::Dim: $crate::fem::Dimension<D>,
+            {
+                fn theta(&self) -> f64 {
+                    self.data.$($theta).+
+                }
+
+                fn with_theta(&self, theta: f64) -> Self {
+                    let mut law = self.clone();
+                    law.data.$($theta).+ = theta;
+                    law
+                }
+            }
+        )?
+        $(
             impl<const D: usize> $crate::law::WithThreshold<D> for $module::Model<D>
             where
                 $crate::fem::Dim: $crate::fem::Dimension<D>,
@@ -243,10 +271,6 @@ macro_rules! contact_law {
 
                 fn gamma0(&self) -> f64 {
                     self.data.$($gamma0).+
-                }
-
-                fn theta(&self) -> f64 {
-                    self.data.$($theta).+
                 }
 
                 fn stress_product(&self) -> Self::StressProduct {

@@ -10,6 +10,7 @@
 //! | [`law`] | what the drivers ask of a law; [`contact_law!`] makes one of your own module | |
 //! | [`laws`] | laws with friction: Nitsche's method, penalty, augmented Lagrangian; small and finite strains | |
 //! | [`paper_law`] | the paper's law with its three adjoint states | |
+//! | [`theta_path`] | the way to a solution through other values of θ | |
 //! | [`shape_gradient`] | the derivative by the shape, as the volume form of the discrete problem | |
 //! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
@@ -33,6 +34,7 @@ pub mod operators;
 pub mod paper_law;
 pub mod shape_gradient;
 pub mod shape_problem;
+pub mod theta_path;
 pub mod threshold;
 pub mod uzawa;
 

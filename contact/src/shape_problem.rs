@@ -15,8 +15,9 @@ use crate::boundary_form::boundary_form;
 use crate::contact_problem::ContactProblem;
 use crate::forms::Regions;
 use crate::load_and_pressure::load_and_pressure;
-use crate::paper_law::{Adjoint, ThetaPath};
+use crate::paper_law::Adjoint;
 use crate::shape_gradient::Diameters;
+use crate::theta_path::ThetaPath;
 
 /// Objective functionals.
 #[derive(Clone, Copy, Debug, PartialEq)]

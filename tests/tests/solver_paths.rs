@@ -2,7 +2,8 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
-use forms_contact::paper_law::{Adjoint, ThetaPath};
+use forms_contact::paper_law::Adjoint;
+use forms_contact::theta_path::ThetaPath;
 use forms_fem::linear_algebra::vector::norm;
 use forms_fem::prelude::*;
 use forms_fem::solve::{LineSearch, LuSolver, NewtonFailure, SolverPath};

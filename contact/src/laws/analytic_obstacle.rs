@@ -136,6 +136,7 @@ contact_law!(analytic_obstacle {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    theta: theta,
     positive: base.gamma0,
     non_negative: radius,
     non_negative: base.slip_stress,

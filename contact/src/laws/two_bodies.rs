@@ -132,6 +132,7 @@ contact_law!(two_bodies {
     region: touch,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    theta: theta,
     non_negative: slip_stress,
     non_negative: friction,
     line_search: OnResidual,

@@ -91,6 +91,7 @@ contact_law!(wear {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    theta: base.base.theta,
     positive: base.base.gamma0,
     non_negative: base.slip_stress,
     non_negative: base.friction,

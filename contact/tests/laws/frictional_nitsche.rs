@@ -1,6 +1,7 @@
 //! Nitsche's method with friction, every θ.
 
 use forms_contact::laws::frictional_nitsche::frictional_nitsche as law;
+use forms_contact::theta_path::ThetaPath;
 use forms_fem::prelude::*;
 use forms_fem::verification;
 
@@ -49,6 +50,28 @@ fn a_layer_sticks_and_slips_as_known_in_the_plane() {
 #[test]
 fn a_layer_sticks_and_slips_as_known_in_space() {
     solid_layers(Inside::Distorted).iter().for_each(layers);
+}
+
+/// θ = −1 is reached from θ = 1, which has no potential with friction, and is the solution of a direct start.
+#[test]
+fn a_path_through_theta() {
+    let block = plane_block(8);
+    let problem = block.problem(model(data(Friction::Coulomb(0.3), -1.0, 20.0 * YOUNG)), 0.01, 0.02);
+    let zero = Field::zero(&block.space);
+    let options = NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() };
+    let expected = problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap();
+    let path = ThetaPath { line_search: LineSearch::OnResidual, ..ThetaPath::default() };
+    let mut thetas = vec![];
+    let found = problem.solve_through(path, &mut TangentSolver::default(), &options, |theta, step| {
+        if step.iteration == 0 {
+            thetas.push(theta);
+        }
+    });
+    let found = found.unwrap().state;
+    assert_eq!(thetas, [1.0, 0.0, -1.0]);
+    for (found, expected) in found.values().iter().zip(expected.field().values()) {
+        assert!((found - expected).abs() < 1e-11, "{found} is not {expected}");
+    }
 }
 
 /// At random displacements, where points of all kinds are: open, stuck, slipping.
