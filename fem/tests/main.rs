@@ -12,6 +12,7 @@ mod high_degrees;
 mod history;
 mod interior_facets;
 mod kept_candidates;
+mod language_names;
 mod mixed;
 mod multipliers;
 mod newton_criterion;

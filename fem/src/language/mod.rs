@@ -25,6 +25,7 @@
 //! | [`derivatives`] | `derivative`, `diff`, energies |
 //! | [`laws`] | functions written in Rust, tables, history |
 //! | [`reuse`] | `use` among modules and crates, `form!` |
+//! | [`operators`] | each name as an item of its own, for search |
 
 pub mod calculus;
 pub mod derivatives;
@@ -33,6 +34,8 @@ pub mod functions;
 pub mod geometry;
 pub mod kinks;
 pub mod laws;
+#[cfg(doc)]
+pub mod operators;
 pub mod products;
 pub mod reuse;
 pub mod tensors;
