@@ -183,7 +183,7 @@ pub struct Function {
 
 /// An imported function.
 pub struct Foreign {
-    /// "`stress` in contact/src/operators.rs:12".
+    /// "`stress` in contact/src/operators/materials.rs:47".
     pub origin: String,
     /// It is a function of this module, too (`pub use`); otherwise it is called, and nothing to assemble by itself.
     pub emitted: bool,
