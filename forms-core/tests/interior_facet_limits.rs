@@ -8,7 +8,7 @@ use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, slope, value};
 use toy_backend::mesh::Mesh;
-use toy_backend::plain::{Components, Matrix, dot, matrix, vector};
+use toy_backend::plain::{Components, Matrix, assert_values, dot, matrix, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression};
 
@@ -87,18 +87,7 @@ impl<const D: usize> State<D> {
 
     fn check_value<R: Components>(&self, value: &impl Expression<D>, expected: impl Fn(&At) -> R) {
         let found = expression(&self.mesh, value, (Entity::InteriorFacets, "skeleton"));
-        let points = self.points();
-        assert_eq!(found.len(), points.len());
-        for (found, point) in found.iter().zip(&points) {
-            let expected = expected(point).components();
-            assert_eq!(found.len(), expected.len());
-            for (found, expected) in found.iter().zip(&expected) {
-                assert!(
-                    (found - expected).abs() <= 1e-12 * expected.abs().max(1.0),
-                    "{found} is not {expected}"
-                );
-            }
-        }
+        assert_values(&found, self.points().iter().map(expected));
     }
 }
 

@@ -8,7 +8,7 @@ use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::{Mesh, determinant};
-use toy_backend::plain::{Components, Matrix, dot, inner, matrix, trace, vector};
+use toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression, residual, tangent};
 
@@ -79,16 +79,7 @@ impl<const D: usize> State<D> {
 
     fn check_value<R: Components>(&self, value: &impl Expression<D>, expected: impl Fn(&At) -> R) {
         let found = expression(&self.mesh, value, (Entity::Cells, "all"));
-        let points = self.points();
-        assert_eq!(found.len(), points.len());
-        for (found, point) in found.iter().zip(&points) {
-            let expected = expected(point).components();
-            assert_eq!(found.len(), expected.len());
-            let scale = expected.iter().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
-            for (found, expected) in found.iter().zip(&expected) {
-                assert!((found - expected).abs() <= 1e-12 * scale, "{found} is not {expected}");
-            }
-        }
+        assert_values(&found, self.points().iter().map(expected));
     }
 }
 

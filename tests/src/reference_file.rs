@@ -1,186 +1,23 @@
 //! The reader of the reference files (`tests/scikit_fem/README.md`): rebuilds their problem, compares entry by
 //! entry, and insists that everything in a file is compared.
 
+mod family;
+mod format;
+
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use forms_fem::linear_algebra::CsrMatrix;
 use forms_fem::prelude::*;
 use nalgebra::DMatrix;
-use serde::Deserialize;
 use serde_json::Value;
 
 use crate::dense::{assert_close, assert_same_matrix, dense};
+pub use family::{Family, names};
+pub use format::ReferenceFile;
+use format::{FacetPoints, Triplets};
 
 /// Largest deviation from a reference, relative to the largest entry of the matrix or vector.
 pub const TOLERANCE: f64 = 1e-12;
-
-/// The families of files: the beginning of the file's name, and of the test that consumes it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
-    /// The stiffness of linear elasticity.
-    Elasticity,
-    /// Scalar matrices, a load, norms.
-    Poisson,
-    /// Energies with their derivatives.
-    NeoHookean,
-    /// The same, with two invariants.
-    MooneyRivlin,
-    /// The same, for a scalar field.
-    PLaplacian,
-    /// Two unknowns.
-    Stokes,
-    /// A tensor of rank 4.
-    AnisotropicElasticity,
-    /// Discontinuous elements, terms on interior facets.
-    InteriorPenalty,
-    /// Jumps of first and second derivatives.
-    GhostPenalty,
-    /// The direct contact problem and its adjoints.
-    Nitsche,
-}
-
-impl Family {
-    /// Every family.
-    pub const ALL: [Family; 10] = [
-        Family::Elasticity,
-        Family::Poisson,
-        Family::NeoHookean,
-        Family::MooneyRivlin,
-        Family::PLaplacian,
-        Family::Stokes,
-        Family::AnisotropicElasticity,
-        Family::InteriorPenalty,
-        Family::GhostPenalty,
-        Family::Nitsche,
-    ];
-
-    /// The start of its files' names.
-    pub fn prefix(self) -> &'static str {
-        match self {
-            Family::Elasticity => "elasticity",
-            Family::Poisson => "poisson",
-            Family::NeoHookean => "neo_hookean",
-            Family::MooneyRivlin => "mooney_rivlin",
-            Family::PLaplacian => "p_laplacian",
-            Family::Stokes => "stokes",
-            Family::AnisotropicElasticity => "anisotropic_elasticity",
-            Family::InteriorPenalty => "interior_penalty",
-            Family::GhostPenalty => "ghost_penalty",
-            Family::Nitsche => "nitsche",
-        }
-    }
-
-    /// Its files, read.
-    pub fn files(self) -> Vec<ReferenceFile> {
-        let mine = |name: &String| name.starts_with(&format!("{}_", self.prefix()));
-        names().into_iter().filter(mine).map(|name| ReferenceFile::read(&name)).collect()
-    }
-}
-
-/// The names of all reference files, without extension, sorted.
-pub fn names() -> Vec<String> {
-    let entries = std::fs::read_dir(folder()).unwrap_or_else(|error| panic!("tests/scikit_fem: {error}"));
-    let paths = entries.map(|entry| entry.unwrap_or_else(|error| panic!("tests/scikit_fem: {error}")).path());
-    let mut names: Vec<String> = paths
-        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
-        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
-        .collect();
-    names.sort();
-    names
-}
-
-fn folder() -> PathBuf {
-    [env!("CARGO_MANIFEST_DIR"), "scikit_fem"].iter().collect()
-}
-
-/// A file as it stands.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ReferenceFile {
-    #[serde(skip)]
-    name: String,
-    #[serde(rename = "made_by")]
-    _made_by: String,
-    dimension: usize,
-    shape: String,
-    geometry_degree: usize,
-    nodes: Vec<Vec<f64>>,
-    cells: Vec<Vec<u32>>,
-    space_degree: usize,
-    components: usize,
-    space_nodes: Vec<Vec<f64>>,
-    space_cells: Option<Vec<usize>>,
-    second_space: Option<SecondSpace>,
-    cell_quadrature: CellRule,
-    facet_quadrature: Option<FacetRule>,
-    #[serde(default)]
-    contact_facets: Vec<(u32, u8)>,
-    #[serde(default)]
-    contact_diameters: Vec<f64>,
-    #[serde(default)]
-    criterion_facets: Vec<(u32, u8)>,
-    data: BTreeMap<String, Value>,
-    u: Option<Vec<f64>>,
-    matrices: BTreeMap<String, Triplets>,
-    #[serde(default)]
-    vectors: BTreeMap<String, Vec<f64>>,
-    #[serde(default)]
-    numbers: BTreeMap<String, f64>,
-}
-
-/// The space of a second unknown, whose numbers follow those of the first, and its state.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SecondSpace {
-    space_degree: usize,
-    components: usize,
-    space_nodes: Vec<Vec<f64>>,
-    u: Vec<f64>,
-}
-
-#[derive(Debug, Deserialize)]
-struct CellRule {
-    points: Vec<Vec<f64>>,
-    weights: Vec<f64>,
-}
-
-#[derive(Debug, Deserialize)]
-struct FacetRule {
-    points: FacetPoints,
-    weights: Vec<f64>,
-}
-
-/// On a segment, or on a triangle.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum FacetPoints {
-    Segment(Vec<f64>),
-    Triangle(Vec<[f64; 2]>),
-}
-
-#[derive(Debug, Deserialize)]
-struct Triplets {
-    rows: usize,
-    columns: usize,
-    row: Vec<usize>,
-    column: Vec<usize>,
-    value: Vec<f64>,
-}
-
-impl ReferenceFile {
-    fn read(name: &str) -> Self {
-        let text = std::fs::read_to_string(folder().join(name).with_extension("json"));
-        let text = text.unwrap_or_else(|error| panic!("{name}: {error}"));
-        let file = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
-        ReferenceFile { name: name.to_owned(), ..file }
-    }
-
-    /// 2 or 3.
-    pub fn dimension(&self) -> usize {
-        self.dimension
-    }
-}
 
 /// The problem of a file, rebuilt, and what is still to be compared.
 pub struct Reference<const D: usize> {

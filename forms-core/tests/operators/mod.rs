@@ -8,7 +8,7 @@ pub use forms_core::contract::*;
 pub use forms_core::forms;
 
 pub use crate::toy_backend::mesh::{Mesh, determinant, inverse};
-pub use crate::toy_backend::plain::{Components, Matrix, dot, inner, matrix, trace};
+pub use crate::toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace};
 pub use crate::toy_backend::random::Random;
 pub use crate::toy_backend::{Nodal, differences, expression, residual, tangent};
 
@@ -97,18 +97,7 @@ impl<const D: usize> State<D> {
 
     pub fn check_value<R: Components>(&self, value: &impl Expression<D>, expected: impl Fn(&At) -> R) {
         let found = expression(&self.mesh, value, (Entity::Cells, "all"));
-        let points = self.points();
-        assert_eq!(found.len(), points.len());
-        for (found, point) in found.iter().zip(&points) {
-            let expected = expected(point).components();
-            assert_eq!(found.len(), expected.len());
-            for (found, expected) in found.iter().zip(&expected) {
-                assert!(
-                    (found - expected).abs() <= 1e-12 * expected.abs().max(1.0),
-                    "{found} is not {expected}"
-                );
-            }
-        }
+        assert_values(&found, self.points().iter().map(expected));
     }
 
     pub fn check_tangent<F: Form<D>>(&mut self, form: &F) {

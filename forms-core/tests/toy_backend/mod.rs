@@ -11,6 +11,7 @@ pub mod mesh;
 pub mod plain;
 pub mod random;
 pub mod rays;
+mod walk;
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -19,6 +20,7 @@ use std::sync::Arc;
 
 use forms_core::contract::*;
 use mesh::{Element, Mesh};
+use walk::{Walk, basis, cell, geometry, unpack};
 
 /// Nodal values of a field, node by node: the field data of this backend.
 #[derive(Clone, Debug)]
@@ -39,166 +41,6 @@ impl DiscreteField for Nodal {
 impl Nodal {
     pub fn source<const D: usize>(&self) -> Source<D> {
         Source::Discrete(Arc::new(self.clone()))
-    }
-}
-
-/// Inputs of a walk: the mesh, the form's description, the unknowns' values.
-struct Walk<'a, const D: usize> {
-    mesh: &'a Mesh<D>,
-    fields: &'static [FieldDescription],
-    inputs: &'a Inputs<D>,
-    unknowns: &'a [Nodal],
-    /// Per unknown; read by actions.
-    directions: &'a [Nodal],
-}
-
-/// Gathers one number per cell of a batch.
-fn pack<L: Lane, const D: usize>(batch: &[&Element<D>], read: impl Fn(&Element<D>) -> f64) -> L {
-    let mut values = [0.0; 8];
-    for (lane, value) in values.iter_mut().enumerate().take(L::WIDTH) {
-        *value = read(batch[lane.min(batch.len() - 1)]);
-    }
-    L::load(&values)
-}
-
-fn unpack<L: Lane>(value: L) -> [f64; 8] {
-    let mut values = [0.0; 8];
-    value.store(&mut values);
-    values
-}
-
-fn cell<L: Lane, const D: usize>(batch: &[&Element<D>]) -> CellGeometry<L> {
-    CellGeometry {
-        diameter: pack(batch, |element| element.cell.diameter),
-        cell_volume: pack(batch, |element| element.cell.cell_volume),
-        facet_area: pack(batch, |element| element.cell.facet_area),
-        opposite_diameter: pack(batch, |element| element.cell.opposite_diameter),
-        opposite_volume: pack(batch, |element| element.cell.opposite_volume),
-    }
-}
-
-fn geometry<L: Lane, const D: usize>(batch: &[&Element<D>], point: usize) -> PointGeometry<L, D> {
-    PointGeometry {
-        weight: pack(batch, |element| element.points[point].geometry.weight),
-        position: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.position[k])),
-        normal: std::array::from_fn(|k| pack(batch, |element| element.points[point].geometry.normal[k])),
-        curvature: pack(batch, |element| element.points[point].geometry.curvature),
-        opposite: OppositePoint {
-            gap: pack(batch, |element| element.points[point].geometry.opposite.gap),
-            toward: std::array::from_fn(|k| {
-                pack(batch, |element| element.points[point].geometry.opposite.toward[k])
-            }),
-            position: std::array::from_fn(|k| {
-                pack(batch, |element| element.points[point].geometry.opposite.position[k])
-            }),
-            normal: std::array::from_fn(|k| {
-                pack(batch, |element| element.points[point].geometry.opposite.normal[k])
-            }),
-            shape_operator: std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    pack(batch, |element| element.points[point].geometry.opposite.shape_operator[i][j])
-                })
-            }),
-        },
-    }
-}
-
-/// A basis function and its second derivatives, NaN where the kernel does not ask for them.
-fn basis<L: Lane, const D: usize>(
-    batch: &[&Element<D>],
-    side: Side,
-    point: usize,
-    node: usize,
-    requirements: &Requirements,
-) -> (Basis<L, D>, Hessian<L, D>) {
-    let read =
-        |read: &dyn Fn(&mesh::Point<D>) -> f64| pack(batch, |element| read(&element.on(side).points[point]));
-    let asked = |asked: bool, number: &dyn Fn(&mesh::Point<D>) -> f64| match asked {
-        true => read(number),
-        false => L::splat(f64::NAN),
-    };
-    let basis = Basis {
-        value: asked(requirements.basis_value, &|point| point.basis[node].value),
-        gradient: std::array::from_fn(|k| {
-            asked(requirements.basis_gradient, &|point| point.basis[node].gradient[k])
-        }),
-    };
-    let second = |a: usize, b: usize| asked(requirements.hessian, &|point| point.hessians[node][a][b]);
-    (basis, std::array::from_fn(|a| std::array::from_fn(|b| second(a, b))))
-}
-
-impl<const D: usize> Walk<'_, D> {
-    /// The batches of a region, [`Lane::WIDTH`] elements each.
-    fn elements(&self, integral: &Integral) -> Vec<Cow<'_, Element<D>>> {
-        let region = &self.inputs.regions[integral.region];
-        let elements = self.mesh.elements(region.entity, &region.name);
-        let Some(displacement) = integral.displacement else {
-            return elements.into_iter().map(Cow::Borrowed).collect();
-        };
-        let fields: Vec<&Nodal> = displacement.iter().map(|field| self.nodal(*field)).collect();
-        elements.into_iter().map(|pair| Cow::Owned(rays::slid(self.mesh, pair, &fields))).collect()
-    }
-
-    fn nodal(&self, field: usize) -> &Nodal {
-        match (self.fields[field].role, &self.inputs.sources[field]) {
-            (Role::Unknown(number), None) => &self.unknowns[number],
-            (_, Some(Source::Discrete(field))) => {
-                field.as_any().downcast_ref().expect("a field of this backend")
-            }
-            (role, _) => panic!("{role:?} displaces nothing"),
-        }
-    }
-
-    /// The slice that a kernel reads at a point.
-    fn fields<L: Lane>(&self, requirements: &Requirements, batch: &[&Element<D>], point: usize) -> Vec<L> {
-        let mut data = vec![L::splat(f64::NAN); requirements.field_length];
-        for slot in requirements.fields {
-            let count = slot.components
-                * match slot.order {
-                    Order::Value => 1,
-                    Order::Gradient => D,
-                    Order::Hessian => D * D,
-                };
-            for entry in 0..count {
-                data[slot.offset + entry] = pack(batch, |element| self.field(slot, element, point, entry));
-            }
-        }
-        data
-    }
-
-    fn field(&self, slot: &FieldSlot, element: &Element<D>, point: usize, entry: usize) -> f64 {
-        let element = element.on(slot.side);
-        let point = &element.points[point];
-        let nodal = |nodal: &Nodal| -> f64 {
-            assert_eq!(nodal.components, slot.components, "{}", self.fields[slot.field].name);
-            let weight = |node: usize| match slot.order {
-                Order::Value => point.basis[node].value,
-                Order::Gradient => point.basis[node].gradient[entry % D],
-                Order::Hessian => point.hessians[node][entry / D % D][entry % D],
-            };
-            let component = match slot.order {
-                Order::Value => entry,
-                Order::Gradient => entry / D,
-                Order::Hessian => entry / (D * D),
-            };
-            let nodes = element.nodes.iter().enumerate();
-            nodes.map(|(i, node)| weight(i) * nodal.values[node * nodal.components + component]).sum()
-        };
-        match (self.fields[slot.field].role, &self.inputs.sources[slot.field]) {
-            (Role::Unknown(number), None) => nodal(&self.unknowns[number]),
-            (Role::Direction(number), None) => nodal(&self.directions[number]),
-            (_, Some(Source::Discrete(field))) => {
-                nodal(field.as_any().downcast_ref::<Nodal>().expect("a field of this backend"))
-            }
-            (_, Some(Source::Constant(values))) if slot.order == Order::Value => values[entry],
-            (_, Some(Source::Constant(_))) => 0.0,
-            (_, Some(Source::Function { components, function, .. })) if slot.order == Order::Value => {
-                let mut values = vec![0.0; *components];
-                function(&point.geometry.position, &mut values);
-                values[entry]
-            }
-            (role, _) => panic!("{role:?} has no values"),
-        }
     }
 }
 

@@ -37,3 +37,15 @@ impl Components for Matrix {
         self.concat()
     }
 }
+
+/// Values at points beside those of an independent evaluation: each component up to 1e-12 of its size, or of one.
+pub fn assert_values<R: Components>(found: &[Vec<f64>], expected: impl ExactSizeIterator<Item = R>) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        let expected = expected.components();
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{found} is not {expected}");
+        }
+    }
+}

@@ -4,9 +4,13 @@
 //! [`Operator::Partial`], [`Operator::Gateaux`]); `differentiate` removes those.
 
 mod arena;
+mod geometry;
+mod truth;
 
-use crate::parse::syntax::{Comparison, Entity};
+use crate::parse::syntax::Entity;
 pub use arena::Arena;
+pub use geometry::Geometry;
+pub use truth::Truth;
 
 /// A node of an [`Arena`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -14,61 +18,6 @@ pub struct Tensor(pub u32);
 
 /// Extents of the axes: `[]` scalar, `[D]` vector, `[D, D]` tensor; up to rank 4 inside.
 pub type Shape = Vec<usize>;
-
-/// Geometry that a form may name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Geometry {
-    /// h_T.
-    Diameter,
-    /// |T|.
-    CellVolume,
-    /// |F|.
-    FacetArea,
-    /// n.
-    Normal,
-    /// x.
-    Position,
-    /// κ = div n.
-    Curvature,
-    /// g, the distance of a pair's opposite point.
-    Gap,
-    /// n_y, the unit vector toward a pair's opposite point.
-    Toward,
-    /// Y: what `other(x)` is on a pair.
-    OppositePosition,
-    /// The outward normal at Y: what `other(n)` is on a pair.
-    OppositeNormal,
-    /// ∇n along the surface, a tensor: how the normal at Y turns as Y moves.
-    ShapeOperator,
-}
-
-impl Geometry {
-    /// Is it a vector? All others are scalars.
-    pub fn is_vector(self) -> bool {
-        use Geometry::*;
-        matches!(self, Normal | Position | Toward | OppositePosition | OppositeNormal)
-    }
-
-    /// Its shape.
-    pub fn shape(self, dimension: usize) -> Shape {
-        match self {
-            Geometry::ShapeOperator => vec![dimension; 2],
-            _ if self.is_vector() => vec![dimension],
-            _ => vec![],
-        }
-    }
-
-    /// May it differ between the points of a cell or facet?
-    pub fn varies(self) -> bool {
-        !matches!(self, Geometry::Diameter | Geometry::CellVolume | Geometry::FacetArea)
-    }
-
-    /// Does it belong to a contact pair?
-    pub fn is_of_pairs(self) -> bool {
-        use Geometry::*;
-        matches!(self, Gap | Toward | OppositePosition | OppositeNormal)
-    }
-}
 
 /// A cell beside a facet. Inside cells and on exterior facets there is only `This`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -144,54 +93,6 @@ impl External {
     /// Is it a function of a symmetric tensor, which gives one?
     pub fn is_of_symmetric_tensors(self) -> bool {
         matches!(self, External::TensorExponential | External::TensorLogarithm | External::TensorSquareRoot)
-    }
-}
-
-/// A truth value at a point.
-#[derive(Clone, Debug)]
-pub enum Truth {
-    Compare(Comparison, Tensor, Tensor),
-    And(Box<Truth>, Box<Truth>),
-    Or(Box<Truth>, Box<Truth>),
-    Not(Box<Truth>),
-}
-
-impl Truth {
-    /// The scalars that are compared.
-    pub fn operands(&self) -> Vec<Tensor> {
-        match self {
-            Truth::Compare(_, left, right) => vec![*left, *right],
-            Truth::And(first, second) | Truth::Or(first, second) => {
-                let mut all = first.operands();
-                all.extend(second.operands());
-                all
-            }
-            Truth::Not(inner) => inner.operands(),
-        }
-    }
-
-    /// The connectives of comparisons, without what is compared.
-    fn structure(&self) -> String {
-        match self {
-            Truth::Compare(comparison, ..) => format!("{comparison:?} "),
-            Truth::And(first, second) => format!("({}& {})", first.structure(), second.structure()),
-            Truth::Or(first, second) => format!("({}| {})", first.structure(), second.structure()),
-            Truth::Not(inner) => format!("!{}", inner.structure()),
-        }
-    }
-
-    /// The same truth value of other scalars.
-    pub fn map(&self, change: &mut impl FnMut(Tensor) -> Tensor) -> Truth {
-        match self {
-            Truth::Compare(comparison, left, right) => {
-                Truth::Compare(*comparison, change(*left), change(*right))
-            }
-            Truth::And(first, second) => {
-                Truth::And(Box::new(first.map(change)), Box::new(second.map(change)))
-            }
-            Truth::Or(first, second) => Truth::Or(Box::new(first.map(change)), Box::new(second.map(change))),
-            Truth::Not(inner) => Truth::Not(Box::new(inner.map(change))),
-        }
     }
 }
 

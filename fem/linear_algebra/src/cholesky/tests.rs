@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::Ordering;
+use crate::vector::norm;
 
 /// The block matrix (five-point Laplacian on an m × m grid) ⊗ B, and one of its closed-form solutions:
 /// B w at the nodes times the eigenvector sin(kπx) sin(lπy), whose eigenvalue is known.

@@ -4,8 +4,10 @@
 //! is 0 everywhere; `max(a, b)` differentiates as `if a > b { a } else { b }`, `min(a, b)` as
 //! `if a > b { b } else { a }`; that of `norm(a)` at a = 0 is 0, as is that of `atan2` at the origin.
 //!
-//! The scalar functions stand in the child module `functions`, the shape of the domain in `shape`.
+//! The scalar functions stand in the child module `functions`, the shape of the domain in `shape`, opposite points in
+//! `opposite`, what only formulas hold in `formulas`.
 
+mod formulas;
 mod functions;
 mod opposite;
 mod shape;
@@ -14,7 +16,7 @@ use std::collections::HashMap;
 
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
-use crate::tensor::{Arena, FieldInfo, Geometry, Named, Operator, Tensor, Truth, Variable};
+use crate::tensor::{Arena, FieldInfo, Geometry, Operator, Tensor, Truth, Variable};
 
 /// The variable and its direction.
 #[derive(Clone, Copy, Debug)]
@@ -203,73 +205,6 @@ impl<'a> Differentiation<'a> {
             Gateaux { .. } => self.postponed(tensor),
             Operator::Named(named) => self.named(tensor, named),
         }
-    }
-
-    /// d (∂e/∂w) = ∂(de)/∂w, where dw is held fixed.
-    fn partial(&mut self, tensor: Tensor, expression: Tensor, variable: Variable) -> Option<Tensor> {
-        let change = self.derive(expression)?;
-        if let Variable::Node(node) = variable
-            && let Some(direction) = self.derive(node)
-            && self.arena.reachable(&[direction]).contains(&node)
-        {
-            return self.postponed(tensor);
-        }
-        let shape = self.arena.shape(tensor).to_vec();
-        Some(self.push(Operator::Partial(change, variable), shape, tensor))
-    }
-
-    /// The derivative, not carried out.
-    fn postponed(&mut self, tensor: Tensor) -> Option<Tensor> {
-        let Seed::Toward { variable, direction, .. } = self.seed else { return None };
-        let varies = self.arena.reachable(&[tensor]).into_iter().any(|node| match variable {
-            Variable::Field(varied) => {
-                matches!(self.arena.node(node).operator, Operator::Field { field, .. } if field == varied)
-            }
-            Variable::Parameter(varied) => {
-                matches!(self.arena.node(node).operator, Operator::Parameter(index) if index == varied)
-            }
-            Variable::Node(varied) => node == varied,
-            Variable::Shape(_) => true,
-            Variable::Size(varied) => {
-                matches!(self.arena.node(node).operator, Operator::Geometry(size) if size == varied)
-            }
-        });
-        let shape = self.arena.shape(tensor).to_vec();
-        let operator = Operator::Gateaux { expression: tensor, variable, direction };
-        varies.then(|| self.push(operator, shape, tensor))
-    }
-
-    /// Chain rule for the k-th derivative of a function, which is linear in each of its k directions:
-    /// d (Dᵏf(a)[b, …]) = Dᵏ⁺¹f(a)[b, …, da] + Dᵏf(a)[db, …] + …
-    fn named(&mut self, tensor: Tensor, named: Named) -> Option<Tensor> {
-        let (function, arguments, directions) = match named {
-            Named::Value { value, .. } => return self.derive(value),
-            Named::Call { function, arguments, directions } => (function, arguments, directions),
-        };
-        let shape = self.arena.shape(tensor).to_vec();
-        let mut sum = None;
-        for row in 0..=directions.len() {
-            let varied = directions.get(row).unwrap_or(&arguments);
-            let change: Vec<_> = varied.iter().map(|one| self.derive(*one)).collect();
-            if change.iter().all(Option::is_none) {
-                continue;
-            }
-            let varied = varied.clone();
-            let change = varied.into_iter().zip(change).map(|(one, change)| {
-                let shape = self.arena.shape(one).to_vec();
-                change.unwrap_or_else(|| self.push(Operator::Zero, shape, one))
-            });
-            let change: Vec<_> = change.collect();
-            let mut directions = directions.clone();
-            match directions.get_mut(row) {
-                Some(direction) => *direction = change,
-                None => directions.push(change),
-            }
-            let named = Named::Call { function, arguments: arguments.clone(), directions };
-            let one = self.push(Operator::Named(named), shape.clone(), tensor);
-            sum = self.sum(sum, Some(one));
-        }
-        sum
     }
 
     fn field(&mut self, tensor: Tensor, field: usize, order: usize) -> Option<Tensor> {

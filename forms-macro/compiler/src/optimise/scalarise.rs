@@ -1,12 +1,14 @@
 //! Tensor expressions → their components in a [`Graph`].
 
+mod determinant;
+mod linear_map;
+mod truth;
+
 use super::hashing::Map;
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::differentiate::multi_indices;
-use crate::parse::syntax::{Comparison, Entity};
-use crate::tensor::{
-    Arena, External, Function, Geometry, LinearMap, NEARLY_ZERO, Operator, Selection, Side, Tensor, Truth,
-};
+use crate::parse::syntax::Entity;
+use crate::tensor::{Arena, External, Function, Geometry, NEARLY_ZERO, Operator, Selection, Side, Tensor};
 
 /// Components of tensors, each computed once.
 pub struct Scalariser<'a> {
@@ -187,31 +189,13 @@ impl Scalariser<'_> {
                 let (a, size) = (self.components(*a), self.arena.shape(*a)[0]);
                 self.cofactors(&a, size)
             }
-            // cof A is quadratic: its polar form has each product of two entries in both orders.
             MixedCofactor(a, b) => {
                 let (a, b) = (self.components(*a), self.components(*b));
-                let entries = multi_indices(&[3, 3]);
-                let entry = |ij: &Vec<usize>| {
-                    let place = |row: usize, column: usize| (ij[0] + row) % 3 * 3 + (ij[1] + column) % 3;
-                    let (first, second) = ([place(1, 1), place(2, 2)], [place(1, 2), place(2, 1)]);
-                    let plus =
-                        self.sum_of_products(&[(a[first[0]], b[first[1]]), (b[first[0]], a[first[1]])]);
-                    let minus =
-                        self.sum_of_products(&[(a[second[0]], b[second[1]]), (b[second[0]], a[second[1]])]);
-                    let minus = self.graph.negate(minus);
-                    self.graph.add(plus, minus)
-                };
-                entries.iter().map(entry).collect()
+                self.mixed_cofactors(&a, &b)
             }
             Inverse(a) => {
                 let (a, size) = (self.components(*a), self.arena.shape(*a)[0]);
-                let determinant = self.determinant(&a, size);
-                let cofactors = self.cofactors(&a, size);
-                (0..count)
-                    .map(|entry| {
-                        self.graph.divide(cofactors[(entry % size) * size + entry / size], determinant)
-                    })
-                    .collect()
+                self.inverse(&a, size)
             }
             Component(a, indices) => {
                 let (components, whole) = (self.components(*a), self.arena.shape(*a));
@@ -339,57 +323,6 @@ impl Scalariser<'_> {
             .collect()
     }
 
-    fn linear_map(&mut self, map: LinearMap, a: Tensor) -> Vec<Scalar> {
-        let (components, shape) = (self.components(a), self.arena.shape(a).to_vec());
-        let (rows, columns) = (shape[0], shape.get(1).copied().unwrap_or(1));
-        let transposed: Vec<_> =
-            multi_indices(&[columns, rows]).iter().map(|ij| components[ij[1] * columns + ij[0]]).collect();
-        let graph = &mut *self.graph;
-        match map {
-            LinearMap::Transpose => transposed,
-            LinearMap::Trace => {
-                let diagonal: Vec<_> = (0..rows).map(|i| components[i * columns + i]).collect();
-                vec![graph.sum(&diagonal)]
-            }
-            LinearMap::Symmetric | LinearMap::Skew => {
-                let sign = if map == LinearMap::Symmetric { 0.5 } else { -0.5 };
-                let pairs = components.iter().zip(&transposed);
-                pairs
-                    .map(|(a, b)| {
-                        let (a, b) = (graph.scale(0.5, *a), graph.scale(sign, *b));
-                        graph.add(a, b)
-                    })
-                    .collect()
-            }
-            LinearMap::Perpendicular => vec![graph.negate(components[1]), components[0]],
-            LinearMap::Diagonal => (0..rows).map(|i| components[i * columns + i]).collect(),
-            LinearMap::DiagonalTensor => {
-                let zero = graph.number(0.0);
-                let entries = multi_indices(&[rows, rows]);
-                entries.iter().map(|ij| if ij[0] == ij[1] { components[ij[0]] } else { zero }).collect()
-            }
-            LinearMap::Curl => {
-                let mut difference = |row: usize, column: usize| {
-                    let minus = graph.negate(components[column * columns + row]);
-                    graph.add(components[row * columns + column], minus)
-                };
-                match rows {
-                    2 => vec![difference(1, 0)],
-                    _ => vec![difference(2, 1), difference(0, 2), difference(1, 0)],
-                }
-            }
-            // dev A = A − tr A / size I
-            LinearMap::Deviator => {
-                let diagonal: Vec<_> = (0..rows).map(|i| components[i * columns + i]).collect();
-                let trace = graph.sum(&diagonal);
-                let mean = graph.scale(-1.0 / rows as f64, trace);
-                let on_diagonal = |entry: usize| entry / columns == entry % columns;
-                let entries = components.iter().enumerate();
-                entries.map(|(entry, a)| if on_diagonal(entry) { graph.add(*a, mean) } else { *a }).collect()
-            }
-        }
-    }
-
     fn cross(&mut self, a: Tensor, b: Tensor) -> Vec<Scalar> {
         let (first, second) = (self.components(a), self.components(b));
         let mut difference = |i: usize, j: usize| {
@@ -401,67 +334,6 @@ impl Scalariser<'_> {
         match first.len() {
             2 => vec![difference(0, 1)],
             _ => vec![difference(1, 2), difference(2, 0), difference(0, 1)],
-        }
-    }
-
-    fn determinant(&mut self, a: &[Scalar], size: usize) -> Scalar {
-        if size == 1 {
-            return a[0];
-        }
-        let cofactors = self.cofactors(a, size);
-        let pairs: Vec<_> = (0..size).map(|column| (a[column], cofactors[column])).collect();
-        self.sum_of_products(&pairs)
-    }
-
-    fn cofactors(&mut self, a: &[Scalar], size: usize) -> Vec<Scalar> {
-        match size {
-            1 => vec![self.graph.number(1.0)],
-            2 => {
-                let (minus_b, minus_c) = (self.graph.negate(a[1]), self.graph.negate(a[2]));
-                vec![a[3], minus_c, minus_b, a[0]]
-            }
-            _ => multi_indices(&[3, 3])
-                .iter()
-                .map(|ij| {
-                    // Cyclic indices carry the sign.
-                    let at = |row: usize, column: usize| a[(ij[0] + row) % 3 * 3 + (ij[1] + column) % 3];
-                    let first = self.graph.multiply(at(1, 1), at(2, 2));
-                    let second = self.graph.multiply(at(1, 2), at(2, 1));
-                    let minus = self.graph.negate(second);
-                    self.graph.add(first, minus)
-                })
-                .collect(),
-        }
-    }
-
-    fn truth(&mut self, truth: &Truth) -> Scalar {
-        match truth {
-            Truth::Compare(comparison, a, b) => {
-                let (a, b) = (self.scalar(*a), self.scalar(*b));
-                match comparison {
-                    Comparison::Less => self.graph.less(a, b),
-                    Comparison::Greater => self.graph.less(b, a),
-                    Comparison::LessEqual => self.graph.intern(Node::LessEqual(a, b)),
-                    Comparison::GreaterEqual => self.graph.intern(Node::LessEqual(b, a)),
-                    Comparison::Equal => self.graph.intern(Node::Equal(a, b)),
-                    Comparison::NotEqual => {
-                        let equal = self.graph.intern(Node::Equal(a, b));
-                        self.graph.intern(Node::Not(equal))
-                    }
-                }
-            }
-            Truth::And(a, b) => {
-                let (a, b) = (self.truth(a), self.truth(b));
-                self.graph.intern(Node::And(a, b))
-            }
-            Truth::Or(a, b) => {
-                let (a, b) = (self.truth(a), self.truth(b));
-                self.graph.intern(Node::Or(a, b))
-            }
-            Truth::Not(a) => {
-                let a = self.truth(a);
-                self.graph.intern(Node::Not(a))
-            }
         }
     }
 }

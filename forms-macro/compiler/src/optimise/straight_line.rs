@@ -1,95 +1,14 @@
 //! Scalars → instructions with at most three operands, each at the earliest level where its operands
 //! exist.
 
+mod instruction;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::hashing::Map;
 use super::scalar::{Argument, Graph, Node, Scalar};
-use crate::tensor::{External, Function, Geometry};
-
-/// The moment from which a value is known: with the parameters, per cell, per point, per basis function (or pair).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Level {
-    Form,
-    Cell,
-    Point,
-    Node,
-}
-
-/// An instruction of a [`Code`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Value(pub u32);
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Instruction {
-    Number(u64),
-    Terminal(Scalar),
-    Add(Value, Value),
-    Subtract(Value, Value),
-    Multiply(Value, Value),
-    /// a * b + c
-    MultiplyAdd(Value, Value, Value),
-    Divide(Value, Value),
-    Negate(Value),
-    Apply(Function, Value),
-    Power(Value, Value),
-    Atan2(Value, Value),
-    Minimum(Value, Value),
-    Maximum(Value, Value),
-    Select(Value, Value, Value),
-    Less(Value, Value),
-    LessEqual(Value, Value),
-    Equal(Value, Value),
-    And(Value, Value),
-    Or(Value, Value),
-    Not(Value),
-    /// Derivatives of all outputs of a function, by each of some lists of inputs.
-    Call {
-        function: External,
-        inputs: Vec<Value>,
-        outputs: usize,
-        derivatives: Vec<Vec<usize>>,
-    },
-    /// Of a call: which list, which output.
-    Entry(Value, usize, usize),
-}
-
-impl Instruction {
-    pub fn operands(&self) -> Vec<Value> {
-        use Instruction::*;
-        match self {
-            Number(_) | Terminal(_) => vec![],
-            Negate(a) | Apply(_, a) | Not(a) | Entry(a, ..) => vec![*a],
-            Call { inputs, .. } => inputs.clone(),
-            Add(a, b)
-            | Subtract(a, b)
-            | Multiply(a, b)
-            | Divide(a, b)
-            | Power(a, b)
-            | Atan2(a, b)
-            | Minimum(a, b)
-            | Maximum(a, b)
-            | Less(a, b)
-            | LessEqual(a, b)
-            | Equal(a, b)
-            | And(a, b)
-            | Or(a, b) => vec![*a, *b],
-            MultiplyAdd(a, b, c) | Select(a, b, c) => vec![*a, *b, *c],
-        }
-    }
-
-    /// Does it cost anything? As `contract::Operations` counts.
-    pub fn is_operation(&self) -> bool {
-        use Instruction::*;
-        !matches!(self, Number(_) | Terminal(_) | Negate(_) | Entry(..))
-    }
-
-    /// Truth values are not stored between functions: they are computed where they are used.
-    pub fn is_truth(&self) -> bool {
-        use Instruction::*;
-        matches!(self, Less(..) | LessEqual(..) | Equal(..) | And(..) | Or(..) | Not(..))
-    }
-}
+use crate::tensor::{External, Geometry};
+pub use instruction::{Instruction, Level, Value};
 
 /// A function at some inputs, and the order of the derivative.
 type CallKey = (External, Vec<Scalar>, usize);

@@ -1,12 +1,15 @@
 //! The syntax tree of a forms module: what `parse` gives and `check` reads.
 
-use std::fmt;
+mod expression;
+mod rank;
 
 use proc_macro2::{Ident, Span, TokenStream};
 use syn::{Attribute, Visibility};
 
-use super::whole_number::WholeNumber;
-use crate::diagnostics::SourceSpan;
+pub use expression::{
+    BinaryOperator, Block, Comparison, Condition, Expression, ExpressionKind, Index, IndexKind,
+};
+pub use rank::{Extent, Rank};
 
 /// A module of weak forms.
 pub struct Module {
@@ -121,82 +124,6 @@ pub enum MemberKind {
     History,
 }
 
-/// The extent of one axis of a declared shape.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
-    /// D, the dimension of the form.
-    Dimension,
-    /// The same number in every dimension.
-    Fixed(usize),
-}
-
-/// A declared shape: the extents of its axes, at most four. `Scalar` has none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rank {
-    axes: usize,
-    /// Those after the first `axes` mean nothing and are [`Extent::Dimension`].
-    extents: [Extent; Rank::LARGEST],
-}
-
-impl Rank {
-    /// No declared shape has more axes.
-    pub const LARGEST: usize = 4;
-    /// `Scalar`
-    pub const SCALAR: Rank = Rank::of_dimension(0);
-    /// `Vector`
-    pub const VECTOR: Rank = Rank::of_dimension(1);
-    /// `Tensor`
-    pub const TENSOR: Rank = Rank::of_dimension(2);
-    /// `Tensor4`
-    pub const TENSOR4: Rank = Rank::of_dimension(4);
-
-    const fn of_dimension(axes: usize) -> Rank {
-        Rank { axes, extents: [Extent::Dimension; Rank::LARGEST] }
-    }
-
-    /// `None` for more than [`Rank::LARGEST`] axes.
-    pub fn new(extents: &[Extent]) -> Option<Rank> {
-        let mut rank = Rank::of_dimension(extents.len());
-        rank.extents.get_mut(..extents.len())?.copy_from_slice(extents);
-        Some(rank)
-    }
-
-    /// One per axis.
-    pub fn extents(&self) -> &[Extent] {
-        &self.extents[..self.axes]
-    }
-
-    /// The extents in numbers.
-    pub fn shape(self, dimension: usize) -> Vec<usize> {
-        let number = |extent: &Extent| match extent {
-            Extent::Dimension => dimension,
-            Extent::Fixed(number) => *number,
-        };
-        self.extents().iter().map(number).collect()
-    }
-}
-
-/// As it is written: `Tensor`, `Vector<3>`.
-impl fmt::Display for Rank {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = match (*self, self.axes) {
-            (Rank::SCALAR, _) => return f.write_str("Scalar"),
-            (Rank::VECTOR, _) => return f.write_str("Vector"),
-            (Rank::TENSOR, _) => return f.write_str("Tensor"),
-            (Rank::TENSOR4, _) => return f.write_str("Tensor4"),
-            (_, 1) => "Vector",
-            (_, 2) => "Matrix",
-            // Not to be written, yet a result may be of it.
-            _ => "Tensor",
-        };
-        let extents = self.extents().iter().map(|extent| match extent {
-            Extent::Dimension => "D".to_string(),
-            Extent::Fixed(number) => number.to_string(),
-        });
-        write!(f, "{word}<{}>", extents.collect::<Vec<_>>().join(", "))
-    }
-}
-
 /// The entities of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Entity {
@@ -256,7 +183,7 @@ pub struct Function {
 
 /// An imported function.
 pub struct Foreign {
-    /// "`stress` in contact/src/operators.rs:12".
+    /// "`stress` in contact/src/operators/materials.rs:47".
     pub origin: String,
     /// It is a function of this module, too (`pub use`); otherwise it is called, and nothing to assemble by itself.
     pub emitted: bool,
@@ -298,113 +225,4 @@ pub enum Output {
     Form,
     Energy,
     Functional,
-}
-
-/// `{ let a = ..; let b = ..; result }`
-pub struct Block {
-    pub lets: Vec<(Ident, Expression)>,
-    pub result: Box<Expression>,
-}
-
-pub struct Expression {
-    pub span: SourceSpan,
-    pub kind: ExpressionKind,
-}
-
-pub enum ExpressionKind {
-    /// An expression that could not be read, and has been reported.
-    Mistake,
-    /// `let name: Vector = value`
-    Declared(Rank, Box<Expression>),
-    Number(f64),
-    Name(Ident),
-    Call(Ident, Vec<Expression>),
-    Negate(Box<Expression>),
-    Binary(BinaryOperator, Box<Expression>, Box<Expression>),
-    Index(Box<Expression>, Vec<Index>),
-    Array(Vec<Expression>),
-    /// `[entry; 3]`, with the span of the count.
-    Repeat(Box<Expression>, WholeNumber, SourceSpan),
-    If(Box<Condition>, Block, Block),
-    Block(Block),
-}
-
-impl Expression {
-    /// The expressions that this one is written with.
-    pub fn parts(&self) -> Vec<&Expression> {
-        use ExpressionKind::*;
-        match &self.kind {
-            Mistake | Number(_) | Name(_) => vec![],
-            Declared(_, a) | Negate(a) | Index(a, _) | Repeat(a, ..) => vec![a],
-            Binary(_, a, b) => vec![a, b],
-            Call(_, parts) | Array(parts) => parts.iter().collect(),
-            Block(block) => block.parts(),
-            If(condition, taken, otherwise) => {
-                let mut all = condition.parts();
-                all.extend(taken.parts());
-                all.extend(otherwise.parts());
-                all
-            }
-        }
-    }
-}
-
-impl Block {
-    fn parts(&self) -> Vec<&Expression> {
-        self.lets.iter().map(|(_, value)| value).chain([&*self.result]).collect()
-    }
-}
-
-impl Condition {
-    fn parts(&self) -> Vec<&Expression> {
-        match self {
-            Condition::Compare(_, left, right) => vec![left, right],
-            Condition::And(first, second) | Condition::Or(first, second) => {
-                [first.parts(), second.parts()].concat()
-            }
-            Condition::Not(inner) => inner.parts(),
-        }
-    }
-}
-
-/// The part of one axis.
-pub struct Index {
-    pub span: SourceSpan,
-    pub kind: IndexKind,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IndexKind {
-    One(WholeNumber),
-    /// `start..end`, either of them left out for the axis's own.
-    Range {
-        start: Option<WholeNumber>,
-        end: Option<WholeNumber>,
-    },
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BinaryOperator {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-}
-
-/// The condition between `if` and `{`.
-pub enum Condition {
-    Compare(Comparison, Expression, Expression),
-    And(Box<Condition>, Box<Condition>),
-    Or(Box<Condition>, Box<Condition>),
-    Not(Box<Condition>),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Comparison {
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    Equal,
-    NotEqual,
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use quote::{ToTokens, quote};
 
-use crate::reuse::flatten::flatten;
+use crate::reuse::flatten;
 
 /// The kernels of a function in two dimensions, each by its name.
 fn kernels(source: &str, function: &str) -> BTreeMap<String, String> {
@@ -77,11 +77,7 @@ fn classics() {
 
 #[test]
 fn nitsche() {
-    let module = flatten(
-        include_str!("../../../../contact/src/nitsche.rs"),
-        "nitsche",
-        include_str!("../../../../contact/src/operators.rs"),
-    );
+    let module = flatten::nitsche();
     for function in ["direct", "discrete_adjoint", "consistent_adjoint"] {
         check(&module, function);
     }

@@ -70,9 +70,9 @@ fn no_form_is_planned_for_long() {
 
 /// Operators that random forms do not hold, with the test that compares them with outside values instead.
 const TESTED_ELSEWHERE: &[(&str, &str)] = &[
-    ("tensor_exp", "forms-core/tests/externals.rs: outside the compiled code, with no dual numbers"),
-    ("tensor_ln", "forms-core/tests/externals.rs"),
-    ("tensor_sqrt", "forms-core/tests/externals.rs"),
+    ("tensor_exp", "forms-core/tests/externals/spectral.rs: outside the compiled code, with no dual numbers"),
+    ("tensor_ln", "forms-core/tests/externals/spectral.rs"),
+    ("tensor_sqrt", "forms-core/tests/externals/spectral.rs"),
 ];
 
 #[test]

@@ -3,7 +3,7 @@
 use super::comparison::compare;
 use super::emitted::read;
 use super::source::Source;
-use crate::reuse::flatten::flatten;
+use crate::reuse::flatten;
 
 /// Found by random forms: the derivative of a jump is zero, yet a term with a jump is no load.
 #[test]
@@ -78,11 +78,7 @@ fn a_name_for_a_derivative_varies_alone() {
 
 #[test]
 fn the_forms_of_the_paper() {
-    let text = flatten(
-        include_str!("../../../../contact/src/nitsche.rs"),
-        "nitsche",
-        include_str!("../../../../contact/src/operators.rs"),
-    );
+    let text = flatten::nitsche();
     for dimension in [2, 3] {
         let source = Source::new(dimension, &text);
         let mut compared = 0;

@@ -8,6 +8,7 @@ mod budget;
 mod environment;
 mod evaluator;
 mod functions;
+mod jets;
 mod matrices;
 mod moving_points;
 mod number;

@@ -10,11 +10,23 @@ use super::uses;
 use crate::diagnostics::Diagnostics;
 use crate::parse::parse;
 
-/// The forms module `name` of `file`, whose imports come from the modules of `library`, a file whose modules import from
+/// The forms of the paper, with what they import from the library of operators.
+pub fn nitsche() -> String {
+    flatten(
+        include_str!("../../../../contact/src/nitsche.rs"),
+        "nitsche",
+        &[
+            include_str!("../../../../contact/src/operators/materials.rs"),
+            include_str!("../../../../contact/src/operators/interfaces.rs"),
+        ],
+    )
+}
+
+/// The forms module `name` of `file`, whose imports come from the modules of `library`, files whose modules import from
 /// earlier ones only. The last segment but one of an import's path says from which.
-pub fn flatten(file: &str, name: &str, library: &str) -> String {
+fn flatten(file: &str, name: &str, library: &[&str]) -> String {
     let mut texts: Vec<(String, String)> = Vec::new();
-    for mut item in modules(library) {
+    for mut item in library.iter().flat_map(|file| modules(file)) {
         let mut arrived = arrive(&item, &texts);
         add_declarations(&mut item, &mut arrived, &mut Diagnostics::default());
         let mut module = parse(item.clone(), &mut Diagnostics::default());
@@ -83,7 +95,7 @@ fn a_base_is_written_out() {
             #[extends(super::b::Data)] struct Data { load: Param }
             pub fn work(u: State<Scalar>) -> Functional { integral(Wall, load * both(u)) } }",
         "c",
-        library,
+        &[library],
     );
     let item: ItemMod = syn::parse_str(&text).expect("a module");
     let mut diagnostics = Diagnostics::default();

@@ -5,7 +5,7 @@
 //! #[identity("elasticity", "a1b2c3d4")]
 //! mod elasticity {
 //!     struct Data { lambda: Param, mu: Param }
-//!     #[origin("`stress` in contact/src/operators.rs:12")]
+//!     #[origin("`stress` in contact/src/operators/materials.rs:47")]
 //!     pub fn stress(w: Vector) -> Tensor { .. }
 //!     #[origin(..)]
 //!     fn strain__a9b8c7d6(w: Vector) -> Tensor { .. }      imported by this module from another
@@ -95,7 +95,7 @@ fn function(item: &ItemFn, origin: &str, known: &BTreeMap<String, String>) -> To
     quote! { #(#docs)* #[origin(#origin)] #visibility #signature #body }
 }
 
-/// "`stress` in contact/src/operators.rs:12": spans do not travel, so the place is told in words.
+/// "`stress` in contact/src/operators/materials.rs:47": spans do not travel, so the place is told in words.
 fn origin(item: &ItemFn) -> String {
     let name = &item.sig.ident;
     match file_and_line(name.span()) {

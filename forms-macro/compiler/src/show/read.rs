@@ -1,5 +1,7 @@
 //! From tensor nodes to a [`Formula`].
 
+mod sides;
+
 use super::formula::{Fence, Formula, Infix};
 use super::names::Names;
 use super::outlines::varied;
@@ -194,31 +196,6 @@ impl Reader<'_> {
             (LinearMap::Deviator, _) => self.word("dev", &[a]),
             (other, _) => self.word(&lower(&other), &[a]),
         }
-    }
-
-    /// Operand of a restriction to the other side.
-    fn opposite(&self, tensor: Tensor) -> Option<Tensor> {
-        match self.arena.node(tensor).operator {
-            Operator::Restrict(Side::Other, a) | Operator::Opposite(a, _) => Some(a),
-            _ => None,
-        }
-    }
-
-    /// a⁺ − a⁻ is ⟦a⟧.
-    fn jump(&self, a: Tensor, b: Tensor) -> Option<Formula> {
-        let Operator::Restrict(Side::This, this) = self.arena.node(a).operator else { return None };
-        let Operator::Negate(b) = self.arena.node(b).operator else { return None };
-        let other = self.opposite(b)?;
-        same(self.arena, this, other).then(|| Formula::Fence(Fence::Jump, Box::new(self.read(this))))
-    }
-
-    /// ½ (a⁺ + a⁻) is {a}.
-    fn average(&self, half: Tensor, sum: Tensor) -> Option<Formula> {
-        let Operator::Number(0.5) = self.arena.node(half).operator else { return None };
-        let Operator::Add(a, b) = self.arena.node(sum).operator else { return None };
-        let Operator::Restrict(Side::This, this) = self.arena.node(a).operator else { return None };
-        let other = self.opposite(b)?;
-        same(self.arena, this, other).then(|| self.read(this))
     }
 
     /// x, y, z along the axes of space, else numbers from 1.

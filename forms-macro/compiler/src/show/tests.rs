@@ -17,7 +17,7 @@ use crate::optimise::scalarise::{OppositeSide, Scalariser};
 use crate::optimise::{equal_scalars, parameter_offsets};
 use crate::parse::parse;
 use crate::parse::syntax::Module;
-use crate::reuse::flatten::flatten;
+use crate::reuse::flatten::nitsche;
 use crate::tensor::{Arena, FieldRole, Side, Tensor};
 
 fn module(source: &str) -> Module {
@@ -31,15 +31,6 @@ fn shown(source: &str, name: &str) -> Shown {
     let index = index.unwrap_or_else(|| panic!("no function {name}"));
     let found = formulas(&module, 2).swap_remove(index);
     found.unwrap_or_else(|| panic!("{name} has no formula"))
-}
-
-/// The forms of the paper.
-fn nitsche() -> String {
-    let [file, library] = ["nitsche", "operators"].map(|name| {
-        let path = format!("{}/../../contact/src/{name}.rs", env!("CARGO_MANIFEST_DIR"));
-        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
-    });
-    flatten(&file, "nitsche", &library)
 }
 
 const MATERIALS: &str = r#"mod materials {

@@ -5,11 +5,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::contents::{Contents, Element, Node};
 use super::kinds::{Cell, Kind};
-use super::problem::{Flaw, ImportProblem, Note};
-use crate::element::{CellShape, Lagrange};
+use super::plane::{check_plane, turn_clockwise_surfaces};
+use super::problem::{Flaw, ImportProblem, Note, Result};
+use super::tags::{Tags, check_element_tags, element_places};
 use crate::mesh::{Mesh, MeshError};
-
-type Result<T> = std::result::Result<T, Flaw>;
 
 /// The mesh, and how its numbers belong to the file's tags.
 pub(super) struct Cells<const D: usize> {
@@ -21,74 +20,6 @@ pub(super) struct Cells<const D: usize> {
     /// For each of the file's nodes its number in the mesh; `u32::MAX` where no cell uses it.
     numbers: Vec<u32>,
     tags: Tags,
-}
-
-/// Nodes by tag.
-pub(super) struct Tags {
-    /// Tag and place in the file's list, by tag.
-    sorted: Vec<(u64, u32)>,
-}
-
-impl Tags {
-    fn new(contents: &Contents) -> Result<Self> {
-        if u32::try_from(contents.nodes.len()).is_err() {
-            return Err(MeshError::TooLarge { what: "nodes" }.into());
-        }
-        let mut sorted: Vec<_> =
-            contents.nodes.iter().enumerate().map(|(place, node)| (node.tag, place as u32)).collect();
-        sorted.sort_unstable();
-        if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            let node = &contents.nodes[pair[1].1 as usize];
-            return Err(Flaw::at(node.at, ImportProblem::Repeated { item: contents.node(node.tag) }));
-        }
-        Ok(Tags { sorted })
-    }
-
-    fn find(&self, tag: u64) -> Option<usize> {
-        let first = self.sorted.first()?.0;
-        // Tags mostly have no gaps.
-        let guess = usize::try_from(tag.checked_sub(first)?).ok().and_then(|place| self.sorted.get(place));
-        let found = match guess {
-            Some(entry) if entry.0 == tag => entry,
-            _ => &self.sorted[self.sorted.binary_search_by_key(&tag, |entry| entry.0).ok()?],
-        };
-        Some(found.1 as usize)
-    }
-}
-
-fn check_element_tags(contents: &Contents) -> Result<()> {
-    let mut sorted: Vec<_> = contents.elements.iter().map(|element| (element.tag, element.at)).collect();
-    sorted.sort_unstable();
-    match sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-        Some(pair) => Err(Flaw::at(pair[1].1, ImportProblem::Repeated { item: contents.element(pair[1].0) })),
-        None => Ok(()),
-    }
-}
-
-// For each entry of the elements' lists of nodes the node's place in the file's list.
-fn element_places(contents: &Contents, tags: &Tags) -> Result<Vec<u32>> {
-    let mut places = Vec::with_capacity(contents.element_nodes.len());
-    for element in &contents.elements {
-        let nodes = contents.nodes_of(element);
-        for (position, &node) in nodes.iter().enumerate() {
-            let Some(place) = tags.find(node) else {
-                let problem = ImportProblem::MissingNode {
-                    element: contents.element(element.tag),
-                    node: contents.node(node),
-                };
-                return Err(Flaw::at(element.at, problem));
-            };
-            if nodes[..position].contains(&node) {
-                let problem = ImportProblem::NodeTwice {
-                    element: contents.element(element.tag),
-                    node: contents.node(node),
-                };
-                return Err(Flaw::at(element.at, problem));
-            }
-            places.push(place as u32);
-        }
-    }
-    Ok(places)
 }
 
 /// The elements that are cells, of one type or, in the plane, of two, with their places among the elements. Those of the
@@ -290,77 +221,6 @@ impl<const D: usize> Cells<D> {
         }
         Ok(())
     }
-}
-
-fn check_plane(contents: &Contents, nodes: &[&Node]) -> Result<()> {
-    let first = nodes[0];
-    let extent = nodes.iter().flat_map(|node| node.position.map(f64::abs)).fold(0.0, f64::max);
-    let z = |node: &Node| node.position[2];
-    // Files are written with 16 digits.
-    match nodes.iter().find(|node| (z(node) - z(first)).abs() > 1e-12 * extent) {
-        Some(other) => Err(Flaw::at(
-            other.at,
-            ImportProblem::NotPlane {
-                first: contents.node(first.tag),
-                first_z: z(first),
-                second: contents.node(other.tag),
-                second_z: z(other),
-            },
-        )),
-        None => Ok(()),
-    }
-}
-
-// The cells of a surface are oriented alike, and clockwise where the surface's normal points down.
-fn turn_clockwise_surfaces<const D: usize>(
-    contents: &Contents,
-    nodes: &[[f64; D]],
-    (degree, blocks): (usize, &mut [(CellShape, Vec<u32>)]),
-    entities: &[i64],
-    notes: &mut Vec<Note>,
-) {
-    let clockwise = |cell: &[u32], vertices: usize| {
-        let corner = |k: usize| nodes[cell[k % vertices] as usize];
-        // Relative to the first vertex: far from the origin, round-off would decide otherwise.
-        let origin = corner(0);
-        let twice: f64 = (1..vertices)
-            .map(|k| {
-                let (a, b) = (corner(k), corner(k + 1));
-                (a[0] - origin[0]) * (b[1] - origin[1]) - (b[0] - origin[0]) * (a[1] - origin[1])
-            })
-            .sum();
-        twice < 0.0
-    };
-    let per_cell = |shape: CellShape| Lagrange { shape, degree }.nodes();
-    let mut surfaces: BTreeMap<i64, (usize, usize)> = BTreeMap::new();
-    let cells = blocks
-        .iter()
-        .flat_map(|(shape, cells)| cells.chunks(per_cell(*shape)).map(|cell| (cell, shape.vertices())));
-    for ((cell, vertices), entity) in cells.zip(entities) {
-        let (all, turned) = surfaces.entry(*entity).or_default();
-        *all += 1;
-        *turned += usize::from(clockwise(cell, vertices));
-    }
-    surfaces.retain(|_, (all, turned)| all == turned);
-    let mut entities = entities.iter();
-    for (shape, cells) in blocks {
-        let mirrored: &[usize] = match (*shape, degree) {
-            (CellShape::Triangle, 1) => &[0, 2, 1],
-            (CellShape::Triangle, _) => &[0, 2, 1, 5, 4, 3],
-            (_, 1) => &[0, 3, 2, 1],
-            _ => &[0, 3, 2, 1, 7, 6, 5, 4, 8],
-        };
-        for (cell, entity) in cells.chunks_mut(per_cell(*shape)).zip(&mut entities) {
-            if surfaces.contains_key(entity) {
-                let old = cell.to_vec();
-                for (node, &from) in cell.iter_mut().zip(mirrored) {
-                    *node = old[from];
-                }
-            }
-        }
-    }
-    let part = |entity| (contents.words.part)(entity);
-    notes.extend(surfaces.into_iter().map(|(entity, (cells, _))| Note::Turned { part: part(entity), cells }));
 }
 
 // What a mesh says of its own numbers, said of the file's tags.

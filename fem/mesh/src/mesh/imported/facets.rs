@@ -4,10 +4,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::cells::Cells;
 use super::contents::{Contents, Element};
-use super::problem::{Flaw, ImportProblem, Note};
+use super::problem::{Flaw, ImportProblem, Note, Result};
 use crate::mesh::{Facet, Mesh};
-
-type Result<T> = std::result::Result<T, Flaw>;
 
 /// The sides of the facets that are asked for by their sorted vertices; of those that do not exist there are none.
 fn find_sides<const D: usize>(mesh: &Mesh<D>, sides: &mut HashMap<[u32; 4], Vec<Facet>>) {

@@ -7,7 +7,9 @@ mod cells;
 mod contents;
 mod facets;
 mod kinds;
+mod plane;
 mod problem;
+mod tags;
 
 use super::Mesh;
 

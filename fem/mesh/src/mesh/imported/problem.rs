@@ -15,6 +15,9 @@ pub enum FilePosition {
     Byte(usize),
 }
 
+/// What a flaw may leave undone.
+pub(super) type Result<T> = std::result::Result<T, Flaw>;
+
 /// A problem, and where the file lists what it is about \[bytes\], if it is about one thing.
 pub(in crate::mesh) struct Flaw {
     pub(in crate::mesh) at: Option<usize>,

@@ -1,0 +1,149 @@
+//! Solution with a symmetric factor, with iterative refinement or without.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::supernodal::{SupernodalIntranodeLbltRef, SupernodalLltRef};
+use faer::{Conj, MatMut, Par};
+
+use super::SymmetricFactor;
+use crate::backward_error::{Refinement, Residual};
+use crate::csr::CsrMatrix;
+use crate::equations::Side;
+use crate::error::{LinearAlgebraError, check_finite, check_size};
+use crate::threads::Threads;
+use crate::vector::{largest, norm};
+
+/// Backward error at which refinement has nothing left to gain.
+const ROUNDING: f64 = 2e-16;
+
+/// A solution after iterative refinement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refined {
+    /// The solution x.
+    pub solution: Vec<f64>,
+    /// ‖b − A x‖₂ / ‖b‖₂ (0 if b = 0).
+    pub relative_residual: f64,
+    /// Largest |b − A x|_i / (|A| |x| + |b|)_i: about 1e-16 when x is as good as rounding allows.
+    pub backward_error: f64,
+    /// Steps of refinement of the whole solution that improved it; single equations may have taken further ones.
+    pub steps: usize,
+}
+
+impl SymmetricFactor {
+    /// Replaces b by A⁻¹ b, without refinement.
+    ///
+    /// # Errors
+    /// If the size is wrong or an entry of b or of the solution is not finite.
+    pub fn solve_in_place(&self, b: &mut [f64]) -> Result<(), LinearAlgebraError> {
+        let analysis = &*self.analysis;
+        let size = analysis.size();
+        check_size("the right-hand side", size, b.len())?;
+        check_finite("the right-hand side", b)?;
+        let supernodes = &analysis.supernodes;
+        let mut memory = MemBuffer::try_new(supernodes.solve_in_place_scratch::<f64>(1, Par::Seq))
+            .map_err(|_| LinearAlgebraError::OutOfMemory { what: "a triangular solve" })?;
+        let stack = MemStack::new(&mut memory);
+        let mut x = vec![0.0; size];
+        match &self.pivoting {
+            None => {
+                for (target, &unknown) in x.iter_mut().zip(&analysis.order) {
+                    *target = b[unknown as usize];
+                }
+                let column = MatMut::from_column_major_slice_mut(&mut x, size, 1);
+                SupernodalLltRef::new(supernodes, &self.values).solve_in_place_with_conj(
+                    Conj::No,
+                    column,
+                    Par::Seq,
+                    stack,
+                );
+                for (value, &unknown) in x.iter().zip(&analysis.order) {
+                    b[unknown as usize] = *value;
+                }
+            }
+            Some(pivoting) => {
+                let unknown_at = |place: &u32| analysis.order[*place as usize] as usize;
+                for (target, place) in x.iter_mut().zip(&pivoting.forward) {
+                    *target = b[unknown_at(place)];
+                }
+                let column = MatMut::from_column_major_slice_mut(&mut x, size, 1);
+                let permutation = PermRef::new_checked(&pivoting.forward, &pivoting.backward, size);
+                SupernodalIntranodeLbltRef::new(
+                    supernodes,
+                    &self.values,
+                    &pivoting.below_diagonal,
+                    permutation,
+                )
+                .solve_in_place_no_numeric_permute_with_conj(
+                    Conj::No,
+                    column,
+                    Par::Seq,
+                    stack,
+                );
+                for (value, place) in x.iter().zip(&pivoting.forward) {
+                    b[unknown_at(place)] = *value;
+                }
+            }
+        }
+        check_finite("the solution", b)
+    }
+
+    /// Solves A x = b with iterative refinement, at most `max_steps` of it, until the residual is at the rounding
+    /// level of the whole system or no longer halves; and further, as long as an equation is off by more than 1e-12
+    /// of its own terms. `matrix` may differ slightly from the one that was factored.
+    ///
+    /// # Errors
+    /// As [`SymmetricFactor::solve_in_place`], and [`LinearAlgebraError::Inaccurate`] if an equation
+    /// stays off by more than 1e-10 of its terms.
+    pub fn solve_refined(
+        &self,
+        matrix: &CsrMatrix,
+        b: &[f64],
+        max_steps: usize,
+    ) -> Result<Refined, LinearAlgebraError> {
+        self.solve_side_refined(&Side::plain(matrix), Threads::ONE, matrix.row_sum_norm(), b, max_steps)
+    }
+
+    /// The same for a matrix, or its transposed, whose ‖A‖∞ is known.
+    #[doc(hidden)]
+    pub fn solve_side_refined(
+        &self,
+        side: &Side<'_>,
+        threads: Threads,
+        matrix_norm: f64,
+        b: &[f64],
+        max_steps: usize,
+    ) -> Result<Refined, LinearAlgebraError> {
+        let (b_norm, b_largest) = (norm(b), largest(b));
+        let backward = |x: &[f64], residual: &Residual| {
+            let scale = matrix_norm * largest(x) + b_largest;
+            if scale == 0.0 { 0.0 } else { largest(&residual.rest) / scale }
+        };
+        let mut x = b.to_vec();
+        self.solve_in_place(&mut x)?;
+        let mut found = Refinement::new(side, threads, b, x)?;
+        let mut whole = backward(&found.x, &found.residual);
+        let mut steps = 0;
+        for _ in 0..max_steps {
+            if whole <= ROUNDING {
+                break;
+            }
+            found.step(|change| self.solve_in_place(change))?;
+            let next_whole = backward(found.candidate(), &found.next);
+            if next_whole < whole {
+                let stalled = next_whole > 0.5 * whole;
+                found.accept();
+                whole = next_whole;
+                steps += 1;
+                if !stalled {
+                    continue;
+                }
+            }
+            break;
+        }
+        found.finish(|change| self.solve_in_place(change))?;
+        let Refinement { x, residual, .. } = found;
+        let relative_residual = if b_norm == 0.0 { 0.0 } else { norm(&residual.rest) / b_norm };
+        let backward_error = residual.worst().error;
+        Ok(Refined { solution: x, relative_residual, backward_error, steps })
+    }
+}
