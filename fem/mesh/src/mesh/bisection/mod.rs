@@ -1,6 +1,7 @@
 //! Meshes of triangles or tetrahedra that are refined and coarsened by bisection.
 
 mod closure;
+mod coarsening;
 mod edge_nodes;
 mod marked_edges;
 mod nesting;
