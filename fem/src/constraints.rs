@@ -2,6 +2,7 @@
 
 mod equations;
 mod error;
+mod hanging_nodes;
 mod mean_value;
 mod periodic;
 mod rigid_body;
@@ -20,7 +21,7 @@ use crate::compiled_here::compiled_here;
 use crate::space::Space;
 
 /// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding,
-/// periodic conditions, rigid bodies, mean values).
+/// periodic conditions, rigid bodies, mean values, hanging nodes).
 /// Solvers eliminate both: u = C y + d with the free unknowns y; residuals become Cᵀ R, tangents Cᵀ K C.
 #[derive(Clone, Debug)]
 pub struct Constraints<const D: usize> {

@@ -193,6 +193,17 @@ pub enum MeshError {
         /// The facet.
         facet: Facet,
     },
+    /// A facet that lies on another one in part only.
+    #[error(
+        "facet {} of cell {} and facet {} of cell {} lie on each other in part, at {position:?}: neither holds the other",
+        .facets[0].local, .facets[0].cell, .facets[1].local, .facets[1].cell
+    )]
+    NotNested {
+        /// The two facets.
+        facets: [Facet; 2],
+        /// A vertex of the first one on the other.
+        position: Vec<f64>,
+    },
     /// Two cells have a facet at one place, and lie on the same side of it.
     #[error(
         "cells {} and {} overlap: they lie on the same side of facets that coincide, at {position:?}",

@@ -14,6 +14,7 @@ mod generators;
 #[doc(hidden)]
 pub mod geometry;
 pub mod gmsh;
+mod hanging_facets;
 mod imported;
 mod interior;
 mod marking;

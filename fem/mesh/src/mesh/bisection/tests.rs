@@ -1,6 +1,11 @@
 //! Bisected meshes beside the first one: conforming, the same set and regions, bounded angles and shapes.
 
+mod coarsening;
+mod shapes;
+
 use std::collections::{BTreeMap, BTreeSet};
+
+use shapes::{least_angle, similarity_class};
 
 use super::*;
 use crate::mesh::measures::{close, surface, volume};
@@ -30,48 +35,6 @@ impl Random {
 /// How many markings: all with FORMS_SWEEPS.
 fn markings(in_sweeps: usize, as_a_rule: usize) -> usize {
     if std::env::var_os("FORMS_SWEEPS").is_some() { in_sweeps } else { as_a_rule }
-}
-
-/// The least angle of the triangle, by its vertices.
-fn least_angle(mesh: &Mesh<2>, cell: usize) -> f64 {
-    let x: Vec<[f64; 2]> = mesh.cell_vertices(cell).iter().map(|node| mesh.nodes[*node as usize]).collect();
-    let angle = |k: usize| {
-        let [a, b] = [1, 2].map(|next| {
-            let other = x[(k + next) % 3];
-            [other[0] - x[k][0], other[1] - x[k][1]]
-        });
-        (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1])
-    };
-    (0..3).map(angle).fold(f64::INFINITY, f64::min)
-}
-
-/// The shape of a tetrahedron but for its size, place and handedness: squares of its edges, which are exact in meshes whose
-/// nodes have coordinates of few binary digits.
-fn similarity_class(x: &[[f64; 3]; 4]) -> Vec<u64> {
-    let squared = |a: usize, b: usize| -> f64 { (0..3).map(|k| (x[a][k] - x[b][k]).powi(2)).sum() };
-    let edges = |order: [usize; 4]| {
-        [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|[a, b]| squared(order[a], order[b]))
-    };
-    let mut best = [0.0; 6];
-    for a in 0..4 {
-        for b in (0..4).filter(|b| *b != a) {
-            for c in (0..4).filter(|c| *c != a && *c != b) {
-                let lengths = edges([a, b, c, 6 - a - b - c]);
-                if lengths > best {
-                    best = lengths;
-                }
-            }
-        }
-    }
-    // Squares halve, or stay: relative to a power of two the numbers are whole.
-    let whole: Vec<u64> = best.iter().map(|square| (square * (1_u64 << 40) as f64) as u64).collect();
-    assert!(best.iter().zip(&whole).all(|(square, whole)| square * (1_u64 << 40) as f64 == *whole as f64));
-    let divisor = whole.iter().fold(0, |a, b| greatest_common_divisor(a, *b));
-    whole.into_iter().map(|square| square / divisor).collect()
-}
-
-fn greatest_common_divisor(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 /// Regions of the first mesh with their measures.
@@ -219,155 +182,6 @@ fn random_markings_of_tetrahedra() -> Result<(), MeshError> {
             assert!(count <= 73, "{count} classes of the descendants of cell {ancestor}");
         }
     }
-    Ok(())
-}
-
-/// That two meshes are one, to the bits: nodes, cells, regions and what bisections go by.
-fn assert_same<const D: usize>(a: &BisectedMesh<D>, b: &BisectedMesh<D>) {
-    assert_eq!(a.mesh.nodes, b.mesh.nodes);
-    assert_eq!(a.mesh.cells, b.mesh.cells);
-    assert_eq!(a.mesh.cell_regions, b.mesh.cell_regions);
-    assert_eq!(a.mesh.facet_regions, b.mesh.facet_regions);
-    assert_eq!(a.mesh.interior_regions, b.mesh.interior_regions);
-    assert_eq!((&a.marks, &a.origins, &a.bisections), (&b.marks, &b.origins, &b.bisections));
-}
-
-/// Refined and coarsened at random; and in the end coarsened as far as it goes, to the first mesh.
-fn there_and_back<const D: usize>(first: &Mesh<D>, [cells, markings]: [usize; 2]) -> Result<(), MeshError> {
-    let known = measures(first)?;
-    let first = BisectedMesh::new(first.clone())?;
-    let mut random = Random(5);
-    let mut mesh = first.clone();
-    let mut undone = 0;
-    for marking in 0..markings {
-        let before = mesh.mesh.cell_count();
-        if random.below(3) > 0 && before < cells {
-            mesh = mesh.refined(&random.marking(before))?.0;
-        } else {
-            let marked: Vec<u32> = (0..before as u32).filter(|_| random.below(8) > 0).collect();
-            let (coarse, nesting) = mesh.coarsened(&marked)?;
-            check_nesting(&coarse.mesh, &mesh.mesh, &nesting);
-            for cell in (0..before).filter(|cell| marked.binary_search(&(*cell as u32)).is_err()) {
-                assert_eq!(nesting.bisections(cell), 0);
-            }
-            undone += before - coarse.mesh.cell_count();
-            mesh = coarse;
-        }
-        mesh.mesh.check_conformity()?;
-        if marking % 20 == 19 {
-            check(&mesh.mesh, &known)?;
-            let mut steps = 0;
-            while mesh.mesh.cell_count() > first.mesh.cell_count() {
-                let all: Vec<u32> = (0..mesh.mesh.cell_count() as u32).collect();
-                mesh = mesh.coarsened(&all)?.0;
-                mesh.mesh.check_conformity()?;
-                steps += 1;
-                assert!(steps < 200, "coarsening stops at {} cells", mesh.mesh.cell_count());
-            }
-            assert_same(&mesh, &first);
-        }
-    }
-    assert!(undone > markings, "{undone} bisections were undone");
-    Ok(())
-}
-
-#[test]
-fn coarsening_leads_back_to_the_first_mesh() -> Result<(), MeshError> {
-    for degree in 1..=2 {
-        there_and_back(&crooked(degree)?, [200, markings(10_000, 60)])?;
-        there_and_back(&crooked_box(degree)?, [300, markings(5_000, 20)])?;
-    }
-    Ok(())
-}
-
-/// One step of coarsening undoes what one step of refinement did, where it bisected each cell once.
-#[test]
-fn one_refinement_undone() -> Result<(), MeshError> {
-    let mut mesh = BisectedMesh::new(rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Triangle, 2)?)?;
-    for _ in 0..4 {
-        let all: Vec<u32> = (0..mesh.mesh.cell_count() as u32).collect();
-        let fine = mesh.refined(&all)?.0;
-        let all: Vec<u32> = (0..fine.mesh.cell_count() as u32).collect();
-        assert_same(&fine.coarsened(&all)?.0, &mesh);
-        // One of two parts, or of four cells at a vertex, is not enough.
-        let half: Vec<u32> = all.iter().copied().filter(|cell| cell % 2 == 0).collect();
-        assert_same(&fine.coarsened(&half)?.0, &fine);
-        assert_same(&fine.coarsened(&[])?.0, &fine);
-        mesh = fine;
-    }
-    let count = mesh.mesh.cell_count();
-    let error = mesh.coarsened(&[count as u32]).err();
-    assert_eq!(error, Some(MeshError::MarkedCell { cell: count as u32, count }));
-    Ok(())
-}
-
-/// All descendants of tetrahedra without symmetry: 36 classes where the first marked edges lie in a plane (J. Maubach,
-/// Local bisection refinement for n-simplicial grids, 1995), and otherwise its own and 36 of each half.
-#[test]
-fn similar_to_one_of_finitely_many() {
-    let shape = CellShape::Tetrahedron;
-    let mut random = Random(3);
-    let (mut planar, count) = (0, markings(200, 12));
-    for _ in 0..count {
-        let x: [[f64; 3]; 4] =
-            std::array::from_fn(|_| std::array::from_fn(|_| 2.0 * random.below(500) as f64));
-        let lengths =
-            shape.edges().iter().map(|&[a, b]| -> f64 { (0..3).map(|k| (x[a][k] - x[b][k]).powi(2)).sum() });
-        let lengths: Vec<f64> = lengths.collect();
-        let marks = MarkedEdges::longest(shape, |edge| (lengths[edge], edge));
-        let mut generation = vec![(x, marks)];
-        let mut classes = BTreeSet::from([similarity_class(&x)]);
-        let mut after_nine = 0;
-        for number in 1..=11 {
-            let mut next = Vec::with_capacity(2 * generation.len());
-            for (x, marks) in &generation {
-                let [a, b] = shape.edges()[marks.refinement_edge()];
-                let middle = std::array::from_fn(|k| 0.5 * (x[a][k] + x[b][k]));
-                for part in Part::BOTH {
-                    let mut of_part = *x;
-                    of_part[part.kept_and_new([a, b])[1]] = middle;
-                    classes.insert(similarity_class(&of_part));
-                    next.push((of_part, marks.of_part(shape, part)));
-                }
-            }
-            generation = next;
-            if number == 9 {
-                after_nine = classes.len();
-            }
-        }
-        assert_eq!(classes.len(), after_nine);
-        match marks.lie_in_a_plane() {
-            true => assert_eq!(classes.len(), 36),
-            false => assert!(classes.len() <= 73, "{}", classes.len()),
-        }
-        planar += usize::from(marks.lie_in_a_plane());
-    }
-    assert!(planar > 0 && planar < count);
-}
-
-/// Kuhn's tetrahedra and right isosceles triangles keep their shapes: 3 classes, and 1.
-#[test]
-fn grids_keep_their_shapes() -> Result<(), MeshError> {
-    let mut cube = BisectedMesh::new(cuboid([0.0; 3], [1.0; 3], [1; 3], CellShape::Tetrahedron, 1)?)?;
-    let mut square = BisectedMesh::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?)?;
-    let mut classes = BTreeSet::new();
-    for generation in 1..=9 {
-        let all: Vec<u32> = (0..cube.mesh.cell_count() as u32).collect();
-        cube = cube.refined(&all)?.0;
-        // Every cell once: nothing else had to be bisected.
-        assert_eq!(cube.mesh.cell_count(), 6 << generation);
-        for cell in 0..cube.mesh.cell_count() {
-            let vertices = cube.mesh.cell_vertices(cell);
-            classes.insert(similarity_class(&std::array::from_fn(|k| cube.mesh.nodes[vertices[k] as usize])));
-        }
-        let all: Vec<u32> = (0..square.mesh.cell_count() as u32).collect();
-        square = square.refined(&all)?.0;
-        assert_eq!(square.mesh.cell_count(), 8 << generation);
-        for cell in 0..square.mesh.cell_count() {
-            close(least_angle(&square.mesh, cell), std::f64::consts::FRAC_PI_4, 1e-12);
-        }
-    }
-    assert_eq!(classes.len(), 3);
     Ok(())
 }
 
