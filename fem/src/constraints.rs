@@ -38,6 +38,8 @@ struct Conditions {
     origins: BTreeMap<usize, Arc<str>>,
     // The relations that use a free unknown.
     users: HashMap<usize, BTreeSet<usize>>,
+    // Unknowns on small facets, which have the values of the large ones.
+    hanging: BTreeSet<usize>,
 }
 
 // Two formulas for one value may differ by round-off, relative to the largest value prescribed.
@@ -239,6 +241,7 @@ impl<const D: usize> Constraints<D> {
             }
             if let Some(&earlier) = self.conditions.prescribed.get(&unknown)
                 && (earlier - value).abs() > SAME * scale
+                && !self.conditions.hanging.contains(&unknown)
             {
                 let position = node(unknown);
                 return Err(ConstraintsError::Conflict { place, component, position, value, earlier });
@@ -246,8 +249,16 @@ impl<const D: usize> Constraints<D> {
         }
         let origin: Arc<str> = place.into();
         let mut changed = if self.conditions.relations.is_empty() { None } else { Some(self.clone()) };
-        for &(unknown, value) in entries {
+        // A hanging unknown interpolates the values on the large facet, once these are prescribed: it comes last.
+        let (hanging, others): (Vec<_>, Vec<_>) =
+            entries.iter().copied().partition(|(unknown, _)| self.conditions.hanging.contains(unknown));
+        for (unknown, value) in others.into_iter().chain(hanging) {
             match &mut changed {
+                Some(changed) if self.conditions.hanging.contains(&unknown) => {
+                    if !changed.is_prescribed(unknown) {
+                        changed.add_equation(place, &[(unknown, 1.0)], value)?;
+                    }
+                }
                 Some(changed) if !self.conditions.prescribed.contains_key(&unknown) => {
                     changed.add_equation(place, &[(unknown, 1.0)], value)?;
                 }

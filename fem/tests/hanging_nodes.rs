@@ -177,6 +177,44 @@ fn what_cannot_be_joined_is_named() {
     }
 }
 
+/// In space, small edges lie on the boundary, too: their nodes interpolate what is prescribed on the large ones, by one
+/// condition or by two that meet there.
+#[test]
+fn prescribed_values_are_interpolated_on_small_edges() {
+    let coarse = cuboid([0.0; 3], [1.0; 3], [2, 2, 2], CellShape::Hexahedron, 1).unwrap();
+    let mesh = graded(&coarse, |x| usize::from(x[0] > 0.5));
+    let mut halves = (*mesh).clone();
+    halves.name_facets("low", "outer", |x| x[2] < 1e-9).unwrap();
+    halves.name_facets("sides", "outer", |x| x[2] > 1e-9).unwrap();
+    let halves = Arc::new(halves);
+    let value = |x: &[f64; 3]| (x[0] + 2.0 * x[1] - x[2]).exp();
+    let mut results = Vec::new();
+    for (mesh, regions) in [(&mesh, vec!["outer"]), (&halves, vec!["low", "sides"])] {
+        let space = Space::scalar(mesh, 1).unwrap();
+        let mut constraints = Constraints::new(&space);
+        constraints.join_hanging_nodes().unwrap();
+        for region in regions {
+            constraints.fix(region, value).unwrap();
+        }
+        let mut values: Vec<f64> = space.positions().iter().map(value).collect();
+        constraints.apply(&mut values);
+        for (node, x) in space.positions().iter().enumerate() {
+            // On the outer boundary, in the plane where the sizes change.
+            let hangs = x[0] == 0.5 && x[1] == 0.25 && x[2] == 0.0;
+            let expected =
+                if hangs { 0.5 * (value(&[0.5, 0.0, 0.0]) + value(&[0.5, 0.5, 0.0])) } else { value(x) };
+            let on_boundary = x.iter().any(|x| *x == 0.0 || *x == 1.0);
+            let plane = x[0] == 0.5 && !hangs;
+            assert!(!on_boundary || plane || (values[node] - expected).abs() < 1e-12, "{x:?}");
+        }
+        results.push(values);
+        // Other values on the large edges are a conflict, as always.
+        let error = constraints.fix("outer", |x| value(x) + 1.0).unwrap_err();
+        assert!(matches!(error, ConstraintsError::Conflict { .. }), "{error}");
+    }
+    results[0].iter().zip(&results[1]).for_each(|(a, b)| assert!((a - b).abs() < 1e-13 * a.abs()));
+}
+
 /// A relation gives the unknown that it names; what others have given is left alone.
 #[test]
 fn relations_name_the_unknown_that_they_give() {

@@ -1,5 +1,7 @@
 //! Continuity at hanging nodes: the values on small facets are those of the large facet that they are parts of.
 
+use std::sync::Arc;
+
 use super::{Constraints, ConstraintsError};
 use crate::compiled_here::compiled_here;
 use crate::mesh::{Facet, MeshError};
@@ -14,6 +16,9 @@ impl<const D: usize> Constraints<D> {
     /// by those on the large facet that it is a part of ([`Mesh::hanging_facets`](crate::mesh::Mesh::hanging_facets)), through the basis
     /// functions there. In the middle of an edge of degree 1 these are ½ and ½; at a quarter of one of degree 2, 3/8, 3/4 and −1/8. Polynomials of the space's
     /// degree satisfy all of it. Small facets may be any part of the large one, and facets may hang in several levels.
+    ///
+    /// Conditions that prescribe values come afterwards. Where they prescribe all that an unknown on a small facet depends on, it
+    /// interpolates these values, whatever is prescribed for itself.
     ///
     /// Such facets remain exterior ones: regions that shall not be integrated over on them, or prescribed, are named
     /// without them.
@@ -38,7 +43,7 @@ impl<const D: usize> Constraints<D> {
 
     /// Gives the unknowns on a facet by those on a larger one.
     fn join(&mut self, place: &str, small: Facet, large: Facet) -> Result<(), ConstraintsError> {
-        let space = std::sync::Arc::clone(&self.space);
+        let space = Arc::clone(&self.space);
         let (mesh, components) = (space.mesh(), space.components());
         let nodes_of = |facet: Facet| {
             let cell = facet.cell as usize;
@@ -66,6 +71,7 @@ impl<const D: usize> Constraints<D> {
                 let dependent = node * components + component;
                 let of_component: Vec<(usize, f64)> =
                     terms.iter().map(|(master, a)| (master * components + component, *a)).collect();
+                Arc::make_mut(&mut self.conditions).hanging.insert(dependent);
                 match self.add_relation(place, dependent, &of_component, 0.0) {
                     // An edge of a facet that hangs on two larger ones: what one says may determine another unknown of the other.
                     Err(ConstraintsError::AlreadyGiven { .. }) => {
