@@ -2,6 +2,7 @@
 
 mod equations;
 mod error;
+mod hanging_nodes;
 mod mean_value;
 mod periodic;
 mod rigid_body;
@@ -20,7 +21,7 @@ use crate::compiled_here::compiled_here;
 use crate::space::Space;
 
 /// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding,
-/// periodic conditions, rigid bodies, mean values).
+/// periodic conditions, rigid bodies, mean values, hanging nodes).
 /// Solvers eliminate both: u = C y + d with the free unknowns y; residuals become Cᵀ R, tangents Cᵀ K C.
 #[derive(Clone, Debug)]
 pub struct Constraints<const D: usize> {
@@ -37,6 +38,8 @@ struct Conditions {
     origins: BTreeMap<usize, Arc<str>>,
     // The relations that use a free unknown.
     users: HashMap<usize, BTreeSet<usize>>,
+    // Unknowns on small facets, which have the values of the large ones.
+    hanging: BTreeSet<usize>,
 }
 
 // Two formulas for one value may differ by round-off, relative to the largest value prescribed.
@@ -238,6 +241,7 @@ impl<const D: usize> Constraints<D> {
             }
             if let Some(&earlier) = self.conditions.prescribed.get(&unknown)
                 && (earlier - value).abs() > SAME * scale
+                && !self.conditions.hanging.contains(&unknown)
             {
                 let position = node(unknown);
                 return Err(ConstraintsError::Conflict { place, component, position, value, earlier });
@@ -245,8 +249,16 @@ impl<const D: usize> Constraints<D> {
         }
         let origin: Arc<str> = place.into();
         let mut changed = if self.conditions.relations.is_empty() { None } else { Some(self.clone()) };
-        for &(unknown, value) in entries {
+        // A hanging unknown interpolates the values on the large facet, once these are prescribed: it comes last.
+        let (hanging, others): (Vec<_>, Vec<_>) =
+            entries.iter().copied().partition(|(unknown, _)| self.conditions.hanging.contains(unknown));
+        for (unknown, value) in others.into_iter().chain(hanging) {
             match &mut changed {
+                Some(changed) if self.conditions.hanging.contains(&unknown) => {
+                    if !changed.is_prescribed(unknown) {
+                        changed.add_equation(place, &[(unknown, 1.0)], value)?;
+                    }
+                }
                 Some(changed) if !self.conditions.prescribed.contains_key(&unknown) => {
                     changed.add_equation(place, &[(unknown, 1.0)], value)?;
                 }

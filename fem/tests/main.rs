@@ -8,6 +8,7 @@ mod friction;
 mod gmsh;
 mod gmsh_errors;
 mod gmsh_mutations;
+mod hanging_nodes;
 mod high_degrees;
 mod history;
 mod interior_facets;

@@ -29,6 +29,53 @@ impl<const D: usize> Constraints<D> {
         terms: &[(usize, f64)],
         value: f64,
     ) -> Result<(), ConstraintsError> {
+        let Substituted { mut rest, right, scale, earlier } = self.substituted(terms, value);
+        let Some((pivot, divisor)) = rest
+            .iter()
+            .map(|(k, a)| (*k, *a))
+            .reduce(|best, next| if next.1.abs() > best.1.abs() * (1.0 + ROUNDING) { next } else { best })
+        else {
+            return self.check_remainder(place, terms, right, scale, earlier);
+        };
+        rest.remove(&pivot);
+        let terms = rest.into_iter().map(|(unknown, a)| (unknown, -a / divisor)).collect();
+        Arc::make_mut(&mut self.conditions)
+            .give(pivot, Relation { terms, value: right / divisor, origin: place.into() });
+        Ok(())
+    }
+
+    /// Adds u_dependent = Σ coefficient × unknown + `value`, by which the dependent unknown is given, here and in all earlier
+    /// relations.
+    pub(super) fn add_relation(
+        &mut self,
+        place: &str,
+        dependent: usize,
+        terms: &[(usize, f64)],
+        value: f64,
+    ) -> Result<(), ConstraintsError> {
+        let equation: Vec<(usize, f64)> =
+            [(dependent, 1.0)].into_iter().chain(terms.iter().map(|(unknown, a)| (*unknown, -a))).collect();
+        let Substituted { mut rest, right, scale, earlier } = self.substituted(&equation, value);
+        if rest.is_empty() {
+            return self.check_remainder(place, &equation, right, scale, earlier);
+        }
+        let Some(divisor) = rest.remove(&dependent) else {
+            let node = dependent / self.space.components();
+            return Err(ConstraintsError::AlreadyGiven {
+                name: place.to_owned(),
+                unknown: dependent,
+                position: self.space.positions()[node].to_vec(),
+                earlier: earlier.map_or_else(String::new, |origin| origin.to_string()),
+            });
+        };
+        let terms = rest.into_iter().map(|(unknown, a)| (unknown, -a / divisor)).collect();
+        let relation = Relation { terms, value: right / divisor, origin: place.into() };
+        Arc::make_mut(&mut self.conditions).give(dependent, relation);
+        Ok(())
+    }
+
+    /// An equation with what is known put in.
+    fn substituted(&self, terms: &[(usize, f64)], value: f64) -> Substituted {
         let mut rest = BTreeMap::new();
         let mut right = value;
         let mut scale = value.abs();
@@ -50,30 +97,41 @@ impl<const D: usize> Constraints<D> {
             }
         }
         let largest = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
-        rest.retain(|_, a| a.abs() > ROUNDING * largest);
-        let Some((pivot, divisor)) = rest
-            .iter()
-            .map(|(k, a)| (*k, *a))
-            .reduce(|best, next| if next.1.abs() > best.1.abs() * (1.0 + ROUNDING) { next } else { best })
-        else {
-            if right.abs() <= ROUNDING * scale {
-                return Ok(());
-            }
-            let node = terms[0].0 / self.space.components();
-            return Err(ConstraintsError::Contradiction {
-                place: place.to_owned(),
-                earlier: earlier.map_or_else(String::new, |origin| origin.to_string()),
-                node,
-                position: self.space.positions()[node].to_vec(),
-                difference: right,
-            });
-        };
-        rest.remove(&pivot);
-        let terms = rest.into_iter().map(|(unknown, a)| (unknown, -a / divisor)).collect();
-        Arc::make_mut(&mut self.conditions)
-            .give(pivot, Relation { terms, value: right / divisor, origin: place.into() });
-        Ok(())
+        rest.retain(|_, a: &mut f64| a.abs() > ROUNDING * largest);
+        Substituted { rest, right, scale, earlier }
     }
+
+    /// That an equation of which no unknown is left follows from the earlier ones.
+    fn check_remainder(
+        &self,
+        place: &str,
+        terms: &[(usize, f64)],
+        right: f64,
+        scale: f64,
+        earlier: Option<Arc<str>>,
+    ) -> Result<(), ConstraintsError> {
+        if right.abs() <= ROUNDING * scale {
+            return Ok(());
+        }
+        let node = terms[0].0 / self.space.components();
+        Err(ConstraintsError::Contradiction {
+            place: place.to_owned(),
+            earlier: earlier.map_or_else(String::new, |origin| origin.to_string()),
+            node,
+            position: self.space.positions()[node].to_vec(),
+            difference: right,
+        })
+    }
+}
+
+/// An equation between free unknowns: what earlier conditions give is put in.
+struct Substituted {
+    rest: BTreeMap<usize, f64>,
+    right: f64,
+    /// The largest size of what stands on the right.
+    scale: f64,
+    /// The last condition that was put in.
+    earlier: Option<Arc<str>>,
 }
 
 impl Conditions {

@@ -179,6 +179,26 @@ pub enum ConstraintsError {
         /// Unknowns of the space.
         count: usize,
     },
+    /// A dependent unknown that other conditions have given already.
+    #[error(
+        "{name} cannot give unknown {unknown}, at {position:?}: {earlier} has given it, or those that it is to depend on"
+    )]
+    AlreadyGiven {
+        /// The relation.
+        name: String,
+        /// The dependent unknown.
+        unknown: usize,
+        /// Position of its node.
+        position: Vec<f64>,
+        /// The earlier condition.
+        earlier: String,
+    },
+    /// A space whose cells share no nodes.
+    #[error("hanging nodes are those of a continuous space; this one has Lagrange elements {family}")]
+    NotContinuous {
+        /// Family of the space.
+        family: Family,
+    },
     /// A coefficient or value of a sum is NaN or infinite.
     #[error("{name}: a coefficient or the value is not finite: {number}")]
     SumNotFinite {

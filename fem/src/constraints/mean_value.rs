@@ -1,4 +1,4 @@
-//! Linear conditions on many unknowns at once: a mean value, or any sum that is prescribed.
+//! Linear conditions on unknowns: a mean value, any sum that is prescribed, an unknown that others give.
 
 use super::{Constraints, ConstraintsError};
 use crate::dimension::{Dim, Dimension};
@@ -42,6 +42,45 @@ impl<const D: usize> Constraints<D> {
     /// No term, an unknown that the space does not have, a number that is not finite, more than 4096 terms, or a
     /// contradiction to earlier conditions.
     pub fn sum(&mut self, name: &str, terms: &[(usize, f64)], value: f64) -> Result<(), ConstraintsError> {
+        self.check_terms(name, terms, value)?;
+        let mut changed = self.clone();
+        changed.add_equation(name, terms, value)?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// Gives one unknown by others: u_dependent = Σ coefficient × unknown + `value`, with unknowns by their numbers. It is this unknown
+    /// that is eliminated, where [`Constraints::sum`] chooses. Unknowns on the right that are given already, or prescribed, are
+    /// put in; a relation that follows from earlier conditions changes nothing. `name` is what messages call it.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Quadrilateral, 1)?);
+    /// let space = Space::scalar(&mesh, 1)?;
+    /// let mut constraints = Constraints::new(&space);
+    /// constraints.relate("the middle", 3, &[(0, 0.5), (2, 0.5)], 0.0)?;
+    /// let mut values = vec![1.0, 0.0, 5.0, 0.0];
+    /// constraints.apply(&mut values);
+    /// assert_eq!(values[3], 3.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Constraints::sum`]; [`ConstraintsError::AlreadyGiven`] where earlier conditions give the dependent unknown otherwise.
+    pub fn relate(
+        &mut self,
+        name: &str,
+        dependent: usize,
+        terms: &[(usize, f64)],
+        value: f64,
+    ) -> Result<(), ConstraintsError> {
+        self.check_terms(name, terms, value)?;
+        self.check_terms(name, &[(dependent, 1.0)], value)?;
+        self.add_relation(name, dependent, terms, value)
+    }
+
+    fn check_terms(&self, name: &str, terms: &[(usize, f64)], value: f64) -> Result<(), ConstraintsError> {
         let (name, size) = (name.to_owned(), self.space.unknowns());
         if terms.is_empty() || terms.len() > MOST {
             return Err(ConstraintsError::Terms { name, count: terms.len(), most: MOST });
@@ -50,12 +89,9 @@ impl<const D: usize> Constraints<D> {
             return Err(ConstraintsError::Unknown { name, unknown, count: size });
         }
         let numbers = terms.iter().map(|(_, coefficient)| *coefficient).chain([value]);
-        if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
-            return Err(ConstraintsError::SumNotFinite { name, number });
+        match numbers.into_iter().find(|number| !number.is_finite()) {
+            Some(number) => Err(ConstraintsError::SumNotFinite { name, number }),
+            None => Ok(()),
         }
-        let mut changed = self.clone();
-        changed.add_equation(&name, terms, value)?;
-        *self = changed;
-        Ok(())
     }
 }

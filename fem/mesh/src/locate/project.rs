@@ -48,19 +48,21 @@ fn entities<const D: usize>(shape: CellShape) -> Vec<Entity<D>> {
     result
 }
 
-/// The distance of a point from a facet \[length\], where the nearest point of its surface lies on the facet, enlarged by
-/// `tolerance` in the facet's reference coordinates; `None` otherwise. As exact as `project`.
+/// The point of a facet that is nearest to a given point, in reference coordinates of its cell, and its distance \[length\], where
+/// the nearest point of the facet's surface lies on the facet, enlarged by `tolerance` in the facet's reference coordinates; `None`
+/// otherwise. As exact as `project`.
 pub fn nearest_on_facet<const D: usize>(
     mesh: &Mesh<D>,
     facet: Facet,
     point: &[f64; D],
     tolerance: f64,
-) -> Option<f64> {
+) -> Option<([f64; D], f64)> {
     let cell = facet.cell as usize;
     let shape = mesh.cell_shape(cell);
     let entity = on_facet(shape, usize::from(facet.local));
     let reference = stationary(mesh, cell, point, &entity, tolerance)?;
-    Some(super::distance(point, &mesh.map(cell, &reference).0))
+    let distance = super::distance(point, &mesh.map(cell, &reference).0);
+    Some((reference, distance))
 }
 
 // A facet: a face in space, an edge in the plane.

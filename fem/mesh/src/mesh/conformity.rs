@@ -11,7 +11,7 @@ use crate::element::CellShape;
 use crate::locate::{Locator, nearest_on_facet};
 
 /// Nodes and facets are at one place within this part of a facet's size: files with single precision say no more.
-const SAME_PLACE: f64 = 1e-6;
+pub(super) const SAME_PLACE: f64 = 1e-6;
 
 /// Cracks, hanging nodes and overlaps of a mesh. Displayed as a list.
 ///
@@ -122,7 +122,7 @@ impl<const D: usize> Mesh<D> {
             tree.for_each_within(&lower, &upper, &mut |position, node| {
                 let on_facet = || nearest_on_facet(self, facet, position, SAME_PLACE);
                 if !own.contains(&stand_in(node))
-                    && on_facet().is_some_and(|distance| distance <= SAME_PLACE * size)
+                    && on_facet().is_some_and(|(_, distance)| distance <= SAME_PLACE * size)
                 {
                     hanging_nodes.push(HangingNode { node, position: *position, facet });
                 }

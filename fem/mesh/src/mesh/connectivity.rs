@@ -1,5 +1,7 @@
 //! Checks of node numbers, and which facets are interior or exterior.
 
+use std::cmp::Ordering;
+
 use super::{CellBlock, CellLists, Facet, MeshError};
 use crate::element::{CellShape, Lagrange};
 
@@ -82,29 +84,29 @@ fn key(vertices: &[usize], nodes: &[u32]) -> [u32; 4] {
 
 type Facets = (Vec<Facet>, Vec<[Facet; 2]>);
 
-/// Exterior facets, and pairs of the two sides of interior ones.
+/// Exterior facets, and pairs of the two sides of interior ones, both in ascending order.
 pub(super) fn match_facets(
     blocks: &[CellBlock],
     lists: &CellLists,
     cells: &[u32],
 ) -> Result<Facets, MeshError> {
-    let count = blocks.iter().map(|block| block.cells.len() * block.shape.facets()).sum();
-    let mut sides: Vec<([u32; 4], Facet)> = Vec::with_capacity(count);
-    for block in blocks {
-        for cell in block.cells.clone() {
-            let nodes = &cells[lists.of(cell)];
-            for local in 0..block.shape.facets() {
-                let facet = Facet { cell: cell as u32, local: local as u8 };
-                sides.push((key(block.shape.facet_vertices(local), nodes), facet));
-            }
-        }
-    }
-    sides.sort_unstable();
-    let (mut exterior, mut interior) = (Vec::new(), Vec::new());
+    let places = CellLists::new(blocks, CellShape::facets);
+    let sides = sides_by_first_vertex(blocks, lists, cells, places.length());
+    // The other side of each facet, itself where there is none: in the order of the facets nothing is left to sort.
+    let mut other_side = vec![Facet { cell: 0, local: 0 }; places.length()];
+    let place = |facet: &Facet| places.of(facet.cell as usize).start + usize::from(facet.local);
+    let (mut exterior_count, mut interior_count) = (0, 0);
     for same in sides.chunk_by(|a, b| a.0 == b.0) {
         match same {
-            [(_, facet)] => exterior.push(*facet),
-            [(_, first), (_, second)] => interior.push([*first, *second]),
+            [(_, facet)] => {
+                other_side[place(facet)] = *facet;
+                exterior_count += 1;
+            }
+            [(_, first), (_, second)] => {
+                other_side[place(first)] = *second;
+                other_side[place(second)] = *first;
+                interior_count += 1;
+            }
             _ => {
                 return Err(MeshError::SharedFacet {
                     vertices: same[0].0.into_iter().filter(|&vertex| vertex != u32::MAX).collect(),
@@ -113,9 +115,57 @@ pub(super) fn match_facets(
             }
         }
     }
-    exterior.sort_unstable();
-    interior.sort_unstable();
+    let (mut exterior, mut interior) =
+        (Vec::with_capacity(exterior_count), Vec::with_capacity(interior_count));
+    for (cell, others) in places.chunks(&other_side).enumerate() {
+        for (local, other) in others.iter().enumerate() {
+            let facet = Facet { cell: cell as u32, local: local as u8 };
+            match facet.cmp(other) {
+                Ordering::Equal => exterior.push(facet),
+                Ordering::Less => interior.push([facet, *other]),
+                Ordering::Greater => {}
+            }
+        }
+    }
     Ok((exterior, interior))
+}
+
+/// All sides of facets with their keys, in ascending order: counted by their smallest vertex, and sorted among the few that
+/// share it.
+fn sides_by_first_vertex(
+    blocks: &[CellBlock],
+    lists: &CellLists,
+    cells: &[u32],
+    count: usize,
+) -> Vec<([u32; 4], Facet)> {
+    let for_each = |call: &mut dyn FnMut([u32; 4], Facet)| {
+        for block in blocks {
+            for cell in block.cells.clone() {
+                let nodes = &cells[lists.of(cell)];
+                for local in 0..block.shape.facets() {
+                    let facet = Facet { cell: cell as u32, local: local as u8 };
+                    call(key(block.shape.facet_vertices(local), nodes), facet);
+                }
+            }
+        }
+    };
+    // Beyond the last node, so that the place after each node's sides is known.
+    let mut starts = vec![0_usize; cells.iter().max().map_or(0, |largest| *largest as usize) + 2];
+    for_each(&mut |key, _| starts[key[0] as usize + 1] += 1);
+    for node in 1..starts.len() {
+        starts[node] += starts[node - 1];
+    }
+    let mut sides = vec![([0; 4], Facet { cell: 0, local: 0 }); count];
+    let mut next = starts.clone();
+    for_each(&mut |key, facet| {
+        let place = &mut next[key[0] as usize];
+        sides[*place] = (key, facet);
+        *place += 1;
+    });
+    for node in starts.windows(2) {
+        sides[node[0]..node[1]].sort_unstable();
+    }
+    sides
 }
 
 #[cfg(test)]

@@ -42,6 +42,14 @@ pub enum MeshError {
         /// The shapes of the mesh.
         shapes: Vec<CellShape>,
     },
+    /// A feature of triangles and tetrahedra alone.
+    #[error("{feature} is of triangles and tetrahedra; this mesh has {} (`Mesh::simplices` divides them)", shape.plural())]
+    NotSimplices {
+        /// The feature asked for.
+        feature: &'static str,
+        /// A shape of the mesh.
+        shape: CellShape,
+    },
     /// A feature that meshes with rigid surfaces do not have.
     #[error("{what} is of bodies alone, and this mesh has the rigid surface \"{name}\": add it afterwards")]
     RigidSurface {
@@ -185,6 +193,17 @@ pub enum MeshError {
         /// The facet.
         facet: Facet,
     },
+    /// A facet that lies on another one in part only.
+    #[error(
+        "facet {} of cell {} and facet {} of cell {} lie on each other in part, at {position:?}: neither holds the other",
+        .facets[0].local, .facets[0].cell, .facets[1].local, .facets[1].cell
+    )]
+    NotNested {
+        /// The two facets.
+        facets: [Facet; 2],
+        /// A vertex of the first one on the other.
+        position: Vec<f64>,
+    },
     /// Two cells have a facet at one place, and lie on the same side of it.
     #[error(
         "cells {} and {} overlap: they lie on the same side of facets that coincide, at {position:?}",
@@ -201,6 +220,14 @@ pub enum MeshError {
     NoCell {
         /// The region's name.
         name: String,
+        /// Cell index.
+        cell: u32,
+        /// Number of cells.
+        count: usize,
+    },
+    /// A marked cell that does not exist.
+    #[error("cell {cell} is marked, but the mesh has {count} cells (numbered from 0)")]
+    MarkedCell {
         /// Cell index.
         cell: u32,
         /// Number of cells.
