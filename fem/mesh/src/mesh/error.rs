@@ -42,6 +42,14 @@ pub enum MeshError {
         /// The shapes of the mesh.
         shapes: Vec<CellShape>,
     },
+    /// A feature of triangles and tetrahedra alone.
+    #[error("{feature} is of triangles and tetrahedra; this mesh has {} (`Mesh::simplices` divides them)", shape.plural())]
+    NotSimplices {
+        /// The feature asked for.
+        feature: &'static str,
+        /// A shape of the mesh.
+        shape: CellShape,
+    },
     /// A feature that meshes with rigid surfaces do not have.
     #[error("{what} is of bodies alone, and this mesh has the rigid surface \"{name}\": add it afterwards")]
     RigidSurface {
@@ -201,6 +209,14 @@ pub enum MeshError {
     NoCell {
         /// The region's name.
         name: String,
+        /// Cell index.
+        cell: u32,
+        /// Number of cells.
+        count: usize,
+    },
+    /// A marked cell that does not exist.
+    #[error("cell {cell} is marked, but the mesh has {count} cells (numbered from 0)")]
+    MarkedCell {
         /// Cell index.
         cell: u32,
         /// Number of cells.

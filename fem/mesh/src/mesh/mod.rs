@@ -1,6 +1,7 @@
 //! Meshes with named regions.
 
 mod ball;
+mod bisection;
 mod blocks;
 mod bodies;
 mod cell_blocks;
@@ -15,6 +16,7 @@ pub mod geometry;
 pub mod gmsh;
 mod imported;
 mod interior;
+mod marking;
 compiled_here!(Mesh::<D>::from_blocks, Mesh::<D>::from_nonconforming_blocks);
 
 #[cfg(test)]
@@ -39,6 +41,7 @@ use crate::element::{CellShape, Lagrange};
 
 pub use crate::facet::Facet;
 pub use ball::ball;
+pub use bisection::{BisectedMesh, Nesting};
 pub use cell_blocks::CellBlock;
 #[doc(hidden)]
 pub use cell_blocks::CellLists;
@@ -46,6 +49,7 @@ pub use conformity::{Conformity, HangingNode, Overlap};
 pub use error::MeshError;
 pub use generators::{annulus, cuboid, hollow_cylinder, rectangle};
 pub use gmsh::{GmshError, GmshMesh};
+pub use marking::{MarkingError, doerfler};
 pub use order::CellOrder;
 pub use perforated::PerforatedAnnulus;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::geometry::determinant;
-use super::{BOUNDARY, CellBlock, CellLists, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
+use super::{CellBlock, CellLists, Facet, Mesh, MeshError};
 use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
@@ -114,20 +114,10 @@ impl<const D: usize> Mesh<D> {
         };
         // Cells touch where those of this mesh do.
         let mut mesh = Mesh::of_sound_cells(self.degree, nodes, blocks.iter().map(of_block).collect())?;
-        for (name, cells) in self.cell_regions.iter().filter(|(name, _)| *name != EVERYWHERE) {
-            let children = children as u32;
-            let cells: Vec<u32> =
-                cells.iter().flat_map(|cell| cell * children..(cell + 1) * children).collect();
-            mesh.name_listed_cells(name, &cells)?;
-        }
-        for (name, facets) in self.facet_regions.iter().filter(|(name, _)| *name != BOUNDARY) {
-            let facets: Vec<Facet> = facets.iter().flat_map(|facet| small_facets(*facet)).collect();
-            mesh.name_listed_facets(name, &facets)?;
-        }
-        for (name, facets) in self.interior_regions.iter().filter(|(name, _)| *name != INTERIOR) {
-            let facets: Vec<Facet> = facets.iter().flat_map(|sides| small_facets(sides[0])).collect();
-            mesh.name_listed_interior_facets(name, &facets)?;
-        }
+        let children = children as u32;
+        mesh.inherit_regions(self, &|cell| cell * children..(cell + 1) * children, &|facet| {
+            small_facets(facet).collect()
+        })?;
         Ok(mesh)
     }
 

@@ -1,5 +1,7 @@
 //! Named sets of cells and exterior facets.
 
+use std::ops::Range;
+
 use super::{Facet, Mesh, MeshError};
 use crate::compiled_here;
 
@@ -148,6 +150,29 @@ impl<const D: usize> Mesh<D> {
         facets.sort_unstable();
         facets.dedup();
         self.insert_facets(name, facets)
+    }
+
+    /// Names the regions of a mesh whose cells and facets these of this one are parts of, or unions: by the cells that a cell
+    /// has become, and the facets that a facet has.
+    pub(super) fn inherit_regions(
+        &mut self,
+        other: &Mesh<D>,
+        cells_of: &dyn Fn(u32) -> Range<u32>,
+        facets_of: &dyn Fn(Facet) -> Vec<Facet>,
+    ) -> Result<(), MeshError> {
+        for (name, cells) in other.cell_regions.iter().filter(|(name, _)| *name != EVERYWHERE) {
+            let cells: Vec<u32> = cells.iter().flat_map(|cell| cells_of(*cell)).collect();
+            self.name_listed_cells(name, &cells)?;
+        }
+        for (name, facets) in other.facet_regions.iter().filter(|(name, _)| *name != BOUNDARY) {
+            let facets: Vec<Facet> = facets.iter().flat_map(|facet| facets_of(*facet)).collect();
+            self.name_listed_facets(name, &facets)?;
+        }
+        for (name, facets) in other.interior_regions.iter().filter(|(name, _)| *name != INTERIOR) {
+            let facets: Vec<Facet> = facets.iter().flat_map(|sides| facets_of(sides[0])).collect();
+            self.name_listed_interior_facets(name, &facets)?;
+        }
+        Ok(())
     }
 
     #[inline(never)]

@@ -1,6 +1,6 @@
 //! Quadrilaterals divided into triangles, hexahedra into tetrahedra.
 
-use super::{BOUNDARY, CellLists, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
+use super::{CellLists, Facet, Mesh, MeshError};
 use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
@@ -63,19 +63,11 @@ impl<const D: usize> Mesh<D> {
             }
             found
         };
-        for (name, cells) in self.cell_regions.iter().filter(|(name, _)| *name != EVERYWHERE) {
-            let cells: Vec<u32> =
-                cells.iter().flat_map(|cell| parts.of(*cell as usize)).map(|part| part as u32).collect();
-            mesh.name_listed_cells(name, &cells)?;
-        }
-        for (name, facets) in self.facet_regions.iter().filter(|(name, _)| *name != BOUNDARY) {
-            let facets: Vec<Facet> = facets.iter().flat_map(|facet| small_facets(*facet)).collect();
-            mesh.name_listed_facets(name, &facets)?;
-        }
-        for (name, facets) in self.interior_regions.iter().filter(|(name, _)| *name != INTERIOR) {
-            let facets: Vec<Facet> = facets.iter().flat_map(|sides| small_facets(sides[0])).collect();
-            mesh.name_listed_interior_facets(name, &facets)?;
-        }
+        let parts_of = |cell: u32| {
+            let parts = parts.of(cell as usize);
+            parts.start as u32..parts.end as u32
+        };
+        mesh.inherit_regions(self, &parts_of, &small_facets)?;
         Ok(mesh)
     }
 }
@@ -127,7 +119,7 @@ compiled_here!(Mesh::<D>::simplices);
 mod tests {
     use super::*;
     use crate::mesh::measures::{close, surface, volume};
-    use crate::mesh::{annulus, structured};
+    use crate::mesh::{INTERIOR, annulus, structured};
 
     fn check<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError> {
         let simplices = mesh.simplices()?;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::mesh::geometry::inverse;
 use crate::mesh::measures::{close, surface, volume};
-use crate::mesh::{annulus, cuboid, rectangle, structured};
+use crate::mesh::{INTERIOR, annulus, cuboid, rectangle, structured};
 
 // Regions with their measures, and how many facets there are, before and after.
 fn check<const D: usize>(coarse: &Mesh<D>) -> Result<Mesh<D>, MeshError> {
