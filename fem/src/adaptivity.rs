@@ -1,6 +1,6 @@
 //! Adaptivity: solve, estimate the error, mark, refine, and again, until the estimate is within a tolerance.
 //!
-//! Estimators are forms of the user's. A residual estimator is a linear form with a test function that is constant on cells,
+//! [`Adaptation`] is the cycle. Estimators are forms of the user's. A residual estimator is a linear form with a test function that is constant on cells,
 //! whose vector holds the squares of the indicators ([`ErrorEstimate::of_squares`]). The error of a goal J comes from an adjoint
 //! state ([`ErrorEstimate::dual_weighted`]; Becker and Rannacher 2001), for any form `direct` and criterion:
 //!
@@ -48,6 +48,8 @@
 //! # }
 //! ```
 
+mod adaptation;
 mod estimate;
 
+pub use adaptation::{Adaptation, AdaptationError, Adapted, AdaptiveSolution, AdaptiveStep};
 pub use estimate::{ErrorEstimate, EstimateError};
