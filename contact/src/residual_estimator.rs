@@ -1,6 +1,5 @@
-//! The residual estimator of contact by Nitsche's method (Chouly, Fabre, Hild, Pousin and Renard 2018), as linear forms: the
-//! vector in the space of constants on cells, [`Space::discontinuous_scalar`](forms_fem::space::Space::discontinuous_scalar)
-//! of degree 0, holds η_T² of each cell.
+//! The residual estimator of contact by Nitsche's method (Chouly, Fabre, Hild, Pousin and Renard 2018), as linear forms with
+//! a test function that is constant on cells: [`ErrorEstimate::residual`](forms_fem::adaptivity::ErrorEstimate::residual) takes them.
 //!
 //! η_T² = h²‖f + div σ‖² + h‖½⟦σn⟧‖² + h‖σn − g_N‖² on Γ_N + h‖σn − T‖² on Γ_C, with T the traction of the obstacle on the body. It
 //! is \[stress² · length^D\]: η_T² divided by μ is an energy.

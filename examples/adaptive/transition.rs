@@ -7,7 +7,7 @@ use forms_fem::prelude::*;
 
 use crate::Outcome;
 use crate::membrane::signorini;
-use crate::study::Study;
+use crate::study::{Study, WithError};
 
 /// The degree of the rules, for kinks and for data that are no polynomials.
 const DEGREE: usize = 8;
@@ -77,12 +77,12 @@ fn direct(
     Ok(Problem::new(&form, space).assembler(&assembler).start(&start).solve()?)
 }
 
-/// The solution with a residual estimator, and its error in H¹.
-fn with_error(field: Field<2>, squares: &[f64], s: f64) -> Outcome<(AdaptiveSolution<2>, f64)> {
+/// The solution with its estimate, and its error in H¹.
+fn with_error(field: Field<2>, estimate: ErrorEstimate, s: f64) -> Outcome<WithError> {
     let value = move |x: &[f64; 2], out: &mut [f64]| out[0] = real_power(x, s);
     let slope = move |x: &[f64; 2], out: &mut [f64]| out.copy_from_slice(&gradient(x, s));
     let error = errors(&assembler(field.space().mesh()), &field, value, slope)?.h1;
-    Ok((AdaptiveSolution::new(field, ErrorEstimate::of_squares(squares)?), error))
+    Ok((AdaptiveSolution::new(field, estimate), error))
 }
 
 /// u of degree 2 in H¹, θ = −1.
@@ -90,9 +90,8 @@ pub fn displacement(unknowns: usize) -> Outcome<Study> {
     let model = model(-1.0, 1.5);
     Study::new("u in H1", &mesh()?, unknowns, |mesh, before| {
         let u = direct(&model, &Space::scalar(mesh, 2)?, before)?.into_field();
-        let constants = Space::discontinuous_scalar(mesh, 0)?;
-        let squares = assembler(mesh).linear_form(&model.residual(&u), &constants)?;
-        with_error(u, &squares, 1.5)
+        let estimate = ErrorEstimate::residual(&assembler(mesh), &model.residual(&u))?;
+        with_error(u, estimate, 1.5)
     })
 }
 
@@ -103,9 +102,8 @@ pub fn adjoint(unknowns: usize) -> Outcome<Study> {
         let (space, assembler) = (Space::scalar(mesh, 2)?, assembler(mesh));
         let form = model.consistent_adjoint();
         let p = Problem::new(&form, &space).assembler(&assembler).solve()?.into_field();
-        let constants = Space::discontinuous_scalar(mesh, 0)?;
-        let squares = assembler.linear_form(&model.adjoint_residual(&p), &constants)?;
-        with_error(p, &squares, 0.5)
+        let estimate = ErrorEstimate::residual(&assembler, &model.adjoint_residual(&p))?;
+        with_error(p, estimate, 0.5)
     })
 }
 

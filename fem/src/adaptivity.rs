@@ -1,7 +1,7 @@
 //! Adaptivity: solve, estimate the error, mark, refine, and again, until the estimate is within a tolerance.
 //!
 //! [`Adaptation`] is the cycle. Estimators are forms of the user's. A residual estimator is a linear form with a test function that is constant on cells,
-//! whose vector holds the squares of the indicators ([`ErrorEstimate::of_squares`]). The error of a goal J comes from an adjoint
+//! whose values are the squares of the indicators ([`ErrorEstimate::residual`]). The error of a goal J comes from an adjoint
 //! state ([`ErrorEstimate::dual_weighted`]; Becker and Rannacher 2001), for any form `direct` and criterion:
 //!
 //! ```

@@ -1,5 +1,6 @@
 //! Discrete fields: coefficients on a space.
 
+mod file;
 mod sums;
 mod transfer;
 
@@ -14,6 +15,7 @@ use crate::element::MAXIMUM_NODES;
 use crate::mesh::geometry::inverse;
 use crate::space::Space;
 
+pub use file::FieldFileError;
 pub(crate) use transfer::places;
 pub use transfer::{Transfer, TransferError};
 

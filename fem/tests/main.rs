@@ -1,8 +1,10 @@
 //! The backend's tests in one binary: what they share is compiled once.
 
 mod action;
+mod adaptivity;
 mod assembly;
 mod bad_input;
+mod field_files;
 mod fixed_sizes;
 mod friction;
 mod gmsh;

@@ -55,9 +55,8 @@ enum Aim {
 ///     let model = heat::Model::default();
 ///     let form = model.balance();
 ///     let u = Problem::new(&form, &space).constrained(&constraints).start(&start).solve()?.into_field();
-///     let constants = Space::discontinuous_scalar(mesh, 0)?;
-///     let squares = Assembler::new(mesh).linear_form(&model.residual(&u), &constants)?;
-///     Ok(AdaptiveSolution::new(u, ErrorEstimate::of_squares(&squares)?))
+///     let estimate = ErrorEstimate::residual(&Assembler::new(mesh), &model.residual(&u))?;
+///     Ok(AdaptiveSolution::new(u, estimate))
 /// };
 /// let adapted = Adaptation::to_tolerance(0.1).run(coarse, solve, |step| println!("{step}"))?;
 /// assert!(adapted.solution.estimate.value() <= 0.1);

@@ -49,7 +49,24 @@ pub enum EstimateError {
 }
 
 impl ErrorEstimate {
-    /// η = √Σ η_T² from the squares η_T², one number for each cell: the vector of a residual estimator.
+    /// η = √Σ η_T² of a residual estimator: a linear form with a scalar test function, whose value at the function that is 1 on a
+    /// cell and 0 elsewhere is η_T².
+    ///
+    /// # Errors
+    /// [`EstimateError::Square`]: a square that is negative or not finite, by its cell; a form that does not fit.
+    pub fn residual<const D: usize, F: Form<D>>(
+        assembler: &Assembler<D>,
+        squared: &F,
+    ) -> Result<Self, EstimateError> {
+        let constants = Space::discontinuous_scalar(assembler.mesh(), 0)?;
+        let squares = assembler.linear_form(squared, &constants)?;
+        // Nodes are numbered along a curve through the cells.
+        let cells = 0..assembler.mesh().cell_count();
+        let of_cell = |cell| constants.cell_nodes(cell).iter().map(|&node| squares[node as usize]).sum();
+        ErrorEstimate::of_squares(&cells.map(of_cell).collect::<Vec<f64>>())
+    }
+
+    /// η = √Σ η_T² from the squares η_T², one number for each cell.
     ///
     /// # Errors
     /// [`EstimateError::Square`]: a number that is negative or not finite, by its cell.
