@@ -1,4 +1,4 @@
-//! The plots: errors over unknowns, and the last mesh.
+//! The pictures: errors over unknowns, and a mesh.
 
 use std::path::{Path, PathBuf};
 
@@ -31,8 +31,9 @@ pub fn errors(title: &str, quantity: &str, studies: &[(&str, &Study)], path: &Pa
     Ok(path.to_owned())
 }
 
-/// The last mesh of a study.
+/// A mesh of a study.
 pub fn mesh(title: &str, study: &Study, path: &Path) -> Outcome<PathBuf> {
-    MeshDrawing::new(&study.mesh).title(title).write_png(path)?;
+    let title = format!("{title}, {} cells", study.mesh.cell_count());
+    MeshDrawing::new(&study.mesh).title(&title).write_png(path)?;
     Ok(path.to_owned())
 }

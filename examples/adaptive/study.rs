@@ -30,9 +30,12 @@ pub struct Study {
     pub uniform: Vec<Row>,
     /// Meshes that follow the estimate.
     pub adaptive: Vec<Row>,
-    /// The last of these.
+    /// One of these whose cells can be seen in a picture.
     pub mesh: Arc<Mesh<2>>,
 }
+
+/// Cells that can be told apart in a picture.
+const MOST_SHOWN: usize = 1_500;
 
 impl Study {
     /// Solves on meshes of both kinds from a coarse one on, up to a number of unknowns.
@@ -54,21 +57,24 @@ impl Study {
             uniform.push(row(&solution, error));
             tell(format!("{name}, refined everywhere: {} unknowns", solution.field.space().unknowns()));
             // Each refinement has about four times the unknowns.
-            if 4 * solution.field.space().unknowns() > 5 * unknowns / 4 {
+            if 2 * solution.field.space().unknowns() >= unknowns {
                 break;
             }
             before = Some(solution.field);
             mesh = Arc::new(mesh.refined()?);
         }
-        let mut adaptive: Vec<Row> = vec![];
+        let (mut adaptive, mut shown): (Vec<Row>, _) = (vec![], coarse.clone());
         let cycle = Adaptation::to_unknowns(unknowns);
         let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
             let (solution, error) = solve(mesh, before)?;
             adaptive.push(row(&solution, error));
+            if mesh.cell_count() <= MOST_SHOWN {
+                shown = mesh.clone();
+            }
             Ok(solution)
         };
-        let adapted = cycle.run(coarse.clone(), on_mesh, |step| tell(format!("{name}, {step}")))?;
-        Ok(Study { name: name.to_owned(), uniform, adaptive, mesh: adapted.mesh.mesh().clone() })
+        cycle.run(coarse.clone(), on_mesh, |step| tell(format!("{name}, {step}")))?;
+        Ok(Study { name: name.to_owned(), uniform, adaptive, mesh: shown })
     }
 
     /// The unknowns with which an adaptive mesh first has the error of the last uniform one.
