@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 10] = [
+const MAKERS: [Maker; 11] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -65,6 +65,15 @@ const MAKERS: [Maker; 10] = [
         pictures: &[
             ("out/rigid_punch.png", "rigid_punch.png"),
             ("out/rigid_punch_forces.png", "rigid_punch_forces.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "adaptive"],
+        pictures: &[
+            ("out/adaptive/adaptive_l_shape.png", "adaptive_l_shape.png"),
+            ("out/adaptive/adaptive_l_shape_mesh.png", "adaptive_l_shape_mesh.png"),
+            ("out/adaptive/adaptive_contact.png", "adaptive_contact.png"),
+            ("out/adaptive/adaptive_contact_mesh.png", "adaptive_contact_mesh.png"),
         ],
     },
     Maker {

@@ -14,6 +14,7 @@
 //! | [`shape_gradient`] | the derivative by the shape, as the volume form of the discrete problem | |
 //! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
+//! | [`residual_estimator`] | the error of the displacement, cell by cell | |
 //! | [`threshold`] | when γ₀ is too small | |
 //! | [`uzawa`] | Uzawa's iteration: multipliers updated outside of Newton's method | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
@@ -32,6 +33,7 @@ pub mod load_and_pressure;
 pub mod nitsche;
 pub mod operators;
 pub mod paper_law;
+pub mod residual_estimator;
 pub mod shape_gradient;
 pub mod shape_problem;
 pub mod theta_path;

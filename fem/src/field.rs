@@ -1,6 +1,8 @@
 //! Discrete fields: coefficients on a space.
 
+mod file;
 mod sums;
+mod transfer;
 
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
@@ -12,6 +14,10 @@ use crate::compiled_here::compiled_here;
 use crate::element::MAXIMUM_NODES;
 use crate::mesh::geometry::inverse;
 use crate::space::Space;
+
+pub use file::FieldFileError;
+pub(crate) use transfer::places;
+pub use transfer::{Transfer, TransferError};
 
 /// A field on a space: one coefficient per unknown, `values[node * components + component]`.
 #[derive(Clone, Debug)]
@@ -218,14 +224,19 @@ impl<const D: usize> Field<D> {
     /// When the mesh has no such cell.
     #[inline(never)]
     pub fn evaluate_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
-        let (value, _) = self.basis(cell, reference);
         let mut result = vec![self.empty_sum(); self.space.components()];
+        self.add_value_in(cell, reference, &mut result);
+        result
+    }
+
+    /// Adds the components at a reference point of a cell to a sum; nothing for a field on facets.
+    pub(crate) fn add_value_in(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
+        let (value, _) = self.basis(cell, reference);
         for (&node, phi) in self.space.cell_nodes(cell).iter().zip(value) {
-            for (sum, coefficient) in result.iter_mut().zip(self.at_node(node as usize)) {
+            for (sum, coefficient) in sum.iter_mut().zip(self.at_node(node as usize)) {
                 *sum += phi * coefficient;
             }
         }
-        result
     }
 
     /// The gradient \[1/length\] at a reference point of a cell, row-major. Where the cell's Jacobian is

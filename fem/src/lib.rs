@@ -52,6 +52,7 @@
 
 extern crate self as forms_fem;
 
+pub mod adaptivity;
 pub mod assemble;
 mod coincident;
 mod compiled_here;

@@ -1,8 +1,10 @@
 //! The backend's tests in one binary: what they share is compiled once.
 
 mod action;
+mod adaptivity;
 mod assembly;
 mod bad_input;
+mod field_files;
 mod fixed_sizes;
 mod friction;
 mod gmsh;
@@ -33,6 +35,7 @@ mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod transfer;
 mod unoptimised;
 mod vtk;
 mod vtk_errors;

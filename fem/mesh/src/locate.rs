@@ -107,6 +107,14 @@ impl<const D: usize> Locator<D> {
         best
     }
 
+    /// The reference coordinates of a point in a given cell, outside the reference cell where the point is outside the cell;
+    /// `None` where the cell's map cannot be inverted there.
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn reference_in(&self, cell: usize, point: &[f64; D]) -> Option<[f64; D]> {
+        self.invert(cell, point)
+    }
+
     // Newton's method with a step bound; the geometry map of a valid cell is close to affine, so it takes
     // few steps. Other starts than the centre serve strongly curved cells.
     fn invert(&self, cell: usize, point: &[f64; D]) -> Option<[f64; D]> {
@@ -165,7 +173,7 @@ fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-compiled_here!(Locator::<D>::new, Locator::<D>::find, Locator::<D>::find_nearest);
+compiled_here!(Locator::<D>::new, Locator::<D>::find, Locator::<D>::find_nearest, Locator::<D>::reference_in);
 
 #[cfg(test)]
 mod tests {

@@ -1,5 +1,4 @@
-//! Derived fields: any function of a forms module at points, at quadrature points, along facets, or
-//! projected to a space.
+//! Derived fields: any function of a forms module at points, at quadrature points, or along facets.
 
 use std::sync::Arc;
 
@@ -12,11 +11,9 @@ use super::binding::{Binding, Entities, pair_error};
 use super::pair_groups::groups_of;
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};
-use crate::dimension::{Dim, Dimension};
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
-use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
 use crate::quadrature::{Quadrature, QuadratureRule};
@@ -199,69 +196,6 @@ impl<const D: usize> Assembler<D> {
         self.along_facets(expression, region, &parameters)
     }
 
-    /// The L² projection of a derived field to a space. Facet quantities cannot be projected.
-    ///
-    /// # Errors
-    /// A wrong number of components, a function that needs a facet, a value that is not finite, data
-    /// that do not fit, or a mass matrix that cannot be factored.
-    pub fn project<E: Expression<D>>(
-        &self,
-        expression: &E,
-        space: &Arc<Space<D>>,
-    ) -> Result<Field<D>, AssemblyError>
-    where
-        Dim: Dimension<D>,
-    {
-        let form = expression.name();
-        let components: usize = expression.shape().iter().product();
-        if components != space.components() {
-            let (expected, found) = (components, space.components());
-            return Err(AssemblyError::Components { form, field: "the space", expected, found });
-        }
-        if let Some(region) = space.facet_region() {
-            let (place, region) = ("all cells".to_owned(), region.to_owned());
-            return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
-        }
-        let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
-        // Exact for the mass matrix on affine cells.
-        let degree = 2 * space.degree + self.mesh.degree();
-        let values = self.at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
-        let rule_degree = self.history_degree(expression)?.unwrap_or(degree);
-        let mut load = vec![vec![0.0; space.node_count()]; components];
-        let mut values_and_weights = values.values.iter().zip(&values.weights);
-        for block in self.mesh.body_blocks() {
-            let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), block.shape, rule_degree);
-            let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
-            let tables = space.element_of(block.shape).tabulate(&rule.points);
-            let places = block.cells.clone().flat_map(|cell| (0..rule.len()).map(move |q| (cell, q)));
-            for ((cell, q), (value, weight)) in places.zip(&mut values_and_weights) {
-                for (node, number) in space.cell_nodes(cell).iter().enumerate() {
-                    let share = weight * tables.value[q * tables.nodes + node];
-                    for (load, value) in load.iter_mut().zip(value) {
-                        load[*number as usize] += share * value;
-                    }
-                }
-            }
-        }
-        let mut mass = crate::norms::mass_matrix(&self.on_all_cells(), space, degree)?;
-        // Cells that carry rigid surfaces have no quantities: the projection is zero there.
-        let carriers = self.mesh.body_cells().end..self.mesh.cell_count();
-        let nodes = carriers.flat_map(|cell| space.cell_nodes(cell));
-        let entries: Vec<Entry> = nodes.map(|node| Entry { row: *node, column: *node, value: 1.0 }).collect();
-        if !entries.is_empty() {
-            mass = mass.plus(&entries).map_err(linear_algebra)?;
-        }
-        let factor = factor(&mass).map_err(linear_algebra)?;
-        let mut coefficients = vec![0.0; space.unknowns()];
-        for (component, mut load) in load.into_iter().enumerate() {
-            factor.solve_in_place(&mut load).map_err(linear_algebra)?;
-            for (node, value) in load.into_iter().enumerate() {
-                coefficients[node * components + component] = value;
-            }
-        }
-        Ok(Field::of_known(space, coefficients))
-    }
-
     /// A derived field at the nodes of a facet region, averaged over the facets that share a node; zero at
     /// all other nodes of the space. This shows a pressure on the body, for example.
     ///
@@ -342,7 +276,10 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The degree of the rule of the histories that a function reads, if it reads any.
-    fn history_degree<E: Expression<D>>(&self, expression: &E) -> Result<Option<usize>, AssemblyError> {
+    pub(super) fn history_degree<E: Expression<D>>(
+        &self,
+        expression: &E,
+    ) -> Result<Option<usize>, AssemblyError> {
         let binding =
             Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
         let mut visitor = HistoryVisitor::of(&binding, self);
@@ -379,12 +316,6 @@ impl<const D: usize> Assembler<D> {
 
 fn place(region: &str) -> String {
     format!("the region \"{region}\"")
-}
-
-/// One factorisation for one use.
-fn factor(matrix: &CsrMatrix) -> Result<SymmetricFactor, LinearAlgebraError> {
-    let analysis = Arc::new(Analysis::new(matrix.pattern(), &Ordering::default())?);
-    SymmetricFactor::cholesky(&analysis, matrix, Vec::new())
 }
 
 type PointValue<const D: usize> = ([f64; D], f64, Vec<f64>);

@@ -42,6 +42,7 @@ mod pair_reports;
 mod pairs;
 mod partition;
 mod positive_parts;
+pub(crate) mod projection;
 mod reference_tensor;
 mod residual;
 mod scatter;

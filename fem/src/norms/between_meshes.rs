@@ -2,7 +2,6 @@
 //! mesh once, and every field of that mesh is read there.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Measure, Norms};
@@ -10,6 +9,7 @@ use crate::assemble::{Assembler, AssemblyError};
 use crate::dimension::{Dim, Dimension};
 use crate::element::CellShape;
 use crate::field::Field;
+use crate::field::places::{in_parts, place, usual_reach};
 use crate::mesh::EVERYWHERE;
 use crate::space::Space;
 
@@ -40,9 +40,7 @@ impl<const D: usize> Comparison<D> {
         degree: usize,
     ) -> Result<Self, AssemblyError> {
         let (mesh, locator) = (assembler.mesh(), coarse.locator());
-        // The gap between a chord-like quadratic and the circle is far below a tenth of a cell.
-        let diameters = (0..locator.mesh().cell_count()).map(|cell| locator.mesh().diameter(cell));
-        let tolerance = 0.1 * diameters.fold(0.0, f64::max);
+        let reach = usual_reach(locator.mesh());
         let of_shape = |shape| {
             let rule = assembler.quadrature().rule_on_cells(&mesh.shapes(), shape, degree);
             Ok((shape, rule.map_err(|source| AssemblyError::Quadrature { form: NAME, source })?.points))
@@ -57,10 +55,9 @@ impl<const D: usize> Comparison<D> {
         let locate = |cell: u32, point: &[f64; D]| {
             let (position, _) = mesh.map(cell as usize, point);
             let outside = || AssemblyError::Outside { form: NAME, position: position.to_vec() };
-            let found = locator.find_nearest(&position, tolerance).ok_or_else(outside)?;
-            Ok((found.cell as u32, found.reference))
+            place(locator, &position, reach).ok_or_else(outside)
         };
-        let located = in_parts(assembler, cells.len(), |range| {
+        let located = in_parts(assembler.threads(), cells.len(), |range| {
             let points = cells[range].iter().flat_map(|&cell| {
                 points[&mesh.cell_shape(cell as usize)].iter().map(move |point| (cell, point))
             });
@@ -93,7 +90,7 @@ impl<const D: usize> Comparison<D> {
         components: usize,
         evaluate: impl Fn(usize, &[f64; D]) -> Vec<f64> + Send + Sync,
     ) -> Result<forms_core::contract::Source<D>, AssemblyError> {
-        let parts = in_parts(&self.assembler, self.places.len(), |range| {
+        let parts = in_parts(self.assembler.threads(), self.places.len(), |range| {
             let mut values = Vec::with_capacity(range.len() * components);
             for (cell, point) in &self.places[range] {
                 values.extend(evaluate(*cell as usize, point));
@@ -102,17 +99,6 @@ impl<const D: usize> Comparison<D> {
         });
         self.assembler.known_at_points(self.degree, components, parts.concat())
     }
-}
-
-/// Cuts a loop into one part per thread.
-fn in_parts<const D: usize, R: Send>(
-    assembler: &Assembler<D>,
-    length: usize,
-    work: impl Fn(Range<usize>) -> R + Send + Sync,
-) -> Vec<R> {
-    let count = assembler.threads().count();
-    let ranges = (0..count).map(|part| part * length / count..(part + 1) * length / count);
-    assembler.threads().run(ranges.collect(), work)
 }
 
 /// The norms of reference − coarse, integrated on the reference's mesh; [`Comparison`] is for several fields of two

@@ -5,6 +5,7 @@ mod bisection;
 mod blocks;
 mod bodies;
 mod cell_blocks;
+mod checksum;
 mod conformity;
 mod connectivity;
 #[doc(hidden)]

@@ -1,0 +1,93 @@
+//! The same problem on meshes that follow an estimate and on meshes refined everywhere.
+
+use std::sync::Arc;
+
+use forms_fem::adaptivity::{Adaptation, AdaptiveSolution};
+use forms_fem::output::tell;
+use forms_fem::prelude::*;
+
+use crate::Outcome;
+
+/// What is known of one mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Unknowns.
+    pub unknowns: usize,
+    /// The true error: a norm, or J − J_h with its sign.
+    pub error: f64,
+    /// The estimated error.
+    pub estimate: f64,
+}
+
+/// A solution with its estimate, and its true error.
+pub type WithError = (AdaptiveSolution<2>, f64);
+
+/// A study: errors over unknowns in both ways.
+pub struct Study {
+    /// Its name.
+    pub name: String,
+    /// Meshes refined everywhere.
+    pub uniform: Vec<Row>,
+    /// Meshes that follow the estimate.
+    pub adaptive: Vec<Row>,
+    /// One of these whose cells can be seen in a picture.
+    pub mesh: Arc<Mesh<2>>,
+}
+
+/// Cells that can be told apart in a picture.
+const MOST_SHOWN: usize = 1_500;
+
+impl Study {
+    /// Solves on meshes of both kinds from a coarse one on, up to a number of unknowns.
+    pub fn new(
+        name: &str,
+        coarse: &Arc<Mesh<2>>,
+        unknowns: usize,
+        solve: impl Fn(&Arc<Mesh<2>>, Option<&Field<2>>) -> Outcome<WithError>,
+    ) -> Outcome<Study> {
+        let row = |solution: &AdaptiveSolution<2>, error| Row {
+            unknowns: solution.field.space().unknowns(),
+            error,
+            estimate: solution.estimate.value(),
+        };
+        let mut uniform: Vec<Row> = vec![];
+        let (mut mesh, mut before) = (coarse.clone(), None);
+        loop {
+            let (solution, error) = solve(&mesh, before.as_ref())?;
+            uniform.push(row(&solution, error));
+            tell(format!("{name}, refined everywhere: {} unknowns", solution.field.space().unknowns()));
+            // Each refinement has about four times the unknowns.
+            if 2 * solution.field.space().unknowns() >= unknowns {
+                break;
+            }
+            before = Some(solution.field);
+            mesh = Arc::new(mesh.refined()?);
+        }
+        let (mut adaptive, mut shown): (Vec<Row>, _) = (vec![], coarse.clone());
+        let cycle = Adaptation::to_unknowns(unknowns);
+        let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
+            let (solution, error) = solve(mesh, before)?;
+            adaptive.push(row(&solution, error));
+            if mesh.cell_count() <= MOST_SHOWN {
+                shown = mesh.clone();
+            }
+            Ok(solution)
+        };
+        cycle.run(coarse.clone(), on_mesh, |step| tell(format!("{name}, {step}")))?;
+        Ok(Study { name: name.to_owned(), uniform, adaptive, mesh: shown })
+    }
+
+    /// The unknowns with which an adaptive mesh first has the error of the last uniform one.
+    pub fn unknowns_for_the_same_error(&self) -> Option<usize> {
+        let wanted = self.uniform.last()?.error.abs();
+        self.adaptive.iter().find(|row| row.error.abs() <= wanted).map(|row| row.unknowns)
+    }
+}
+
+/// s in error ~ Nˢ, fitted to the rows with at least a twentieth of the last one's unknowns.
+pub fn order(rows: &[Row]) -> Option<f64> {
+    let least = rows.last()?.unknowns / 20;
+    let used = rows.iter().filter(|row| row.unknowns >= least);
+    let (x, y): (Vec<f64>, Vec<f64>) = used.map(|row| (row.unknowns as f64, row.error.abs())).unzip();
+    forms_fem::output::picture::Curve::new("", &x, &y).order(x.len())
+}

@@ -1,0 +1,71 @@
+//! The program `adaptive` as a user runs it, with few unknowns; with FORMS_SWEEPS in the environment up to the numbers of
+//! docs/adaptivity.md.
+
+use std::process::Command;
+
+/// The numbers of a row of one of the tables: unknowns, error, estimate / error.
+type Row = [f64; 3];
+
+/// The rows of a study on one kind of meshes, and the order in N below them.
+fn rows(printed: &str, study: &str, meshes: &str) -> (Vec<Row>, f64) {
+    let from = printed.split(&format!("\n{study}\n")).nth(1).unwrap_or_else(|| panic!("{study}: {printed}"));
+    let table = from.trim_start().split("\n\n").next().expect("a table");
+    let cells = table
+        .lines()
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>())
+        .filter(|cells| cells[0] == meshes);
+    let (mut rows, mut order) = (vec![], f64::NAN);
+    for cells in cells {
+        let number = |text: &str| text.parse::<f64>().unwrap_or_else(|error| panic!("{text}: {error}"));
+        match cells[2].strip_prefix("N^") {
+            Some(exponent) => order = number(exponent),
+            None => rows.push([number(cells[1]), number(cells[2]), number(cells[3])]),
+        }
+    }
+    (rows, order)
+}
+
+#[test]
+fn adaptive_meshes_are_optimal_and_goals_known() {
+    let sweeps = std::env::var_os("FORMS_SWEEPS").is_some();
+    let (unknowns, least) = if sweeps { ("26000", 0.99) } else { ("3000", 0.98) };
+    let directory = tempfile::tempdir().expect("a directory");
+    let output = Command::new(env!("CARGO_BIN_EXE_adaptive"))
+        .args(["--unknowns", unknowns])
+        .current_dir(directory.path())
+        .output()
+        .expect("the program starts");
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+
+    for study in ["L-shape, goal", "u in H1", "p by (22) in H1"] {
+        let (adaptive, order) = rows(&printed, study, "adaptive");
+        assert!((-1.1..=-0.9).contains(&order), "{study}: {order}\n{printed}");
+        assert!(adaptive.is_sorted_by(|a, b| a[0] < b[0] && a[1] > b[1]), "{study}: {printed}");
+    }
+    let (corner, _) = rows(&printed, "L-shape, goal", "adaptive");
+    assert!((least..1.01).contains(&corner.last().expect("rows")[2]), "{printed}");
+    // Uniform meshes: h^{3/2} and h^{1/2}.
+    for (study, expected) in [("u in H1", -0.75), ("p by (22) in H1", -0.25)] {
+        let (_, order) = rows(&printed, study, "uniform");
+        assert!((order - expected).abs() < 0.06, "{study}: {order}");
+    }
+    // On adaptive meshes the error of this goal passes through zero, where a quotient says nothing: the last mesh of the page is far
+    // from that.
+    for theta in [-1, 0, 1] {
+        let study = format!("contact, goal, theta = {theta}");
+        let (uniform, _) = rows(&printed, &study, "uniform");
+        let effectivity = uniform.last().expect("rows")[2];
+        assert!((0.95..1.05).contains(&effectivity), "{study}: {effectivity}\n{printed}");
+        if sweeps {
+            let (adaptive, _) = rows(&printed, &study, "adaptive");
+            let effectivity = adaptive.last().expect("rows")[2];
+            assert!((0.98..1.02).contains(&effectivity), "{study}: {effectivity}\n{printed}");
+        }
+    }
+    for picture in ["l_shape", "l_shape_mesh", "contact", "contact_mesh"] {
+        let bytes = std::fs::read(directory.path().join(format!("out/adaptive/adaptive_{picture}.png")))
+            .expect("the picture was written");
+        assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000, "{picture}");
+    }
+}

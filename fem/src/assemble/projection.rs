@@ -1,0 +1,130 @@
+//! The L² projection of derived fields, and of what is known at quadrature points, to a space.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Entity, Expression};
+
+use super::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::dimension::{Dim, Dimension};
+use crate::field::Field;
+use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
+use crate::space::Space;
+
+/// Values of a function at the quadrature points of all cells of bodies, cell by cell.
+pub(crate) struct ValuesAtPoints<'a> {
+    /// The function's name in messages.
+    pub name: &'static str,
+    /// The degree of the rule, where the assembler takes the compiler's estimate.
+    pub degree: usize,
+    /// Components at each point, one point after the other.
+    pub values: &'a [f64],
+    /// Quadrature weight times measure of each point.
+    pub weights: &'a [f64],
+}
+
+impl<const D: usize> Assembler<D> {
+    /// The L² projection of a derived field to a space. Facet quantities cannot be projected.
+    ///
+    /// # Errors
+    /// A wrong number of components, a function that needs a facet, a value that is not finite, data
+    /// that do not fit, or a mass matrix that cannot be factored.
+    pub fn project<E: Expression<D>>(
+        &self,
+        expression: &E,
+        space: &Arc<Space<D>>,
+    ) -> Result<Field<D>, AssemblyError>
+    where
+        Dim: Dimension<D>,
+    {
+        let name = expression.name();
+        let components: usize = expression.shape().iter().product();
+        if components != space.components() {
+            let (expected, found) = (components, space.components());
+            return Err(AssemblyError::Components { form: name, field: "the space", expected, found });
+        }
+        let degree = self.degree_of_mass(space);
+        let found = self.at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
+        let degree = self.history_degree(expression)?.unwrap_or(degree);
+        let (values, weights) = (found.values.concat(), found.weights);
+        self.project_values(&ValuesAtPoints { name, degree, values: &values, weights: &weights }, space)
+    }
+
+    /// The degree of the rule that is exact for a space's mass matrix on affine cells.
+    pub(crate) fn degree_of_mass(&self, space: &Space<D>) -> usize {
+        2 * space.degree + self.mesh.degree()
+    }
+
+    /// The L² projection of a function that is known at quadrature points.
+    ///
+    /// # Errors
+    /// A space on facets, or a mass matrix that cannot be factored.
+    pub(crate) fn project_values(
+        &self,
+        known: &ValuesAtPoints,
+        space: &Arc<Space<D>>,
+    ) -> Result<Field<D>, AssemblyError>
+    where
+        Dim: Dimension<D>,
+    {
+        let form = known.name;
+        if let Some(region) = space.facet_region() {
+            let (place, region) = ("all cells".to_owned(), region.to_owned());
+            return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
+        }
+        let mass = crate::norms::mass_matrix(&self.on_all_cells(), space, self.degree_of_mass(space))?;
+        self.project_with_mass(known, space, mass)
+    }
+
+    /// The projection with the space's scalar mass matrix.
+    #[inline(never)]
+    fn project_with_mass(
+        &self,
+        known: &ValuesAtPoints,
+        space: &Arc<Space<D>>,
+        mut mass: CsrMatrix,
+    ) -> Result<Field<D>, AssemblyError> {
+        let (form, components) = (known.name, space.components());
+        let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
+        let mut load = vec![vec![0.0; space.node_count()]; components];
+        let mut values_and_weights = known.values.chunks(components).zip(known.weights);
+        for block in self.mesh.body_blocks() {
+            let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), block.shape, known.degree);
+            let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
+            let tables = space.element_of(block.shape).tabulate(&rule.points);
+            let places = block.cells.clone().flat_map(|cell| (0..rule.len()).map(move |q| (cell, q)));
+            for ((cell, q), (value, weight)) in places.zip(&mut values_and_weights) {
+                for (node, number) in space.cell_nodes(cell).iter().enumerate() {
+                    let share = weight * tables.value[q * tables.nodes + node];
+                    for (load, value) in load.iter_mut().zip(value) {
+                        load[*number as usize] += share * value;
+                    }
+                }
+            }
+        }
+        // Cells that carry rigid surfaces have no quantities: the projection is zero there.
+        let carriers = self.mesh.body_cells().end..self.mesh.cell_count();
+        let nodes = carriers.flat_map(|cell| space.cell_nodes(cell));
+        let entries: Vec<Entry> = nodes.map(|node| Entry { row: *node, column: *node, value: 1.0 }).collect();
+        if !entries.is_empty() {
+            mass = mass.plus(&entries).map_err(linear_algebra)?;
+        }
+        let factor = factor(&mass).map_err(linear_algebra)?;
+        let mut coefficients = vec![0.0; space.unknowns()];
+        for (component, mut load) in load.into_iter().enumerate() {
+            factor.solve_in_place(&mut load).map_err(linear_algebra)?;
+            for (node, value) in load.into_iter().enumerate() {
+                coefficients[node * components + component] = value;
+            }
+        }
+        Ok(Field::of_known(space, coefficients))
+    }
+}
+
+compiled_here!(Assembler::<D>::project_with_mass);
+
+/// One factorisation for one use.
+fn factor(matrix: &CsrMatrix) -> Result<SymmetricFactor, LinearAlgebraError> {
+    let analysis = Arc::new(Analysis::new(matrix.pattern(), &Ordering::default())?);
+    SymmetricFactor::cholesky(&analysis, matrix, Vec::new())
+}
