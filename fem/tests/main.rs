@@ -31,6 +31,7 @@ mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod tunnelling;
 mod unoptimised;
 mod vtk;
 mod vtk_errors;
