@@ -68,6 +68,20 @@ const MAKERS: [Maker; 10] = [
         ],
     },
     Maker {
+        arguments: &["--bin", "pressed_ring"],
+        pictures: &[
+            ("out/pressed_ring.png", "pressed_ring.png"),
+            ("out/pressed_ring_forces.png", "pressed_ring_forces.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "die_on_slab"],
+        pictures: &[
+            ("out/die_on_slab.png", "die_on_slab.png"),
+            ("out/die_on_slab_forces.png", "die_on_slab_forces.png"),
+        ],
+    },
+    Maker {
         arguments: &["--bin", "shape_optimisation", "--", "figure-6", "--anew"],
         pictures: &[
             ("out/shape_optimisation/figure_6.png", "figure_6.png"),

@@ -5,8 +5,8 @@
 //! ∫ P(u):∇v − ∫_Γtools T·v − ½ ∫_Γwalls T·(v(X) − v(Y)) dA = 0
 //! ```
 //!
-//! Checked on the way, in each step: both tools press alike, forces balance, and the work of the tools is what the rubber stores. A
-//! step in which points may have passed through a tool or a wall is halved.
+//! Each step is refused unless both tools press alike, and halved if points may have passed through a tool or a wall. In the end the work
+//! of the tools, by the trapezoidal rule, is what the rubber stores.
 //!
 //! Run it with `cargo run --release --bin pressed_ring -- [CELLS ALONG THE HALF RING] [STEPS]`. Frames for ParaView are in
 //! `out/pressed_ring.pvd`.
@@ -181,8 +181,8 @@ impl Setting {
         FieldMap::of(u, Shown::Magnitude, "displacement [mm]")
             .length_unit("mm")
             .deformed(u, 1.0)
-            .line(&above, "tools", Colour::BLACK)
-            .line(&below, "tools", Colour::BLACK)
+            .line(&above, "upper tool", Colour::BLACK)
+            .line(&below, "lower tool", Colour::BLACK)
             .write_png(path)?;
         Ok(())
     }
@@ -201,7 +201,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let start = Field::zero(&setting.space);
     let mut frames = VtuSeries::new("out/pressed_ring.pvd")?;
     frames.write(0.0, &VtuFile::new(setting.space.mesh()).point_data("displacement", &start)?)?;
-    let (mut way, mut work) = (0.0, 0.0);
+    let (mut way, mut work, mut stored) = (0.0, 0.0, 0.0);
     let (mut ways, mut tools, mut walls) = (vec![0.0], vec![0.0], vec![0.0]);
     let mut earlier: Option<(f64, Field<2>)> = None;
     let solve = |aim: f64, before: &Field<2>| -> Result<Field<2>, Box<dyn Error>> {
@@ -215,10 +215,13 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
             }
         };
         let (u, pressed) = setting.solve(aim, before, &predicted)?;
+        if pressed.unbalanced > 1e-10 {
+            return Err(format!("the tools' forces differ by {:.1e} of them", pressed.unbalanced).into());
+        }
         earlier = Some((way, before.clone()));
         // Two tools, by the trapezoidal rule.
         work += (pressed.tool + tools.last().copied().unwrap_or(0.0)) * (pressed.way - way);
-        way = pressed.way;
+        (way, stored) = (pressed.way, pressed.energy);
         out.line(format!(
             "| {:.3} | {:.4} | {:.6} | {:.6} | {:.6} | {:.6} | {:.0e} | {} |",
             pressed.way,
@@ -237,6 +240,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         Ok(u)
     };
     let path = LoadSteps::uniform(steps, WAY).run(start, solve).map_err(|error| error.to_string())?;
+    // The rule's error is largest where the walls meet.
+    if (work / stored - 1.0).abs() > 40.0 / (steps * steps) as f64 + 1e-3 {
+        return Err(format!("the tools do the work {work}, and the rubber stores {stored}").into());
+    }
     setting.draw(&path.state, WAY, "out/pressed_ring.png")?;
     LinePlot::new()
         .x_axis("way of each tool [mm]", Scale::Linear)
