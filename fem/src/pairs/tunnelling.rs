@@ -90,14 +90,19 @@ fn motions<const D: usize>(before: &[SurfaceFacet<D>], after: &[SurfaceFacet<D>]
     before.iter().zip(after).flat_map(moved).collect()
 }
 
-/// A bound of the difference of any two motions, one of each list.
+/// The larger of two numbers; NaN where one of them is.
+fn larger(one: f64, other: f64) -> f64 {
+    if one.is_nan() || one > other { one } else { other }
+}
+
+/// A bound of the difference of any two motions, one of each list; NaN where one of them is no motion.
 fn relative<const D: usize>(own: &[[f64; D]], opposite: &[[f64; D]]) -> f64 {
     let count = opposite.len().max(1) as f64;
     let mean: [f64; D] =
         std::array::from_fn(|k| opposite.iter().map(|motion| motion[k]).sum::<f64>() / count);
     let furthest = |motions: &[[f64; D]]| {
         let squares = motions.iter().map(|motion| minus(motion, &mean)).map(|off| dot(&off, &off));
-        squares.fold(0.0, f64::max).sqrt()
+        squares.fold(0.0, larger).sqrt()
     };
     furthest(own) + furthest(opposite)
 }
@@ -190,15 +195,14 @@ impl<const D: usize> Follower<'_, D> {
         for facing in &pairing.surfaces {
             let [own, opposite] =
                 [&facing.own, &facing.opposite].map(|name| motions(first.of(name), last.of(name)));
-            motion = motion.max(relative(&own, &opposite));
+            motion = larger(motion, relative(&own, &opposite));
         }
         let depth = visible.least();
-        let places = (motion / (SPACING * depth)).ceil().max(1.0);
-        // Not so for NaN, which is no motion.
-        if !(places <= PLACES as f64) {
+        let places = (motion / (SPACING * depth)).ceil();
+        if places.is_nan() || places > PLACES as f64 {
             return Err(PairError::TooFar { motion, allowed: PLACES as f64 * SPACING * depth });
         }
-        let places = places as usize;
+        let places = (places as usize).max(1);
         let mut deepest_overlap = 0.0_f64;
         for place in 1..=places {
             let part = place as f64 / places as f64;
