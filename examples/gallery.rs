@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 11] = [
+const MAKERS: [Maker; 13] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -74,6 +74,20 @@ const MAKERS: [Maker; 11] = [
             ("out/adaptive/adaptive_l_shape_mesh.png", "adaptive_l_shape_mesh.png"),
             ("out/adaptive/adaptive_contact.png", "adaptive_contact.png"),
             ("out/adaptive/adaptive_contact_mesh.png", "adaptive_contact_mesh.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "pressed_ring"],
+        pictures: &[
+            ("out/pressed_ring.png", "pressed_ring.png"),
+            ("out/pressed_ring_forces.png", "pressed_ring_forces.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "die_on_slab"],
+        pictures: &[
+            ("out/die_on_slab.png", "die_on_slab.png"),
+            ("out/die_on_slab_forces.png", "die_on_slab_forces.png"),
         ],
     },
     Maker {

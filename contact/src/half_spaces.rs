@@ -1,5 +1,5 @@
 //! Two elastic bodies of one material that touch near the origin as half-spaces do: cylinders and balls that are pressed (Hertz
-//! 1882), cylinders that are then drawn along with friction (Cattaneo 1938).
+//! 1882) and then drawn along with friction (Cattaneo 1938, Mindlin 1949).
 //!
 //! E = 200 MPa, ν = 0.3. The bodies are cut out of half-spaces, y < 0 and y > 0: on the cut stands the displacement of a
 //! half-space under the force of contact, so that blocks a few times as wide as the contact have the answer of bodies without an
@@ -35,18 +35,19 @@ const GAMMA0: f64 = 5.0;
 /// Degree of quadrature in the plane, and in space.
 const DEGREES: [usize; 2] = [6, 4];
 
-/// A contact of cylinders that was pressed and is then sheared, after Cattaneo: in the middle, up to c, it sticks.
+/// A contact that was pressed and is then sheared, of cylinders after Cattaneo, of balls after Mindlin: in the middle, up to c, it
+/// sticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip {
     /// The contact as it was pressed.
     pub hertz: Hertz,
-    /// P, the force that presses \[N/mm\].
+    /// P, the force that presses \[N, in the plane N/mm\].
     pub force: f64,
     /// κ, the coefficient of friction.
     pub friction: f64,
-    /// Q, the force that shears, below κP \[N/mm\].
+    /// Q, the force that shears, below κP \[N, in the plane N/mm\].
     pub shear: f64,
-    /// c, half the width of what sticks \[mm\].
+    /// c, half the width or the radius of what sticks \[mm\].
     pub stick: f64,
 }
 
@@ -55,6 +56,21 @@ impl StickSlip {
     pub fn of_line(hertz: Hertz, force: f64, friction: f64, shear: f64) -> StickSlip {
         let stick = hertz.reach * (1.0 - shear / (friction * force)).sqrt();
         StickSlip { hertz, force, friction, shear, stick }
+    }
+
+    /// That of P, κ and Q between balls: c = a ∛(1 − Q/κP).
+    pub fn of_point(hertz: Hertz, force: f64, friction: f64, shear: f64) -> StickSlip {
+        let stick = hertz.reach * (1.0 - shear / (friction * force)).cbrt();
+        StickSlip { hertz, force, friction, shear, stick }
+    }
+
+    /// δ_x = 3κP/16a (1 − (1 − Q/κP)^⅔) 2(2−ν)/G, the way by which distant points of two balls of the
+    /// bodies' material slide past each other \[mm\] (Johnson 1985, equation 7.42).
+    pub fn way_of_balls(&self) -> f64 {
+        let limit = self.friction * self.force;
+        let held = 1.0 - (1.0 - self.shear / limit).powf(2.0 / 3.0);
+        let compliance = 2.0 * (2.0 - POISSON) / far_field::SHEAR_MODULUS;
+        3.0 * limit / (16.0 * self.hertz.reach) * held * compliance
     }
 
     /// q = κ p0 (√(1 − r²/a²) − (c/a) √(1 − r²/c²)) \[MPa\] at a distance from the middle \[mm\].
@@ -108,19 +124,43 @@ pub fn cylinders(radii: [f64; 2], force: f64, cells: usize) -> Result<HalfSpaces
 /// # Errors
 /// As [`cylinders`].
 pub fn balls(radii: [f64; 2], force: f64, cells: usize) -> Result<HalfSpaces<3>, HertzError> {
+    let planes = &[("left", 0), ("front", 1)];
+    part_of_balls(radii, force, cells, (Grading::cells, Grading::place), &["right", "back"], planes)
+}
+
+/// Half of the same balls, y > 0, which may be drawn along x.
+///
+/// # Errors
+/// As [`cylinders`].
+pub fn halved_balls(radii: [f64; 2], force: f64, cells: usize) -> Result<HalfSpaces<3>, HertzError> {
+    let both = |along: &Grading| 2 * along.cells();
+    let cut = &["left", "right", "back"];
+    part_of_balls(radii, force, cells, (both, Grading::on_both_sides), cut, &[("front", 1)])
+}
+
+/// Number of cells along x of a grading, and the place at a part of their row.
+type Row = (fn(&Grading) -> usize, fn(&Grading, f64) -> f64);
+
+fn part_of_balls(
+    radii: [f64; 2],
+    force: f64,
+    cells: usize,
+    (cells_along_x, place_along_x): Row,
+    cut: &'static [&'static str],
+    symmetric: &'static [(&'static str, usize)],
+) -> Result<HalfSpaces<3>, HertzError> {
     let hertz = Hertz::of_point_between(force, common(radii), 0.5 * modulus());
     let (along, down) = gradings(&hertz, cells);
-    let divisions = [along.cells(), along.cells(), down.cells()];
+    let divisions = [cells_along_x(&along), along.cells(), down.cells()];
     let body = |side: Side| {
         let outline = Outline { side, radius: radii[side as usize], reach: hertz.reach, down: &down };
         structured(divisions, CellShape::Hexahedron, 2, |[s, t, w]| {
-            let [x, y] = [s, t].map(|t| along.place(t));
+            let (x, y) = (place_along_x(&along, s), along.place(t));
             [x, y, outline.height(x.hypot(y), w)]
         })
     };
     let bodies = [body(Side::Lower)?, body(Side::Upper)?];
-    let planes = &[("left", 0), ("front", 1)];
-    HalfSpaces::of(&bodies, (hertz, force), pairing(radii), &["right", "back"], planes)
+    HalfSpaces::of(&bodies, (hertz, force), pairing(radii), cut, symmetric)
 }
 
 /// Cells along the surface and into the depth.
@@ -291,10 +331,31 @@ impl HalfSpaces<3> {
     /// # Errors
     /// Data that do not fit.
     pub fn pressed(&self) -> Result<ContactProblem<3, law::Model<3>>, HertzError> {
-        let half_way = 0.5 * self.approach();
-        self.problem(|x| {
-            let [u, v, w] = far_field::pushed(self.force, x);
-            [u, v, w - half_way]
-        })
+        self.problem(|x| self.pressing(x))
+    }
+
+    /// The bodies under P and Q, the upper one drawn along x, from the displacement under P alone: for [`halved_balls`].
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn sheared(
+        &self,
+        law: &StickSlip,
+        before: &Field<3>,
+    ) -> Result<ContactProblem<3, law::Model<3>>, HertzError> {
+        let half_way = 0.5 * law.way_of_balls();
+        let mut problem = self.problem(|x| {
+            let (pressed, dragged) = (self.pressing(x), far_field::dragged(-law.shear, x));
+            let [u, v, w] = std::array::from_fn(|k| pressed[k] + dragged[k]);
+            [u + half_way, v, w]
+        })?;
+        problem.law.data.friction = law.friction;
+        problem.law.data.displacement_before = Given::field(before);
+        Ok(problem)
+    }
+
+    fn pressing(&self, x: [f64; 3]) -> [f64; 3] {
+        let [u, v, w] = far_field::pushed(self.force, x);
+        [u, v, w - 0.5 * self.approach()]
     }
 }

@@ -1,6 +1,7 @@
 //! Runs each tutorial. A tutorial asserts its physical number against a closed form, so that a wrong
 //! number is a failure here.
 
+use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -152,6 +153,43 @@ fn a_rigid_punch_meets_growing_forces() {
         let forces: Vec<f64> = rows.collect();
         assert!(forces.len() >= 10 && forces.is_sorted() && forces[0] > 0.0, "{printed}");
     }
+}
+
+/// The numbers of a table, row by row.
+fn rows(printed: &str) -> Vec<Vec<f64>> {
+    let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().parse().ok()).collect();
+    printed.lines().filter_map(cells).collect()
+}
+
+/// At first the ring is a curved beam: P = δ E′I/R³ / (π k₁/4 − 2 k₂²/π), k₁ = 1 − α + β, k₂ = 1 − α, α = I/AR², β = 1.2 E′α/G (Roark,
+/// Formulas for Stress and Strain, table 9.2, case 1). Walls carry nothing until they meet, and then little less than the tools.
+/// Work, energy and balance are the program's own checks.
+#[test]
+fn a_pressed_ring_is_a_beam_and_then_closes() {
+    let printed = run_with(env!("CARGO_BIN_EXE_pressed_ring"), &["24", "44"], "pressed_ring.png");
+    let rows = rows(&printed);
+    let (modulus, inertia, radius): (f64, f64, f64) = (3.2, 0.008 / 12.0, 0.9);
+    let alpha = inertia / (0.2 * radius * radius);
+    let (k1, k2) = (1.0 - alpha + 1.2 * modulus * alpha, 1.0 - alpha);
+    let compliance = radius.powi(3) / (modulus * inertia) * (PI * k1 / 4.0 - 2.0 * k2 * k2 / PI);
+    let [first, last] = [&rows[0], &rows[rows.len() - 1]];
+    assert!((first[2] * compliance / (2.0 * first[0]) - 1.0).abs() < 0.025, "{printed}");
+    for row in &rows {
+        // A wall's points meet the opposite ones at no gap.
+        assert!((row[3] > 0.0) == (row[1] < 0.005), "{printed}");
+    }
+    assert!(last[3] > 0.9 * last[2] && last[3] < last[2], "{printed}");
+}
+
+/// A ball that slides is held back by friction and by the slope in front of it, the same all along.
+#[test]
+fn a_die_slides_along_a_slab() {
+    let printed = run_with(env!("CARGO_BIN_EXE_die_on_slab"), &["16", "3", "7"], "die_on_slab.png");
+    let rows = rows(&printed);
+    let sliding: Vec<f64> = rows.iter().filter(|row| row[0] > 0.5).map(|row| row[3]).collect();
+    assert!(sliding.len() >= 5 && sliding.iter().all(|ratio| (0.3..0.45).contains(ratio)), "{printed}");
+    let [least, most] = [f64::min, f64::max].map(|of| sliding.iter().copied().reduce(of).expect("some"));
+    assert!(most - least < 0.05, "{printed}");
 }
 
 /// The numbers that stand after a word, one per line that has it.

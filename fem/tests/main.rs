@@ -36,6 +36,7 @@ mod split_facets;
 mod sum_factorisation;
 mod threads;
 mod transfer;
+mod tunnelling;
 mod unoptimised;
 mod vtk;
 mod vtk_errors;

@@ -101,6 +101,9 @@ pub enum PairError {
         /// Its name in the form.
         field: &'static str,
     },
+    /// Displacements at both ends of a motion in spaces that are not the same.
+    #[error("a motion goes from one displacement to another in the same space")]
+    TwoSpaces,
     /// An approach along no direction, or by an overlap that is no number.
     #[error(
         "a body cannot approach along {direction:?} with an overlap of {overlap}; both must be finite, the direction not zero"
@@ -130,6 +133,34 @@ pub enum PairError {
         moving: String,
         /// The unit vector along which they were to move.
         direction: Vec<f64>,
+    },
+    /// A point that gets deeper behind the opposite surface, on the way from one displacement to another, than half of what contact
+    /// can see there: its reach, or the opposite body's thickness.
+    #[error(
+        "on the way from one displacement to the other, at {part} of it, the point at {position:?} lies {depth:e} behind the opposite \
+         surface, where contact sees {visible:e} deep: it may have passed through. Take a smaller step (`LoadSteps` halves it), or a \
+         larger reach where that is what ends"
+    )]
+    Tunnelling {
+        /// The point before it is displaced \[length\].
+        position: Vec<f64>,
+        /// Its depth behind the surface \[length\].
+        depth: f64,
+        /// The smaller of its reach and the opposite body's thickness \[length\].
+        visible: f64,
+        /// The part of the way.
+        part: f64,
+    },
+    /// Surfaces that move too far, from one displacement to another, to be followed.
+    #[error(
+        "the surfaces move relative to each other by up to {motion:e}, which is too far to be followed (at most {allowed:e}): take a \
+         smaller step"
+    )]
+    TooFar {
+        /// A bound of the relative motion \[length\].
+        motion: f64,
+        /// The largest one that is followed \[length\].
+        allowed: f64,
     },
     /// A place at which pairs cannot be integrated over.
     #[error("{place} cannot integrate over contact pairs")]

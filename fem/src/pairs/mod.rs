@@ -14,6 +14,7 @@
 //! report    the numbers of a pairing's points
 //! known     searches that were done
 //! first_touch    a rigid approach until surfaces meet
+//! tunnelling     points that would pass through the opposite body between two displacements
 //! ```
 //!
 //! Pairs of the undeformed mesh are searched for once, and kept by [`Assembler`](crate::assemble::Assembler); those of displaced
@@ -38,6 +39,7 @@ mod search;
 mod surface;
 mod surfaces;
 mod traces;
+mod tunnelling;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -55,6 +57,8 @@ pub use self::report::PairReport;
 pub(crate) use self::rigid::coupled_facets;
 use self::search::Search;
 use self::surfaces::Surfaces;
+pub use self::tunnelling::FollowedMotion;
+pub(crate) use self::tunnelling::Follower;
 use crate::element::CellShape;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::Quadrature;

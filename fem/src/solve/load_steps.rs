@@ -8,6 +8,10 @@ use std::fmt;
 /// A failed step is tried again with half its increment, down to a smallest one; after two successes in a row the
 /// increment doubles, until the factor asked for is reached. Factors may fall (unloading).
 ///
+/// A step in which a body was thrown through another has a solution, too. Where surfaces may meet, let the closure end with
+/// `assembler.follow(&pairing, degree, before, solved.field())?` ([`Assembler::follow`](crate::assemble::Assembler::follow)), which
+/// refuses such a step, so that it is halved.
+///
 /// ```
 /// use forms_fem::solve::LoadSteps;
 /// // The state after a step is the factor's square; steps above 0.3 fail.
