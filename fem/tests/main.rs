@@ -31,6 +31,7 @@ mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod time_schemes;
 mod unoptimised;
 mod vtk;
 mod vtk_errors;
