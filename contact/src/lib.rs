@@ -13,6 +13,7 @@
 //! | [`shape_gradient`] | the derivative by the shape, as the volume form of the discrete problem | |
 //! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
+//! | [`impact`] | motion with impact, by schemes that keep or never gain energy | |
 //! | [`threshold`] | when γ₀ is too small | |
 //! | [`uzawa`] | Uzawa's iteration: multipliers updated outside of Newton's method | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
@@ -25,6 +26,7 @@ pub mod contact_problem;
 pub mod half_spaces;
 pub mod hertz;
 pub mod hollow_cylinder;
+pub mod impact;
 pub mod law;
 pub mod laws;
 pub mod load_and_pressure;

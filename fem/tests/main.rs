@@ -32,6 +32,7 @@ mod split_facets;
 mod sum_factorisation;
 mod threads;
 mod time_schemes;
+mod time_waves;
 mod unoptimised;
 mod vtk;
 mod vtk_errors;

@@ -2,8 +2,8 @@
 
 use forms_fem::prelude::*;
 use forms_fem::time::{
-    BackwardDifferences, CentralDifferences, GeneralisedAlpha, Mass, OneStepTheta, Scheme, State, Step,
-    StepFailure, TimeLoop,
+    AdaptiveSteps, BackwardDifferences, CentralDifferences, Checkpoint, CheckpointError, GeneralisedAlpha,
+    Mass, OneStepTheta, Scheme, State, Step, StepFailure, TimeLoop,
 };
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -242,6 +242,16 @@ fn steps_of_one_size_share_a_factor() -> Outcome {
         assert_eq!(solver.report().factorisations - before, factors);
         assert!(solver.report().analyses - analyses <= 1);
     }
+    // Orders one, two and three, each with its own weights.
+    let form = |step: &Step<2>| OSCILLATOR.form(0.0)(step).motion();
+    let before = solver.report().factorisations;
+    let start = State::at_rest(0.0, same(&space, 1.0));
+    let mut motion = TimeLoop::new(form, BackwardDifferences::new(3)?, start).solver(&mut solver);
+    for _ in 0..100 {
+        motion.take(0.1)?;
+    }
+    drop(motion);
+    assert_eq!(solver.report().factorisations - before, 3);
     Ok(())
 }
 
@@ -263,8 +273,8 @@ fn coefficients_that_change_do_not_go_unnoticed() -> Outcome {
     for _ in 0..39 {
         before.take(0.1)?;
     }
-    let mut after = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start())
-        .resumed(before.states().to_vec(), before.steps());
+    let mut after =
+        TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start()).resumed(before.checkpoint());
     for _ in 39..100 {
         after.take(0.1)?;
     }
@@ -306,5 +316,86 @@ fn what_is_no_step_is_refused() -> Outcome {
     let start = State::at_rest(0.0, same(&space, 1.0));
     let mut motion = TimeLoop::new(form, CentralDifferences, start).mass(Mass::Lumped);
     assert!(matches!(motion.take(0.1).map_err(|e| e.why), Err(StepFailure::NoMass { .. })));
+    Ok(())
+}
+
+#[test]
+fn a_run_goes_on_from_a_file_with_the_same_bits() -> Outcome {
+    let space = cell()?;
+    let directory = tempfile::tempdir()?;
+    let path = directory.path().join("states.txt");
+    let linear = |step: &Step<2>| OSCILLATOR.form(0.0)(step).motion();
+    let hardening = |step: &Step<2>| OSCILLATOR.form(4.0)(step).hardening();
+    let start = || State::at_rest(0.0, same(&space, 1.0));
+    let run = |begin: &dyn Fn() -> TimeLoop<'static, 2>| -> Outcome {
+        let (mut whole, mut part) = (begin(), begin());
+        for step in 0..50 {
+            whole.take(0.1)?;
+            if step < 20 {
+                part.take(0.1)?;
+            }
+        }
+        part.checkpoint().write(&path)?;
+        let read = Checkpoint::read(&path, &space)?.ok_or("it is there")?;
+        let mut rest = begin().resumed(read);
+        for _ in 20..50 {
+            rest.take(0.1)?;
+        }
+        assert_eq!(whole.steps(), rest.steps());
+        let bits = |motion: &TimeLoop<'_, 2>| {
+            let State { time, value, rate, second_rate } = motion.state();
+            let fields = [value, rate, second_rate].map(|field| field.values().to_vec()).concat();
+            [vec![*time], fields].concat().into_iter().map(f64::to_bits).collect::<Vec<_>>()
+        };
+        assert_eq!(bits(&whole), bits(&rest));
+        Ok(())
+    };
+    run(&|| TimeLoop::new(linear, BackwardDifferences::new(3).expect("an order"), start()))?;
+    run(&|| TimeLoop::new(linear, GeneralisedAlpha::trapezoidal(), start()).constant_coefficients())?;
+    run(&|| TimeLoop::new(hardening, GeneralisedAlpha::mid_point(), start()))?;
+    run(&|| TimeLoop::new(hardening, CentralDifferences, start()).mass(Mass::Lumped))?;
+
+    // No file, another space, a damaged file.
+    assert!(Checkpoint::read(directory.path().join("none"), &space)?.is_none());
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0, 2.0], [1, 1], CellShape::Quadrilateral, 1)?);
+    let other = Checkpoint::read(&path, &Space::scalar(&mesh, 1)?);
+    assert!(matches!(other, Err(CheckpointError::OtherSpace { .. })));
+    let text = std::fs::read_to_string(&path)?;
+    for damaged in [text.replacen('3', "4", 1), text[..text.len() / 2].to_owned(), String::new()] {
+        std::fs::write(&path, damaged)?;
+        assert!(matches!(Checkpoint::read(&path, &space), Err(CheckpointError::Content { .. })));
+    }
+    Ok(())
+}
+
+#[test]
+fn adaptive_steps_keep_their_tolerance() -> Outcome {
+    let space = cell()?;
+    // At rest until a load comes at t = 1.
+    let form = |step: &Step<2>| {
+        let force = if step.time > 1.0 { 40.0 } else { 0.0 };
+        let base = step.into();
+        let data = spring::Data { base, mass: 1.0, damping: 0.0, stiffness: 100.0, cubic: 0.0, force };
+        spring::Model::new(data).motion()
+    };
+    let exact = |t: f64| 0.4 * (1.0 - (10.0 * (t - 1.0)).cos());
+    let mut errors = vec![];
+    for tolerance in [1e-5, 1e-7] {
+        let start = State::at_rest(0.0, same(&space, 0.0));
+        let mut motion = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start);
+        let mut steps = AdaptiveSteps::new(0.25, tolerance)?;
+        while motion.state().time < 2.0 {
+            let taken = steps.take(&mut motion, 2.0)?;
+            assert!(taken.error.ok_or("it is estimated")? <= tolerance);
+            if taken.to <= 1.0 {
+                assert!((taken.to - taken.from - 0.25).abs() < 1e-12, "nothing happens before");
+            }
+        }
+        assert_eq!(motion.state().time, 2.0);
+        assert!(steps.rejected() > 2 && motion.steps() < 4000, "{} {}", steps.rejected(), motion.steps());
+        errors.push((motion.state().value.values()[0] - exact(2.0)).abs());
+    }
+    assert!(errors[0] < 1e-2 && errors[1] < errors[0] / 5.0, "{errors:?}");
+    assert!(AdaptiveSteps::new(f64::NAN, 1.0).is_err() && AdaptiveSteps::new(1.0, 0.0).is_err());
     Ok(())
 }

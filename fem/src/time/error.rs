@@ -84,18 +84,28 @@ pub enum StepFailure {
         /// The value prescribed.
         to: f64,
     },
-    /// The smallest step of an adaptive run fails, or its error is too large.
-    #[error("a step of {smallest} is the smallest allowed, and {why}")]
-    SmallestStep {
-        /// The smallest step size.
-        smallest: f64,
-        /// The failure there.
-        why: String,
+    /// A step whose error is larger than asked for.
+    #[error("the error of the step, {error:e}, is above the tolerance {tolerance:e}")]
+    TooInexact {
+        /// Its estimate, at the node where it is largest \[value\].
+        error: f64,
+        /// The tolerance \[value\].
+        tolerance: f64,
     },
+    /// A tolerance that no step could keep.
+    #[error("the tolerance {0} is no positive number")]
+    Tolerance(f64),
 }
 
 impl From<SolveError> for StepFailure {
     fn from(error: SolveError) -> Self {
         StepFailure::Solve(Box::new(error))
+    }
+}
+
+impl StepFailure {
+    /// Whether a smaller step may succeed.
+    pub(super) fn is_for_smaller_steps(&self) -> bool {
+        matches!(self, StepFailure::Solve(_) | StepFailure::TooInexact { .. })
     }
 }

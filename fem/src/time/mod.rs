@@ -44,8 +44,10 @@
 //! # }
 //! ```
 
+pub mod adaptive_steps;
 pub mod backward_differences;
 pub mod central_differences;
+pub mod checkpoint;
 mod error;
 pub mod generalised_alpha;
 mod linear_step;
@@ -56,8 +58,10 @@ pub mod scheme;
 pub mod step;
 pub mod time_loop;
 
+pub use adaptive_steps::AdaptiveSteps;
 pub use backward_differences::BackwardDifferences;
 pub use central_differences::CentralDifferences;
+pub use checkpoint::{Checkpoint, CheckpointError};
 pub use error::{StepError, StepFailure};
 pub use generalised_alpha::GeneralisedAlpha;
 pub use mass::Mass;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::checkpoint::Checkpoint;
 use super::error::{StepError, StepFailure};
 use super::linear_step::{Check, Means, StepMatrix, solve};
 use super::mass::Mass;
@@ -59,6 +60,9 @@ impl Solver<'_> {
 
 /// With coefficients that are promised to be constant, each so many steps the equations are assembled at the solution.
 const CHECKED_STEPS: usize = 32;
+
+/// Step sizes that differ by less than this part are equal.
+const SAME_SIZE: f64 = 1e-9;
 
 impl<'a, const D: usize> TimeLoop<'a, D> {
     /// The form that `form` gives for each step, from a state on. Loads and other data that change are to be those of
@@ -150,9 +154,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         &self.states[0]
     }
 
-    /// The last states, newest first, as many as the scheme reads: what a run that goes on later begins with.
-    pub fn states(&self) -> &[State<D>] {
-        &self.states
+    /// What a run that goes on later begins with.
+    pub fn checkpoint(&self) -> Checkpoint<D> {
+        Checkpoint { states: self.states.clone(), steps: self.number }
     }
 
     /// The number of steps taken.
@@ -160,10 +164,13 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self.number
     }
 
-    /// Goes on from states that a run has reached, newest first, after so many steps.
-    pub fn resumed(mut self, states: Vec<State<D>>, steps: usize) -> Self {
-        if !states.is_empty() {
-            (self.states, self.number, self.has_second_rate) = (states, steps, true);
+    /// Goes on from where another run of the same form and scheme stood. What follows has the bits that it would have had there, as
+    /// long as the solver depends on the current matrix alone: one that solves unsymmetric systems with a factor of an earlier
+    /// matrix agrees to its tolerance.
+    pub fn resumed(mut self, checkpoint: Checkpoint<D>) -> Self {
+        if !checkpoint.states.is_empty() {
+            (self.states, self.number) = (checkpoint.states, checkpoint.steps);
+            self.has_second_rate = self.number > 0;
         }
         self
     }
@@ -174,11 +181,16 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     /// [`StepError`]; the last state is then what it was.
     #[inline(never)]
     pub fn take(&mut self, size: f64) -> Result<Taken<D>, StepError> {
-        let from = self.state().time;
-        self.try_step(from + size, size).map_err(|why| StepError { from, to: from + size, why })
+        self.take_within(size, self.state().time + size, f64::INFINITY)
     }
 
-    fn try_step(&mut self, end: f64, size: f64) -> Result<Taken<D>, StepFailure> {
+    /// Takes one step that ends at `end`, the last time and the size up to rounding, if its error is within a tolerance.
+    pub(super) fn take_within(&mut self, size: f64, end: f64, tolerance: f64) -> Result<Taken<D>, StepError> {
+        let from = self.state().time;
+        self.try_step(end, size, tolerance).map_err(|why| StepError { from, to: end, why })
+    }
+
+    fn try_step(&mut self, end: f64, size: f64, tolerance: f64) -> Result<Taken<D>, StepFailure> {
         let from = self.state().time;
         if !(size > 0.0 && end.is_finite() && end > from) {
             return Err(StepFailure::StepSize(size));
@@ -186,7 +198,10 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         let constraints = (self.constraints)(end)?;
         self.find_second_rate(&constraints)?;
         let mut sizes = vec![size];
-        sizes.extend(self.states.windows(2).map(|pair| pair[0].time - pair[1].time));
+        // Equal steps have equal weights, and one matrix, whatever the rounding of times.
+        let equal = |earlier: f64| (earlier - size).abs() <= SAME_SIZE * size;
+        let earlier = self.states.windows(2).map(|pair| pair[0].time - pair[1].time);
+        sizes.extend(earlier.map(|earlier| if equal(earlier) { size } else { earlier }));
         let formulas = self.scheme.formulas(&sizes);
         let step = Step::new(&self.states, end, &formulas)?;
         let form = (self.form)(&step);
@@ -217,6 +232,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             }
             None => None,
         };
+        if let Some(error) = error
+            && error > tolerance
+        {
+            return Err(StepFailure::TooInexact { error, tolerance });
+        }
         let space = Arc::clone(x.space());
         self.states.insert(0, state);
         self.states.truncate(self.scheme.states().max(1));
