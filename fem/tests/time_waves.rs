@@ -38,11 +38,11 @@ fn frequency() -> f64 {
     (YOUNGS_MODULUS / DENSITY).sqrt() * WAVE_NUMBER
 }
 
-fn form(step: &Step<2>) -> bar::motion::Compiled {
+fn form(step: &Step<2>) -> bar::motion::Compiled<2> {
     model(step.into()).motion()
 }
 
-fn model(base: forms_fem::time::operators::vector::Data<2>) -> bar::Model {
+fn model(base: forms_fem::time::operators::vector::Data<2>) -> bar::Model<2> {
     bar::Model::new(bar::Data { base, rho: DENSITY, youngs_modulus: YOUNGS_MODULUS })
 }
 
