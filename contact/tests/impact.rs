@@ -173,13 +173,13 @@ fn the_hybrid_scheme_never_gains_and_the_conserving_one_keeps_energy() -> Outcom
     let (records, _) = follow(&bar, Pressure::Hybrid, 0.02, steps)?;
     let gain = records.windows(2).map(|pair| pair[1].energy - pair[0].energy).fold(f64::MIN, f64::max);
     assert!(gain < 1e-14, "{gain:e}");
-    let kept = records[records.len() - 1].energy / start;
-    assert!((0.8..1.0).contains(&kept), "impacts cost something, and little: {kept}");
+    // Three impacts cost something, and little.
+    let kept = records[500].energy / start;
+    assert!((0.8..1.0).contains(&kept), "{kept}");
     Ok(())
 }
 
-/// Newmark's trapezoidal rule with contact at the ends of steps gains energy at impacts, which is why the others exist; central
-/// differences with lumped masses bounce, too.
+/// Generalised-α damps what the impact excites; central differences with lumped masses bounce, too.
 #[test]
 fn other_schemes_bounce() -> Outcome {
     let space = FREE.space()?;
