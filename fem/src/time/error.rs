@@ -27,6 +27,20 @@ pub enum StepFailure {
     /// A step size that is no positive number, or too small to change the time.
     #[error("the step size {0} is no positive number that changes the time")]
     StepSize(f64),
+    /// States that do not stand one before the other in time.
+    #[error("the states before the step, newest first, have times that do not fall: {times:?}")]
+    NotEarlier {
+        /// Their times.
+        times: Vec<f64>,
+    },
+    /// A scheme whose formulas read states that do not exist.
+    #[error("the scheme reads {read} states, and there are {known} before the step")]
+    MissingStates {
+        /// States that it reads.
+        read: usize,
+        /// States that are known.
+        known: usize,
+    },
     /// The form does not fit, or could not be assembled.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),

@@ -10,8 +10,8 @@ pub enum Mass {
     /// As the form says.
     #[default]
     Consistent,
-    /// The diagonal matrix of its row sums: what quadrature at the nodes gives on elements of degree one. Densities are those of the
-    /// first step.
+    /// The diagonal matrix of its row sums: what quadrature at the nodes gives on elements of degree one. Inertia
+    /// is taken to be linear in the second rate, with the densities of the first step.
     Lumped,
 }
 

@@ -50,6 +50,14 @@ pub struct Formulas {
     pub load_at: f64,
 }
 
+impl Formulas {
+    /// The number of states that they read.
+    pub(super) fn states(&self) -> usize {
+        let all = self.evaluated.iter().chain(&self.end);
+        all.map(|combination| combination.states.len()).max().unwrap_or(0)
+    }
+}
+
 /// a x + Σ_k (a_k u_k + b_k u̇_k + c_k ü_k) over the states before the step, newest first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Combination {

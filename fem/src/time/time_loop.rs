@@ -202,7 +202,15 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         let equal = |earlier: f64| (earlier - size).abs() <= SAME_SIZE * size;
         let earlier = self.states.windows(2).map(|pair| pair[0].time - pair[1].time);
         sizes.extend(earlier.map(|earlier| if equal(earlier) { size } else { earlier }));
+        if sizes.iter().any(|size| size.is_nan() || *size <= 0.0) {
+            let times = self.states.iter().map(|state| state.time).collect();
+            return Err(StepFailure::NotEarlier { times });
+        }
         let formulas = self.scheme.formulas(&sizes);
+        let read = formulas.states();
+        if read > self.states.len() {
+            return Err(StepFailure::MissingStates { read, known: self.states.len() });
+        }
         let step = Step::new(&self.states, end, &formulas)?;
         let form = (self.form)(&step);
         let (x, residual, history) = match self.scheme.solved_for() {
