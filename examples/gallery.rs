@@ -61,6 +61,13 @@ const MAKERS: [Maker; 13] = [
         ],
     },
     Maker {
+        arguments: &["--bin", "bar_impact"],
+        pictures: &[
+            ("out/bar_impact_energy.png", "bar_impact_energy.png"),
+            ("out/bar_impact_force.png", "bar_impact_force.png"),
+        ],
+    },
+    Maker {
         arguments: &["--bin", "rigid_punch"],
         pictures: &[
             ("out/rigid_punch.png", "rigid_punch.png"),

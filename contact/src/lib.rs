@@ -15,6 +15,7 @@
 //! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
 //! | [`residual_estimator`] | the error of the displacement, cell by cell | |
+//! | [`impact`] | motion with impact, by schemes that keep or never gain energy | |
 //! | [`threshold`] | when γ₀ is too small | |
 //! | [`uzawa`] | Uzawa's iteration: multipliers updated outside of Newton's method | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
@@ -27,6 +28,7 @@ pub mod contact_problem;
 pub mod half_spaces;
 pub mod hertz;
 pub mod hollow_cylinder;
+pub mod impact;
 pub mod law;
 pub mod laws;
 pub mod load_and_pressure;

@@ -48,7 +48,7 @@
 //! ```
 //!
 //! The way of a computation: [`mesh`] → [`element`] → [`quadrature`] → [`space`] → [`assemble`] →
-//! [`solve`] → [`output`]. The language is described in [`language`]. Nothing here knows any physics; forms bring it through [`contract`].
+//! [`solve`] → [`output`], with steps in [`time`] around [`solve`]. The language is described in [`language`]. Nothing here knows any physics; forms bring it through [`contract`].
 
 extern crate self as forms_fem;
 
@@ -70,6 +70,7 @@ pub mod pairs;
 pub mod shape_optimisation;
 pub mod solve;
 pub mod space;
+pub mod time;
 pub mod verification;
 
 pub use forms_core::contract;

@@ -35,6 +35,8 @@ mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod time_schemes;
+mod time_waves;
 mod transfer;
 mod tunnelling;
 mod unoptimised;

@@ -14,7 +14,7 @@ use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
 
 /// The form of a problem, without its type.
-pub(super) trait AnyForm<const D: usize> {
+pub(crate) trait AnyForm<const D: usize> {
     /// See [`Form::name`].
     fn name(&self) -> &'static str;
     /// See [`Form::fields`].

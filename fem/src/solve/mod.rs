@@ -6,7 +6,7 @@
 //! A [`MultigridSolver`] takes large systems in space.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
-mod any_form;
+pub(crate) mod any_form;
 pub mod communicator;
 pub mod condensed_solver;
 #[cfg(test)]
@@ -41,6 +41,7 @@ pub use newton::{
     NonlinearProblem, NonlinearTangent, Start, Tangent, newton, newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
+pub(crate) use problem::{OwnedForm, solve_owned};
 pub use problem::{Problem, SolveError};
 pub use rigid_loads::{RigidLoadError, RigidLoads};
 pub use solved::{ReactionError, Solved};

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use forms_core::contract::Form;
 
 use self::untyped::{Solver, UntypedProblem};
-use super::any_form::Held;
+use super::any_form::{AnyForm, Held};
 use super::communicator::Communicator;
 use super::{
     ActivePoints, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem, NonlinearTangent,
@@ -189,6 +189,32 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     pub fn changed_places(&mut self) -> Result<&[Range<usize>], AssemblyError> {
         Ok(self.untyped.ready()?.1.touched())
     }
+}
+
+/// A form without its type, and what belongs to its solution.
+pub(crate) struct OwnedForm<'a, const D: usize> {
+    pub form: Box<dyn AnyForm<D> + 'a>,
+    pub assembler: &'a Assembler<D>,
+    pub pattern: &'a Arc<BlockPattern<D>>,
+    pub constraints: &'a Constraints<D>,
+    pub start: &'a Field<D>,
+    pub options: NewtonOptions,
+}
+
+/// The solution of a form without its type, for those who make one form after the other.
+pub(crate) fn solve_owned<const D: usize>(
+    owned: OwnedForm<'_, D>,
+    solver: &mut dyn LinearSolver,
+) -> Result<Solved<D>, SolveError> {
+    let OwnedForm { form, assembler, pattern, constraints, start, options } = owned;
+    let mut untyped: UntypedProblem<'_, D, 1> = UntypedProblem::new(Held::Own(form), [start.space()]);
+    untyped.system.assembler = Cow::Borrowed(assembler);
+    untyped.system.pattern = OnceCell::from(Arc::clone(pattern));
+    untyped.constraints.push(Cow::Borrowed(constraints));
+    untyped.start = Some([start]);
+    untyped.solver = Solver::Lent(solver);
+    untyped.options = options;
+    untyped.solve()
 }
 
 /// A problem as the system of equations that Newton's method solves.

@@ -159,7 +159,7 @@ impl<const D: usize> Solved<D, 1> {
 }
 
 /// The sum of a space's part of a residual over the nodes of a region, one number per component.
-fn resultant<const D: usize>(
+pub(crate) fn resultant<const D: usize>(
     space: &Arc<Space<D>>,
     residual: &[f64],
     region: &str,

@@ -1,0 +1,123 @@
+//! Motion with impact on a rigid obstacle, by Nitsche's method: contact at the time at which a scheme evaluates forces, and two
+//! mid-point schemes that know the energy.
+
+use forms_fem::forms;
+
+/// A linear elastic body in frictionless impact. With β(w) = γ (w_n − g) − σ_n(w), which is −P_γ of the paper, the pressure is
+///
+/// - \[β\]₊ at the evaluated displacement in `motion`, for every implicit scheme and for central differences;
+/// - Φ(β₀, β₁) of the two ends of a step in `hybrid` and `conserving`, which are for
+///   [`GeneralisedAlpha::mid_point`](forms_fem::time::GeneralisedAlpha::mid_point). Their third argument is the displacement
+///   before the step, `step.before.value`.
+///
+/// After Chouly, Hild & Renard (2015), A Nitsche finite element method for dynamic contact, parts 1 and 2, ESAIM: M2AN 49. For
+/// θ = 1 `energy` is what the continuous equations keep.
+#[forms]
+pub mod impact {
+    use forms_fem::time::operators::vector::{acceleration, displacement};
+
+    use crate::operators::linear_elastic::{energy_density, stress};
+    use crate::operators::obstacle::{augmented_stress, gamma, nitsche_test, normal_component};
+
+    #[extends(forms_fem::time::operators::vector::Data)]
+    pub struct Data {
+        /// ρ, mass per volume.
+        #[doc(alias = "ρ")]
+        pub rho: Param,
+        /// λ, first Lamé parameter \[stress\].
+        pub lambda: Param,
+        /// μ, shear modulus \[stress\].
+        pub mu: Param,
+        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
+        pub theta: Param,
+        /// γ₀ \[stress\]; γ = γ₀ / h_T.
+        pub gamma0: Param,
+        /// n_y, unit normal pointing into the obstacle.
+        pub obstacle_normal: Given<Vector>,
+        /// g, the initial gap \[length\].
+        pub gap: Given<Scalar>,
+        /// f, force per volume.
+        #[default(0)]
+        pub body_force: Given<Vector>,
+    }
+
+    /// Ω.
+    #[cells]
+    pub struct Omega;
+    /// Γ_C, the potential contact boundary.
+    #[facets]
+    pub struct GammaC;
+
+    fn normal_stress(w: Vector) -> Scalar {
+        normal_component(stress(w))
+    }
+
+    /// β = γ (w_n − g) − σ_n(w): presses where it is positive.
+    #[doc(alias = "β")]
+    pub fn pressing(w: Vector) -> Scalar {
+        -augmented_stress(normal_stress(w), w)
+    }
+
+    /// Φ of the hybrid scheme: \[(β₀ + β₁)/2\]₊ where the step begins in contact, else (\[β₀\]₊ + \[β₁\]₊)/2. Energy is never gained.
+    pub fn hybrid_pressure(before: Scalar, after: Scalar) -> Scalar {
+        if before > 0 { pos_part((before + after) / 2) } else { pos_part(after) / 2 }
+    }
+
+    /// Φ of the conserving scheme: (\[β₁\]₊² − \[β₀\]₊²)/(2 (β₁ − β₀)), the mean of \[·\]₊ between β₀ and β₁.
+    pub fn conserving_pressure(before: Scalar, after: Scalar) -> Scalar {
+        if min(before, after) >= 0 {
+            (before + after) / 2
+        } else if max(before, after) > 0 {
+            sqr(max(before, after)) / (2 * abs(after - before))
+        } else {
+            0
+        }
+    }
+
+    /// Inertia, elasticity and load at the evaluated state, with Nitsche's term of σ_n.
+    fn body(u: Vector, v: Vector) -> Form {
+        integral(Omega, rho * dot(acceleration(u), v) - dot(body_force, v))
+            + integral(Omega, inner(stress(displacement(u)), eps(v)))
+            - integral(GammaC, theta / gamma() * normal_stress(displacement(u)) * normal_stress(v))
+    }
+
+    /// The residual of a step with contact where the scheme evaluates forces.
+    pub fn motion(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let pressure = pos_part(pressing(displacement(u)));
+        body(u, v) - integral(GammaC, pressure / gamma() * nitsche_test(normal_stress(v), v))
+    }
+
+    /// The residual of a step of the hybrid scheme from the displacement `before`.
+    pub fn hybrid(u: Unknown<Vector>, v: Test<Vector>, before: State<Vector>) -> Form {
+        let pressure = hybrid_pressure(pressing(before), pressing(u));
+        body(u, v) - integral(GammaC, pressure / gamma() * nitsche_test(normal_stress(v), v))
+    }
+
+    /// The residual of a step of the conserving scheme from the displacement `before`.
+    pub fn conserving(u: Unknown<Vector>, v: Test<Vector>, before: State<Vector>) -> Form {
+        let pressure = conserving_pressure(pressing(before), pressing(u));
+        body(u, v) - integral(GammaC, pressure / gamma() * nitsche_test(normal_stress(v), v))
+    }
+
+    /// Kinetic and elastic energy with θ times Nitsche's terms, −σ_n²/2γ + \[β\]₊²/2γ.
+    #[doc(alias = "E₁")]
+    pub fn energy(u: State<Vector>, velocity: State<Vector>) -> Functional {
+        integral(Omega, rho * dot(velocity, velocity) / 2 + energy_density(u))
+            + integral(GammaC, theta * (sqr(pos_part(pressing(u))) - sqr(normal_stress(u))) / (2 * gamma()))
+    }
+
+    /// The force of the obstacle on the body, \[β\]₊ over Γ_C.
+    pub fn contact_force(u: State<Vector>) -> Functional {
+        integral(GammaC, pos_part(pressing(u)))
+    }
+
+    /// The mean force of a step of the hybrid scheme.
+    pub fn hybrid_force(u: State<Vector>, before: State<Vector>) -> Functional {
+        integral(GammaC, hybrid_pressure(pressing(before), pressing(u)))
+    }
+
+    /// The mean force of a step of the conserving scheme.
+    pub fn conserving_force(u: State<Vector>, before: State<Vector>) -> Functional {
+        integral(GammaC, conserving_pressure(pressing(before), pressing(u)))
+    }
+}

@@ -1,0 +1,233 @@
+//! A bar that flies onto a rigid obstacle and bounces (Doyen, Ern & Piperno 2011), by one scheme after the other, beside d'Alembert's
+//! waves: it prints the table of docs/time.md, draws energies and forces over time, and writes them to `out/bar_impact.csv`, and the
+//! conserving scheme's film to `out/bar_impact.pvd`.
+//!
+//! Run it with `cargo run --release --bin bar_impact -- [CELLS ALONG THE BAR] [STEPS PER UNIT OF TIME]`.
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use forms_contact::impact::impact;
+use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
+use forms_fem::output::{StandardOutput, VtuFile, VtuSeries, program, write_whole};
+use forms_fem::prelude::*;
+use forms_fem::time::{CentralDifferences, GeneralisedAlpha, Mass, State, Step, TimeLoop};
+
+/// E, ρ, L, v, the gap at the start, and the time that is followed.
+const YOUNGS_MODULUS: f64 = 900.0;
+const DENSITY: f64 = 1.0;
+const LENGTH: f64 = 10.0;
+const VELOCITY: f64 = 10.0;
+const GAP: f64 = 5.0;
+const END: f64 = 1.5;
+/// Pictures of the film per unit of time.
+const FRAMES: f64 = 30.0;
+
+/// Contact begins at gap/v, lasts while a wave goes to the free end and back, with the force E v/c.
+const TOUCH: f64 = GAP / VELOCITY;
+
+fn wave_speed() -> f64 {
+    (YOUNGS_MODULUS / DENSITY).sqrt()
+}
+
+fn release() -> f64 {
+    TOUCH + 2.0 * LENGTH / wave_speed()
+}
+
+/// How contact enters a step, and the scheme.
+#[derive(Clone, Copy)]
+enum Steps {
+    /// At the time at which the scheme evaluates forces.
+    Plain(GeneralisedAlpha),
+    Hybrid,
+    Conserving,
+    /// Central differences with lumped masses, in a quarter of the step size.
+    Explicit,
+}
+
+/// Energy and force of the obstacle over time, per height of the bar.
+struct Course {
+    name: &'static str,
+    times: Vec<f64>,
+    energies: Vec<f64>,
+    forces: Vec<f64>,
+    velocity: f64,
+}
+
+fn model(step: Option<&Step<2>>) -> impact::Model<2> {
+    let required = impact::Required {
+        base: step.map(Into::into).unwrap_or_default(),
+        rho: DENSITY,
+        lambda: 0.0,
+        mu: YOUNGS_MODULUS / 2.0,
+        theta: 1.0,
+        gamma0: 4.0 * YOUNGS_MODULUS,
+        obstacle_normal: Given::constant([-1.0, 0.0]),
+        gap: Given::constant(GAP),
+    };
+    impact::Model { data: required.into(), regions: impact::Regions::default().gamma_c("left") }
+}
+
+fn follow(
+    name: &'static str,
+    steps: Steps,
+    space: &Arc<Space<2>>,
+    size: f64,
+) -> Result<Course, Box<dyn Error>> {
+    let assembler = Assembler::new(space.mesh());
+    let mut along = Constraints::new(space);
+    along.fix_component("all", 1, |_| 0.0)?;
+    let velocity = Field::interpolate(space, |_| [-VELOCITY, 0.0])?;
+    let start = State::new(0.0, Field::zero(space), velocity)?;
+
+    let plain = |step: &Step<2>| model(Some(step)).motion();
+    let mid_point = GeneralisedAlpha::mid_point();
+    let motion = match steps {
+        Steps::Plain(scheme) => TimeLoop::new(plain, scheme, start),
+        Steps::Explicit => TimeLoop::new(plain, CentralDifferences, start).mass(Mass::Lumped),
+        Steps::Hybrid => {
+            TimeLoop::new(|step: &Step<2>| model(Some(step)).hybrid(&step.before.value), mid_point, start)
+        }
+        Steps::Conserving => {
+            TimeLoop::new(|step: &Step<2>| model(Some(step)).conserving(&step.before.value), mid_point, start)
+        }
+    };
+    let mut motion = motion.assembler(&assembler).constrained(&along);
+    let size = if matches!(steps, Steps::Explicit) { size / 4.0 } else { size };
+    let functionals = model(None);
+    let energy = |state: &State<2>| assembler.functional(&functionals.energy(&state.value, &state.rate));
+    let mut course = Course {
+        name,
+        times: vec![0.0],
+        energies: vec![energy(motion.state())?],
+        forces: vec![0.0],
+        velocity: 0.0,
+    };
+    // One film is enough.
+    let mut film = match steps {
+        Steps::Conserving => Some(VtuSeries::new("out/bar_impact.pvd")?),
+        _ => None,
+    };
+    while motion.state().time < END - 0.5 * size {
+        let before = motion.state().clone();
+        motion.take(size)?;
+        let after = motion.state();
+        course.times.push(after.time);
+        course.energies.push(energy(after)?);
+        course.forces.push(match steps {
+            Steps::Hybrid => assembler.functional(&functionals.hybrid_force(&after.value, &before.value))?,
+            Steps::Conserving => {
+                assembler.functional(&functionals.conserving_force(&after.value, &before.value))?
+            }
+            _ => assembler.functional(&functionals.contact_force(&after.value))?,
+        });
+        if let Some(film) = &mut film
+            && (after.time * FRAMES).floor() > (before.time * FRAMES).floor()
+        {
+            let file = VtuFile::new(space.mesh()).point_data("displacement", &after.value)?;
+            film.write(after.time, &file.point_data("velocity", &after.rate)?)?;
+        }
+    }
+    let height = assembler.mesh().nodes().iter().map(|x| x[1]).fold(0.0, f64::max);
+    course.energies.iter_mut().chain(&mut course.forces).for_each(|total| *total /= height);
+    let along_x: Vec<f64> = motion.state().rate.values().iter().step_by(2).copied().collect();
+    course.velocity = along_x.iter().sum::<f64>() / along_x.len() as f64;
+    Ok(course)
+}
+
+impl Course {
+    fn impulse(&self) -> f64 {
+        self.times.windows(2).zip(&self.forces[1..]).map(|(t, force)| (t[1] - t[0]) * force).sum()
+    }
+
+    /// The first and the last time at which the force is above a tenth of the closed form's.
+    fn contact(&self) -> [f64; 2] {
+        let threshold = 0.1 * YOUNGS_MODULUS * VELOCITY / wave_speed();
+        let mut pressed = self.times.iter().zip(&self.forces).filter(|(_, force)| **force > threshold);
+        let first = pressed.next().map_or(f64::NAN, |(t, _)| *t);
+        [first, pressed.next_back().map_or(first, |(t, _)| *t)]
+    }
+
+    fn row(&self) -> String {
+        let ([touch, release], start) = (self.contact(), self.energies[0]);
+        let largest = self.energies.iter().copied().fold(f64::MIN, f64::max) / start - 1.0;
+        let end = self.energies.last().copied().unwrap_or(start) / start - 1.0;
+        let peak = self.forces.iter().copied().fold(0.0, f64::max);
+        format!(
+            "| {} | {touch:.3} | {release:.3} | {:.2} | {peak:.0} | {:.3} | {largest:+.1e} | {end:+.1e} |",
+            self.name,
+            self.impulse(),
+            self.velocity
+        )
+    }
+}
+
+fn draw<'c>(
+    courses: impl Iterator<Item = &'c Course>,
+    title: &str,
+    label: &str,
+    value: impl Fn(&Course) -> Vec<f64>,
+) -> LinePlot {
+    let plot = LinePlot::new().title(title).x_axis("t", Scale::Linear).y_axis(label, Scale::Linear).grid();
+    courses.fold(plot.size(480.0, 320.0), |plot, course| {
+        plot.curve(Curve::new(course.name, &course.times, &value(course)).without_markers())
+    })
+}
+
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all("out")?;
+    let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
+    let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise).max(1);
+    let (cells, size) = (given(0, 60), 1.0 / given(1, 400) as f64);
+    // Square cells, one over the height.
+    let mesh = rectangle([0.0; 2], [LENGTH, LENGTH / cells as f64], [cells, 1], CellShape::Quadrilateral, 1)?;
+    let space = Space::vector(&Arc::new(mesh), 1)?;
+
+    let all = [
+        ("trapezoidal", Steps::Plain(GeneralisedAlpha::trapezoidal())),
+        ("mid-point", Steps::Plain(GeneralisedAlpha::mid_point())),
+        ("generalised-α, ρ = 0.5", Steps::Plain(GeneralisedAlpha::with_spectral_radius(0.5)?)),
+        ("central differences", Steps::Explicit),
+        ("hybrid", Steps::Hybrid),
+        ("conserving", Steps::Conserving),
+    ];
+    let mut courses = vec![];
+    out.line("| scheme | touches | leaves | impulse | largest force | velocity | largest gain of energy | energy at the end |");
+    out.line("| --- | --: | --: | --: | --: | --: | --: | --: |");
+    let force = YOUNGS_MODULUS * VELOCITY / wave_speed();
+    let impulse = force * (release() - TOUCH);
+    out.line(format!(
+        "| closed form | {TOUCH:.3} | {:.3} | {impulse:.2} | {force:.0} | {VELOCITY:.3} | 0 | 0 |",
+        release()
+    ));
+    for (name, steps) in all {
+        let course = follow(name, steps, &space, size)?;
+        out.line(course.row());
+        courses.push(course);
+    }
+
+    let mut csv = "scheme,t,energy,force\n".to_owned();
+    for course in &courses {
+        for ((t, energy), force) in course.times.iter().zip(&course.energies).zip(&course.forces) {
+            writeln!(csv, "\"{}\",{t:e},{energy:e},{force:e}", course.name)?;
+        }
+    }
+    write_whole("out/bar_impact.csv", |file| file.write_all(csv.as_bytes()))?;
+    let energy = draw(courses.iter(), "A bar that bounces", "energy / energy at the start", |course| {
+        course.energies.iter().map(|energy| energy / course.energies[0]).collect()
+    });
+    energy.write_png("out/bar_impact_energy.png")?;
+    let shown = |course: &&Course| course.name == "conserving" || course.name.starts_with("generalised");
+    draw(courses.iter().filter(shown), "Force of the obstacle", "force", |course| course.forces.clone())
+        .horizontal_line(force, "E v / c")
+        .vertical_line(TOUCH, "")
+        .vertical_line(release(), "")
+        .write_png("out/bar_impact_force.png")?;
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    program(run)
+}

@@ -1,0 +1,162 @@
+//! States on disk, from which a run goes on with the same bits.
+
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::step::State;
+use crate::compiled_here::compiled_here;
+use crate::field::{Field, FieldError};
+use crate::output::write_whole;
+use crate::space::Space;
+
+/// The states that a scheme reads, newest first, and the number of steps that led to them: what
+/// [`TimeLoop::checkpoint`](super::TimeLoop::checkpoint) gives and [`TimeLoop::resumed`](super::TimeLoop::resumed) takes.
+#[derive(Clone, Debug)]
+pub struct Checkpoint<const D: usize> {
+    /// Newest first.
+    pub states: Vec<State<D>>,
+    /// Steps taken.
+    pub steps: usize,
+}
+
+/// Errors of a checkpoint.
+#[derive(Debug, Error)]
+pub enum CheckpointError {
+    /// The file cannot be read or written.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The file is no checkpoint, or a damaged one.
+    #[error("{}, line {line}: {expected} was expected", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// It was written on another space.
+    #[error("{} was written on another space: its nodes are not those of this one", path.display())]
+    OtherSpace {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A number of a field is not finite.
+    #[error("{}: {why}", path.display())]
+    Field {
+        /// The file.
+        path: PathBuf,
+        /// The field's error.
+        why: FieldError,
+    },
+}
+
+/// The first line of the file.
+const TITLE: &str = "states in time, version 1";
+
+impl<const D: usize> Checkpoint<D> {
+    /// Writes the file whole or not at all, with decimal numbers that read back to the last bit.
+    ///
+    /// # Errors
+    /// The system's error, with the name of the file.
+    #[inline(never)]
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
+        let mut text = String::new();
+        for state in &self.states {
+            let _ = writeln!(text, "{:e}", state.time);
+            for field in [&state.value, &state.rate, &state.second_rate] {
+                for value in field.values() {
+                    let _ = writeln!(text, "{value:e}");
+                }
+            }
+        }
+        let space = self.states.first().map_or(0, |state| fingerprint(state.value.space()));
+        let sum = hash(text.bytes());
+        let (steps, count) = (self.steps, self.states.len());
+        Ok(write_whole(path, |file| write!(file, "{TITLE}\n{steps}\n{count}\n{space}\n{sum}\n{text}"))?)
+    }
+
+    /// Reads the file on the space on which it was written; `None` if there is none.
+    ///
+    /// # Errors
+    /// [`CheckpointError`], with the name of the file.
+    #[inline(never)]
+    pub fn read(path: impl AsRef<Path>, space: &Arc<Space<D>>) -> Result<Option<Self>, CheckpointError> {
+        let path = path.as_ref();
+        let text = match std::fs::read_to_string(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => {
+                return Err(io::Error::new(error.kind(), format!("{}: {error}", path.display())).into());
+            }
+            Ok(text) => text,
+        };
+        let mut lines = Lines { path, rest: &text, line: 0 };
+        if lines.next("the title")? != TITLE {
+            return Err(lines.unexpected("the title of a checkpoint"));
+        }
+        let steps = lines.number("the number of steps")?;
+        let count: usize = lines.number("the number of states")?;
+        if lines.number::<u64>("the number of the space")? != fingerprint(space) {
+            return Err(CheckpointError::OtherSpace { path: path.to_owned() });
+        }
+        if lines.number::<u64>("the checksum")? != hash(lines.rest.bytes()) {
+            return Err(lines.unexpected("the checksum of what follows"));
+        }
+        let mut states = vec![];
+        for _ in 0..count {
+            let time = lines.number("a time")?;
+            let [value, rate, second_rate] = [lines.field(space)?, lines.field(space)?, lines.field(space)?];
+            states.push(State { time, value, rate, second_rate });
+        }
+        Ok(Some(Checkpoint { states, steps }))
+    }
+}
+
+/// The lines of a file that are left.
+struct Lines<'a> {
+    path: &'a Path,
+    rest: &'a str,
+    line: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn unexpected(&self, expected: &'static str) -> CheckpointError {
+        CheckpointError::Content { path: self.path.to_owned(), line: self.line, expected }
+    }
+
+    fn next(&mut self, expected: &'static str) -> Result<&'a str, CheckpointError> {
+        self.line += 1;
+        let (line, rest) = self.rest.split_once('\n').ok_or_else(|| self.unexpected(expected))?;
+        self.rest = rest;
+        Ok(line)
+    }
+
+    fn number<T: FromStr>(&mut self, expected: &'static str) -> Result<T, CheckpointError> {
+        self.next(expected)?.parse().map_err(|_| self.unexpected(expected))
+    }
+
+    fn field<const D: usize>(&mut self, space: &Arc<Space<D>>) -> Result<Field<D>, CheckpointError> {
+        let values: Result<Vec<f64>, _> =
+            (0..space.unknowns()).map(|_| self.number("a value of a field")).collect();
+        Field::from_values(space, values?)
+            .map_err(|why| CheckpointError::Field { path: self.path.to_owned(), why })
+    }
+}
+
+/// A number of a space's components and of the positions of its nodes.
+fn fingerprint<const D: usize>(space: &Arc<Space<D>>) -> u64 {
+    let coordinates = space.positions().iter().flatten().flat_map(|x| x.to_bits().to_le_bytes());
+    hash((space.components() as u64).to_le_bytes().into_iter().chain(coordinates))
+}
+
+/// The 64-bit hash of Fowler, Noll and Vo (1a): it tells damage, not malice.
+fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+compiled_here!(fingerprint::<D>);

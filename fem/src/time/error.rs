@@ -1,0 +1,125 @@
+//! Errors of steps in time.
+
+use thiserror::Error;
+
+use crate::assemble::AssemblyError;
+use crate::constraints::ConstraintsError;
+use crate::field::FieldError;
+use crate::linear_algebra::LinearAlgebraError;
+use crate::solve::{SolveError, SolverError};
+
+/// A step that was not taken. The loop stands where it was before, and may take another one.
+#[derive(Debug, Error)]
+#[error("the step from t = {from} to {to} was not taken: {why}")]
+pub struct StepError {
+    /// The time before the step.
+    pub from: f64,
+    /// The time at its end.
+    pub to: f64,
+    /// The reason.
+    #[source]
+    pub why: StepFailure,
+}
+
+/// A reason why a step was not taken.
+#[derive(Debug, Error)]
+pub enum StepFailure {
+    /// A step size that is no positive number, or too small to change the time.
+    #[error("the step size {0} is no positive number that changes the time")]
+    StepSize(f64),
+    /// States that do not stand one before the other in time.
+    #[error("the states before the step, newest first, have times that do not fall: {times:?}")]
+    NotEarlier {
+        /// Their times.
+        times: Vec<f64>,
+    },
+    /// A scheme whose formulas read states that do not exist.
+    #[error("the scheme reads {read} states, and there are {known} before the step")]
+    MissingStates {
+        /// States that it reads.
+        read: usize,
+        /// States that are known.
+        known: usize,
+    },
+    /// The form does not fit, or could not be assembled.
+    #[error(transparent)]
+    Assembly(#[from] AssemblyError),
+    /// The equations of an implicit step were not solved.
+    #[error(transparent)]
+    Solve(Box<SolveError>),
+    /// The linear system of a step was not solved.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// A vector or matrix is unfit.
+    #[error(transparent)]
+    LinearAlgebra(#[from] LinearAlgebraError),
+    /// The conditions at a time do not fit.
+    #[error(transparent)]
+    Constraints(#[from] ConstraintsError),
+    /// A field of the step is not finite.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// An affine form whose equations the solution does not fulfil.
+    #[error(
+        "the form's tangent has changed with the time, which `constant_coefficients` excludes: the equations are off by {residual:e}"
+    )]
+    CoefficientsChanged {
+        /// ‖R‖₂ on free unknowns \[unit of R\].
+        residual: f64,
+    },
+    /// An affine form whose equations the solution of its own matrix does not fulfil.
+    #[error("the equations of the step are off by {residual:e} with what the linear solver found")]
+    Inaccurate {
+        /// ‖R‖₂ on free unknowns \[unit of R\].
+        residual: f64,
+    },
+    /// Row sums of a mass matrix that are no masses, as at vertices of elements of degree two.
+    #[error(
+        "unknown {unknown} has the lumped mass {mass}: lumping takes elements of degree one with mass everywhere"
+    )]
+    NoMass {
+        /// The unknown.
+        unknown: usize,
+        /// Its row sum.
+        mass: f64,
+    },
+    /// Lumped masses of related unknowns.
+    #[error("masses are lumped where unknowns are free or prescribed; here some are given by others")]
+    LumpedRelations,
+    /// A prescribed value that moves in an explicit step.
+    #[error(
+        "an explicit step keeps prescribed values as they are, but unknown {unknown} goes from {from} to {to}"
+    )]
+    MovingSupport {
+        /// The unknown.
+        unknown: usize,
+        /// Its value where the scheme takes it.
+        from: f64,
+        /// The value prescribed.
+        to: f64,
+    },
+    /// A step whose error is larger than asked for.
+    #[error("the error of the step, {error:e}, is above the tolerance {tolerance:e}")]
+    TooInexact {
+        /// Its estimate, at the node where it is largest \[value\].
+        error: f64,
+        /// The tolerance \[value\].
+        tolerance: f64,
+    },
+    /// A tolerance that no step could keep.
+    #[error("the tolerance {0} is no positive number")]
+    Tolerance(f64),
+}
+
+impl From<SolveError> for StepFailure {
+    fn from(error: SolveError) -> Self {
+        StepFailure::Solve(Box::new(error))
+    }
+}
+
+impl StepFailure {
+    /// Whether a smaller step may succeed.
+    pub(super) fn is_for_smaller_steps(&self) -> bool {
+        matches!(self, StepFailure::Solve(_) | StepFailure::TooInexact { .. })
+    }
+}

@@ -1,0 +1,162 @@
+//! States between steps, and what a form reads in a step.
+
+use std::sync::Arc;
+
+use super::operators::{scalar, vector};
+use super::scheme::{Combination, Formulas};
+use crate::compiled_here::compiled_here;
+use crate::contract::Given;
+use crate::field::{Field, FieldError};
+use crate::solve::solved::resultant;
+use crate::solve::{NewtonStep, ReactionError};
+use crate::space::Space;
+
+/// A value with its rates at a time: displacement, velocity and acceleration of a moving body.
+#[derive(Clone, Debug)]
+pub struct State<const D: usize> {
+    /// Time.
+    pub time: f64,
+    /// The value.
+    pub value: Field<D>,
+    /// Its rate \[value/time\].
+    pub rate: Field<D>,
+    /// The rate of that \[value/time²\].
+    pub second_rate: Field<D>,
+}
+
+impl<const D: usize> State<D> {
+    /// A first state; the loop finds its second rate from the form, where the scheme reads one.
+    ///
+    /// # Errors
+    /// [`FieldError::OtherSpace`] where value and rate are not on one space.
+    pub fn new(time: f64, value: Field<D>, rate: Field<D>) -> Result<Self, FieldError> {
+        let second_rate = value.minus(&rate)?.times(0.0)?;
+        Ok(State { time, value, rate, second_rate })
+    }
+
+    /// The field that has the value, with the rate zero: a start at rest.
+    pub fn at_rest(time: f64, value: Field<D>) -> Self {
+        let zero = Field::zero(value.space());
+        State { time, value, rate: zero.clone(), second_rate: zero }
+    }
+}
+
+/// A step about to be taken, as a form reads it: `step.into()` is the `Data` of [`operators`](super::operators).
+#[derive(Clone, Debug)]
+pub struct Step<const D: usize> {
+    /// The state before.
+    pub before: State<D>,
+    /// Time at the end of the step.
+    pub end: f64,
+    /// The time for which loads are to be given: between the ends of the step as the scheme says.
+    pub time: f64,
+    /// Weights of the unknown in value, rate and second rate.
+    pub weights: [f64; 3],
+    /// Known parts of value, rate and second rate.
+    pub known: [Field<D>; 3],
+}
+
+impl<const D: usize> Step<D> {
+    /// Δt.
+    pub fn size(&self) -> f64 {
+        self.end - self.before.time
+    }
+
+    /// The step to `end` by these formulas, with the states before it, newest first.
+    #[inline(never)]
+    pub(super) fn new(states: &[State<D>], end: f64, formulas: &Formulas) -> Result<Self, FieldError> {
+        let before = states[0].clone();
+        let [value, rate, second_rate] = &formulas.evaluated;
+        Ok(Step {
+            end,
+            time: before.time + formulas.load_at * (end - before.time),
+            weights: [value.unknown, rate.unknown, second_rate.unknown],
+            known: [known(value, states)?, known(rate, states)?, known(second_rate, states)?],
+            before,
+        })
+    }
+}
+
+/// The part of a combination that the states give.
+#[inline(never)]
+pub(super) fn known<const D: usize>(
+    combination: &Combination,
+    states: &[State<D>],
+) -> Result<Field<D>, FieldError> {
+    let mut terms = vec![];
+    for (weights, state) in combination.states.iter().zip(states) {
+        let fields = [&state.value, &state.rate, &state.second_rate];
+        terms.extend(weights.iter().copied().zip(fields).filter(|(weight, _)| *weight != 0.0));
+    }
+    match terms.is_empty() {
+        true => Ok(Field::zero(states[0].value.space())),
+        false => Field::combination(&terms),
+    }
+}
+
+impl<const D: usize> From<&Step<D>> for vector::Data<D> {
+    fn from(step: &Step<D>) -> Self {
+        let [value_weight, rate_weight, second_rate_weight] = step.weights;
+        let [known_value, known_rate, known_second_rate] = step.known.each_ref().map(Given::field);
+        vector::Data {
+            value_weight,
+            rate_weight,
+            second_rate_weight,
+            known_value,
+            known_rate,
+            known_second_rate,
+        }
+    }
+}
+
+impl<const D: usize> From<&Step<D>> for scalar::Data<D> {
+    fn from(step: &Step<D>) -> Self {
+        let [value_weight, rate_weight, second_rate_weight] = step.weights;
+        let [known_value, known_rate, known_second_rate] = step.known.each_ref().map(Given::field);
+        scalar::Data {
+            value_weight,
+            rate_weight,
+            second_rate_weight,
+            known_value,
+            known_rate,
+            known_second_rate,
+        }
+    }
+}
+
+/// Account of a step that was taken.
+#[derive(Clone, Debug)]
+pub struct Taken<const D: usize> {
+    /// Steps before this one.
+    pub number: usize,
+    /// Time before the step.
+    pub from: f64,
+    /// Time at its end.
+    pub to: f64,
+    /// Newton's iterates; none where the form is affine, or the step explicit.
+    pub history: Vec<NewtonStep>,
+    /// R(u) on all unknowns: reactions where values are prescribed, about zero elsewhere.
+    pub residual: Vec<f64>,
+    /// Estimate of the error that this step has added to the value, at the node where it is largest; none where the scheme has
+    /// no rule for it.
+    pub error: Option<f64>,
+    pub(super) space: Arc<Space<D>>,
+}
+
+impl<const D: usize> Taken<D> {
+    /// Number of points on the active side of their kinks at the end of the step, as points in contact; none of affine forms.
+    pub fn active_points(&self) -> Option<usize> {
+        self.history.last().and_then(|step| step.active_points)
+    }
+
+    /// The resultant of the forces by which the constraints hold the nodes of a region at the time at which the scheme evaluates
+    /// the form, one number per component, as [`Solved::reaction`](crate::solve::Solved::reaction) says.
+    ///
+    /// # Errors
+    /// [`ReactionError::Region`].
+    pub fn reaction(&self, region: &str) -> Result<Vec<f64>, ReactionError> {
+        resultant(&self.space, &self.residual, region)
+    }
+}
+
+compiled_here!(Step::<D>::new, known::<D>);

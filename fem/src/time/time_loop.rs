@@ -1,0 +1,366 @@
+//! The loop over steps in time.
+
+use std::sync::Arc;
+
+use super::checkpoint::Checkpoint;
+use super::error::{StepError, StepFailure};
+use super::linear_step::{Check, Means, StepMatrix, solve};
+use super::mass::Mass;
+use super::scheme::{Combination, Formulas, Scheme, SolvedFor};
+use super::step::{State, Step, Taken, known};
+use crate::assemble::{Assembler, BlockPattern, Parts};
+use crate::compiled_here::compiled_here;
+use crate::constraints::{Constraints, ConstraintsError};
+use crate::contract::Form;
+use crate::field::Field;
+use crate::solve::any_form::AnyForm;
+use crate::solve::{
+    Elimination, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, TangentSolver, solve_owned,
+};
+
+/// A form of motion that is followed step by step, from a state, by a scheme.
+///
+/// All steps share one matrix pattern and its analysis. Where the form is affine, and in explicit steps, the matrix is assembled and
+/// factored again only when the step size changes.
+pub struct TimeLoop<'a, const D: usize> {
+    form: FormOfStep<'a, D>,
+    scheme: Box<dyn Scheme + 'a>,
+    assembler: Assembler<D>,
+    constraints: ConstraintsAt<'a, D>,
+    solver: Solver<'a>,
+    options: NewtonOptions,
+    mass: Mass,
+    constant_coefficients: bool,
+    /// Newest first.
+    states: Vec<State<D>>,
+    number: usize,
+    /// Whether the newest state has the second rate that belongs to it.
+    has_second_rate: bool,
+    pattern: Option<Arc<BlockPattern<D>>>,
+    kept: Option<StepMatrix>,
+}
+
+type FormOfStep<'a, const D: usize> = Box<dyn Fn(&Step<D>) -> Box<dyn AnyForm<D> + 'a> + 'a>;
+type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
+
+/// The loop's own linear solver, or one that is lent to it.
+enum Solver<'a> {
+    Own(Box<TangentSolver>),
+    Lent(&'a mut dyn LinearSolver),
+}
+
+impl Solver<'_> {
+    fn get(&mut self) -> &mut dyn LinearSolver {
+        match self {
+            Solver::Own(solver) => &mut **solver,
+            Solver::Lent(solver) => &mut **solver,
+        }
+    }
+}
+
+/// With coefficients that are promised to be constant, each so many steps the equations are assembled at the solution.
+const CHECKED_STEPS: usize = 32;
+
+/// Step sizes that differ by less than this part are equal.
+const SAME_SIZE: f64 = 1e-9;
+
+impl<'a, const D: usize> TimeLoop<'a, D> {
+    /// The form that `form` gives for each step, from a state on. Loads and other data that change are to be those of
+    /// [`Step::time`].
+    pub fn new<F: Form<D> + 'a>(
+        form: impl Fn(&Step<D>) -> F + 'a,
+        scheme: impl Scheme + 'a,
+        start: State<D>,
+    ) -> Self {
+        Self::of(Box::new(move |step| Box::new(form(step))), Box::new(scheme), start)
+    }
+
+    #[inline(never)]
+    fn of(form: FormOfStep<'a, D>, scheme: Box<dyn Scheme + 'a>, start: State<D>) -> Self {
+        let space = Arc::clone(start.value.space());
+        TimeLoop {
+            form,
+            scheme,
+            assembler: Assembler::new(space.mesh()),
+            constraints: Box::new(move |_| Ok(Constraints::new(&space))),
+            solver: Solver::Own(Box::default()),
+            options: NewtonOptions::default(),
+            mass: Mass::Consistent,
+            constant_coefficients: false,
+            states: vec![start],
+            number: 0,
+            has_second_rate: false,
+            pattern: None,
+            kept: None,
+        }
+    }
+
+    /// Conditions that do not change.
+    pub fn constrained(self, constraints: &Constraints<D>) -> Self {
+        let constraints = constraints.clone();
+        self.constrained_at(move |_| Ok(constraints.clone()))
+    }
+
+    /// Conditions as a function of the time at the end of a step.
+    pub fn constrained_at(
+        mut self,
+        constraints: impl Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a,
+    ) -> Self {
+        self.constraints = Box::new(constraints);
+        self
+    }
+
+    /// Another assembler than the default one: for its quadrature, its threads.
+    pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
+        self.assembler = assembler.clone();
+        self
+    }
+
+    /// Another linear solver than a [`TangentSolver`].
+    pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
+        self.solver = Solver::Lent(solver);
+        self
+    }
+
+    /// Tolerances of Newton's method in each step.
+    pub fn options(mut self, options: NewtonOptions) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// The mass matrix of explicit steps, and of the first state's second rate.
+    pub fn mass(mut self, mass: Mass) -> Self {
+        self.mass = mass;
+        self
+    }
+
+    /// The promise that an affine form's tangent depends on the step size alone: a step is then one residual and one solve.
+    /// Without it each step's equations are assembled at their solution too, and the matrix anew when they do not hold; with it this
+    /// is done at each 32nd step, and is an error.
+    pub fn constant_coefficients(mut self) -> Self {
+        self.constant_coefficients = true;
+        self
+    }
+
+    /// States before the first one, newest first, for schemes that read several.
+    pub fn with_earlier(mut self, earlier: impl IntoIterator<Item = State<D>>) -> Self {
+        self.states.truncate(1);
+        self.states.extend(earlier);
+        self
+    }
+
+    /// The last state.
+    pub fn state(&self) -> &State<D> {
+        &self.states[0]
+    }
+
+    /// What a run that goes on later begins with.
+    pub fn checkpoint(&self) -> Checkpoint<D> {
+        Checkpoint { states: self.states.clone(), steps: self.number }
+    }
+
+    /// The number of steps taken.
+    pub fn steps(&self) -> usize {
+        self.number
+    }
+
+    /// Goes on from where another run of the same form and scheme stood. What follows has the bits that it would have had there, as
+    /// long as the solver depends on the current matrix alone: one that solves unsymmetric systems with a factor of an earlier
+    /// matrix agrees to its tolerance.
+    pub fn resumed(mut self, checkpoint: Checkpoint<D>) -> Self {
+        if !checkpoint.states.is_empty() {
+            (self.states, self.number) = (checkpoint.states, checkpoint.steps);
+            self.has_second_rate = self.number > 0;
+        }
+        self
+    }
+
+    /// Takes one step.
+    ///
+    /// # Errors
+    /// [`StepError`]; the last state is then what it was.
+    #[inline(never)]
+    pub fn take(&mut self, size: f64) -> Result<Taken<D>, StepError> {
+        self.take_within(size, self.state().time + size, f64::INFINITY)
+    }
+
+    /// Takes one step that ends at `end`, the last time and the size up to rounding, if its error is within a tolerance.
+    pub(super) fn take_within(&mut self, size: f64, end: f64, tolerance: f64) -> Result<Taken<D>, StepError> {
+        let from = self.state().time;
+        self.try_step(end, size, tolerance).map_err(|why| StepError { from, to: end, why })
+    }
+
+    fn try_step(&mut self, end: f64, size: f64, tolerance: f64) -> Result<Taken<D>, StepFailure> {
+        let from = self.state().time;
+        if !(size > 0.0 && end.is_finite() && end > from) {
+            return Err(StepFailure::StepSize(size));
+        }
+        let constraints = (self.constraints)(end)?;
+        self.find_second_rate(&constraints)?;
+        let mut sizes = vec![size];
+        // Equal steps have equal weights, and one matrix, whatever the rounding of times.
+        let equal = |earlier: f64| (earlier - size).abs() <= SAME_SIZE * size;
+        let earlier = self.states.windows(2).map(|pair| pair[0].time - pair[1].time);
+        sizes.extend(earlier.map(|earlier| if equal(earlier) { size } else { earlier }));
+        if sizes.iter().any(|size| size.is_nan() || *size <= 0.0) {
+            let times = self.states.iter().map(|state| state.time).collect();
+            return Err(StepFailure::NotEarlier { times });
+        }
+        let formulas = self.scheme.formulas(&sizes);
+        let read = formulas.states();
+        if read > self.states.len() {
+            return Err(StepFailure::MissingStates { read, known: self.states.len() });
+        }
+        let step = Step::new(&self.states, end, &formulas)?;
+        let form = (self.form)(&step);
+        let (x, residual, history) = match self.scheme.solved_for() {
+            SolvedFor::SecondRate => {
+                self.check_supports(&constraints, &formulas)?;
+                let (x, residual) = self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
+                (x, residual, vec![])
+            }
+            SolvedFor::Value if form.is_affine() => {
+                let (x, residual) = self.solve_affine(&*form, step.weights, &constraints)?;
+                (x, residual, vec![])
+            }
+            SolvedFor::Value => self.solve_nonlinear(form, size, &constraints)?,
+        };
+        let [value, rate, second_rate] = &formulas.end;
+        let state = State {
+            time: end,
+            value: self.at_end(value, &x)?,
+            rate: self.at_end(rate, &x)?,
+            second_rate: self.at_end(second_rate, &x)?,
+        };
+        let error = match self.scheme.error_factor() {
+            Some(factor) => {
+                let change = state.second_rate.minus(&self.state().second_rate)?;
+                let largest = change.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+                Some(factor * size * size * largest)
+            }
+            None => None,
+        };
+        if let Some(error) = error
+            && error > tolerance
+        {
+            return Err(StepFailure::TooInexact { error, tolerance });
+        }
+        let space = Arc::clone(x.space());
+        self.states.insert(0, state);
+        self.states.truncate(self.scheme.states().max(1));
+        self.number += 1;
+        Ok(Taken { number: self.number - 1, from, to: end, history, residual, error, space })
+    }
+
+    /// A combination at the end of a step, with the step's unknown x.
+    fn at_end(&self, combination: &Combination, x: &Field<D>) -> Result<Field<D>, StepFailure> {
+        let known = known(combination, &self.states)?;
+        Ok(match combination.unknown {
+            0.0 => known,
+            weight => Field::combination(&[(weight, x), (1.0, &known)])?,
+        })
+    }
+
+    /// The second rate of the first state, in agreement with the form there.
+    fn find_second_rate(&mut self, constraints: &Constraints<D>) -> Result<(), StepFailure> {
+        if self.has_second_rate || !self.scheme.reads_second_rates() {
+            return Ok(());
+        }
+        let state = self.state().clone();
+        let zero = Field::zero(state.value.space());
+        let step = Step {
+            end: state.time,
+            time: state.time,
+            weights: [0.0, 0.0, 1.0],
+            known: [state.value.clone(), state.rate.clone(), zero],
+            before: state,
+        };
+        let form = (self.form)(&step);
+        let (second_rate, _) = self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
+        self.states[0].second_rate = second_rate;
+        self.has_second_rate = true;
+        Ok(())
+    }
+
+    /// An explicit step takes the value before it knows forces: nothing can move a support then.
+    fn check_supports(&self, constraints: &Constraints<D>, formulas: &Formulas) -> Result<(), StepFailure> {
+        let value = known(&formulas.evaluated[0], &self.states)?;
+        let mut held = value.values().to_vec();
+        constraints.apply(&mut held);
+        let scale = held.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
+        for (unknown, (&from, &to)) in value.values().iter().zip(&held).enumerate() {
+            if (from - to).abs() > 1e-12 * scale {
+                return Err(StepFailure::MovingSupport { unknown, from, to });
+            }
+        }
+        Ok(())
+    }
+
+    fn pattern(&mut self, form: &dyn AnyForm<D>) -> Result<Arc<BlockPattern<D>>, StepFailure> {
+        if let Some(known) = &self.pattern {
+            return Ok(Arc::clone(known));
+        }
+        let space = self.states[0].value.space();
+        let outline = form.outline(Parts::ALL);
+        let pattern = Arc::new(BlockPattern::for_cells_of(&outline, &[space], &[space], &self.assembler)?);
+        Ok(Arc::clone(self.pattern.insert(pattern)))
+    }
+
+    fn solve_affine(
+        &mut self,
+        form: &dyn AnyForm<D>,
+        weights: [f64; 3],
+        constraints: &Constraints<D>,
+    ) -> Result<(Field<D>, Vec<f64>), StepFailure> {
+        let pattern = self.pattern(form)?;
+        let state = &self.states[0];
+        let mut elimination = Elimination::of(&[constraints])?;
+        // From zero where masses are lumped: the form's residual knows the consistent ones.
+        let of_second_rate = weights[0] == 0.0;
+        let mut guess = match of_second_rate {
+            true => vec![0.0; state.value.values().len()],
+            false => state.value.values().to_vec(),
+        };
+        elimination.impose(&mut guess)?;
+        let guess = Field::from_values(state.value.space(), guess)?;
+        let check = match (self.constant_coefficients, self.number % CHECKED_STEPS) {
+            (false, _) => Check::Equations,
+            (true, 0) => Check::Promise,
+            (true, _) => Check::Nothing,
+        };
+        let mut means = Means {
+            assembler: &self.assembler,
+            pattern: &pattern,
+            solver: self.solver.get(),
+            mass: if of_second_rate { self.mass } else { Mass::Consistent },
+        };
+        let (x, residual) =
+            solve((form, weights), &guess, &mut elimination, &mut self.kept, &mut means, check)?;
+        Ok((Field::from_values(guess.space(), x)?, residual))
+    }
+
+    fn solve_nonlinear(
+        &mut self,
+        form: Box<dyn AnyForm<D> + '_>,
+        size: f64,
+        constraints: &Constraints<D>,
+    ) -> Result<(Field<D>, Vec<f64>, Vec<NewtonStep>), StepFailure> {
+        let pattern = self.pattern(&*form)?;
+        self.kept = None;
+        let state = &self.states[0];
+        let start = Field::combination(&[(1.0, &state.value), (size, &state.rate)])?;
+        let owned = OwnedForm {
+            form,
+            assembler: &self.assembler,
+            pattern: &pattern,
+            constraints,
+            start: &start,
+            options: self.options.clone(),
+        };
+        let solved = solve_owned(owned, self.solver.get())?;
+        let [value] = solved.fields;
+        Ok((value, solved.residual, solved.history))
+    }
+}
+
+compiled_here!(TimeLoop::<D>::of, TimeLoop::<D>::take);
