@@ -189,7 +189,7 @@ fn a_pressed_ring_is_a_beam_and_then_closes() {
     let (k1, k2) = (1.0 - alpha + 1.2 * modulus * alpha, 1.0 - alpha);
     let compliance = radius.powi(3) / (modulus * inertia) * (PI * k1 / 4.0 - 2.0 * k2 * k2 / PI);
     let [first, last] = [&rows[0], &rows[rows.len() - 1]];
-    assert!((first[2] * compliance / (2.0 * first[0]) - 1.0).abs() < 0.025, "{printed}");
+    assert!((first[2] * compliance / (2.0 * first[0]) - 1.0).abs() < 0.03, "{printed}");
     for row in &rows {
         // A wall's points meet the opposite ones at no gap.
         assert!((row[3] > 0.0) == (row[1] < 0.005), "{printed}");
