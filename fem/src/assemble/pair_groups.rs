@@ -16,8 +16,8 @@ use crate::element::Lagrange;
 use crate::field::{Field, FieldView};
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::{
-    Approach, Displacement, DisplacementField, FirstTouch, FollowedMotion, Follower, KnownPairs, PairError,
-    PairGroup, PairReport, Pairs, coupled_facets,
+    Approach, Displacement, DisplacementField, FirstTouch, KnownPairs, PairError, PairGroup, PairReport,
+    Pairs, coupled_facets,
 };
 use crate::quadrature::{Quadrature, QuadratureRule, map_to_facet};
 use crate::space::Space;
@@ -361,7 +361,7 @@ impl<const D: usize> Assembler<D> {
         Ok(pairs.report)
     }
 
-    fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
+    pub(super) fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
         let space = displacement.space();
         match space.facet_region().is_none()
             && space.components() == D
@@ -389,34 +389,6 @@ impl<const D: usize> Assembler<D> {
         approach.from(u, &self.mesh, pairing, (&self.quadrature, degree), self.threads)
     }
 
-    /// The motion of a pairing's surfaces from one displacement to another, straight from one to the other, if no point of them passes
-    /// through the opposite body. Newton's method knows the end of a step alone: a body that was thrown through another is in
-    /// balance, untouched. Asked for in the closure that [`LoadSteps::run`](crate::solve::LoadSteps::run) calls, a step that may have
-    /// done so is halved.
-    ///
-    /// A point may lie behind the opposite surface by half of what contact can see there, which is the smaller of its reach and
-    /// the opposite body's thickness. Rigid surfaces have no thickness.
-    ///
-    /// # Errors
-    /// As [`Assembler::pairs_at`]; [`PairError::Tunnelling`] with the point, [`PairError::TooFar`] where surfaces move too far to be
-    /// followed; displacements in different spaces.
-    pub fn follow(
-        &self,
-        pairing: &Pairing,
-        degree: usize,
-        before: &Field<D>,
-        after: &Field<D>,
-    ) -> Result<FollowedMotion<D>, PairError> {
-        self.check_displacement(before)?;
-        self.check_displacement(after)?;
-        if !Arc::ptr_eq(before.space(), after.space()) {
-            return Err(PairError::TwoSpaces);
-        }
-        let Assembler { mesh, quadrature, threads, known_pairs, .. } = self;
-        let follower = Follower { mesh, pairing, quadrature, degree, known: known_pairs, threads: *threads };
-        follower.follow(before, after)
-    }
-
     /// The pairs, which are searched for at the first call.
     #[inline(never)]
     pub(crate) fn pairs_of(&self, pairing: &Pairing, degree: usize) -> Result<Arc<Pairs<D>>, PairError> {
@@ -430,6 +402,5 @@ compiled_here!(
     without_coefficients::<D>,
     groups_of::<D>,
     with_neighbours::<D>,
-    Assembler::<D>::pairs_of,
-    Assembler::<D>::follow
+    Assembler::<D>::pairs_of
 );

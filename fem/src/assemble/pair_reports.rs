@@ -1,16 +1,16 @@
-//! The contact pairs of a form in numbers, at given unknowns.
+//! The contact pairs of a form in numbers, at given unknowns, and the motion of surfaces from one displacement to another.
 
 use std::fmt;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Form, Integral, LinearKernel, LinearVisitor, Requirements};
+use forms_core::contract::{Entity, Form, Integral, LinearKernel, LinearVisitor, Pairing, Requirements};
 
 use super::binding::Binding;
 use super::pair_groups::degree_on_pairs;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
-use crate::field::FieldView;
-use crate::pairs::PairReport;
+use crate::field::{Field, FieldView};
+use crate::pairs::{FollowedMotion, Follower, PairError, PairReport};
 use crate::space::Space;
 
 /// The contact pairs of a form's region in numbers. It displays as a sentence about points without a partner.
@@ -76,7 +76,7 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
     }
 }
 
-compiled_here!(ReportVisitor::<D>::add);
+compiled_here!(ReportVisitor::<D>::add, Assembler::<D>::follow);
 
 impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
     type Error = AssemblyError;
@@ -104,5 +104,33 @@ impl<const D: usize> Assembler<D> {
         let mut visitor = ReportVisitor { assembler: self, binding: &binding, degrees, found: vec![] };
         form.residual(&mut visitor)?;
         Ok(visitor.found.into_iter().map(|(_, _, pairs)| pairs).collect())
+    }
+
+    /// The motion of a pairing's surfaces from one displacement to another, straight from one to the other, if no point of them passes
+    /// through the opposite body. Newton's method knows the end of a step alone: a body that was thrown through another is in
+    /// balance, untouched. Asked for in the closure that [`LoadSteps::run`](crate::solve::LoadSteps::run) calls, a step that may have
+    /// done so is halved.
+    ///
+    /// A point may lie behind the opposite surface by half of what contact can see there, which is the smaller of its reach and
+    /// the opposite body's thickness. Rigid surfaces have no thickness.
+    ///
+    /// # Errors
+    /// As [`Assembler::pairs_at`]; [`PairError::Tunnelling`] with the point, [`PairError::TooFar`] where surfaces move too far to be
+    /// followed; displacements in different spaces.
+    pub fn follow(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        before: &Field<D>,
+        after: &Field<D>,
+    ) -> Result<FollowedMotion<D>, PairError> {
+        self.check_displacement(before)?;
+        self.check_displacement(after)?;
+        if !Arc::ptr_eq(before.space(), after.space()) {
+            return Err(PairError::TwoSpaces);
+        }
+        let Assembler { mesh, quadrature, threads, known_pairs, .. } = self;
+        let follower = Follower { mesh, pairing, quadrature, degree, known: known_pairs, threads: *threads };
+        follower.follow(before, after)
     }
 }
