@@ -1,4 +1,5 @@
-//! Contact laws: what the drivers ask of a forms module.
+//! Contact laws: what the drivers ask of a forms module. The recipe for one of your own, "a new contact law", is in CONTRIBUTING.md, and
+//! `tests/contact_law` follows it.
 
 use forms_fem::prelude::*;
 

@@ -33,6 +33,24 @@ mod spring {
     }
 }
 
+/// Oscillators of their own on the cells.
+#[forms(dimension = 2)]
+mod springs {
+    use forms_fem::time::operators::scalar::{second_rate, value};
+
+    #[extends(forms_fem::time::operators::scalar::Data)]
+    pub struct Data {
+        pub mass: Given<Scalar>,
+        pub stiffness: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+
+    pub fn motion(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (mass * second_rate(u) + stiffness * value(u)) * v)
+    }
+}
+
 /// m ü + c u̇ + k u = F cos(Ω t) on one cell, with all nodes alike.
 #[derive(Clone, Copy)]
 struct Oscillator {
@@ -254,6 +272,41 @@ fn coefficients_that_change_do_not_go_unnoticed() -> Outcome {
     assert!((values[0] - values[1]).abs() < 1e-10, "{values:?}");
     let mut promised = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start()).constant_coefficients();
     let error = (0..100).find_map(|_| promised.take(0.1).err()).ok_or("it is found out")?;
+    assert!(matches!(error.why, StepFailure::CoefficientsChanged { .. }), "{error}");
+    Ok(())
+}
+
+/// One beside another that is 10¹³ times as heavy and as stiff.
+#[test]
+fn a_soft_spring_that_changes_is_not_hidden_by_a_stiff_one() -> Outcome {
+    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1)?);
+    let space = Space::discontinuous_scalar(&mesh, 0)?;
+    let form = |step: &Step<2>| {
+        let soft = if step.time > 0.95 { 9.0 } else { 7.0 };
+        let of_cells = |left: f64, right: f64| {
+            Given::function(move |x: &[f64; 2]| if x[0] < 1.0 { left } else { right })
+        };
+        let (mass, stiffness) = (of_cells(1e13, 1.0), of_cells(7e13, soft));
+        springs::Model::new(springs::Data { base: step.into(), mass, stiffness }).motion()
+    };
+    let start = || State::at_rest(0.0, same(&space, 1.0));
+    let mut checked = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start());
+    let mut promised = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start()).constant_coefficients();
+    for _ in 0..9 {
+        checked.take(0.1)?;
+    }
+    let before = checked.checkpoint();
+    for _ in 9..20 {
+        checked.take(0.1)?;
+    }
+    let mut fresh = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start()).resumed(before);
+    for _ in 9..20 {
+        fresh.take(0.1)?;
+    }
+    for (found, expected) in checked.state().value.values().iter().zip(fresh.state().value.values()) {
+        assert!((found - expected).abs() < 1e-10, "{found} is not {expected}");
+    }
+    let error = (0..40).find_map(|_| promised.take(0.1).err()).ok_or("it is found out")?;
     assert!(matches!(error.why, StepFailure::CoefficientsChanged { .. }), "{error}");
     Ok(())
 }

@@ -10,6 +10,7 @@
 //! [`real`] and [`dual`] numbers, are called through [`external`], and may use [`spectral`] ones; a [`table`]
 //! is a law given by points, and [`history`] what a material remembers. [`pairing`] says which surfaces of a region of contact pairs meet.
 
+pub mod contract;
 pub mod dimension;
 pub mod dual;
 mod error_function;
@@ -25,30 +26,3 @@ pub mod spectral;
 pub mod table;
 
 pub use forms_macro::{form, forms};
-
-/// Everything that emitted code and backends name. Emitted paths read `<crate>::contract::Name`, so a
-/// crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).
-pub mod contract {
-    pub use crate::dimension::{Constants, Dim, Dimension, Integrals};
-    pub use crate::dual::{Dual, Seeded};
-    pub use crate::external::{External, external, tabulated};
-    pub use crate::form::{
-        BilinearVisitor, Dependence, Entity, Expression, ExpressionVisitor, FieldDescription, Form, Formula,
-        Functional, Inputs, Integral, LinearVisitor, Region, Role,
-    };
-    pub use crate::history::{History, HistoryHandle, QuadratureValues};
-    pub use crate::kernel::{
-        Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Hessian, LinearKernel, Operations,
-        OppositePoint, Order, PointGeometry, Requirements, Side,
-    };
-    pub use crate::lane::Lane;
-    pub use crate::pairing::{Facing, PairQuadrature, Pairing, Projection};
-    pub use crate::real::Real;
-    pub use crate::source::{DiscreteField, FieldHandle, FieldValue, Given, Source};
-    pub use crate::spectral::{
-        TensorExponential, TensorLogarithm, TensorSquareRoot, tensor_exp, tensor_ln, tensor_sqrt,
-    };
-    pub use crate::table::{Table, TableError};
-    #[doc(hidden)]
-    pub use forms_macro::resume_forms;
-}

@@ -4,7 +4,7 @@
 //! binding   a form's data against a mesh: regions, fields, parameters checked
 //! walk      a region as groups of entities with common tables
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
-//! element_matrices, element_vectors   what a kernel gives for each entity of a range; pairs, reference_tensor and
+//! kernel_calls   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
 //! block_pattern, touched, sparsity, block_index   the positions of a matrix, and where element matrices go
@@ -16,8 +16,8 @@
 //!
 //! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
 //! two sides. Who calls which function of a kernel, on cells and facets alike: of a tangent `cell` in `compute_in_lanes` and
-//! `point`, `test`, `trial` in `factors` of `element_matrices.rs`, `pair` and `finish` in `pairs.rs`; of a residual all in
-//! `element_vectors.rs`; of functionals and derived fields in `functional.rs` and `derived.rs`. `fixed` and
+//! `point`, `test`, `trial` in `factors` of `kernel_calls/matrices.rs`, `pair` and `finish` in `kernel_calls/node_pairs.rs`; of a
+//! residual all in `kernel_calls/vectors.rs`; of functionals and derived fields in `functional.rs` and `derived.rs`. `fixed` and
 //! `reference_tensor` call them in the same order.
 
 mod action;
@@ -28,18 +28,16 @@ mod block_index;
 mod block_pattern;
 mod derived;
 mod element_kernel;
-mod element_matrices;
-mod element_vectors;
 mod error;
 mod fixed;
 mod functional;
+mod kernel_calls;
 mod notices;
 mod outline;
 mod owned_cells;
 mod pair_groups;
 mod pair_histories;
 mod pair_reports;
-mod pairs;
 mod partition;
 mod positive_parts;
 pub(crate) mod projection;

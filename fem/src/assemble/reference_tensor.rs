@@ -12,7 +12,7 @@ mod scalars;
 use forms_core::contract::BilinearKernel;
 
 use self::blocks::Terms;
-use super::element_matrices::scalar;
+use super::kernel_calls::matrices::scalar;
 use super::walk::GroupSide;
 use crate::lanes::SimdLane;
 

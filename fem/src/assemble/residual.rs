@@ -7,7 +7,7 @@ use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirem
 
 use super::batch::Cells;
 use super::binding::Binding;
-use super::element_vectors::ElementVectors;
+use super::kernel_calls::vectors::ElementVectors;
 use super::scatter::{GroupNodes, VectorScatter};
 use super::sink::Deliver;
 use super::walk::groups;

@@ -7,7 +7,7 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requ
 
 use super::batch::Cells;
 use super::binding::Binding;
-use super::element_matrices::ElementMatrices;
+use super::kernel_calls::matrices::ElementMatrices;
 use super::outline::{Described, Outline};
 use super::scatter::{GroupNodes, MatrixScatter};
 use super::sink::Deliver;

@@ -25,7 +25,7 @@ impl<const D: usize> Constraints<D> {
     ///
     /// # Errors
     /// [`ConstraintsError::NotContinuous`] for other than continuous spaces;
-    /// [`MeshError::NotNested`](crate::mesh::MeshError::NotNested) for facets that lie on each other in part;
+    /// [`MeshError::NotNested`] for facets that lie on each other in part;
     /// [`ConstraintsError::AlreadyGiven`] and [`ConstraintsError::Contradiction`] where earlier conditions say otherwise.
     #[inline(never)]
     pub fn join_hanging_nodes(&mut self) -> Result<(), ConstraintsError> {

@@ -1,5 +1,5 @@
 //! Contact pairs: each quadrature point of a surface with the point opposite to it, on the undeformed mesh or on displaced
-//! surfaces.
+//! surfaces, where points slide.
 //!
 //! ```text
 //! displacement   the fields that displace surfaces

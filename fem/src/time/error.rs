@@ -61,16 +61,16 @@ pub enum StepFailure {
     Field(#[from] FieldError),
     /// An affine form whose equations the solution does not fulfil.
     #[error(
-        "the form's tangent has changed with the time, which `constant_coefficients` excludes: the equations are off by {residual:e}"
+        "the form's tangent has changed with the time, which `constant_coefficients` excludes: an equation is off by {residual:e}"
     )]
     CoefficientsChanged {
-        /// ‖R‖₂ on free unknowns \[unit of R\].
+        /// The residual of the first equation that does not hold \[unit of R\].
         residual: f64,
     },
     /// An affine form whose equations the solution of its own matrix does not fulfil.
-    #[error("the equations of the step are off by {residual:e} with what the linear solver found")]
+    #[error("an equation of the step is off by {residual:e} with what the linear solver found")]
     Inaccurate {
-        /// ‖R‖₂ on free unknowns \[unit of R\].
+        /// The residual of the first equation that does not hold \[unit of R\].
         residual: f64,
     },
     /// Row sums of a mass matrix that are no masses, as at vertices of elements of degree two.

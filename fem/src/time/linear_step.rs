@@ -9,7 +9,7 @@ use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::equations::Equations;
-use crate::linear_algebra::vector::{add_scaled, norm};
+use crate::linear_algebra::vector::{add_scaled, largest};
 use crate::solve::any_form::AnyForm;
 use crate::solve::{Elimination, LinearSolver};
 
@@ -31,8 +31,8 @@ pub(super) struct Means<'a, const D: usize> {
     pub mass: Mass,
 }
 
-/// An equation may be off by this part of the residual before the solution, or of its own terms: far more than rounding leaves,
-/// and less than coefficients that change.
+/// An equation may be off by these parts of its residual before the solution, and of its terms: far more than rounding leaves, and
+/// less than coefficients that change.
 const HOLDS: [f64; 2] = [1e-9, 1e-11];
 
 /// Whether a solution is looked at with a residual of its own.
@@ -80,17 +80,15 @@ pub(super) fn solve<const D: usize>(
             return Ok((found, predicted));
         }
         let residual = residual_at(&found)?;
-        let off = norm(&elimination.reduce(&residual)?);
-        let sizes = norm(&matrix.matrix.products(&found)?.1);
-        if off <= HOLDS[0] * norm(&load) + HOLDS[1] * sizes {
+        let Some(residual_of_row) = matrix.wrong_row(&residual, &load, &found, elimination)? else {
             *kept = Some(matrix);
             return Ok((found, residual));
-        }
+        };
         if check == Check::Promise {
-            return Err(StepFailure::CoefficientsChanged { residual: off });
+            return Err(StepFailure::CoefficientsChanged { residual: residual_of_row });
         }
         if fresh {
-            return Err(StepFailure::Inaccurate { residual: off });
+            return Err(StepFailure::Inaccurate { residual: residual_of_row });
         }
         matrix = StepMatrix::assemble((form, weights), guess, elimination, means)?;
         fresh = true;
@@ -118,6 +116,24 @@ impl StepMatrix {
             None => elimination.reduce_matrix(&matrix)?,
         })?;
         Ok(StepMatrix { weights, free: elimination.free().to_vec(), matrix, lumped })
+    }
+
+    /// The residual of the first equation that does not hold, each beside its own terms with the largest value of the unknown: a
+    /// stiff part hides no soft one.
+    fn wrong_row(
+        &self,
+        residual: &[f64],
+        load: &[f64],
+        found: &[f64],
+        elimination: &Elimination,
+    ) -> Result<Option<f64>, StepFailure> {
+        let amplitudes = vec![largest(found); found.len()];
+        let sizes = elimination.reduce_amounts(&self.matrix.products(&amplitudes)?.1)?;
+        let rows = elimination.reduce(residual)?.into_iter().zip(load).zip(sizes);
+        // A residual that is no number does not hold.
+        let holds = |residual: f64, load: f64, size: f64| residual <= HOLDS[0] * load + HOLDS[1] * size;
+        let mut wrong = rows.filter(|((row, load), size)| !holds(row.abs(), load.abs(), *size));
+        Ok(wrong.next().map(|((row, _), _)| row))
     }
 
     /// The residual after a step, by the matrix.

@@ -17,7 +17,7 @@ use self::prepare::{Prepare, Prepared, of_facet};
 use self::run::Run;
 use self::tables::ElementTables;
 use super::binding::{Binding, Tabulated};
-use super::element_matrices::block_order;
+use super::kernel_calls::matrices::block_order;
 use super::sizes::{Counted, Sizes};
 use super::{AssemblyError, notices};
 use crate::element::CellShape;

@@ -8,7 +8,7 @@ use forms_core::contract::{Basis, BilinearKernel};
 use super::batch::{FieldBuffers, FixedBatch};
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
-use crate::assemble::pairs::Pairs;
+use crate::assemble::kernel_calls::NodePairs;
 use crate::assemble::reference_tensor::{ReferenceTensor, contract, suits};
 use crate::assemble::sizes::{Array, Sizes};
 use crate::assemble::walk::Group;
@@ -138,7 +138,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L,
             }
             let (tests, trials) = (tests.entries(), trials.entries());
             let symmetric = K::SYMMETRIC;
-            Pairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }
+            NodePairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }
                 .sum(blocks);
             return;
         }
@@ -157,6 +157,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L,
         // The compiler is not to see the number of points: it would unroll, load all factors first, and spill them.
         let points = tables.points;
         let symmetric = K::SYMMETRIC;
-        Pairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }.sum(blocks);
+        NodePairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }
+            .sum(blocks);
     }
 }

@@ -8,18 +8,20 @@ use std::ops::Range;
 
 use forms_core::contract::{Basis, BilinearKernel};
 
-use super::AssemblyError;
-use super::batch::{Batch, BatchBuffers, Cells};
-use super::binding::Binding;
-use super::pairs::Pairs;
-use super::reference_tensor::{ReferenceTensor, contract, suits};
-use super::sink::{Buffered, Deliver, Sink};
-use super::sum_factorisation::{Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit};
-use super::walk::Group;
+use super::NodePairs;
+use crate::assemble::AssemblyError;
+use crate::assemble::batch::{Batch, BatchBuffers, Cells};
+use crate::assemble::binding::Binding;
+use crate::assemble::reference_tensor::{ReferenceTensor, contract, suits};
+use crate::assemble::sink::{Buffered, Deliver, Sink};
+use crate::assemble::sum_factorisation::{
+    Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit,
+};
+use crate::assemble::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
 /// Inputs of the element matrices of a group, besides the kernel.
-pub(super) struct ElementMatrices<'a, const D: usize> {
+pub(in crate::assemble) struct ElementMatrices<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
     /// The source of the cells' nodes.
@@ -33,7 +35,7 @@ pub(super) struct ElementMatrices<'a, const D: usize> {
 }
 
 /// Memory of the loops, kept from one run to the next.
-pub(super) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usize> {
+pub(in crate::assemble) struct MatrixBuffers<K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     batch: BatchBuffers<L, D>,
     /// Factors of test node i at point q, at `i * points + q`.
     tests: Vec<K::Test<L>>,
@@ -142,14 +144,14 @@ impl<const D: usize> ElementMatrices<'_, D> {
     #[inline(always)]
     fn sum_along_axes<K: BilinearKernel<D>, L: SimdLane>(
         &self,
-        factors: &Pairs<K, L, D>,
+        factors: &NodePairs<K, L, D>,
         tables: &ProductTables,
         stages: &mut MatrixStages<L>,
         blocks: &mut [L],
     ) {
         let (symmetric, derivatives) = (self.symmetric, Derivatives::of_arguments(&K::REQUIREMENTS));
         stages.prepare::<D>(tables, symmetric);
-        let &Pairs { kernel, cell, tests, trials, points, .. } = factors;
+        let &NodePairs { kernel, cell, tests, trials, points, .. } = factors;
         let asked = derivatives.count::<D>();
         for s in 0..asked {
             for t in 0..asked {
@@ -202,7 +204,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 _ => {
                     self.factors::<K, L>(kernel, &cell, &mut batch, factorised, tests, trials)?;
                     let (nodes, points, symmetric) = ([rows, columns], self.group.points(), self.symmetric);
-                    let pairs = Pairs { kernel, cell: &cell, tests, trials, nodes, points, symmetric };
+                    let pairs = NodePairs { kernel, cell: &cell, tests, trials, nodes, points, symmetric };
                     match factorised {
                         Some(tables) if const { scalar::<K, D>() } => {
                             self.sum_along_axes(&pairs, tables, stages, blocks);
@@ -234,7 +236,7 @@ const ALONG_AN_AXIS: usize = 2;
 
 /// Whether sum factorisation takes less than sums over the points for each pair. Of vector forms it does
 /// not: each of the D² entries of a block would need sums of its own for each pair of derivatives.
-pub(super) fn along_axes<K: BilinearKernel<D>, const D: usize>(
+pub(in crate::assemble) fn along_axes<K: BilinearKernel<D>, const D: usize>(
     tables: &ProductTables,
     symmetric: bool,
 ) -> bool {
@@ -255,7 +257,7 @@ pub(super) fn along_axes<K: BilinearKernel<D>, const D: usize>(
 }
 
 /// Whether a block is a number.
-pub(super) const fn scalar<K: BilinearKernel<D>, const D: usize>() -> bool {
+pub(in crate::assemble) const fn scalar<K: BilinearKernel<D>, const D: usize>() -> bool {
     K::TEST_COMPONENTS * K::TRIAL_COMPONENTS == 1
 }
 
@@ -280,7 +282,7 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
 
 /// Places in the computed blocks of an element matrix's entries, for the entries block after block. Of a
 /// symmetric matrix only the blocks of pairs i ≤ j are computed.
-pub(super) fn block_order(
+pub(in crate::assemble) fn block_order(
     [rows, columns]: [usize; 2],
     [height, width]: [usize; 2],
     symmetric: bool,

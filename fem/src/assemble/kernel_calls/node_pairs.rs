@@ -12,7 +12,7 @@ use crate::lanes::SimdLane;
 const KEPT: usize = 16 << 10;
 
 /// The sums over the points of a cell, pair by pair.
-pub(super) struct Pairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
+pub(in crate::assemble) struct NodePairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     pub kernel: &'a K,
     pub cell: &'a K::Cell<L>,
     /// Factors of node i at point q, at `i * points + q`.
@@ -24,7 +24,7 @@ pub(super) struct Pairs<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> {
     pub symmetric: bool,
 }
 
-impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> Pairs<'_, K, L, D> {
+impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
     /// The blocks of all pairs (i, j), one after the other; of symmetric ones only i ≤ j.
     #[inline(always)]
     pub fn sum(&self, blocks: &mut [L]) {

@@ -7,16 +7,18 @@ use std::ops::Range;
 
 use forms_core::contract::{Basis, LinearKernel};
 
-use super::AssemblyError;
-use super::batch::{Batch, BatchBuffers, Cells};
-use super::binding::Binding;
-use super::sink::{Buffered, Deliver, Sink};
-use super::sum_factorisation::{Derivatives, Integration, ProductTables, Stages, axis_operations, unit};
-use super::walk::Group;
+use crate::assemble::AssemblyError;
+use crate::assemble::batch::{Batch, BatchBuffers, Cells};
+use crate::assemble::binding::Binding;
+use crate::assemble::sink::{Buffered, Deliver, Sink};
+use crate::assemble::sum_factorisation::{
+    Derivatives, Integration, ProductTables, Stages, axis_operations, unit,
+};
+use crate::assemble::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
 /// Inputs of the element vectors of a group, besides the kernel.
-pub(super) struct ElementVectors<'a, const D: usize> {
+pub(in crate::assemble) struct ElementVectors<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
     /// The source of the cells' nodes.
@@ -28,7 +30,7 @@ pub(super) struct ElementVectors<'a, const D: usize> {
 }
 
 /// Memory of the loops, kept from one run to the next.
-pub(super) struct VectorBuffers<L, const D: usize> {
+pub(in crate::assemble) struct VectorBuffers<L, const D: usize> {
     batch: BatchBuffers<L, D>,
     sums: Vec<L>,
     /// Factors of the basis functions' values and derivatives at each point, for sum factorisation.

@@ -1,0 +1,8 @@
+//! The calls of a kernel on the entities of a region, cells and facets alike: element matrices and vectors.
+
+mod node_pairs;
+
+pub(super) mod matrices;
+pub(super) mod vectors;
+
+pub(super) use node_pairs::NodePairs;
