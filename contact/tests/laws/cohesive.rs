@@ -61,8 +61,6 @@ where
     problem.constraints = constraints(&problem.space, aside, down);
     let options = NewtonOptions {
         relative_tolerance: 1e-12,
-        // Back at u = 0 there is nothing beside which a residual would be small.
-        absolute_tolerance: 1e-13 * STRENGTH,
         line_search: LineSearch::OnResidual,
         ..NewtonOptions::default()
     };

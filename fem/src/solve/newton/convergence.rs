@@ -38,7 +38,7 @@ pub(super) const SMALL_STEP: f64 = 1e-6;
 /// nothing but what is left of a solution that is zero.
 const VANISHING: f64 = 0.1;
 
-/// A field below this part of the largest that it was is zero. Where soft and stiff directions differ by many orders the residual
+/// A field below this part of the largest that it was is zero; one that is exactly zero may be the rounding of a large start. Where soft and stiff directions differ by many orders the residual
 /// falls faster than u, and no expected correction shows that nothing is left of it.
 const ZERO: f64 = 1e-100;
 
@@ -166,7 +166,7 @@ impl Iteration<'_> {
         let tolerance = SOFTNESS * self.options.relative_tolerance;
         step.iter().zip(&last.u).zip(&before.u).enumerate().all(|(field, ((step, u), u_before))| {
             let most = self.norms.iter().map(|norms| norms.u[field]).fold(0.0, f64::max);
-            if *step == 0.0 || factor == 0.0 || *u <= ZERO * most {
+            if *step == 0.0 || factor == 0.0 || (*u > 0.0 && *u <= ZERO * most) {
                 return true;
             }
             let expected = factor * step;
