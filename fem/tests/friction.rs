@@ -167,7 +167,8 @@ fn cycles(case: Case) -> bool {
         Err(error) => {
             let NewtonFailure::Cycling { first, period } = error.why else { panic!("{case:?}: {error:?}") };
             assert!(period > 1 && first + period + 1 == error.history.len(), "{case:?}: {error:?}");
-            assert!(error.history.len() <= 20, "{case:?}: {error:?}");
+            // Named when it comes round; one of Tresca's 81 cases begins to repeat itself at iterate 21 only.
+            assert!(error.history.len() <= 30, "{case:?}: {error:?}");
             true
         }
     }
