@@ -340,7 +340,7 @@ fn one_may_differentiate_by_a_bases_members() {
 #[test]
 fn included_members_are_the_structs_own() {
     let Body { mesh, u, .. } = Body::<3>::new();
-    let whole = flat::Data { friction: Given::constant(0.5), ..flat_data(0.7).into() };
+    let whole: flat::Data<3> = flat::Data { friction: Given::constant(0.5), ..flat_data(0.7).into() };
     let data: flat::Data<3> = flat_data(0.7).into();
     assert_eq!((whole.gap, data.mu, data.gamma0), (GAP, 0.7, GAMMA0));
     let Source::Constant(default) = data.friction.source() else { panic!("no constant") };

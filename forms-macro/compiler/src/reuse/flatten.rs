@@ -17,7 +17,9 @@ pub fn nitsche() -> String {
         "nitsche",
         &[
             include_str!("../../../../contact/src/operators/materials.rs"),
+            include_str!("../../../../contact/src/operators/parameters.rs"),
             include_str!("../../../../contact/src/operators/interfaces.rs"),
+            include_str!("../../../../contact/src/operators/work.rs"),
         ],
     )
 }
