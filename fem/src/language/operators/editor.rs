@@ -41,6 +41,43 @@ arithmetic! {
     Scalar, Form => Form; f64, Form => Form; i32, Form => Form;
 }
 
+macro_rules! with_numbers {
+    ($($number:ty)*) => { $(
+        impl Add<Scalar> for $number {
+            type Output = Scalar;
+            fn add(self, _: Scalar) -> Scalar {
+                any()
+            }
+        }
+        impl Sub<Scalar> for $number {
+            type Output = Scalar;
+            fn sub(self, _: Scalar) -> Scalar {
+                any()
+            }
+        }
+        impl Div<Scalar> for $number {
+            type Output = Scalar;
+            fn div(self, _: Scalar) -> Scalar {
+                any()
+            }
+        }
+        impl Add<$number> for Scalar {
+            type Output = Scalar;
+            fn add(self, _: $number) -> Scalar {
+                any()
+            }
+        }
+        impl Sub<$number> for Scalar {
+            type Output = Scalar;
+            fn sub(self, _: $number) -> Scalar {
+                any()
+            }
+        }
+    )* };
+}
+
+with_numbers! { i32 f64 }
+
 macro_rules! linear {
     ($($kind:ty)*) => { $(
         impl Add for $kind {
