@@ -134,6 +134,20 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
+    /// The same of one region, of whatever kind.
+    #[doc(hidden)]
+    pub fn without_facet_parts_in(&self, region: &str, what: &'static str) -> Result<(), MeshError> {
+        let facets = self.interior_facet_region(region).unwrap_or_default();
+        match facets.iter().find(|sides| self.facing_in_part(sides).is_some()) {
+            None => Ok(()),
+            Some(sides) => {
+                let small = self.smaller_side(sides);
+                let large = if small == sides[0] { sides[1] } else { sides[0] };
+                Err(MeshError::FacetParts { facets: [small, large], what })
+            }
+        }
+    }
+
     /// The nodes of small facets that the larger cell does not have, each with the larger facet and its reference coordinates there.
     pub(super) fn nodes_on_parts(&self) -> Vec<(u32, Facet, [f64; D])> {
         let mut found = Vec::new();

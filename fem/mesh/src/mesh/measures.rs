@@ -19,7 +19,15 @@ pub(super) fn volume<const D: usize>(mesh: &Mesh<D>) -> f64 {
 /// The region's measure, and the integral of x·n over it.
 pub(super) fn surface<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(f64, f64), MeshError> {
     let (mut area, mut flux) = (0.0, 0.0);
-    for facet in mesh.sides_of(region)?.iter().map(|sides| sides[0]) {
+    for sides in mesh.sides_of(region)? {
+        let (facet, sign) = match sides[..] {
+            // Seen from the first side, at the points of the smaller one.
+            [first, second] => {
+                let smaller = mesh.smaller_side(&[first, second]);
+                (smaller, if smaller == first { 1.0 } else { -1.0 })
+            }
+            _ => (sides[0], 1.0),
+        };
         let rule = facet_rule::<D>(mesh.cell_shape(facet.cell as usize), facet.local.into(), 8)
             .expect("degree 8 exists");
         for (point, weight) in rule.points.iter().zip(&rule.weights) {
@@ -33,7 +41,7 @@ pub(super) fn surface<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<(f
                 _ => s[(i + 1) % D] * t[(i + 2) % D] - s[(i + 2) % D] * t[(i + 1) % D],
             });
             area += weight * normal.iter().map(|n| n * n).sum::<f64>().sqrt();
-            flux += weight * normal.iter().zip(&x).map(|(n, x)| n * x).sum::<f64>();
+            flux += sign * weight * normal.iter().zip(&x).map(|(n, x)| n * x).sum::<f64>();
         }
     }
     Ok((area, flux))

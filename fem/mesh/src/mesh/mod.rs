@@ -1,5 +1,6 @@
 //! Meshes with named regions.
 
+mod adaptive_mesh;
 mod ball;
 mod bisection;
 mod blocks;
@@ -47,6 +48,7 @@ use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
 pub use crate::facet::Facet;
+pub use adaptive_mesh::AdaptiveMesh;
 pub use ball::ball;
 pub use bisection::BisectedMesh;
 pub use cell_blocks::CellBlock;
