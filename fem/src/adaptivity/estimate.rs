@@ -132,9 +132,7 @@ fn weight<const D: usize>(p: &Field<D>, space: &Arc<Space<D>>) -> Result<Field<D
     let mut interpolated = p.onto(space).interpolated()?;
     if let Some(joined) = joined(space)? {
         let mut values = interpolated.values().to_vec();
-        for (unknown, relation) in joined.relations() {
-            values[*unknown] = relation.terms.iter().map(|(free, a)| a * interpolated.values()[*free]).sum();
-        }
+        joined.apply(&mut values);
         interpolated = Field::of_known(space, values);
     }
     let interpolated = interpolated.onto(higher).interpolated()?;

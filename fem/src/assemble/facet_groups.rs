@@ -38,6 +38,13 @@ impl<const D: usize> NumberedSide<D> {
         });
         NumberedSide { local, shape, corners, in_part: false }
     }
+
+    /// The same facet with its corners in the other direction around it.
+    fn turned_over(self) -> Self {
+        let [first, second, last] = self.corners;
+        let corners = if D == 2 { [second, first, last] } else { [first, last, second] };
+        NumberedSide { corners, ..self }
+    }
 }
 
 /// The groups of exterior or interior facets at the points of a rule on the facet's own reference cell, that of the smaller cell's facet,
@@ -85,7 +92,9 @@ pub(super) fn facet_groups<const D: usize>(
                 vec![whole(None), in_part(local, shape, number)]
             }
             Some((local, Facing::SecondIsPart(number), other)) => {
-                vec![in_part(first, shape, number), NumberedSide::whole(local, other, None)]
+                // Around the facet as the first side sees it, so that the normal points out of its cell.
+                let both = [in_part(first, shape, number), NumberedSide::whole(local, other, None)];
+                both.map(NumberedSide::turned_over).into()
             }
         };
         let mut sides = Vec::new();

@@ -2,8 +2,6 @@
 //! Cells group by their shape, facets by that and by their local number, because their points lie elsewhere in the reference cell; interior
 //! facets also by their local number on the other side, and by how the two sides are turned.
 
-use std::collections::BTreeMap;
-
 use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
 
 use super::AssemblyError;
