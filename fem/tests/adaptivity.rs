@@ -1,6 +1,7 @@
 //! Estimates that are exact, a goal on the L-shaped membrane, and what ends a cycle of adaptivity.
 
 use forms_fem::adaptivity::{Adaptation, AdaptationError, AdaptiveSolution, ErrorEstimate, EstimateError};
+use forms_fem::mesh::OctreeMesh;
 use forms_fem::prelude::*;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -80,6 +81,12 @@ where
     Ok(())
 }
 
+/// Some cells divided, and some of their parts.
+fn with_hanging_nodes<const D: usize>(mesh: Mesh<D>) -> Outcome<Mesh<D>> {
+    let mesh = OctreeMesh::new(mesh)?.refined(&[1])?.0.refined(&[2, 3])?.0;
+    Ok(Mesh::clone(mesh.mesh()))
+}
+
 #[test]
 fn the_dual_weighted_estimate_is_exact_where_the_solution_lies_in_the_higher_space() -> Outcome<()> {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
@@ -88,6 +95,15 @@ fn the_dual_weighted_estimate_is_exact_where_the_solution_lies_in_the_higher_spa
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
         estimate_is_exact(cuboid([0.0; 3], [1.0; 3], [3, 2, 2], shape, 1)?)?;
     }
+    // With hanging nodes: p less its interpolation is orthogonal to the residual where both are continuous.
+    estimate_is_exact(with_hanging_nodes(rectangle(
+        [0.0; 2],
+        [1.0; 2],
+        [4, 3],
+        CellShape::Quadrilateral,
+        1,
+    )?)?)?;
+    estimate_is_exact(with_hanging_nodes(cuboid([0.0; 3], [1.0; 3], [2, 2, 1], CellShape::Hexahedron, 1)?)?)?;
     Ok(())
 }
 

@@ -38,16 +38,10 @@ RULES = {
         (7, {"Vertex": 3, "General": 1}),
         (8, {"Centre": 1, "Vertex": 3, "General": 1}),
         (9, {"Centre": 1, "Vertex": 4, "General": 1}),
-        (10, {"Centre": 1, "Vertex": 2, "General": 3}),
-        (11, {"Centre": 1, "Vertex": 5, "General": 2}),
-        (12, {"Vertex": 5, "General": 3}),
     ],
     3: [
         (6, {"Vertex": 3, "General": 1}),
         (7, {"Centre": 1, "Vertex": 1, "Edge": 1, "General": 2}),
-        (8, {"Vertex": 4, "Edge": 1, "General": 2}),
-        (9, {"Centre": 1, "Vertex": 4, "Edge": 1, "General": 3}),
-        (10, {"Centre": 1, "Vertex": 2, "General": 6}),
     ],
 }
 
@@ -256,12 +250,13 @@ def main():
     print("//! Symmetric rules on the triangle and the tetrahedron, as `fem/mesh/tables/symmetric_rules.py` has computed them from the moment")
     print("//! equations: positive weights, points inside.")
     print()
-    print("use super::simplex::Orbit;")
+    print("/// Orbits of a rule of some degree: the weight of each point, and the barycentric coordinates of one of them.")
+    print("pub(super) type Orbits<const N: usize> = (usize, &'static [(f64, [f64; N])]);")
     for dimension, rules in RULES.items():
         print()
-        print(f"/// Degree and orbits on the {names[dimension].lower()}.")
+        print(f"/// Rules on the {names[dimension].lower()}.")
         print("#[rustfmt::skip]")
-        print(f"pub(super) const {names[dimension]}: &[(usize, &[Orbit])] = &[")
+        print(f"pub(super) const {names[dimension]}: &[Orbits<{dimension + 1}>] = &[")
         for degree, orbits in rules:
             kinds, unknowns = rule(dimension, degree, orbits)
             points = sum(SIZES[dimension][kind] for kind in kinds)
@@ -269,13 +264,13 @@ def main():
             print(f"    ({degree}, &[")
             place = 0
             for kind in kinds:
-                parameters = KINDS[dimension][kind][0]
-                numbers = list(unknowns[place : place + parameters + 1])
+                parameters, point = KINDS[dimension][kind]
+                own, weight = unknowns[place : place + parameters], unknowns[place + parameters]
                 place += parameters + 1
-                numbers[-1] /= SIZES[dimension][kind]
-                # A double that reads back to the nearest one.
-                text = ", ".join(repr(float(x)) for x in numbers)
-                print(f"        Orbit::{kind}({text}),")
+                with mpmath.workdps(50):
+                    coordinates = [float(x) for x in point(own or [weight])]
+                    weight = float(weight / SIZES[dimension][kind])
+                print(f"        ({weight!r}, [{', '.join(map(repr, coordinates))}]),")
             print("    ]),")
         print("];")
 
