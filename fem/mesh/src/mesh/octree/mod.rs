@@ -14,9 +14,9 @@ use crate::element::CellShape;
 /// A mesh of quadrilaterals or hexahedra, each of which is the root of a quadtree or octree, with what its refinement and coarsening go
 /// by: a forest of trees (C. Burstedde, L. C. Wilcox, O. Ghattas, SIAM J. Sci. Comput. 33 (2011)).
 ///
-/// Refinement divides the marked cells into 2^D, and those without which cells would meet others of half their size's half: across a facet,
-/// and in space across an edge, cells differ by one division at most. Nodes hang where they differ.
-/// [`Constraints::join_hanging_nodes`](https://docs.rs/forms-fem) makes a space continuous there, and the facets between a cell and
+/// Refinement divides the marked cells into 2^D, and with them those that keep cells from differing by more than one division across a
+/// facet, and in space across an edge. Nodes hang where they differ.
+/// `Constraints::join_hanging_nodes` makes a space continuous there, and the facets between a cell and
 /// smaller ones are interior facets, one for each of the smaller cells.
 ///
 /// The parts of a cell take its place in the numbering of the cells, part k at vertex k, and new nodes follow those that there were.
@@ -32,7 +32,7 @@ use crate::element::CellShape;
 /// assert_eq!((fine.mesh().cell_count(), nesting.fine_cells(0)), (5, 0..4));
 /// // Four between the parts of the first cell, and two with the second one on their other side.
 /// assert_eq!(fine.mesh().interior_facets().len(), 6);
-/// // To divide one of its neighbours' parts again takes the second cell along.
+/// // To divide one of the parts beside the second cell takes that along.
 /// assert_eq!(fine.refined(&[1])?.0.mesh().cell_count(), 4 + 3 + 4);
 /// # Ok::<(), forms_fem::mesh::MeshError>(())
 /// ```
