@@ -4,9 +4,13 @@ use std::collections::HashMap;
 
 use super::conformity::{HangingNode, SAME_PLACE};
 use super::{BOUNDARY, Facet, INTERIOR, Mesh, MeshError};
+use crate::element::{CellShape, Lagrange};
 
 /// The corners of a small facet, its first, second and last vertex, in reference coordinates of the larger one's cell.
 pub(super) type PartCorners<const D: usize> = [[f64; D]; 3];
+
+/// A node of a cell by its local number, with its coordinates on a facet.
+type NodeOnFacet = (usize, [f64; 2]);
 
 /// The facets of a mesh that are parts of larger ones.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -151,7 +155,7 @@ impl<const D: usize> Mesh<D> {
     /// The nodes of small facets that the larger cell does not have, each with the larger facet and its reference coordinates there.
     pub(super) fn nodes_on_parts(&self) -> Vec<(u32, Facet, [f64; D])> {
         let mut found = Vec::new();
-        let mut tables: HashMap<(crate::element::CellShape, u8), Vec<(usize, [f64; 2])>> = HashMap::new();
+        let mut tables: HashMap<(CellShape, u8), Vec<NodeOnFacet>> = HashMap::new();
         for (small, large, corners) in self.facet_parts() {
             let shape = self.cell_shape(small.cell as usize);
             let on_facet = tables
@@ -205,10 +209,7 @@ impl<const D: usize> Mesh<D> {
 }
 
 /// The nodes of a cell on a facet, with their coordinates on the facet: from its first vertex to its second and to its last.
-fn facet_coordinates<const D: usize>(
-    element: &crate::element::Lagrange,
-    local: usize,
-) -> Vec<(usize, [f64; 2])> {
+fn facet_coordinates<const D: usize>(element: &Lagrange, local: usize) -> Vec<NodeOnFacet> {
     let vertices = element.shape.facet_vertices(local);
     let corner = |place: usize| element.shape.vertex_points()[vertices[place]];
     let (first, second, last) = (corner(0), corner(1), corner(vertices.len() - 1));
