@@ -184,6 +184,7 @@ impl<const D: usize> Space<D> {
             }
             Family::OnFacets(region) | Family::DiscontinuousOnFacets(region) => {
                 let entities = mesh.sides_of(region)?;
+                mesh.without_facet_parts_in(region, "a space on facets")?;
                 let (found, positions) = numbering::facet_nodes(mesh, &family, degree, &lists, &entities);
                 facets = found;
                 positions

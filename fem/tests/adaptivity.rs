@@ -1,6 +1,7 @@
 //! Estimates that are exact, a goal on the L-shaped membrane, and what ends a cycle of adaptivity.
 
 use forms_fem::adaptivity::{Adaptation, AdaptationError, AdaptiveSolution, ErrorEstimate, EstimateError};
+use forms_fem::mesh::OctreeMesh;
 use forms_fem::prelude::*;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -32,6 +33,7 @@ mod membrane {
 
 fn held<const D: usize>(space: &Arc<Space<D>>, regions: &[&str]) -> Outcome<Constraints<D>> {
     let mut constraints = Constraints::new(space);
+    constraints.join_hanging_nodes()?;
     for region in regions {
         constraints.fix(region, |_| 0.0)?;
     }
@@ -79,6 +81,12 @@ where
     Ok(())
 }
 
+/// Some cells divided, and some of their parts.
+fn with_hanging_nodes<const D: usize>(mesh: Mesh<D>) -> Outcome<Mesh<D>> {
+    let mesh = OctreeMesh::new(mesh)?.refined(&[1])?.0.refined(&[2, 3])?.0;
+    Ok(Mesh::clone(mesh.mesh()))
+}
+
 #[test]
 fn the_dual_weighted_estimate_is_exact_where_the_solution_lies_in_the_higher_space() -> Outcome<()> {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
@@ -87,18 +95,28 @@ fn the_dual_weighted_estimate_is_exact_where_the_solution_lies_in_the_higher_spa
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
         estimate_is_exact(cuboid([0.0; 3], [1.0; 3], [3, 2, 2], shape, 1)?)?;
     }
+    // With hanging nodes: p less its interpolation is orthogonal to the residual where both are continuous.
+    estimate_is_exact(with_hanging_nodes(rectangle(
+        [0.0; 2],
+        [1.0; 2],
+        [4, 3],
+        CellShape::Quadrilateral,
+        1,
+    )?)?)?;
+    estimate_is_exact(with_hanging_nodes(cuboid([0.0; 3], [1.0; 3], [2, 2, 1], CellShape::Hexahedron, 1)?)?)?;
     Ok(())
 }
 
-/// (−1, 1)² without x > 0, y < 0, in triangles.
-fn l_shape() -> Outcome<Arc<Mesh<2>>> {
+/// (−1, 1)² without x > 0, y < 0.
+fn l_shape(shape: CellShape) -> Outcome<Arc<Mesh<2>>> {
     let nodes =
         [[-1.0, -1.0], [0.0, -1.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]];
-    let cells = [[0, 1, 3, 2], [2, 3, 6, 5], [3, 4, 7, 6]]
-        .iter()
-        .flat_map(|&[a, b, c, d]: &[u32; 4]| [a, b, c, a, c, d])
-        .collect();
-    Ok(Arc::new(Mesh::from_parts(CellShape::Triangle, 1, nodes.to_vec(), cells)?.refined()?))
+    let squares: [[u32; 4]; 3] = [[0, 1, 3, 2], [2, 3, 6, 5], [3, 4, 7, 6]];
+    let cells = match shape {
+        CellShape::Triangle => squares.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect(),
+        _ => squares.concat(),
+    };
+    Ok(Arc::new(Mesh::from_parts(shape, 1, nodes.to_vec(), cells)?.refined()?))
 }
 
 /// ∫u of −Δu = 1; `the_goal_by_a_higher_degree` computes it.
@@ -109,7 +127,7 @@ const L_SHAPE_GOAL: f64 = 0.214_075_80;
 fn the_goal_by_a_higher_degree() -> Outcome<()> {
     let data = || membrane::Data { source: Given::constant(1.0), weight: Given::constant(1.0) };
     let on_mesh = |mesh: &Arc<Mesh<2>>, _: Option<&Field<2>>| solve(mesh, data(), 3, &["boundary"]);
-    let adapted = Adaptation::to_unknowns(6_000).run(l_shape()?, on_mesh, |_| ())?;
+    let adapted = Adaptation::to_unknowns(6_000).run(l_shape(CellShape::Triangle)?, on_mesh, |_| ())?;
     let step = adapted.steps.last().expect("there are meshes");
     let goal = step.goal.expect("it was given") + step.estimate;
     assert!(step.estimate.abs() < 1e-7 && (goal - L_SHAPE_GOAL).abs() < 6e-9, "{goal:.12} {}", step.estimate);
@@ -117,15 +135,14 @@ fn the_goal_by_a_higher_degree() -> Outcome<()> {
 }
 
 /// The estimate comes to J − J_h, and the error falls as 1/N though ∇u is infinite in the corner.
-#[test]
-fn the_goal_on_the_l_shape() -> Outcome<()> {
+fn the_goal_on(shape: CellShape) -> Outcome<()> {
     let (count, least) = match std::env::var_os("FORMS_SWEEPS") {
         Some(_) => (20_000, 0.99),
         None => (2_500, 0.98),
     };
     let data = || membrane::Data { source: Given::constant(1.0), weight: Given::constant(1.0) };
     let on_mesh = |mesh: &Arc<Mesh<2>>, _: Option<&Field<2>>| solve(mesh, data(), 1, &["boundary"]);
-    let adapted = Adaptation::to_unknowns(count).run(l_shape()?, on_mesh, |_| ())?;
+    let adapted = Adaptation::to_unknowns(count).run(l_shape(shape)?, on_mesh, |_| ())?;
     let errors: Vec<(f64, f64, f64)> = adapted
         .steps
         .iter()
@@ -148,6 +165,17 @@ fn the_goal_on_the_l_shape() -> Outcome<()> {
     Ok(())
 }
 
+#[test]
+fn the_goal_on_the_l_shape() -> Outcome<()> {
+    the_goal_on(CellShape::Triangle)
+}
+
+/// The same with hanging nodes.
+#[test]
+fn the_goal_on_the_l_shape_in_quadrilaterals() -> Outcome<()> {
+    the_goal_on(CellShape::Quadrilateral)
+}
+
 /// The tolerance is kept by the true error, and a limit that is too low is an error that says so.
 #[test]
 fn a_tolerance_is_reached_or_the_limit_named() -> Outcome<()> {
@@ -155,12 +183,12 @@ fn a_tolerance_is_reached_or_the_limit_named() -> Outcome<()> {
     let on_mesh = |mesh: &Arc<Mesh<2>>, _: Option<&Field<2>>| solve(mesh, data(), 1, &["boundary"]);
     let cycle = Adaptation::to_tolerance(2e-3);
     let mut rows = 0;
-    let adapted = cycle.clone().run(l_shape()?, on_mesh, |_| rows += 1)?;
+    let adapted = cycle.clone().run(l_shape(CellShape::Triangle)?, on_mesh, |_| rows += 1)?;
     assert_eq!(rows, adapted.steps.len());
     assert!(rows > 2);
     let error = L_SHAPE_GOAL - adapted.solution.goal.expect("it was given");
     assert!(error.abs() < 1.1 * 2e-3, "{error}");
-    let refused = cycle.with_at_most(40).run(l_shape()?, on_mesh, |_| ());
+    let refused = cycle.with_at_most(40).run(l_shape(CellShape::Triangle)?, on_mesh, |_| ());
     match refused {
         Err(AdaptationError::TooManyUnknowns { unknowns, most: 40, tolerance, .. }) => {
             assert!(unknowns > 40 && (tolerance - 2e-3).abs() < 1e-15);
@@ -172,7 +200,7 @@ fn a_tolerance_is_reached_or_the_limit_named() -> Outcome<()> {
 
 #[test]
 fn what_does_not_fit_is_named() -> Outcome<()> {
-    let mesh = l_shape()?;
+    let mesh = l_shape(CellShape::Triangle)?;
     let squares = ErrorEstimate::of_squares(&[1.0, 4.0, -1.0]).map_err(|error| error.to_string());
     assert_eq!(squares, Err("the square of the indicator of cell 2 is -1".to_owned()));
     assert_eq!(ErrorEstimate::of_squares(&[9.0, 16.0])?.value(), 5.0);
@@ -184,7 +212,7 @@ fn what_does_not_fit_is_named() -> Outcome<()> {
         ErrorEstimate::dual_weighted(&assembler, p, space, |z| model.localised(&u, z))
     };
     assert_eq!(of(&u, &linear), Err(EstimateError::Degree { adjoint: 1, primal: 1 }));
-    let elsewhere = Space::scalar(&l_shape()?, 1)?;
+    let elsewhere = Space::scalar(&l_shape(CellShape::Triangle)?, 1)?;
     assert!(matches!(of(&Field::zero(&quadratic), &elsewhere), Err(EstimateError::Space(_))));
 
     let zeros = |mesh: &Arc<Mesh<2>>| -> Outcome<AdaptiveSolution<2>> {
@@ -200,7 +228,7 @@ fn what_does_not_fit_is_named() -> Outcome<()> {
     let message = failed.map(|_| ()).map_err(|error: AdaptationError<&str>| error.to_string());
     assert_eq!(message, Err("mesh 0 of 24 cells: no bread".to_owned()));
     assert!(matches!(
-        Adaptation::to_tolerance(0.0).run(l_shape()?, |mesh, _| zeros(mesh), |_| ()),
+        Adaptation::to_tolerance(0.0).run(l_shape(CellShape::Triangle)?, |mesh, _| zeros(mesh), |_| ()),
         Err(AdaptationError::Tolerance { .. })
     ));
     Ok(())

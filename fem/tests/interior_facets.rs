@@ -5,7 +5,7 @@ use forms_fem::contract::Side;
 use forms_fem::prelude::*;
 
 #[forms]
-mod skeleton {
+pub(crate) mod skeleton {
     #[cells]
     pub struct Omega;
     #[facets]
@@ -40,7 +40,7 @@ mod skeleton {
 }
 
 #[forms]
-mod penalty {
+pub(crate) mod penalty {
     pub struct Data {
         source: Given<Scalar>,
         wanted: Given<Scalar>,
@@ -69,7 +69,7 @@ mod penalty {
 }
 
 /// A mesh with the same cells whose vertices are numbered from another corner, turned about an axis.
-fn turned<const D: usize>(mesh: &Mesh<D>) -> Arc<Mesh<D>> {
+pub(crate) fn turned<const D: usize>(mesh: &Mesh<D>) -> Arc<Mesh<D>> {
     let shape = mesh.cell_shape(0);
     let turn: Vec<usize> = match shape {
         CellShape::Triangle => vec![1, 2, 0],
@@ -106,7 +106,7 @@ fn cube(shape: CellShape, cells: usize) -> Arc<Mesh<3>> {
 }
 
 /// Coefficients without structure.
-fn broken<const D: usize>(space: &Arc<Space<D>>) -> Field<D> {
+pub(crate) fn broken<const D: usize>(space: &Arc<Space<D>>) -> Field<D> {
     let value = |index: usize| ((index * 7919 + 13) % 1009) as f64 / 1009.0 - 0.5;
     Field::from_values(space, (0..space.unknowns()).map(value).collect()).unwrap()
 }

@@ -19,6 +19,7 @@ mod language_names;
 mod mixed;
 mod multipliers;
 mod newton_criterion;
+mod octree;
 mod only_what_changes;
 mod owned_cells;
 mod pairs;

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::ErrorEstimate;
 use crate::field::Field;
-use crate::mesh::{BisectedMesh, MarkingError, Mesh, MeshError, Surface, doerfler};
+use crate::mesh::{AdaptiveMesh, MarkingError, Mesh, MeshError, Surface, doerfler};
 
 /// Unknowns beyond which a tolerance is given up where nothing else is said.
 const MOST_UNKNOWNS: usize = 1_000_000;
@@ -21,8 +21,9 @@ enum Aim {
     Unknowns(usize),
 }
 
-/// A cycle of adaptivity on a mesh of triangles or tetrahedra: how cells are marked, and when it ends. Cells are divided by
-/// bisection ([`BisectedMesh`]) where Dörfler's rule ([`doerfler`]) marks them.
+/// A cycle of adaptivity: how cells are marked, and when it ends. Cells are divided where Dörfler's rule ([`doerfler`]) marks them:
+/// triangles and tetrahedra by bisection, quadrilaterals and hexahedra by trees ([`AdaptiveMesh`]); then nodes hang, and spaces are made
+/// continuous by [`Constraints::join_hanging_nodes`](crate::constraints::Constraints::join_hanging_nodes).
 ///
 /// ```
 /// use forms_fem::adaptivity::{Adaptation, AdaptiveSolution, ErrorEstimate};
@@ -123,7 +124,7 @@ impl fmt::Display for AdaptiveStep {
 #[derive(Clone, Debug)]
 pub struct Adapted<const D: usize> {
     /// The mesh, to go on with.
-    pub mesh: BisectedMesh<D>,
+    pub mesh: AdaptiveMesh<D>,
     /// The solution.
     pub solution: AdaptiveSolution<D>,
     /// One row for each mesh.
@@ -223,7 +224,7 @@ impl<'a, const D: usize> Adaptation<'a, D> {
         self
     }
 
-    /// Puts new nodes on curved boundaries, as [`BisectedMesh::refined_onto`] does.
+    /// Puts new nodes on curved boundaries, as [`AdaptiveMesh::refined_onto`] does.
     pub fn onto(mut self, surfaces: &'a [Surface<'a, D>]) -> Self {
         self.surfaces = surfaces;
         self
@@ -245,7 +246,7 @@ impl<'a, const D: usize> Adaptation<'a, D> {
         {
             return Err(AdaptationError::Tolerance { tolerance });
         }
-        let mut mesh = BisectedMesh::new(coarse)?;
+        let mut mesh = AdaptiveMesh::new(coarse)?;
         let mut before: Option<Field<D>> = None;
         let mut steps = vec![];
         loop {

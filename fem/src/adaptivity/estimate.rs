@@ -7,9 +7,10 @@ use thiserror::Error;
 
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
+use crate::constraints::{Constraints, ConstraintsError};
 use crate::field::{Field, TransferError};
 use crate::mesh::Mesh;
-use crate::space::{Space, SpaceError};
+use crate::space::{Family, Space, SpaceError};
 
 /// An estimated error and the indicators of the cells: which of them it comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,9 @@ pub enum EstimateError {
     /// The adjoint state cannot be interpolated.
     #[error(transparent)]
     Transfer(#[from] TransferError),
+    /// Continuity at hanging nodes cannot be stated.
+    #[error(transparent)]
+    Hanging(#[from] ConstraintsError),
     /// The form does not fit.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
@@ -83,6 +87,8 @@ impl ErrorEstimate {
     /// the linear form q ↦ R(u; q z) of the weight z = p − I p; its values at the hat functions q, whose sum is 1, are the shares
     /// of the vertices (Richter and Wick 2015), and each vertex hands its share to its cells in equal parts.
     ///
+    /// On meshes with hanging nodes ([`OctreeMesh`](crate::mesh::OctreeMesh)) I p and the hat functions are continuous, as u_h is.
+    ///
     /// Exact for a linear problem and a linear J, up to the error of p. Prescribed values that `space` cannot represent
     /// are not seen.
     ///
@@ -96,7 +102,8 @@ impl ErrorEstimate {
     ) -> Result<Self, EstimateError> {
         let weight = weight(p, space)?;
         let hats = Space::scalar(space.mesh(), 1)?;
-        let shares = assembler.linear_form(&localised(&weight), &hats)?;
+        let mut shares = assembler.linear_form(&localised(&weight), &hats)?;
+        hand_over_hanging_shares(&hats, &mut shares)?;
         Ok(ErrorEstimate { value: shares.iter().sum(), indicators: handed_to_cells(&hats, &shares) })
     }
 
@@ -122,9 +129,40 @@ fn weight<const D: usize>(p: &Field<D>, space: &Arc<Space<D>>) -> Result<Field<D
     if higher.degree() <= space.degree() {
         return Err(EstimateError::Degree { adjoint: higher.degree(), primal: space.degree() });
     }
-    let interpolated = p.onto(space).interpolated()?.onto(higher).interpolated()?;
+    let mut interpolated = p.onto(space).interpolated()?;
+    if let Some(joined) = joined(space)? {
+        let mut values = interpolated.values().to_vec();
+        joined.apply(&mut values);
+        interpolated = Field::of_known(space, values);
+    }
+    let interpolated = interpolated.onto(higher).interpolated()?;
     let difference = p.values().iter().zip(interpolated.values()).map(|(p, i)| p - i).collect();
     Ok(Field::of_known(higher, difference))
+}
+
+/// What makes a continuous space continuous where facets are parts of larger ones; nothing for other spaces and meshes.
+fn joined<const D: usize>(space: &Arc<Space<D>>) -> Result<Option<Constraints<D>>, EstimateError> {
+    if *space.family() != Family::Continuous || space.mesh().facet_parts().next().is_none() {
+        return Ok(None);
+    }
+    let mut constraints = Constraints::new(space);
+    constraints.join_hanging_nodes()?;
+    Ok(Some(constraints))
+}
+
+/// Gives the shares of hanging nodes to the nodes that they hang on: the hat functions of these are continuous then.
+#[inline(never)]
+fn hand_over_hanging_shares<const D: usize>(
+    hats: &Arc<Space<D>>,
+    shares: &mut [f64],
+) -> Result<(), EstimateError> {
+    if let Some(joined) = joined(hats)? {
+        for (&hanging, relation) in joined.relations() {
+            let share = std::mem::take(&mut shares[hanging]);
+            relation.terms.iter().for_each(|(free, a)| shares[*free] += a * share);
+        }
+    }
+    Ok(())
 }
 
 /// Sums over the cells of what their vertices have for each of their cells, in absolute value.
@@ -140,4 +178,4 @@ fn handed_to_cells<const D: usize>(hats: &Arc<Space<D>>, shares: &[f64]) -> Vec<
     cells.map(|cell| hats.cell_nodes(cell).iter().map(part).sum()).collect()
 }
 
-compiled_here!(weight::<D>, handed_to_cells::<D>);
+compiled_here!(hand_over_hanging_shares::<D>, weight::<D>, handed_to_cells::<D>);

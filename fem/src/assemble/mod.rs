@@ -30,6 +30,7 @@ mod derived;
 mod element_kernel;
 mod entities;
 mod error;
+mod facet_groups;
 mod fixed;
 mod functional;
 mod kernel_calls;

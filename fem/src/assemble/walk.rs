@@ -2,21 +2,18 @@
 //! Cells group by their shape, facets by that and by their local number, because their points lie elsewhere in the reference cell; interior
 //! facets also by their local number on the other side, and by how the two sides are turned.
 
-use std::collections::BTreeMap;
-
 use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
 
 use super::AssemblyError;
 use super::binding::{Binding, Tabulated};
 use super::entities::Entities;
+use super::facet_groups::facet_groups;
 use super::pair_groups::{PairTables, degree_on_pairs, pair_groups};
 use super::sum_factorisation::ProductTables;
 use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange, Tables};
 use crate::mesh::{Facet, Mesh};
-use crate::quadrature::{
-    FacetRule, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule, map_to_corners,
-};
+use crate::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule};
 use crate::space::Space;
 
 /// Entities with the same points in the reference cell.
@@ -130,6 +127,12 @@ impl<const D: usize> Group<D> {
 }
 
 impl<const D: usize> GroupSide<D> {
+    /// The degree of the rule for |F|: more than the Jacobian's determinant has in each direction, as a curved facet's area is no
+    /// integral of a polynomial.
+    pub fn degree_of_areas(mesh: &Mesh<D>) -> usize {
+        D * mesh.degree() + 6
+    }
+
     pub fn new(
         mesh: &Mesh<D>,
         elements: &[Tabulated],
@@ -144,7 +147,7 @@ impl<const D: usize> GroupSide<D> {
         let rule = cell_rule::<D>(shape, exact)?;
         let facet_measure = match facet {
             Some((local, _)) => {
-                let rule = facet_rule::<D>(shape, usize::from(*local), exact + 6)?;
+                let rule = facet_rule::<D>(shape, usize::from(*local), Self::degree_of_areas(mesh))?;
                 Some((geometry.tabulate(&rule.points), rule.weights))
             }
             None => None,
@@ -298,65 +301,6 @@ fn by_degree<'a, const D: usize>(mesh: &Mesh<D>, facets: Entities<'a>) -> Vec<(b
     [true, false].map(|simplex| (simplex, part(simplex))).into()
 }
 
-/// The numbering of a facet's sides: the local number and the cell's shape on each, and for interior ones
-/// [`Mesh::facing`].
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Numbering {
-    first: (u8, CellShape),
-    second: Option<(u8, [u8; 4], CellShape)>,
-}
-
-/// The groups of exterior or interior facets at the points of a rule on the facet's own reference cell, and
-/// the places of each group's facets in the region.
-#[inline(never)]
-pub(super) fn facet_groups<const D: usize>(
-    binding: &Binding<D>,
-    place: &str,
-    facets: &Entities,
-    rule: &QuadratureRule<2>,
-    hessians: bool,
-) -> Result<Vec<(Group<D>, Vec<usize>)>, AssemblyError> {
-    let (mesh, form) = (binding.mesh, binding.name);
-    let shape = |facet: &Facet| mesh.cell_shape(facet.cell as usize);
-    let mut numberings: BTreeMap<Numbering, Vec<usize>> = BTreeMap::new();
-    let mut walk: Vec<(u32, usize)> =
-        (0..facets.count()).map(|index| (mesh.walk_of_facet(facets.sides(index)), index)).collect();
-    walk.sort_unstable();
-    for (_, index) in walk {
-        let numbering = match facets.sides(index) {
-            [first, second] => {
-                let twisted = |source| AssemblyError::Facets { form, place: place.to_owned(), source };
-                let facing = mesh.facing(&[*first, *second]).map_err(twisted)?;
-                let second = Some((second.local, facing, shape(second)));
-                Numbering { first: (first.local, shape(first)), second }
-            }
-            sides => Numbering { first: (sides[0].local, shape(&sides[0])), second: None },
-        };
-        numberings.entry(numbering).or_default().push(index);
-    }
-    let group = |(Numbering { first, second }, indices): (Numbering, Vec<usize>)| {
-        let (first, shape) = first;
-        let vertices = shape.facet_vertices(usize::from(first));
-        // The same corners of the facet, as each of the two cells numbers them.
-        let corners = [0, 1, vertices.len() - 1];
-        let mut numbered = vec![(first, shape, corners.map(|corner| vertices[corner]))];
-        if let Some((second, facing, shape)) = second {
-            let vertices = shape.facet_vertices(usize::from(second));
-            numbered.push((second, shape, corners.map(|corner| vertices[usize::from(facing[corner])])));
-        }
-        let mut sides = Vec::new();
-        for (side, (local, shape, corners)) in numbered.into_iter().enumerate() {
-            let cells = indices.iter().map(|index| facets.sides(*index)[side].cell).collect();
-            let FacetRule { points, tangents, .. } = map_to_corners(shape, corners, rule);
-            let places = Places { points, facet: Some((local, tangents)) };
-            sides.push(GroupSide::new(mesh, &binding.elements, (shape, cells), &places, hessians)?);
-        }
-        Ok((Group { place: place.to_owned(), sides, weights: rule.weights.clone(), pairs: None }, indices))
-    };
-    let failed = |source| AssemblyError::Quadrature { form, source };
-    numberings.into_iter().map(|entry| group(entry).map_err(failed)).collect()
-}
-
 /// Second derivatives along the tangents: t₀ᵀHt₀, t₀ᵀHt₁, t₁ᵀHt₁.
 fn bending<const D: usize>(second: &[[f64; D]; D], tangents: &[[f64; D]; 2]) -> [f64; 3] {
     let along = |a: &[f64; D], b: &[f64; D]| -> f64 {
@@ -366,4 +310,4 @@ fn bending<const D: usize>(second: &[[f64; D]; D], tangents: &[[f64; D]; 2]) -> 
     [along(first, first), along(first, last), along(last, last)]
 }
 
-compiled_here!(groups::<D>, facet_groups::<D>, Group::<D>::check_support, Group::<D>::new);
+compiled_here!(groups::<D>, Group::<D>::check_support, Group::<D>::new);

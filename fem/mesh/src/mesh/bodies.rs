@@ -1,5 +1,6 @@
 //! Several bodies as one mesh.
 
+use super::facet_parts::FacetParts;
 use super::{EVERYWHERE, Facet, Mesh, MeshError};
 use crate::compiled_here;
 use crate::element::CellShape;
@@ -50,6 +51,13 @@ impl<const D: usize> Mesh<D> {
             }
         }
         let mut mesh = Mesh::from_nonconforming_blocks(first.degree, nodes, blocks)?;
+        let mut parts = FacetParts::default();
+        let mut start = 0;
+        for (_, body) in bodies {
+            parts.extend_shifted(&body.parts, start);
+            start += body.cell_count() as u32;
+        }
+        mesh.join_parts(parts);
         let mut start = 0;
         for (name, body) in bodies {
             let region = |own: &str| match own {

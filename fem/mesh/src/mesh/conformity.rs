@@ -22,7 +22,7 @@ pub(super) const SAME_PLACE: f64 = 1e-6;
 pub struct Conformity<const D: usize> {
     /// Pairs of exterior facets that coincide, their cells on opposite sides.
     pub cracks: Vec<[Facet; 2]>,
-    /// Vertices on exterior facets that do not have them.
+    /// Vertices on facets that do not have them.
     pub hanging_nodes: Vec<HangingNode<D>>,
     /// Cells of which one contains the centre of the other, or of an exterior facet of the other.
     pub overlaps: Vec<Overlap<D>>,
@@ -66,12 +66,14 @@ impl<const D: usize> Conformity<D> {
 impl<const D: usize> Mesh<D> {
     /// Cracks, hanging nodes and overlaps: places where cells touch or overlap without sharing a facet.
     ///
-    /// Cracks and hanging nodes are found among all exterior facets. Overlaps are found where the centre of a cell or of an
+    /// Cracks and hanging nodes are found among all exterior facets, hanging nodes of an [`super::OctreeMesh`] among interior ones. Overlaps are found where the centre of a cell or of an
     /// exterior facet lies in another cell, further from its boundary than round-off: cells that overlap by less than half
     /// of their size may go unseen. The work is that of finding a cell for each point.
     #[inline(never)]
     pub fn conformity(&self) -> Conformity<D> {
-        let Touching { cracks, hanging_nodes, .. } = self.touching();
+        let Touching { cracks, mut hanging_nodes, .. } = self.touching();
+        hanging_nodes.extend(self.nodes_hanging_on_parts());
+        hanging_nodes.sort_unstable_by_key(|hanging| (hanging.node, hanging.facet));
         Conformity { cracks, hanging_nodes, overlaps: self.overlaps() }
     }
 

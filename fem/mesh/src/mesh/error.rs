@@ -58,6 +58,25 @@ pub enum MeshError {
         /// The feature asked for.
         what: &'static str,
     },
+    /// A feature for quadrilaterals and hexahedra.
+    #[error("{feature} is of quadrilaterals and hexahedra; this mesh has {} (`BisectedMesh` refines them)", shape.plural())]
+    NotTensorProducts {
+        /// The feature asked for.
+        feature: &'static str,
+        /// A shape of the mesh.
+        shape: CellShape,
+    },
+    /// A feature that meshes with hanging nodes do not have.
+    #[error(
+        "{what} is of meshes whose cells share whole facets; facet {} of cell {} is a part of facet {} of cell {}",
+        .facets[0].local, .facets[0].cell, .facets[1].local, .facets[1].cell
+    )]
+    FacetParts {
+        /// The small facet and the larger one.
+        facets: [Facet; 2],
+        /// The feature asked for.
+        what: &'static str,
+    },
     /// A rigid surface as a region of cells to integrate over.
     #[error(
         "\"{name}\" is a rigid surface: the cell that carries it is no part of a body, and nothing is integrated over it"

@@ -1,4 +1,4 @@
-//! Hanging facets: small exterior facets that are parts of a larger one, which cells on its other side have divided.
+//! Hanging facets: small facets that are parts of a larger one, which cells on its other side have divided.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,8 +8,9 @@ use crate::compiled_here;
 use crate::locate::nearest_on_facet;
 
 impl<const D: usize> Mesh<D> {
-    /// Pairs of a small exterior facet and the larger one that it is a part of, in the order of the larger ones: where coarse cells
-    /// meet fine ones in a mesh of [`Mesh::from_nonconforming_blocks`].
+    /// Pairs of a small facet and the larger one that it is a part of, in the order of the larger ones: where coarse cells meet fine
+    /// ones in an [`super::OctreeMesh`], whose facets there are interior ones, or in a mesh of [`Mesh::from_nonconforming_blocks`],
+    /// whose facets there are exterior ones.
     ///
     /// # Errors
     /// [`MeshError::NotNested`] for facets that lie on each other in part.
@@ -43,6 +44,7 @@ impl<const D: usize> Mesh<D> {
                 pairs.insert([large, small]);
             }
         }
+        pairs.extend(self.facet_parts().map(|(small, large, _)| [large, small]));
         Ok(pairs.into_iter().map(|[large, small]| [small, large]).collect())
     }
 

@@ -1,6 +1,6 @@
 //! Named sets of interior facets, and how the two sides of one face each other.
 
-use super::{Facet, Mesh, MeshError};
+use super::{Facet, Facing, Mesh, MeshError};
 use crate::compiled_here;
 
 impl<const D: usize> Mesh<D> {
@@ -45,12 +45,13 @@ impl<const D: usize> Mesh<D> {
         condition: &dyn Fn(&[f64; D]) -> bool,
     ) -> Result<(), MeshError> {
         let facets = self.interior_facet_region(within)?.iter().copied();
-        let facets = facets.filter(|[facet, _]| condition(&self.facet_centre(*facet))).collect();
+        let facets = facets.filter(|sides| condition(&self.facet_centre(self.smaller_side(sides)))).collect();
         self.insert_interior_facets(name, facets)
     }
 
     /// Names the interior facets of a list; each is given from one of its cells, which becomes its first
-    /// side. Their order does not matter, and one that is listed twice counts once, as it came first.
+    /// side. Their order does not matter, and one that is listed twice counts once, as it came first. A facet with smaller ones on its
+    /// other side stands for all of them.
     ///
     /// # Errors
     /// [`MeshError::NotInterior`] for a facet that is not between two cells (or does not exist),
@@ -63,13 +64,18 @@ impl<const D: usize> Mesh<D> {
         let mut pairs: Vec<[Facet; 2]> = Vec::with_capacity(facets.len());
         let mut known = std::collections::HashSet::new();
         for &facet in facets {
-            let Ok(place) = sides.binary_search_by_key(&facet, |(first, _)| *first) else {
+            let start = sides.partition_point(|(first, _)| *first < facet);
+            let of_facet = sides[start..].iter().take_while(|(first, _)| *first == facet);
+            let mut found = 0;
+            for &(_, other) in of_facet {
+                found += 1;
+                if known.insert([facet.min(other), facet.max(other)]) {
+                    pairs.push([facet, other]);
+                }
+            }
+            if found == 0 {
                 let (cell, local) = (facet.cell, facet.local);
                 return Err(MeshError::NotInterior { name: name.to_owned(), cell, local });
-            };
-            let other = sides[place].1;
-            if known.insert(facet.min(other)) {
-                pairs.push([facet, other]);
             }
         }
         self.insert_interior_facets(name, pairs)
@@ -97,7 +103,11 @@ impl<const D: usize> Mesh<D> {
         self.insert_interior_facets(name, facets)
     }
 
-    fn insert_interior_facets(&mut self, name: &str, mut facets: Vec<[Facet; 2]>) -> Result<(), MeshError> {
+    pub(super) fn insert_interior_facets(
+        &mut self,
+        name: &str,
+        mut facets: Vec<[Facet; 2]>,
+    ) -> Result<(), MeshError> {
         self.check_name(name, "interior facet", facets.is_empty())?;
         facets.sort_unstable();
         self.interior_regions.insert(name.to_owned(), facets);
@@ -127,10 +137,12 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// For each vertex of the first side's facet, in the order of [`crate::element::CellShape::facet_vertices`],
-    /// its place among those of the second side.
+    /// How the vertices of the two sides correspond.
     #[doc(hidden)]
-    pub fn facing(&self, sides: &[Facet; 2]) -> Result<[u8; 4], MeshError> {
+    pub fn facing(&self, sides: &[Facet; 2]) -> Result<Facing, MeshError> {
+        if let Some(in_part) = self.facing_in_part(sides) {
+            return Ok(in_part);
+        }
         let others: Vec<u32> = self.facet_vertices(sides[1]).collect();
         let mut places = [0; 4];
         for (place, vertex) in places.iter_mut().zip(self.facet_vertices(sides[0])) {
@@ -145,7 +157,7 @@ impl<const D: usize> Mesh<D> {
         if count == 4 && (0..count).any(twisted) {
             return Err(MeshError::TwistedFacet { cells: sides.map(|facet| facet.cell) });
         }
-        Ok(places)
+        Ok(Facing::Whole(places))
     }
 }
 
@@ -158,7 +170,7 @@ compiled_here!(
 #[cfg(test)]
 mod tests {
     use crate::element::CellShape;
-    use crate::mesh::{Facet, INTERIOR, Mesh, MeshError, cuboid, rectangle};
+    use crate::mesh::{Facet, Facing, INTERIOR, Mesh, MeshError, cuboid, rectangle};
 
     #[test]
     fn interior_facets_by_condition_list_and_interface() -> Result<(), MeshError> {
@@ -209,7 +221,7 @@ mod tests {
         for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
             let mesh = cuboid([0.0; 3], [1.0; 3], [2, 2, 2], shape, 1)?;
             for sides in mesh.interior_facets() {
-                let places = mesh.facing(sides)?;
+                let Facing::Whole(places) = mesh.facing(sides)? else { panic!("whole facets") };
                 let [first, second] = sides.map(|facet| {
                     let cell = mesh.cell(facet.cell as usize);
                     shape

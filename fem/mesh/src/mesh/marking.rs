@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::{Mesh, MeshError};
+
 /// The least set of cells whose indicators sum up to a fraction of the sum of all, in ascending order: bulk marking after
 /// W. Dörfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numer. Anal. 33 (1996).
 ///
@@ -72,6 +74,20 @@ pub enum MarkingError {
         /// Number of indicators.
         count: usize,
     },
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Cells in ascending order, each once, where all of them exist.
+    pub(super) fn marked_cells(&self, cells: &[u32]) -> Result<Vec<u32>, MeshError> {
+        let count = self.cell_count();
+        if let Some(&cell) = cells.iter().find(|cell| **cell as usize >= count) {
+            return Err(MeshError::MarkedCell { cell, count });
+        }
+        let mut cells = cells.to_vec();
+        cells.sort_unstable();
+        cells.dedup();
+        Ok(cells)
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Meshes with named regions.
 
+mod adaptive_mesh;
 mod ball;
 mod bisection;
 mod blocks;
@@ -11,6 +12,7 @@ mod connectivity;
 #[doc(hidden)]
 pub mod determinant;
 mod error;
+mod facet_parts;
 mod generators;
 #[doc(hidden)]
 pub mod geometry;
@@ -24,10 +26,14 @@ compiled_here!(Mesh::<D>::from_blocks, Mesh::<D>::from_nonconforming_blocks);
 #[cfg(test)]
 mod measures;
 mod moved;
+mod nesting;
+mod octree;
 mod order;
 mod perforated;
 mod point_tree;
 mod quality;
+#[cfg(test)]
+mod random_markings;
 mod refine;
 mod regions;
 mod rigid_surface;
@@ -42,16 +48,21 @@ use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
 
 pub use crate::facet::Facet;
+pub use adaptive_mesh::AdaptiveMesh;
 pub use ball::ball;
-pub use bisection::{BisectedMesh, Nesting};
+pub use bisection::BisectedMesh;
 pub use cell_blocks::CellBlock;
 #[doc(hidden)]
 pub use cell_blocks::CellLists;
 pub use conformity::{Conformity, HangingNode, Overlap};
 pub use error::MeshError;
+#[doc(hidden)]
+pub use facet_parts::Facing;
 pub use generators::{annulus, cuboid, hollow_cylinder, rectangle};
 pub use gmsh::{GmshError, GmshMesh};
 pub use marking::{MarkingError, doerfler};
+pub use nesting::Nesting;
+pub use octree::OctreeMesh;
 pub use order::CellOrder;
 pub use perforated::PerforatedAnnulus;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
@@ -87,6 +98,8 @@ pub struct Mesh<const D: usize> {
     pub(crate) facet_regions: BTreeMap<String, Vec<Facet>>,
     /// Named sets of interior facets, each with its two sides.
     interior_regions: BTreeMap<String, Vec<[Facet; 2]>>,
+    /// Facets that are parts of larger ones.
+    parts: facet_parts::FacetParts<D>,
     /// Rigid surfaces, each on one of the last cells, in their order.
     rigid: Vec<CarriedSurface<D>>,
     order: order::LazyOrder,
@@ -181,6 +194,7 @@ impl<const D: usize> Mesh<D> {
             cell_regions: BTreeMap::from([(EVERYWHERE.to_owned(), all)]),
             facet_regions: BTreeMap::from([(BOUNDARY.to_owned(), boundary)]),
             interior_regions: BTreeMap::from([(INTERIOR.to_owned(), interior_facets)]),
+            parts: facet_parts::FacetParts::default(),
             rigid: vec![],
             order: order::LazyOrder::new(),
         };
@@ -233,7 +247,8 @@ impl<const D: usize> Mesh<D> {
         self.facet_regions.get(BOUNDARY).map_or(&[], Vec::as_slice)
     }
 
-    /// The two sides of each facet between two cells, the cell with the smaller index first.
+    /// The two sides of each facet between two cells, the cell with the smaller index first. Where a cell meets smaller ones, in an
+    /// [`OctreeMesh`], there is one for each of their facets, with the larger facet on the other side.
     pub fn interior_facets(&self) -> &[[Facet; 2]] {
         self.interior_regions.get(INTERIOR).map_or(&[], Vec::as_slice)
     }

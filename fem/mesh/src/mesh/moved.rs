@@ -9,13 +9,12 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// [`MeshError`]: another number of nodes, a coordinate that is not finite (names the node), a cell that is
-    /// inverted or degenerate there (names the cell).
+    /// inverted or degenerate there (names the cell), a hanging node that leaves the facet that it hangs on.
     #[inline(never)]
     pub fn with_nodes(&self, nodes: Vec<[f64; D]>) -> Result<Self, MeshError> {
         if nodes.len() != self.node_count() {
             return Err(MeshError::NodeCount { given: nodes.len(), count: self.node_count() });
         }
-        super::connectivity::check_nodes(&nodes)?;
         // Normals of rigid surfaces are known where the cells that carry them are.
         let carriers = || self.body_cells().end..self.cell_count();
         if carriers()
@@ -27,8 +26,21 @@ impl<const D: usize> Mesh<D> {
         // The walk of the cells, which numbers nodes, is kept.
         self.cell_order();
         let moved = Mesh { nodes, ..self.clone() };
-        moved.check_jacobians()?;
+        moved.check_places()?;
         Ok(moved)
+    }
+
+    /// Puts the nodes of a mesh that is being made to other places, before anything has been derived from them.
+    pub(super) fn put_nodes(&mut self, nodes: Vec<[f64; D]>) {
+        self.nodes = nodes;
+        self.order = super::order::LazyOrder::new();
+    }
+
+    /// That nodes are at finite places, where no cell is inverted and none of those that hang leaves its facet.
+    pub(super) fn check_places(&self) -> Result<(), MeshError> {
+        super::connectivity::check_nodes(&self.nodes)?;
+        self.check_jacobians()?;
+        self.check_parts()
     }
 
     /// The mesh with its nodes at other places, whatever becomes of the cells: for tests of what finds inverted ones.

@@ -53,6 +53,7 @@ impl<const D: usize> Mesh<D> {
     #[inline(never)]
     pub fn refined_onto(&self, surfaces: &[Surface<'_, D>]) -> Result<Self, MeshError> {
         self.without_rigid_surfaces("refinement")?;
+        self.without_facet_parts("uniform refinement")?;
         let children = 1 << D;
         if self.cell_count().checked_mul(children).is_none_or(|count| u32::try_from(count).is_err()) {
             return Err(MeshError::TooLarge { what: "cells" });
@@ -164,7 +165,7 @@ fn middle_children(way: usize) -> [[usize; 4]; 4] {
 }
 
 /// Equal for a point as seen from all cells that share it: the vertices that it lies between, with its weights.
-fn key(nodes: &[u32], weights: &[u8]) -> [u64; 8] {
+pub(super) fn key(nodes: &[u32], weights: &[u8]) -> [u64; 8] {
     let mut key = [u64::MAX; 8];
     for ((entry, &weight), &node) in key.iter_mut().zip(weights).zip(nodes) {
         if weight > 0 {
@@ -213,18 +214,24 @@ fn oriented<const D: usize>(mut vertices: Vec<[f64; D]>) -> Vec<[f64; D]> {
 }
 
 /// One way to divide a cell: tables over the different nodes of its children.
-struct Division<const D: usize> {
+pub(super) struct Division<const D: usize> {
     /// For each node, 64 times the linear basis functions of the parent there; they are whole numbers.
-    weights: Vec<Vec<u8>>,
+    pub(super) weights: Vec<Vec<u8>>,
     /// The parent's basis functions there, node after node.
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
     /// For each child its nodes.
-    children: Vec<Vec<usize>>,
+    pub(super) children: Vec<Vec<usize>>,
     /// For each facet of the parent the facets of children on it: child and local number.
     facets: Vec<Vec<(u32, u8)>>,
 }
 
 impl<const D: usize> Division<D> {
+    /// The division of a quadrilateral or hexahedron: part k lies at vertex k, and has it as its own vertex k.
+    pub(super) fn at_vertices(element: &Lagrange) -> Self {
+        let mut ways = divisions(element.shape);
+        Division::new(element, ways.next().unwrap_or_default())
+    }
+
     fn new(element: &Lagrange, children: Vec<Vec<[f64; D]>>) -> Self {
         let shape = element.shape;
         let linear = Lagrange { shape, degree: 1 };

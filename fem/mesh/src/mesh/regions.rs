@@ -168,11 +168,26 @@ impl<const D: usize> Mesh<D> {
             let facets: Vec<Facet> = facets.iter().flat_map(|facet| facets_of(*facet)).collect();
             self.name_listed_facets(name, &facets)?;
         }
+        let with_parts = !(self.parts.is_empty() && other.parts.is_empty());
         for (name, facets) in other.interior_regions.iter().filter(|(name, _)| *name != INTERIOR) {
+            if with_parts {
+                let pairs = facets.iter().flat_map(|sides| self.parts_of_both(sides, facets_of));
+                let pairs: std::collections::BTreeSet<[Facet; 2]> = pairs.collect();
+                self.insert_interior_facets(name, pairs.into_iter().collect())?;
+                continue;
+            }
             let facets: Vec<Facet> = facets.iter().flat_map(|sides| facets_of(sides[0])).collect();
             self.name_listed_interior_facets(name, &facets)?;
         }
         Ok(())
+    }
+
+    /// The interior facets whose sides are parts of, or unions of, those of another mesh's.
+    fn parts_of_both(&self, sides: &[Facet; 2], facets_of: &dyn Fn(Facet) -> Vec<Facet>) -> Vec<[Facet; 2]> {
+        let interior = self.interior_facets();
+        let [first, second] = sides.map(facets_of);
+        let pairs = first.iter().flat_map(|a| second.iter().map(move |b| [*a, *b]));
+        pairs.filter(|[a, b]| interior.binary_search(&[*a.min(b), *a.max(b)]).is_ok()).collect()
     }
 
     #[inline(never)]

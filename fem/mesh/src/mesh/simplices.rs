@@ -21,6 +21,7 @@ impl<const D: usize> Mesh<D> {
             CellShape::Hexahedron => 6,
         };
         self.without_rigid_surfaces("division into simplices")?;
+        self.without_facet_parts("division into simplices")?;
         if self.shapes().into_iter().all(CellShape::is_simplex) {
             return Ok(self.clone());
         }

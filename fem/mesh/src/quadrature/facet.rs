@@ -65,21 +65,20 @@ pub fn map_to_facet<const D: usize>(
     }
     let vertices = shape.facet_vertices(local);
     let last = vertices[vertices.len() - 1];
-    Ok(map_to_corners(shape, [vertices[0], vertices[1], last], rule))
+    let corner = shape.vertex_points();
+    let corners = [vertices[0], vertices[1], last].map(|vertex| std::array::from_fn(|k| corner[vertex][k]));
+    Ok(map_to_corners(corners, rule))
 }
 
-/// Maps a rule from the facet's own reference cell to the facet with these vertices of the cell: the first
-/// facet coordinate runs from the first to the second, the other from the first to the last. In two
-/// dimensions the last one does not matter. Any order of a facet's vertices that runs around it will do, so
+/// Maps a rule from the facet's own reference cell to the facet, or a part of one, with these vertices in the cell's
+/// reference coordinates: the first facet coordinate runs from the first to the second, the other from the first to the
+/// last. In two dimensions the last one does not matter. Any order of a facet's vertices that runs around it will do, so
 /// that the points of one side of an interior facet can be found on the other.
 #[doc(hidden)]
 pub fn map_to_corners<const D: usize>(
-    shape: CellShape,
-    vertices: [usize; 3],
+    [first, second, last]: [[f64; D]; 3],
     rule: &QuadratureRule<2>,
 ) -> FacetRule<D> {
-    let corner = shape.vertex_points();
-    let [first, second, last] = vertices.map(|vertex| corner[vertex]);
     let along: [f64; D] = std::array::from_fn(|k| second[k] - first[k]);
     let across: [f64; D] = std::array::from_fn(|k| if D == 2 { 0.0 } else { last[k] - first[k] });
     let points = rule

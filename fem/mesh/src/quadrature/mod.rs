@@ -6,6 +6,7 @@ mod gauss;
 pub mod sign_changes;
 mod simplex;
 mod split_facets;
+mod tables;
 #[cfg(test)]
 mod tests;
 

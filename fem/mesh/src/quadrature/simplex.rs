@@ -1,11 +1,13 @@
 //! Rules on the triangle and the tetrahedron: symmetric ones of low degree, conical products above.
 
 use super::gauss::gauss_jacobi;
+use super::tables;
 
 /// Points and weights of a rule that is exact to `degree` on the unit triangle.
 ///
 /// Degrees 1, 2, 4, 5, 6 have 1, 3, 6, 7, 12 symmetric points (Strang and Fix 1973, Radon 1948, Dunavant
-/// 1985); higher ones are conical products of Gauss-Jacobi rules with (⌊degree/2⌋ + 1)² points.
+/// 1985), degrees 7, 8, 9 have 15, 16, 19 (Dunavant 1985; Witherden and Vincent 2015); higher ones are conical products of
+/// Gauss-Jacobi rules with (⌊degree/2⌋ + 1)² points.
 pub fn triangle(degree: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
     let mut orbits = Orbits::<2>::default();
     match degree {
@@ -31,6 +33,7 @@ pub fn triangle(degree: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
                 orbits.push(point, 0.082_851_075_618_373_57);
             }
         }
+        _ if orbits.tabulated(tables::TRIANGLE, degree) => {}
         _ => {
             let n = degree / 2 + 1;
             for (x, wx) in gauss_jacobi(n, 1) {
@@ -47,7 +50,7 @@ pub fn triangle(degree: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
 /// Points and weights of a rule that is exact to `degree` on the unit tetrahedron.
 ///
 /// Degrees 1, 2, 3, 5 have 1, 4, 8, 14 symmetric points (Keast 1986; Zhang, Cui and Liu 2009; Walkington
-/// 2000); higher ones are conical products of Gauss-Jacobi rules with (⌊degree/2⌋ + 1)³ points.
+/// 2000), degrees 6, 7 have 24, 35 (Keast 1986; Witherden and Vincent 2015); higher ones are conical products of Gauss-Jacobi rules with (⌊degree/2⌋ + 1)³ points.
 pub fn tetrahedron(degree: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
     let mut orbits = Orbits::<3>::default();
     match degree {
@@ -66,6 +69,7 @@ pub fn tetrahedron(degree: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
                 orbits.push(point, weight);
             }
         }
+        _ if orbits.tabulated(tables::TETRAHEDRON, degree) => {}
         _ => {
             let n = degree / 2 + 1;
             for (x, wx) in gauss_jacobi(n, 2) {
@@ -106,6 +110,23 @@ impl<const D: usize> Orbits<D> {
             point[k] = 1.0 - D as f64 * a;
             self.push(point, weight);
         }
+    }
+
+    // The points of the table's rule of a degree, if there is one: each orbit's in all orders of the barycentric coordinates.
+    fn tabulated<const N: usize>(&mut self, rules: &[tables::Orbits<N>], degree: usize) -> bool {
+        let Some((_, orbits)) = rules.iter().find(|(of, _)| *of == degree) else { return false };
+        for (weight, barycentric) in *orbits {
+            let first = self.points.len();
+            for order in 0..N.pow(N as u32) {
+                let places: [usize; N] = std::array::from_fn(|k| order / N.pow(k as u32) % N);
+                let is_permutation = (0..N).all(|place| places.contains(&place));
+                let point = std::array::from_fn(|k| barycentric[places[k]]);
+                if is_permutation && !self.points[first..].contains(&point) {
+                    self.push(point, *weight);
+                }
+            }
+        }
+        true
     }
 
     fn scaled(self, volume: f64) -> (Vec<[f64; D]>, Vec<f64>) {

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::nesting::{Nesting, Parts, step};
+use super::refinement::step;
 use super::{BisectedMesh, Bisection, Origin, Part, opposite, simplex};
 use crate::compiled_here;
+use crate::mesh::nesting::{Nesting, Parts};
 use crate::mesh::{Facet, Mesh, MeshError};
 
 impl<const D: usize> BisectedMesh<D> {
@@ -35,7 +36,7 @@ impl<const D: usize> BisectedMesh<D> {
     pub fn coarsened(&self, marked: &[u32]) -> Result<(Self, Nesting<D>), MeshError> {
         let old = &self.mesh;
         let shape = simplex::<D>();
-        let undone = self.undone(&self.marked(marked)?);
+        let undone = self.undone(&old.marked_cells(marked)?);
         // What stays of the bisections, under new numbers.
         let mut numbers: Vec<u32> = Vec::with_capacity(self.bisections.len());
         let mut stays = vec![true; self.bisections.len()];
@@ -53,7 +54,7 @@ impl<const D: usize> BisectedMesh<D> {
             .collect();
 
         let (mut cells, mut marks, mut origins) = (Vec::new(), Vec::new(), Vec::new());
-        let mut parts = Parts::default();
+        let mut parts = Parts::new(shape);
         let mut undone = undone.into_iter().peekable();
         let mut cell = 0;
         while cell < old.cell_count() {
@@ -75,7 +76,7 @@ impl<const D: usize> BisectedMesh<D> {
             }
         }
         let nesting = parts.nesting();
-        let nodes = without_those_left_over(old, &mut cells);
+        let (nodes, _) = old.nodes_of_cells(&mut cells);
         let mut mesh = Mesh::of_sound_cells(old.degree, nodes, vec![(shape, cells)])?;
         let whole_of = |cell: u32| {
             let whole = nesting.coarse_cell(cell as usize) as u32;
@@ -86,7 +87,7 @@ impl<const D: usize> BisectedMesh<D> {
             let divided = shape.edges()[marks[whole].refinement_edge()];
             let separates =
                 |part: Part| opposite(shape, part.kept_and_new(divided)[0]) == usize::from(facet.local);
-            match self.origins[cell].filter(|_| nesting.bisections(cell) > 0) {
+            match self.origins[cell].filter(|_| nesting.divisions(cell) > 0) {
                 Some(origin) if separates(origin.part) => vec![],
                 _ => vec![Facet { cell: whole as u32, local: facet.local }],
             }
@@ -145,23 +146,6 @@ impl<const D: usize> BisectedMesh<D> {
         }
         nodes
     }
-}
-
-/// The nodes of a mesh without those that no cell has any more; the cells name the others by their new numbers.
-fn without_those_left_over<const D: usize>(mesh: &Mesh<D>, cells: &mut [u32]) -> Vec<[f64; D]> {
-    let mut stays = vec![true; mesh.node_count()];
-    mesh.cells.iter().for_each(|node| stays[*node as usize] = false);
-    cells.iter().for_each(|node| stays[*node as usize] = true);
-    let mut numbers = Vec::with_capacity(stays.len());
-    let mut nodes = Vec::with_capacity(stays.len());
-    for (position, stays) in mesh.nodes.iter().zip(stays) {
-        numbers.push(nodes.len() as u32);
-        if stays {
-            nodes.push(*position);
-        }
-    }
-    cells.iter_mut().for_each(|node| *node = numbers[*node as usize]);
-    nodes
 }
 
 compiled_here!(BisectedMesh::<D>::coarsened);

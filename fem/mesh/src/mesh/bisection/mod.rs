@@ -4,17 +4,16 @@ mod closure;
 mod coarsening;
 mod edge_nodes;
 mod marked_edges;
-mod nesting;
 mod refinement;
 
 use std::sync::Arc;
 
-use super::{Mesh, MeshError, Surface};
+use super::{Mesh, MeshError, Nesting, Surface};
 use crate::compiled_here;
 use crate::element::CellShape;
 use marked_edges::{MarkedEdges, Part};
 
-pub use nesting::Nesting;
+pub(super) use refinement::step_of_bisection;
 
 /// A conforming mesh of triangles or tetrahedra, with what its refinement and coarsening by bisection go by.
 ///
@@ -78,6 +77,7 @@ impl<const D: usize> BisectedMesh<D> {
     #[inline(never)]
     fn of(mesh: Arc<Mesh<D>>) -> Result<Self, MeshError> {
         mesh.without_rigid_surfaces("bisection")?;
+        mesh.without_facet_parts("bisection")?;
         if let Some(shape) = mesh.shapes().into_iter().find(|shape| !shape.is_simplex()) {
             return Err(MeshError::NotSimplices { feature: "bisection", shape });
         }
@@ -143,20 +143,8 @@ impl<const D: usize> BisectedMesh<D> {
         marked: &[u32],
         surfaces: &[Surface<'_, D>],
     ) -> Result<(Self, Nesting<D>), MeshError> {
-        let closed = closure::Closure::of(self, &self.marked(marked)?)?;
+        let closed = closure::Closure::of(self, &self.mesh.marked_cells(marked)?)?;
         refinement::from_closure(self, closed, surfaces)
-    }
-
-    /// The marked cells in ascending order, each once.
-    fn marked(&self, cells: &[u32]) -> Result<Vec<u32>, MeshError> {
-        let count = self.mesh.cell_count();
-        if let Some(&cell) = cells.iter().find(|cell| **cell as usize >= count) {
-            return Err(MeshError::MarkedCell { cell, count });
-        }
-        let mut cells = cells.to_vec();
-        cells.sort_unstable();
-        cells.dedup();
-        Ok(cells)
     }
 }
 

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::closure::Closure;
 use super::marked_edges::{MarkedEdges, Part};
-use super::nesting::{Nesting, Parts, step};
 use super::{BisectedMesh, Bisection, Origin, opposite, simplex};
+use crate::element::CellShape;
+use crate::mesh::nesting::{Nesting, Parts};
 use crate::mesh::{Facet, Mesh, MeshError, Surface};
 
 /// The facet inside the coarse cell.
@@ -24,6 +25,18 @@ struct Leaves<const D: usize> {
     path: Vec<u8>,
 }
 
+/// A step of a nesting: the part that the division of an edge gives.
+pub(super) fn step(edge: usize, part: Part) -> u8 {
+    2 * edge as u8 + u8::from(part == Part::KeepsSecond)
+}
+
+/// The vertex that a step of a nesting replaces, and the ends of the edge in whose middle the new one lies.
+pub(in crate::mesh) fn step_of_bisection(shape: CellShape, step: u8) -> (usize, [usize; 2]) {
+    let ends = shape.edges()[usize::from(step / 2)];
+    let [_, new] = Part::BOTH[usize::from(step % 2)].kept_and_new(ends);
+    (new, ends)
+}
+
 pub(super) fn from_closure<const D: usize>(
     coarse: &BisectedMesh<D>,
     mut closed: Closure<D>,
@@ -37,7 +50,7 @@ pub(super) fn from_closure<const D: usize>(
         origins: Vec::new(),
         bisections: coarse.bisections.clone(),
         facets: Vec::new(),
-        parts: Parts::default(),
+        parts: Parts::new(shape),
         path: Vec::new(),
     };
     for cell in 0..old.cell_count() {

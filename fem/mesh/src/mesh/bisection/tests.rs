@@ -8,52 +8,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use shapes::{least_angle, similarity_class};
 
 use super::*;
-use crate::mesh::measures::{close, surface, volume};
-use crate::mesh::{INTERIOR, annulus, ball, cuboid, onto_sphere, rectangle, structured};
-
-/// Random numbers below a bound: SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) % bound as u64) as usize
-    }
-
-    /// Some cells, most of them near each other.
-    fn marking(&mut self, count: usize) -> Vec<u32> {
-        let (first, number) = (self.below(count), 1 + self.below(4));
-        let mut cells: Vec<u32> = (0..number).map(|_| ((first + self.below(6)) % count) as u32).collect();
-        cells.extend((self.below(3) == 0).then_some((count - 1 - first) as u32));
-        cells
-    }
-}
-
-/// How many markings: all with FORMS_SWEEPS.
-fn markings(in_sweeps: usize, as_a_rule: usize) -> usize {
-    if std::env::var_os("FORMS_SWEEPS").is_some() { in_sweeps } else { as_a_rule }
-}
-
-/// Regions of the first mesh with their measures.
-fn measures<const D: usize>(mesh: &Mesh<D>) -> Result<BTreeMap<String, [f64; 2]>, MeshError> {
-    let mut found = BTreeMap::new();
-    for name in mesh.facet_region_names().chain(mesh.interior_facet_region_names()) {
-        if name != INTERIOR {
-            let (area, flux) = surface(mesh, name)?;
-            found.insert(name.to_owned(), [area, flux]);
-        }
-    }
-    for name in mesh.cell_region_names() {
-        let cells =
-            mesh.cell_region(name)?.iter().flat_map(|cell| mesh.cell(*cell as usize).to_vec()).collect();
-        let alone = Mesh::of_sound_cells(mesh.degree, mesh.nodes.clone(), vec![(simplex::<D>(), cells)])?;
-        found.insert(name.to_owned(), [volume(&alone), 0.0]);
-    }
-    Ok(found)
-}
+use crate::mesh::measures::{check_nesting, close, measures, volume};
+use crate::mesh::random_markings::{Random, markings};
+use crate::mesh::{annulus, ball, cuboid, onto_sphere, rectangle, structured};
 
 /// That a mesh is sound and conforming, and covers what the first one did, with the same regions.
 fn check<const D: usize>(mesh: &Mesh<D>, first: &BTreeMap<String, [f64; 2]>) -> Result<(), MeshError> {
@@ -70,26 +27,6 @@ fn check<const D: usize>(mesh: &Mesh<D>, first: &BTreeMap<String, [f64; 2]>) -> 
     mesh.cells.iter().for_each(|node| used[*node as usize] = true);
     assert!(used.iter().all(|used| *used));
     Ok(())
-}
-
-/// That the parts of cells lie where the nesting says.
-fn check_nesting<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>, nesting: &Nesting<D>) {
-    assert_eq!(nesting.coarse_cell_count(), coarse.cell_count());
-    assert_eq!(nesting.fine_cell_count(), fine.cell_count());
-    for cell in 0..fine.cell_count() {
-        let parent = nesting.coarse_cell(cell);
-        assert!(nesting.fine_cells(parent).contains(&cell));
-        for point in [[0.0; D], [0.25; D], std::array::from_fn(|k| if k == 0 { 0.5 } else { 0.125 })] {
-            let here = fine.map(cell, &point).0;
-            let there = coarse.map(parent, &nesting.to_coarse(cell, &point)).0;
-            here.iter().zip(&there).for_each(|(x, y)| close(*x, *y, 1e-13));
-        }
-        let volume = 0.5_f64.powi(nesting.bisections(cell) as i32);
-        let vertices = nesting.vertices(cell);
-        let edges: [[f64; D]; D] =
-            std::array::from_fn(|j| std::array::from_fn(|i| vertices[j + 1][i] - vertices[0][i]));
-        assert_eq!(crate::mesh::geometry::determinant(&edges), volume);
-    }
 }
 
 /// Triangles of many shapes: none is alike.
@@ -251,7 +188,7 @@ fn markings_of_nothing_and_of_what_is_not_there() -> Result<(), MeshError> {
     let (same, nesting) = mesh.refined(&[])?;
     assert_eq!((same.mesh.nodes(), same.mesh.cells()), (mesh.mesh.nodes(), mesh.mesh.cells()));
     assert_eq!(same.marks, mesh.marks);
-    assert!((0..12).all(|cell| nesting.coarse_cell(cell) == cell && nesting.bisections(cell) == 0));
+    assert!((0..12).all(|cell| nesting.coarse_cell(cell) == cell && nesting.divisions(cell) == 0));
     // In whatever order, and twice.
     let sorted = mesh.refined(&[2, 5, 7])?.0;
     let given = mesh.refined(&[7, 2, 7, 5])?.0;

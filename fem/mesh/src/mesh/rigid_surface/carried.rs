@@ -102,6 +102,7 @@ impl<const D: usize> Mesh<D> {
             mesh.check_name(&carried.name, "cell", false)?;
             mesh.cell_regions.insert(carried.name.clone(), vec![carried.cell]);
         }
+        mesh.parts = self.parts.clone();
         mesh.rigid = rigid;
         Ok(mesh)
     }

@@ -28,7 +28,7 @@ fn there_and_back<const D: usize>(first: &Mesh<D>, [cells, markings]: [usize; 2]
             let (coarse, nesting) = mesh.coarsened(&marked)?;
             check_nesting(&coarse.mesh, &mesh.mesh, &nesting);
             for cell in (0..before).filter(|cell| marked.binary_search(&(*cell as u32)).is_err()) {
-                assert_eq!(nesting.bisections(cell), 0);
+                assert_eq!(nesting.divisions(cell), 0);
             }
             undone += before - coarse.mesh.cell_count();
             mesh = coarse;
