@@ -98,9 +98,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     out.line(format!("{} unknowns", space.unknowns()));
 
     let (mut ways, mut upward, mut along) = (vec![], vec![], vec![]);
-    let solve = |way: f64, before: &Field<2>| -> Result<Field<2>, Box<dyn Error>> {
-        let problem = problem(&space, before, way)?;
-        let solved = problem.direct()?.start(before).solve()?;
+    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Box<dyn Error>> {
+        let way = step.factor;
+        let problem = problem(&space, step.before, way)?;
+        let solved = problem.direct()?.increment(step).solve()?;
         let force = solved.reaction("foundation bottom")?;
         out.line(format!(
             "way {way:.3}: {:2} Newton steps, force {:8.3} down, {:8.3} along [N/mm]",
@@ -116,7 +117,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let steps = (1..=pressing).map(|step| step as f64 / pressing as f64);
     let steps = steps.chain((1..=sliding).map(|step| 1.0 + 0.2 * step as f64 / ALONG));
     let path =
-        LoadSteps::through(steps).run(Field::zero(&space), solve).map_err(|error| error.to_string())?;
+        LoadSteps::through(steps).advance(Field::zero(&space), solve).map_err(|error| error.to_string())?;
 
     LinePlot::new()
         .x_axis("way of the block: down to 1, then along", Scale::Linear)
