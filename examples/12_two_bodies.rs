@@ -37,7 +37,7 @@ const DOWN: f64 = 1.0;
 const ALONG: f64 = 10.0;
 
 /// A foundation of 12 × 4 mm, and a block with an arc for its lower side; the benchmark's mesh at a fineness of 4.
-fn mesh(fineness: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
+pub fn mesh(fineness: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
     let cells = [30 * fineness, 15 * fineness / 2];
     let foundation = rectangle([0.0; 2], [12.0, 4.0], cells, CellShape::Quadrilateral, 1)?;
     let block = structured([3 * fineness, 3 * fineness / 2], CellShape::Quadrilateral, 1, |[s, t]| {
@@ -72,7 +72,7 @@ fn data(before: &Field<2>) -> law::Data<2> {
 }
 
 /// The problem with the block's top at a place on its way, the slip counted from the state before.
-fn problem(
+pub fn problem(
     space: &Arc<Space<2>>,
     before: &Field<2>,
     way: f64,

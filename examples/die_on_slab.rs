@@ -121,7 +121,9 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let solve = |step: &Increment<'_, Field<3>>| -> Result<Field<3>, Box<dyn Error>> {
         let way = step.factor;
         let problem = problem(&space, &touch, step.before, way)?;
-        let solved = problem.direct()?.increment(step).solve()?;
+        let mut iterations = 0;
+        let count = |newton: &NewtonStep| iterations += usize::from(newton.iteration > 0);
+        let solved = problem.direct()?.increment(step).each_step(count).solve()?;
         let [held, base] = [solved.reaction("die")?, solved.reaction("bottom")?];
         let size = held[2].abs();
         let unbalanced = [0, 2].map(|axis| (held[axis] + base[axis]).abs() / size);
@@ -136,7 +138,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
             pressed.along,
             pressed.along / pressed.down,
             unbalanced,
-            solved.iterations()
+            iterations
         ));
         frames.write(way, &VtuFile::new(&mesh).point_data("displacement", solved.field())?)?;
         forces.push(pressed);
@@ -144,7 +146,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let ways = (1..=pressing).map(|step| DOWN * step as f64 / pressing as f64);
     let ways = ways.chain((1..=sliding).map(|step| DOWN + ALONG * step as f64 / sliding as f64));
-    let path = LoadSteps::through(ways).advance(start, solve).map_err(|error| error.to_string())?;
+    let path = LoadSteps::through(ways)
+        .starting_steps_from(scratch())
+        .advance(start, solve)
+        .map_err(|error| error.to_string())?;
 
     draw(&path.state, along, DOWN + ALONG, "out/die_on_slab.png")?;
     let column = |value: fn(&Pressed) -> f64| forces.iter().map(value).collect::<Vec<_>>();
@@ -158,6 +163,13 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+fn scratch() -> forms_fem::solve::StepStart {
+    if std::env::var_os("LAST").is_some() {
+        forms_fem::solve::StepStart::LastState
+    } else {
+        forms_fem::solve::StepStart::Secant
+    }
+}
 fn main() -> ExitCode {
     program(run)
 }

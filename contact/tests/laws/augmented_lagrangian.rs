@@ -71,3 +71,45 @@ fn tangents_pass_their_taylor_test() {
     check(&plane_block(4));
     check(&solid_block());
 }
+
+#[test]
+fn scratch_restart() {
+    let block = plane_block(4);
+    for degree in [0usize, 1] {
+        let multipliers = if degree == 0 {
+            Space::discontinuous_vector_on_facets(&block.mesh, "bottom", 0).unwrap()
+        } else {
+            Space::vector_on_facets(&block.mesh, "bottom", 1).unwrap()
+        };
+        for friction in [Friction::Coulomb(0.0), Friction::Coulomb(0.3), Friction::Tresca(0.5)] {
+            for gamma0 in [YOUNG, 20.0 * YOUNG] {
+                for aside in [0.0, 0.003] {
+                    let form = model(data(friction, 0.0, gamma0)).direct();
+                    let mut constraints = Constraints::new(&block.space);
+                    constraints.fix("top", |_| [aside, -0.01]).unwrap();
+                    let assembler = Assembler::new(&block.mesh).with_quadrature(Quadrature::Degree(4));
+                    let options =
+                        NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
+                    let mut problem = Problem::new(&form, [&block.space, &multipliers])
+                        .assembler(&assembler)
+                        .constrained(&constraints)
+                        .options(options.clone());
+                    let label = format!("degree {degree}, {friction:?}, {gamma0}, {aside}");
+                    let solved = problem.solve().unwrap();
+                    let zero = Field::zero(&multipliers);
+                    let mut problem = Problem::new(&form, [&block.space, &multipliers])
+                        .assembler(&assembler)
+                        .constrained(&constraints)
+                        .options(options.clone())
+                        .start([&solved.fields[0], &zero]);
+                    match problem.solve() {
+                        Ok(again) => {
+                            println!("{label}: {} then {} steps", solved.iterations(), again.iterations())
+                        }
+                        Err(error) => println!("{label}: {} then {error:?}", solved.iterations()),
+                    }
+                }
+            }
+        }
+    }
+}

@@ -210,21 +210,20 @@ impl<const D: usize> Follower<'_, D> {
                 true => after.to_vec(),
                 false => before.iter().zip(after).map(between).collect(),
             };
-            let pairs = known.find(
-                mesh,
-                pairing,
-                quadrature,
-                degree,
-                Some(&displacement(space, &values)),
-                threads,
-            )?;
+            let found = |values: &[f64]| {
+                known.find(mesh, pairing, quadrature, degree, Some(&displacement(space, values)), threads)
+            };
+            let place = |facets: &[Facet; 2], reference: &[f64; D]| {
+                (mesh.map(facets[0].cell as usize, reference).0.to_vec(), visible.between(facets))
+            };
+            let pairs = found(&values)?;
             if let Some((facets, depth, reference)) = too_deep(&pairs, &visible) {
-                return Err(PairError::Tunnelling {
-                    position: mesh.map(facets[0].cell as usize, &reference).0.to_vec(),
-                    depth,
-                    visible: visible.between(&facets),
-                    part,
-                });
+                if let Some((facets, depth, reference)) = too_deep(&*found(before)?, &visible) {
+                    let (position, visible) = place(&facets, &reference);
+                    return Err(PairError::Inside { position, depth, visible });
+                }
+                let (position, visible) = place(&facets, &reference);
+                return Err(PairError::Tunnelling { position, depth, visible, part });
             }
             deepest_overlap = deepest_overlap.max(pairs.report.deepest_overlap);
         }

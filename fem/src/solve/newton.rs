@@ -4,6 +4,7 @@ mod active_points;
 mod condensed;
 mod convergence;
 mod cycles;
+mod imposed;
 mod line_search;
 mod report;
 mod tangent;
@@ -221,9 +222,15 @@ impl Iteration<'_> {
         guess: Option<Vec<f64>>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
+        let given = self.u.clone();
         elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
         let linear_part = share_linear_part(problem, &mut elimination, solver)?;
         let mut residuals = Residuals::at(problem, &elimination, &self.u)?;
+        if !norm(&residuals.reduced).is_finite()
+            && let Some(found) = self.impose_by_tangent(problem, &mut elimination, &given, solver)?
+        {
+            residuals = found;
+        }
         self.enter(problem, &elimination, &residuals, Step::default(), None)?;
         if let Some(linear_part) = &linear_part
             && !self.is_finished(problem, &elimination, &residuals)?

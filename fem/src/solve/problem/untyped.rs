@@ -148,6 +148,9 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
                 error.why = NewtonFailure::LinearSolver(named);
             }
             error.notes = self.lost_pairs(&error.u);
+            if matches!(error.why, NewtonFailure::NotFinite) {
+                error.notes.extend(self.place_without_a_number(&error.u));
+            }
             error
         })?;
         Ok((found.u, found.residual, found.history))
