@@ -146,10 +146,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let ways = (1..=pressing).map(|step| DOWN * step as f64 / pressing as f64);
     let ways = ways.chain((1..=sliding).map(|step| DOWN + ALONG * step as f64 / sliding as f64));
-    let path = LoadSteps::through(ways)
-        .starting_steps_from(scratch())
-        .advance(start, solve)
-        .map_err(|error| error.to_string())?;
+    let path = LoadSteps::through(ways).advance(start, solve).map_err(|error| error.to_string())?;
 
     draw(&path.state, along, DOWN + ALONG, "out/die_on_slab.png")?;
     let column = |value: fn(&Pressed) -> f64| forces.iter().map(value).collect::<Vec<_>>();
@@ -163,13 +160,6 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn scratch() -> forms_fem::solve::StepStart {
-    if std::env::var_os("LAST").is_some() {
-        forms_fem::solve::StepStart::LastState
-    } else {
-        forms_fem::solve::StepStart::Secant
-    }
-}
 fn main() -> ExitCode {
     program(run)
 }

@@ -224,10 +224,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         walls.push(pressed.wall);
         Ok(u)
     };
-    let path = LoadSteps::uniform(steps, WAY)
-        .starting_steps_from(scratch())
-        .advance(start, solve)
-        .map_err(|error| error.to_string())?;
+    let path = LoadSteps::uniform(steps, WAY).advance(start, solve).map_err(|error| error.to_string())?;
     // The rule's error is largest where the walls meet.
     if (work / stored - 1.0).abs() > 40.0 / (steps * steps) as f64 + 1e-3 {
         return Err(format!("the tools do the work {work}, and the rubber stores {stored}").into());
@@ -242,13 +239,6 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn scratch() -> forms_fem::solve::StepStart {
-    if std::env::var_os("LAST").is_some() {
-        forms_fem::solve::StepStart::LastState
-    } else {
-        forms_fem::solve::StepStart::Secant
-    }
-}
 fn main() -> ExitCode {
     program(run)
 }

@@ -61,7 +61,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let ways = (1..=pressing).map(|step| step as f64 / pressing as f64);
     let ways = ways.chain((1..=sliding).map(|step| 1.0 + 0.02 * step as f64));
-    let path = LoadSteps::through(ways).starting_steps_from(scratch()).advance(Field::zero(&space), solve);
+    let path = LoadSteps::through(ways).advance(Field::zero(&space), solve);
     let path = path.map_err(|error| error.to_string())?;
 
     let getfem: Run = serde_json::from_str(include_str!("../tests/getfem/shallow_ironing.json"))?;
@@ -106,13 +106,6 @@ fn draw(ours: &[Forces], getfem: &[Forces]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn scratch() -> forms_fem::solve::StepStart {
-    if std::env::var_os("LAST").is_some() {
-        forms_fem::solve::StepStart::LastState
-    } else {
-        forms_fem::solve::StepStart::Secant
-    }
-}
 fn main() -> ExitCode {
     program(run)
 }

@@ -80,7 +80,7 @@ fn starts(start_of_steps: StepStart, factors: &[f64]) -> Result<Vec<f64>, String
     let mut starts = vec![];
     let steps = LoadSteps::through(factors.iter().copied()).starting_steps_from(start_of_steps);
     let solve = |step: &Increment<'_, f64>| -> Result<f64, String> {
-        assert_eq!(step.predicted().is_some(), starts.len() > 0 && start_of_steps == StepStart::Secant);
+        assert_eq!(step.predicted().is_some(), !starts.is_empty() && start_of_steps == StepStart::Secant);
         assert_eq!(*step.before, 2.0 * step.from);
         starts.push(*step.start());
         Ok(2.0 * step.factor)
@@ -109,6 +109,6 @@ fn what_does_not_belong_together_has_no_secant() -> Outcome {
     let (linear, quadratic) = (linear?, quadratic?);
     assert!(linear.beyond(&quadratic, 1.0).is_none());
     assert!([linear.clone(), quadratic.clone()].beyond(&[linear.clone(), quadratic], 1.0).is_some());
-    assert!(1.0.beyond(&0.0, f64::NAN).is_none());
+    assert!(1.0_f64.beyond(&0.0, f64::NAN).is_none());
     Ok(())
 }
