@@ -93,6 +93,14 @@ pub trait NonlinearProblem {
         Ok(self.tangent(u)?.balancing_forces(amplitudes))
     }
 
+    /// The sum of a vector of which each process has a part, as where its tangent is of its own cells alone.
+    ///
+    /// # Errors
+    /// If another process fails.
+    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, Self::Error> {
+        Ok(own)
+    }
+
     /// The size of the terms that are added up in each entry of R(u) \[unit of R\], if the problem knows it. They may be large
     /// where u is zero, as the stresses of a body that was deformed for good.
     ///

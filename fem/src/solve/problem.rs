@@ -268,6 +268,10 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
         self.untyped.balancing_forces(u, amplitudes)
     }
 
+    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
+        self.untyped.summed_up(own)
+    }
+
     fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         self.untyped.sizes_of_terms(u)
     }

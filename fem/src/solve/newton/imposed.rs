@@ -25,9 +25,10 @@ impl Iteration<'_> {
             return Ok(None);
         }
         let tangent = problem.tangent(given).map_err(NewtonFailure::Assembly)?;
-        add_scaled(&mut forces, 1.0, &tangent.matrix.multiply(&jump).map_err(NewtonFailure::Mismatch)?);
+        let change = tangent.matrix.multiply(&jump).map_err(NewtonFailure::Mismatch)?;
         let matrix = elimination.reduce_matrix(&tangent.matrix).map_err(NewtonFailure::Mismatch)?;
         drop(tangent);
+        add_scaled(&mut forces, 1.0, &problem.summed_up(change).map_err(NewtonFailure::Assembly)?);
         let load: Vec<f64> = elimination
             .reduce(&forces)
             .map_err(NewtonFailure::Mismatch)?
