@@ -37,7 +37,7 @@ const DOWN: f64 = 1.0;
 const ALONG: f64 = 10.0;
 
 /// A foundation of 12 × 4 mm, and a block with an arc for its lower side; the benchmark's mesh at a fineness of 4.
-fn mesh(fineness: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
+pub fn mesh(fineness: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
     let cells = [30 * fineness, 15 * fineness / 2];
     let foundation = rectangle([0.0; 2], [12.0, 4.0], cells, CellShape::Quadrilateral, 1)?;
     let block = structured([3 * fineness, 3 * fineness / 2], CellShape::Quadrilateral, 1, |[s, t]| {
@@ -72,7 +72,7 @@ fn data(before: &Field<2>) -> law::Data<2> {
 }
 
 /// The problem with the block's top at a place on its way, the slip counted from the state before.
-fn problem(
+pub fn problem(
     space: &Arc<Space<2>>,
     before: &Field<2>,
     way: f64,
@@ -98,9 +98,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     out.line(format!("{} unknowns", space.unknowns()));
 
     let (mut ways, mut upward, mut along) = (vec![], vec![], vec![]);
-    let solve = |way: f64, before: &Field<2>| -> Result<Field<2>, Box<dyn Error>> {
-        let problem = problem(&space, before, way)?;
-        let solved = problem.direct()?.start(before).solve()?;
+    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Box<dyn Error>> {
+        let way = step.factor;
+        let problem = problem(&space, step.before, way)?;
+        let solved = problem.direct()?.increment(step).solve()?;
         let force = solved.reaction("foundation bottom")?;
         out.line(format!(
             "way {way:.3}: {:2} Newton steps, force {:8.3} down, {:8.3} along [N/mm]",
@@ -116,7 +117,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let steps = (1..=pressing).map(|step| step as f64 / pressing as f64);
     let steps = steps.chain((1..=sliding).map(|step| 1.0 + 0.2 * step as f64 / ALONG));
     let path =
-        LoadSteps::through(steps).run(Field::zero(&space), solve).map_err(|error| error.to_string())?;
+        LoadSteps::through(steps).advance(Field::zero(&space), solve).map_err(|error| error.to_string())?;
 
     LinePlot::new()
         .x_axis("way of the block: down to 1, then along", Scale::Linear)

@@ -110,7 +110,6 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mesh = Arc::new(slab.with_rigid_surfaces(&[("die", &die()?)])?);
     let space = Space::vector(&mesh, 1)?;
     let touch = Pairing::onto("top", "die").within_reach(REACH);
-    let follower = Assembler::new(&mesh);
     out.line(format!("{} unknowns", space.unknowns()));
     out.line("| way [mm] | down [N] | along [N] | along / down | unbalanced | Newton steps |");
     out.line("| --: | --: | --: | --: | --: | --: |");
@@ -119,10 +118,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mut frames = VtuSeries::new("out/die_on_slab.pvd")?;
     frames.write(0.0, &VtuFile::new(&mesh).point_data("displacement", &start)?)?;
     let mut forces = vec![Pressed::default()];
-    let solve = |way: f64, before: &Field<3>| -> Result<Field<3>, Box<dyn Error>> {
-        let problem = problem(&space, &touch, before, way)?;
-        let solved = problem.direct()?.start(before).solve()?;
-        follower.follow(&touch, DEGREE, before, solved.field())?;
+    let solve = |step: &Increment<'_, Field<3>>| -> Result<Field<3>, Box<dyn Error>> {
+        let way = step.factor;
+        let problem = problem(&space, &touch, step.before, way)?;
+        let mut iterations = 0;
+        let count = |newton: &NewtonStep| iterations += usize::from(newton.iteration > 0);
+        let solved = problem.direct()?.increment(step).each_step(count).solve()?;
         let [held, base] = [solved.reaction("die")?, solved.reaction("bottom")?];
         let size = held[2].abs();
         let unbalanced = [0, 2].map(|axis| (held[axis] + base[axis]).abs() / size);
@@ -137,7 +138,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
             pressed.along,
             pressed.along / pressed.down,
             unbalanced,
-            solved.iterations()
+            iterations
         ));
         frames.write(way, &VtuFile::new(&mesh).point_data("displacement", solved.field())?)?;
         forces.push(pressed);
@@ -145,7 +146,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     };
     let ways = (1..=pressing).map(|step| DOWN * step as f64 / pressing as f64);
     let ways = ways.chain((1..=sliding).map(|step| DOWN + ALONG * step as f64 / sliding as f64));
-    let path = LoadSteps::through(ways).run(start, solve).map_err(|error| error.to_string())?;
+    let path = LoadSteps::through(ways).advance(start, solve).map_err(|error| error.to_string())?;
 
     draw(&path.state, along, DOWN + ALONG, "out/die_on_slab.png")?;
     let column = |value: fn(&Pressed) -> f64| forces.iter().map(value).collect::<Vec<_>>();

@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 14] = [
+const MAKERS: [Maker; 15] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -81,6 +81,13 @@ const MAKERS: [Maker; 14] = [
             ("out/adaptive/adaptive_l_shape_mesh.png", "adaptive_l_shape_mesh.png"),
             ("out/adaptive/adaptive_contact.png", "adaptive_contact.png"),
             ("out/adaptive/adaptive_contact_mesh.png", "adaptive_contact_mesh.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "shallow_ironing"],
+        pictures: &[
+            ("out/shallow_ironing.png", "shallow_ironing.png"),
+            ("out/shallow_ironing_forces.png", "shallow_ironing_forces.png"),
         ],
     },
     Maker {

@@ -127,13 +127,9 @@ impl Setting {
         })
     }
 
-    /// The ring with each tool moved by this way, from the state before, by Newton's method from a predicted one.
-    fn solve(
-        &self,
-        way: f64,
-        before: &Field<2>,
-        predicted: &Field<2>,
-    ) -> Result<(Field<2>, Pressed), Box<dyn Error>> {
+    /// The ring with each tool moved by the step's factor.
+    fn solve(&self, step: &Increment<'_, Field<2>>) -> Result<(Field<2>, Pressed), Box<dyn Error>> {
+        let way = step.factor;
         let mut constraints = Constraints::new(&self.space);
         constraints.fix_component("left", 0, |_| 0.0)?;
         constraints.fix_component("right", 0, |_| 0.0)?;
@@ -149,10 +145,10 @@ impl Setting {
         let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
         let form = model.balance();
         let problem = Problem::new(&form, &self.space).assembler(&self.assembler).options(options);
-        let solved = problem.constrained(&constraints).start(predicted).solve()?;
-        for pairing in [&self.tools, &self.walls] {
-            self.assembler.follow(pairing, DEGREE, before, solved.field())?;
-        }
+        let problem = problem.constrained(&constraints).increment(step);
+        let mut iterations = 0;
+        let count = |newton: &NewtonStep| iterations += usize::from(newton.iteration > 0);
+        let solved = problem.each_step(count).solve()?;
 
         let [above, below] = [solved.reaction("above")?, solved.reaction("below")?];
         // What the tools leave over stands on the node that is held.
@@ -164,7 +160,7 @@ impl Setting {
             wall: solved.functional(&model.wall_force(u))?,
             energy: 2.0 * solved.functional(&model.stored_energy(u))?,
             unbalanced,
-            iterations: solved.iterations(),
+            iterations,
         };
         Ok((solved.into_field(), pressed))
     }
@@ -203,22 +199,11 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     frames.write(0.0, &VtuFile::new(setting.space.mesh()).point_data("displacement", &start)?)?;
     let (mut way, mut work, mut stored) = (0.0, 0.0, 0.0);
     let (mut ways, mut tools, mut walls) = (vec![0.0], vec![0.0], vec![0.0]);
-    let mut earlier: Option<(f64, Field<2>)> = None;
-    let solve = |aim: f64, before: &Field<2>| -> Result<Field<2>, Box<dyn Error>> {
-        // On the secant through the last two states.
-        let predicted = match &earlier {
-            None => before.clone(),
-            Some((at, state)) => {
-                let part = (aim - way) / (way - at);
-                let values = before.values().iter().zip(state.values()).map(|(u, old)| u + part * (u - old));
-                Field::from_values(&setting.space, values.collect())?
-            }
-        };
-        let (u, pressed) = setting.solve(aim, before, &predicted)?;
+    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Box<dyn Error>> {
+        let (u, pressed) = setting.solve(step)?;
         if pressed.unbalanced > 1e-10 {
             return Err(format!("the tools' forces differ by {:.1e} of them", pressed.unbalanced).into());
         }
-        earlier = Some((way, before.clone()));
         // Two tools, by the trapezoidal rule.
         work += (pressed.tool + tools.last().copied().unwrap_or(0.0)) * (pressed.way - way);
         (way, stored) = (pressed.way, pressed.energy);
@@ -239,7 +224,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         walls.push(pressed.wall);
         Ok(u)
     };
-    let path = LoadSteps::uniform(steps, WAY).run(start, solve).map_err(|error| error.to_string())?;
+    let path = LoadSteps::uniform(steps, WAY).advance(start, solve).map_err(|error| error.to_string())?;
     // The rule's error is largest where the walls meet.
     if (work / stored - 1.0).abs() > 40.0 / (steps * steps) as f64 + 1e-3 {
         return Err(format!("the tools do the work {work}, and the rubber stores {stored}").into());

@@ -95,7 +95,8 @@ where
     out.line("| depth [mm] | force | Newton steps |");
     out.line("| --: | --: | --: |");
     let (mut depths, mut forces) = (vec![0.0], vec![0.0]);
-    let solve = |depth: f64, before: &Field<D>| -> Result<Field<D>, Box<dyn Error>> {
+    let solve = |step: &Increment<'_, Field<D>>| -> Result<Field<D>, Box<dyn Error>> {
+        let depth = step.factor;
         let mut constraints = Constraints::new(&space);
         constraints.fix("bottom", |_| [0.0; D])?;
         for (side, axis) in symmetric {
@@ -107,14 +108,14 @@ where
         let data = Data {
             share: 1.0,
             friction: FRICTION,
-            displacement_before: Given::field(before),
+            displacement_before: Given::field(step.before),
             ..Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (40.0 * MU).into() }.into()
         };
         let touch = Pairing::onto("top", "punch").within_reach(0.2);
         let regions = law::Regions::default().touch(touch).gamma_n("bottom");
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
         let problem = ContactProblem::new(assembler, &space, law::Model { data, regions }, constraints)?;
-        let solved = problem.direct()?.start(before).solve()?;
+        let solved = problem.direct()?.increment(step).solve()?;
         let parts = f64::from(1_u32 << symmetric.len());
         let force = -parts * solved.reaction("punch")?[D - 1];
         out.line(format!("| {depth:.3} | {force:.5} | {} |", solved.iterations()));
@@ -122,7 +123,7 @@ where
         forces.push(force);
         Ok(solved.into_field())
     };
-    let path = LoadSteps::uniform(steps, DEPTH).run(Field::zero(&space), solve);
+    let path = LoadSteps::uniform(steps, DEPTH).advance(Field::zero(&space), solve);
     let u = path.map_err(|error| error.to_string())?.state;
     Ok(Pressed { u, depths, forces })
 }

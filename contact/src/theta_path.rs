@@ -68,7 +68,7 @@ where
         let count = steps.max(1);
         let thetas = (1..=count).map(|k| from + (to - from) * k as f64 / count as f64);
         let smallest_increment = (to - from).abs() / (1024.0 * count as f64);
-        let steps = LoadSteps { start: from, factors: thetas.collect(), smallest_increment };
+        let steps = LoadSteps { start: from, smallest_increment, ..LoadSteps::through(thetas) };
         let one = |theta: f64, before: &Field<D>| solve_at(theta, self.law.line_search(), before);
         steps.run(first, one).map_err(Box::new)
     }

@@ -177,6 +177,17 @@ fn rows(printed: &str) -> Vec<Vec<f64>> {
     printed.lines().filter_map(cells).collect()
 }
 
+/// The forces of ironing at the end of pressing beside GetFEM's, whose contact is another formulation on one of the surfaces.
+#[test]
+fn ironing_presses_as_in_getfem() {
+    let printed =
+        run_with(env!("CARGO_BIN_EXE_shallow_ironing"), &["1", "8", "1"], "shallow_ironing_forces.png");
+    let rows = rows(&printed);
+    let [way, down, their_down, along, their_along] = rows[rows.len() - 1][..] else { panic!("{printed}") };
+    assert_eq!(way, 1.0);
+    assert!((down / their_down - 1.0).abs() < 0.03 && (along / their_along - 1.0).abs() < 0.1, "{printed}");
+}
+
 /// At first the ring is a curved beam: P = δ E′I/R³ / (π k₁/4 − 2 k₂²/π), k₁ = 1 − α + β, k₂ = 1 − α, α = I/AR², β = 1.2 E′α/G (Roark,
 /// Formulas for Stress and Strain, table 9.2, case 1). Walls carry nothing until they meet, and then little less than the tools.
 /// Work, energy and balance are the program's own checks.

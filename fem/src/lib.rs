@@ -126,7 +126,7 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        CondensedSolver, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,
+        CondensedSolver, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,
         MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError, Solved,
         TangentSolver, TangentSolverOptions,
     };

@@ -71,3 +71,63 @@ fn tangents_pass_their_taylor_test() {
     check(&plane_block(4));
     check(&solid_block());
 }
+
+/// A solution's displacements with λ = 0: the gap is closed to rounding, whose sign says which points touch, and the method comes
+/// back to the same solution, stick, slip and lifted parts included.
+#[test]
+fn a_restart_without_the_multiplier_comes_back() {
+    let block = plane_block(4);
+    let spaces = [
+        Space::discontinuous_vector_on_facets(&block.mesh, "bottom", 0).unwrap(),
+        Space::vector_on_facets(&block.mesh, "bottom", 1).unwrap(),
+    ];
+    let mut constraints = Constraints::new(&block.space);
+    constraints.fix("top", |x| [0.003, -0.01 + 0.012 * (x[0] - 1.0)]).unwrap();
+    let assembler = Assembler::new(&block.mesh).with_quadrature(Quadrature::Degree(4));
+    for multipliers in &spaces {
+        for friction in [Friction::Coulomb(0.0), Friction::Coulomb(0.3), Friction::Tresca(0.5)] {
+            for gamma0 in [YOUNG, 20.0 * YOUNG] {
+                let form = model(data(friction, 0.0, gamma0)).direct();
+                let solved = |start: [&Field<2>; 2]| {
+                    let options =
+                        NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
+                    let mut problem = Problem::new(&form, [&block.space, multipliers])
+                        .assembler(&assembler)
+                        .constrained(&constraints)
+                        .options(options)
+                        .start(start);
+                    problem.solve().unwrap_or_else(|error| panic!("{friction:?}, {gamma0}: {error}"))
+                };
+                let zero = Field::zero(multipliers);
+                let first = solved([&Field::zero(&block.space), &zero]);
+                let again = solved([&first.fields[0], &zero]);
+                assert!(again.iterations() > 0);
+                for (first, again) in first.fields.iter().zip(&again.fields) {
+                    let size = first.values().iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+                    for (a, b) in first.values().iter().zip(again.values()) {
+                        assert!((a - b).abs() < 1e-8 * size, "{friction:?}, {gamma0}: {a} and {b}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Multipliers that are nodes of their own on both ends of a periodic base are more than the displacements there determine.
+#[test]
+fn multipliers_that_displacements_do_not_determine_are_named() {
+    let layer = &plane_layers(Inside::Alike)[0];
+    let multipliers = Space::vector_on_facets(&layer.mesh, "bottom", 1).unwrap();
+    let pressed = Field::interpolate(&multipliers, |_: &[f64; 2]| [0.0, 1.0]).unwrap();
+    let form = model(data(Friction::Coulomb(0.3), 0.0, YOUNG)).direct();
+    let constraints = layer.constraints(0.003, 0.01);
+    let error = Problem::new(&form, [&layer.space, &multipliers])
+        .assembler(Assembler::new(&layer.mesh).with_quadrature(Quadrature::Degree(4)))
+        .constrained(&constraints)
+        .start([&Field::zero(&layer.space), &pressed])
+        .solve()
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("singular: nothing determines component 0 of `multiplier` at ["), "{error}");
+    assert!(error.contains("or the spaces do not"), "{error}");
+}

@@ -13,7 +13,7 @@ const STIFFNESS: f64 = 1000.0;
 const STRENGTH: f64 = 2.0;
 const ENERGY: f64 = 0.04;
 const BEGIN: f64 = STRENGTH / STIFFNESS;
-const END: f64 = 2.0 * ENERGY / STRENGTH;
+pub const END: f64 = 2.0 * ENERGY / STRENGTH;
 const SLOPE: f64 = STRENGTH / (END - BEGIN);
 /// Stiffness of the layers of height 1 in all when stretched.
 const LAYERS: f64 = LAMBDA + 2.0 * MU;
@@ -27,7 +27,7 @@ fn pairings() -> [(Pairing, f64); 3] {
     ]
 }
 
-fn model<const D: usize>(assembler: &Assembler<D>, (pairing, share): &(Pairing, f64)) -> law::Model<D> {
+pub fn model<const D: usize>(assembler: &Assembler<D>, (pairing, share): &(Pairing, f64)) -> law::Model<D> {
     let largest_opening = assembler.history_on_pairs(pairing, 4, 0.0).unwrap();
     let data = law::Data {
         share: *share,
@@ -75,7 +75,7 @@ where
 }
 
 /// Opening and traction of layers whose ends are drawn apart by `length`, after the largest opening.
-fn torn(length: f64, largest: &mut f64) -> f64 {
+pub fn torn(length: f64, largest: &mut f64) -> f64 {
     if length <= 0.0 {
         return LAYERS * length;
     }

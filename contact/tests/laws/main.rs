@@ -3,6 +3,7 @@
 
 mod analytic_obstacle;
 mod augmented_lagrangian;
+mod bad_input;
 mod block;
 mod capsule;
 mod cattaneo;

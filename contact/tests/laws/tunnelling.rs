@@ -41,18 +41,16 @@ fn problem(space: &Arc<Space<2>>, way: f64) -> ContactProblem<2, law::Model<2>> 
     ContactProblem::new(assembler, space, law::Model { data, regions }, constraints).unwrap()
 }
 
-/// The force on the block and the displacement at the end of some load steps, each followed.
+/// The force on the block and the displacement at the end of some load steps, which follow the motion by themselves.
 fn thrown(space: &Arc<Space<2>>, steps: &LoadSteps) -> (f64, LoadPath<Field<2>>) {
-    let follower = Assembler::new(space.mesh());
     let mut force = 0.0;
-    let solve = |way: f64, before: &Field<2>| -> Result<Field<2>, Box<dyn std::error::Error>> {
-        let problem = problem(space, way);
-        let solved = problem.direct()?.start(before).solve()?;
-        follower.follow(&touch(), 4, before, solved.field())?;
+    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Box<dyn std::error::Error>> {
+        let problem = problem(space, step.factor);
+        let solved = problem.direct()?.increment(step).solve()?;
         force = -solved.reaction("block")?[1];
         Ok(solved.into_field())
     };
-    let path = steps.run(Field::zero(space), solve).unwrap();
+    let path = steps.advance(Field::zero(space), solve).unwrap();
     (force, path)
 }
 

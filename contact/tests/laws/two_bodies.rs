@@ -57,7 +57,7 @@ fn data<const D: usize>(friction: f64, theta: f64, share: f64) -> law::Data<D> {
     }
 }
 
-fn pairings() -> [(Pairing, f64); 3] {
+pub fn pairings() -> [(Pairing, f64); 3] {
     let (lower, upper) = ("lower top", "upper bottom");
     [
         (Pairing::between(lower, upper), 0.5),

@@ -66,6 +66,7 @@ pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
 pub(crate) use outline::Outline;
+pub(crate) use pair_reports::FoundPairs;
 pub use pair_reports::RegionPairs;
 pub use positive_parts::PositivePart;
 pub use sizes::{Counted, Fixed, Sizes};

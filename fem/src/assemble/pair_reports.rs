@@ -3,7 +3,9 @@
 use std::fmt;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Form, Integral, LinearKernel, LinearVisitor, Pairing, Requirements};
+use forms_core::contract::{
+    Entity, FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Pairing, Requirements, Role,
+};
 
 use super::binding::Binding;
 use super::pair_groups::degree_on_pairs;
@@ -41,11 +43,23 @@ impl<const D: usize> fmt::Display for RegionPairs<D> {
     }
 }
 
+/// The pairs of a form's region on surfaces that the same fields displace, and how they were found.
+pub(crate) struct FoundPairs<const D: usize> {
+    /// The region's number.
+    region: usize,
+    /// The fields that displace the surfaces.
+    displacement: Option<&'static [usize]>,
+    pairing: Option<Pairing>,
+    /// The rule's.
+    degree: usize,
+    pub report: RegionPairs<D>,
+}
+
 struct ReportVisitor<'a, 'b, const D: usize> {
     assembler: &'a Assembler<D>,
     binding: &'a Binding<'b, D>,
     degrees: Vec<usize>,
-    found: Vec<(usize, Option<&'static [usize]>, RegionPairs<D>)>,
+    found: Vec<FoundPairs<D>>,
 }
 
 impl<const D: usize> ReportVisitor<'_, '_, D> {
@@ -54,7 +68,8 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
     fn add(&mut self, integral: &Integral, requirements: &Requirements) -> Result<(), AssemblyError> {
         let (number, displacement) = (integral.region, integral.displacement);
         let region = &self.binding.regions[number];
-        let is_known = self.found.iter().any(|known| (known.0, known.1) == (number, displacement));
+        let is_known =
+            self.found.iter().any(|known| (known.region, known.displacement) == (number, displacement));
         if region.entity != Entity::Pairs || is_known {
             return Ok(());
         }
@@ -65,18 +80,19 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
             None => degree_on_pairs(self.binding.mesh, &estimate),
         };
         let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
-        let pairs = RegionPairs {
+        let report = RegionPairs {
             symbol: region.symbol,
             surfaces: region.name.clone(),
             displaced: displacement.is_some(),
             report: pairs.report,
         };
-        self.found.push((number, displacement, pairs));
+        let pairing = region.pairing.clone();
+        self.found.push(FoundPairs { region: number, displacement, pairing, degree, report });
         Ok(())
     }
 }
 
-compiled_here!(ReportVisitor::<D>::add, Assembler::<D>::follow);
+compiled_here!(ReportVisitor::<D>::add, Assembler::<D>::follow, Assembler::<D>::follow_found);
 
 impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
     type Error = AssemblyError;
@@ -94,7 +110,7 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
-    ) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
+    ) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
         if form.inputs().regions.iter().all(|region| region.entity != Entity::Pairs) {
             return Ok(vec![]);
         }
@@ -103,13 +119,42 @@ impl<const D: usize> Assembler<D> {
         let degrees = binding.degrees(tests);
         let mut visitor = ReportVisitor { assembler: self, binding: &binding, degrees, found: vec![] };
         form.residual(&mut visitor)?;
-        Ok(visitor.found.into_iter().map(|(_, _, pairs)| pairs).collect())
+        Ok(visitor.found)
+    }
+
+    /// Follows the motion of the surfaces of some found pairs, which one unknown displaces, from one state of all unknowns to
+    /// another ([`Assembler::follow`]). Surfaces that other fields displace stand still in a step.
+    #[inline(never)]
+    pub(crate) fn follow_found(
+        &self,
+        form: &'static str,
+        fields: &[FieldDescription],
+        found: &[FoundPairs<D>],
+        (before, after): (&[FieldView<D>], &[FieldView<D>]),
+    ) -> Result<(), AssemblyError> {
+        for pairs in found {
+            let (Some(pairing), Some(&[field])) = (&pairs.pairing, pairs.displacement) else { continue };
+            let Role::Unknown(unknown) = fields[field].role else { continue };
+            let ends = [before, after].map(|state| (&**state[unknown].space, state[unknown].values));
+            self.follower(pairing, pairs.degree).follow(ends[0].0, [ends[0].1, ends[1].1]).map_err(
+                |source| {
+                    let RegionPairs { symbol, surfaces, .. } = &pairs.report;
+                    AssemblyError::Pairs { form, symbol, pairing: surfaces.clone(), source }
+                },
+            )?;
+        }
+        Ok(())
+    }
+
+    fn follower<'a>(&'a self, pairing: &'a Pairing, degree: usize) -> Follower<'a, D> {
+        let Assembler { mesh, quadrature, threads, known_pairs, .. } = self;
+        Follower { mesh, pairing, quadrature, degree, known: known_pairs, threads: *threads }
     }
 
     /// The motion of a pairing's surfaces from one displacement to another, straight from one to the other, if no point of them passes
     /// through the opposite body. Newton's method knows the end of a step alone: a body that was thrown through another is in
-    /// balance, untouched. Asked for in the closure that [`LoadSteps::run`](crate::solve::LoadSteps::run) calls, a step that may have
-    /// done so is halved.
+    /// balance, untouched. [`Problem::increment`](crate::solve::Problem::increment) asks for it, so that
+    /// [`LoadSteps::advance`](crate::solve::LoadSteps::advance) halves a step that may have done so; others ask for it themselves.
     ///
     /// A point may lie behind the opposite surface by half of what contact can see there, which is the smaller of its reach and
     /// the opposite body's thickness. Rigid surfaces have no thickness.
@@ -129,8 +174,6 @@ impl<const D: usize> Assembler<D> {
         if !Arc::ptr_eq(before.space(), after.space()) {
             return Err(PairError::TwoSpaces);
         }
-        let Assembler { mesh, quadrature, threads, known_pairs, .. } = self;
-        let follower = Follower { mesh, pairing, quadrature, degree, known: known_pairs, threads: *threads };
-        follower.follow(before, after)
+        self.follower(pairing, degree).follow(after.space(), [before.values(), after.values()])
     }
 }

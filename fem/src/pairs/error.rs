@@ -151,6 +151,20 @@ pub enum PairError {
         /// The part of the way.
         part: f64,
     },
+    /// A point that lies that deep behind the opposite surface where the motion begins: one body, or a tool, is put into another.
+    #[error(
+        "before the step already the point at {position:?} lies {depth:e} behind the opposite surface, where contact sees {visible:e} \
+         deep: one body or tool begins inside the other. Put them apart, or let them approach until they touch \
+         (`Assembler::first_touch`)"
+    )]
+    Inside {
+        /// The point before it is displaced \[length\].
+        position: Vec<f64>,
+        /// Its depth behind the surface \[length\].
+        depth: f64,
+        /// The smaller of its reach and the opposite body's thickness \[length\].
+        visible: f64,
+    },
     /// Surfaces that move too far, from one displacement to another, to be followed.
     #[error(
         "the surfaces move relative to each other by up to {motion:e}, which is too far to be followed (at most {allowed:e}): take a \

@@ -13,7 +13,6 @@ use super::surface::{SurfaceFacet, dot, minus};
 use super::surfaces::Surfaces;
 use super::traces::Traces;
 use super::{Displacement, DisplacementField, KnownPairs, PairError, PairGroup, Pairs};
-use crate::field::Field;
 use crate::locate::BoxGrid;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::Quadrature;
@@ -176,8 +175,8 @@ pub(crate) struct Follower<'a, const D: usize> {
 }
 
 impl<const D: usize> Follower<'_, D> {
-    /// Follows the motion from one displacement of a space to another one.
-    pub fn follow(&self, before: &Field<D>, after: &Field<D>) -> Result<FollowedMotion<D>, PairError> {
+    /// Follows the motion from one displacement of a space to another one, both by their coefficients.
+    pub fn follow(&self, space: &Space<D>, ends: [&[f64]; 2]) -> Result<FollowedMotion<D>, PairError> {
         let Follower { mesh, pairing, quadrature, degree, known, threads } = *self;
         if pairing.surfaces.is_empty() {
             return Err(PairError::NoSurfaces);
@@ -185,9 +184,9 @@ impl<const D: usize> Follower<'_, D> {
         if let Some(reach) = pairing.reach.filter(|reach| !(*reach > 0.0 && reach.is_finite())) {
             return Err(PairError::Reach { reach });
         }
-        let space = after.space();
-        let surfaces = [before, after]
-            .map(|field| Surfaces::new(mesh, pairing, Some(&displacement(space, field.values())), threads));
+        let [before, after] = ends;
+        let surfaces =
+            ends.map(|values| Surfaces::new(mesh, pairing, Some(&displacement(space, values)), threads));
         let [first, last] = surfaces;
         let (first, last) = (first?, last?);
         let visible = Visible::of(mesh, pairing, &first);
@@ -208,24 +207,23 @@ impl<const D: usize> Follower<'_, D> {
             let part = place as f64 / places as f64;
             let between = |(before, after): (&f64, &f64)| before + part * (after - before);
             let values: Vec<f64> = match place == places {
-                true => after.values().to_vec(),
-                false => before.values().iter().zip(after.values()).map(between).collect(),
+                true => after.to_vec(),
+                false => before.iter().zip(after).map(between).collect(),
             };
-            let pairs = known.find(
-                mesh,
-                pairing,
-                quadrature,
-                degree,
-                Some(&displacement(space, &values)),
-                threads,
-            )?;
+            let found = |values: &[f64]| {
+                known.find(mesh, pairing, quadrature, degree, Some(&displacement(space, values)), threads)
+            };
+            let place = |facets: &[Facet; 2], reference: &[f64; D]| {
+                (mesh.map(facets[0].cell as usize, reference).0.to_vec(), visible.between(facets))
+            };
+            let pairs = found(&values)?;
             if let Some((facets, depth, reference)) = too_deep(&pairs, &visible) {
-                return Err(PairError::Tunnelling {
-                    position: mesh.map(facets[0].cell as usize, &reference).0.to_vec(),
-                    depth,
-                    visible: visible.between(&facets),
-                    part,
-                });
+                if let Some((facets, depth, reference)) = too_deep(&*found(before)?, &visible) {
+                    let (position, visible) = place(&facets, &reference);
+                    return Err(PairError::Inside { position, depth, visible });
+                }
+                let (position, visible) = place(&facets, &reference);
+                return Err(PairError::Tunnelling { position, depth, visible, part });
             }
             deepest_overlap = deepest_overlap.max(pairs.report.deepest_overlap);
         }

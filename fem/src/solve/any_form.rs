@@ -8,7 +8,7 @@ use forms_core::contract::{
     Dependence, FieldDescription, Form, Inputs, Integral, LinearKernel, LinearVisitor, Role,
 };
 
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Outline, Parts, RegionPairs};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, FoundPairs, Outline, Parts};
 use crate::field::FieldView;
 use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
@@ -33,7 +33,7 @@ pub(crate) trait AnyForm<const D: usize> {
         assembler: &Assembler<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
-    ) -> Result<Vec<RegionPairs<D>>, AssemblyError>;
+    ) -> Result<Vec<FoundPairs<D>>, AssemblyError>;
     /// See [`Assembler::residual_of`].
     fn residual(
         &self,
@@ -105,7 +105,7 @@ impl<F: Form<D>, const D: usize> AnyForm<D> for F {
         assembler: &Assembler<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
-    ) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
+    ) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
         assembler.pairs_of_form(self, unknowns, tests)
     }
 

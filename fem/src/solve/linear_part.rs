@@ -9,7 +9,9 @@ use forms_core::contract::Role;
 
 use super::any_form::Held;
 use super::rigid_loads::RigidLoads;
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, RegionPairs, TouchedEntries};
+use crate::assemble::{
+    Assembler, AssemblyError, BlockPattern, FoundPairs, Parts, RegionPairs, TouchedEntries,
+};
 use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::add_scaled;
@@ -126,7 +128,20 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
 
     /// The contact pairs at u, in numbers.
     pub fn pairs(&self, u: &[f64]) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
+        Ok(self.found_pairs(u)?.into_iter().map(|found| found.report).collect())
+    }
+
+    fn found_pairs(&self, u: &[f64]) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
         self.form.pairs(&self.assembler, &self.views(u)?, &self.spaces.each_ref())
+    }
+
+    /// Follows the motion of all pairs that an unknown displaces from one state to another; see [`Assembler::follow`].
+    pub fn follow_motion(&self, before: &[f64], after: &[f64]) -> Result<(), AssemblyError> {
+        if !self.slides() {
+            return Ok(());
+        }
+        let (found, ends) = (self.found_pairs(after)?, (self.views(before)?, self.views(after)?));
+        self.assembler.follow_found(self.form.name(), self.form.fields(), &found, (&ends.0, &ends.1))
     }
 
     /// Number of unknowns of all spaces.

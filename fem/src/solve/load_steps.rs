@@ -1,16 +1,21 @@
-//! Load stepping: a sequence of load factors, with steps that are halved where the solution fails.
+//! Load stepping: a sequence of load factors, with steps that begin on secants and are halved where the solution fails.
+
+mod increment;
 
 use std::error::Error;
 use std::fmt;
+
+use increment::Secant;
+pub use increment::{Extrapolate, Increment, StepStart};
 
 /// Load factors to be reached one after the other, and how a step that fails is repeated.
 ///
 /// A failed step is tried again with half its increment, down to a smallest one; after two successes in a row the
 /// increment doubles, until the factor asked for is reached. Factors may fall (unloading).
 ///
-/// A step in which a body was thrown through another has a solution, too. Where surfaces may meet, let the closure end with
-/// `assembler.follow(&pairing, degree, before, solved.field())?` ([`Assembler::follow`](crate::assemble::Assembler::follow)), which
-/// refuses such a step, so that it is halved.
+/// Fields take [`LoadSteps::advance`] with [`Problem::increment`](super::Problem::increment): Newton's method then begins on the secant
+/// through the last two states, and from the last one where it fails; and a step in which sliding pairs may have passed through each
+/// other, which has a solution, too, is refused, so that it is halved. [`LoadSteps::run`] is for any state.
 ///
 /// ```
 /// use forms_fem::solve::LoadSteps;
@@ -33,6 +38,8 @@ pub struct LoadSteps {
     pub factors: Vec<f64>,
     /// A step whose increment, in amount, is at most this is not halved: it fails for good.
     pub smallest_increment: f64,
+    /// Where [`LoadSteps::advance`] begins each step.
+    pub start_of_steps: StepStart,
 }
 
 /// One attempt.
@@ -117,7 +124,8 @@ impl LoadSteps {
     /// These factors, from 0 on. The smallest increment is 1/1024 of the largest one asked for.
     pub fn through(factors: impl IntoIterator<Item = f64>) -> Self {
         let factors: Vec<f64> = factors.into_iter().collect();
-        let mut steps = LoadSteps { start: 0.0, factors, smallest_increment: 0.0 };
+        let start_of_steps = StepStart::default();
+        let mut steps = LoadSteps { start: 0.0, factors, smallest_increment: 0.0, start_of_steps };
         let before = [steps.start].into_iter().chain(steps.factors.iter().copied());
         let increments = before.zip(&steps.factors).map(|(before, factor)| (factor - before).abs());
         steps.smallest_increment = SMALLEST * increments.fold(0.0, f64::max);
@@ -134,16 +142,56 @@ impl LoadSteps {
         LoadSteps { start, ..self }
     }
 
-    /// Goes through the factors. `solve(factor, state)` gives the state at a factor from the last one, or fails.
+    /// The same with another start of Newton's method in each step.
+    pub fn starting_steps_from(self, start_of_steps: StepStart) -> Self {
+        LoadSteps { start_of_steps, ..self }
+    }
+
+    /// Goes through the factors. `solve(increment)` gives the state at the increment's factor, or fails:
+    ///
+    /// ```no_run
+    /// # use forms_fem::prelude::*;
+    /// # #[forms(dimension = 2)]
+    /// # mod bar {
+    /// #     #[cells]
+    /// #     pub struct Omega;
+    /// #     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+    /// #         integral(Omega, (1 + inner(grad(u), grad(u))) * inner(grad(u), grad(v)))
+    /// #     }
+    /// # }
+    /// # fn pulled(space: &Arc<Space<2>>) -> Result<Field<2>, Box<dyn std::error::Error>> {
+    /// let form = bar::Model::default().balance();
+    /// let path = LoadSteps::uniform(10, 0.5).advance(Field::zero(space), |step| {
+    ///     let mut constraints = Constraints::new(space);
+    ///     constraints.fix("left", |_| [0.0; 2])?;
+    ///     constraints.fix("right", |_| [step.factor, 0.0])?;
+    ///     let solved = Problem::new(&form, space).constrained(&constraints).increment(step).solve()?;
+    ///     Ok::<_, Box<dyn std::error::Error>>(solved.into_field())
+    /// });
+    /// # Ok(path.map_err(|error| error.to_string())?.state)
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`LoadStepError`] with the reason and the last state that was reached.
+    pub fn advance<S: Extrapolate, E: fmt::Display>(
+        &self,
+        state: S,
+        solve: impl FnMut(&Increment<'_, S>) -> Result<S, E>,
+    ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
+        self.go_through(state, self.start_of_steps.rule(), solve, &mut |_| (), &mut |_| ())
+    }
+
+    /// Goes through the factors with any state. `solve(factor, state)` gives the state at a factor from the last one, or fails.
     ///
     /// # Errors
     /// [`LoadStepError`] with the reason and the last state that was reached.
     pub fn run<S, E: fmt::Display>(
         &self,
         state: S,
-        solve: impl FnMut(f64, &S) -> Result<S, E>,
+        mut solve: impl FnMut(f64, &S) -> Result<S, E>,
     ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
-        self.go_through(state, solve, &mut |_| (), &mut |_| ())
+        self.go_through(state, None, |step| solve(step.factor, step.before), &mut |_| (), &mut |_| ())
     }
 
     /// The same with something done at each success, before the next step: histories are committed there.
@@ -154,12 +202,14 @@ impl LoadSteps {
     fn go_through<S, E: fmt::Display>(
         &self,
         state: S,
-        mut solve: impl FnMut(f64, &S) -> Result<S, E>,
+        secant: Option<Secant<S>>,
+        mut solve: impl FnMut(&Increment<'_, S>) -> Result<S, E>,
         commit: &mut dyn FnMut(&S),
         progress: &mut dyn FnMut(&LoadStep),
     ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
         let mut path = LoadPath { state, steps: vec![] };
         let mut at = self.start;
+        let mut earlier: Option<(f64, S)> = None;
         for &target in &self.factors {
             let whole = target - at;
             let (mut halvings, mut successes) = (0, 0);
@@ -171,12 +221,18 @@ impl LoadSteps {
                 let factor = if last { target } else { at + increment };
                 let number = path.steps.len();
                 let mut step = LoadStep { number, from: at, factor, halvings, failure: None };
-                match solve(factor, &path.state) {
+                let before = &path.state;
+                let on_secant = |(secant, (earlier_factor, earlier)): (Secant<S>, &(f64, S))| {
+                    secant(before, earlier, (factor - at) / (at - earlier_factor))
+                };
+                let predicted = secant.zip(earlier.as_ref()).and_then(on_secant);
+                match solve(&Increment { from: at, factor, before, predicted }) {
                     Ok(state) => {
                         commit(&state);
                         progress(&step);
                         path.steps.push(step);
-                        path.state = state;
+                        let before = std::mem::replace(&mut path.state, state);
+                        earlier = secant.map(|_| (at, before));
                         at = factor;
                         if last {
                             break;
@@ -219,6 +275,22 @@ impl<'a, S> CommittingSteps<'a, S> {
         self
     }
 
+    /// [`LoadSteps::advance`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn advance<E: fmt::Display>(
+        mut self,
+        state: S,
+        solve: impl FnMut(&Increment<'_, S>) -> Result<S, E>,
+    ) -> Result<LoadPath<S>, LoadStepError<S, E>>
+    where
+        S: Extrapolate,
+    {
+        let rule = self.steps.start_of_steps.rule();
+        self.steps.go_through(state, rule, solve, &mut *self.commit, &mut *self.each_attempt)
+    }
+
     /// [`LoadSteps::run`].
     ///
     /// # Errors
@@ -226,9 +298,10 @@ impl<'a, S> CommittingSteps<'a, S> {
     pub fn run<E: fmt::Display>(
         mut self,
         state: S,
-        solve: impl FnMut(f64, &S) -> Result<S, E>,
+        mut solve: impl FnMut(f64, &S) -> Result<S, E>,
     ) -> Result<LoadPath<S>, LoadStepError<S, E>> {
-        self.steps.go_through(state, solve, &mut *self.commit, &mut *self.each_attempt)
+        let solve = |step: &Increment<'_, S>| solve(step.factor, step.before);
+        self.steps.go_through(state, None, solve, &mut *self.commit, &mut *self.each_attempt)
     }
 }
 
@@ -239,83 +312,4 @@ impl<S> fmt::Debug for CommittingSteps<'_, S> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    type Outcome = Result<(), Box<dyn Error>>;
-
-    /// Fails for steps above a size.
-    fn limited(largest: f64) -> impl FnMut(f64, &f64) -> Result<f64, std::num::ParseFloatError> {
-        move |factor, before| match (factor - before).abs() > largest {
-            true => "too large".parse(),
-            false => Ok(factor),
-        }
-    }
-
-    #[test]
-    fn steps_that_succeed_are_those_asked_for() -> Outcome {
-        let mut committed = vec![];
-        let steps = LoadSteps::through([0.5, 1.0, -0.25]);
-        let path = steps.committing(|state: &f64| committed.push(*state)).run(0.0, limited(2.0))?;
-        assert_eq!((path.state, &committed[..]), (-0.25, &[0.5, 1.0, -0.25][..]));
-        assert_eq!(path.steps.len(), 3);
-        let uniform = LoadSteps::uniform(4, 2.0);
-        assert_eq!(uniform.factors, [0.5, 1.0, 1.5, 2.0]);
-        assert_eq!(uniform.starting_at(1.0).start, 1.0);
-        Ok(())
-    }
-
-    #[test]
-    fn a_failed_step_is_halved_and_grows_again() -> Outcome {
-        let mut committed = vec![];
-        let mut told = vec![];
-        let steps = LoadSteps::through([1.0]);
-        // Hard only at the beginning.
-        let solve =
-            |factor: f64, before: &f64| limited(if *before < 0.2 { 0.15 } else { 0.5 })(factor, before);
-        let path = steps
-            .committing(|state: &f64| committed.push(*state))
-            .each_attempt(|step| told.push((step.factor, step.failure.is_none())))
-            .run(0.0, solve)?;
-        assert_eq!(committed, [0.125, 0.25, 0.5, 0.75, 1.0]);
-        let expected = [
-            (1.0, false),
-            (0.5, false),
-            (0.25, false),
-            (0.125, true),
-            (0.25, true),
-            (0.5, true),
-            (0.75, true),
-            (1.0, true),
-        ];
-        assert_eq!(told, expected);
-        assert_eq!(path.steps.len(), expected.len());
-        Ok(())
-    }
-
-    #[test]
-    fn a_limit_load_hands_back_the_last_state() -> Outcome {
-        let mut committed = 0.0;
-        let limit = |factor: f64, _: &f64| match factor > 0.7 {
-            true => "beyond the limit".parse(),
-            false => Ok(factor),
-        };
-        let steps = LoadSteps::through([0.5, 1.0]);
-        let error = steps.committing(|state: &f64| committed = *state).run(0.0, limit);
-        let error = error.err().ok_or("it has a limit")?;
-        assert!((0.7 - 2.0 / 1024.0..=0.7).contains(&error.factor), "{}", error.factor);
-        assert_eq!((error.state, committed), (error.factor, error.factor));
-        assert!(error.steps.len() < 40);
-        let message = error.to_string();
-        assert!(message.contains("could not be reached from 0.69") && message.contains("invalid float"));
-        assert!(error.source().is_some());
-        // What `main` shows of it stays readable: a few attempts, one a line.
-        let shown = format!("{error:?}");
-        assert!(shown.lines().count() < 12 && shown.lines().all(|line| line.len() < 120), "{shown}");
-        assert!(
-            shown.contains("attempts before)") && shown.ends_with(&format!("{:?}", error.why)),
-            "{shown}"
-        );
-        Ok(())
-    }
-}
+mod tests;

@@ -33,7 +33,9 @@ pub use condensed_solver::CondensedSolver;
 pub use elimination::Elimination;
 pub use linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
 pub use linear_system::{solve_linear, solve_linear_transposed};
-pub use load_steps::{CommittingSteps, LoadPath, LoadStep, LoadStepError, LoadSteps};
+pub use load_steps::{
+    CommittingSteps, Extrapolate, Increment, LoadPath, LoadStep, LoadStepError, LoadSteps, StepStart,
+};
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{

@@ -4,6 +4,7 @@ mod active_points;
 mod condensed;
 mod convergence;
 mod cycles;
+mod imposed;
 mod line_search;
 mod report;
 mod tangent;
@@ -90,6 +91,14 @@ pub trait NonlinearProblem {
     /// If assembly fails.
     fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, Self::Error> {
         Ok(self.tangent(u)?.balancing_forces(amplitudes))
+    }
+
+    /// The sum of a vector of which each process has a part, as where its tangent is of its own cells alone.
+    ///
+    /// # Errors
+    /// If another process fails.
+    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, Self::Error> {
+        Ok(own)
     }
 
     /// The size of the terms that are added up in each entry of R(u) \[unit of R\], if the problem knows it. They may be large
@@ -221,9 +230,15 @@ impl Iteration<'_> {
         guess: Option<Vec<f64>>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
+        let given = self.u.clone();
         elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
         let linear_part = share_linear_part(problem, &mut elimination, solver)?;
         let mut residuals = Residuals::at(problem, &elimination, &self.u)?;
+        if !norm(&residuals.reduced).is_finite()
+            && let Some(found) = self.impose_by_tangent(problem, &mut elimination, &given, solver)?
+        {
+            residuals = found;
+        }
         self.enter(problem, &elimination, &residuals, Step::default(), None)?;
         if let Some(linear_part) = &linear_part
             && !self.is_finished(problem, &elimination, &residuals)?

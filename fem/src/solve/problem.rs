@@ -5,6 +5,7 @@ mod diagnosis;
 mod equations;
 mod form_equations;
 mod setting;
+mod step;
 mod untyped;
 
 use std::borrow::Cow;
@@ -19,8 +20,8 @@ use self::untyped::{Solver, UntypedProblem};
 use super::any_form::{AnyForm, Held};
 use super::communicator::Communicator;
 use super::{
-    ActivePoints, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem, NonlinearTangent,
-    PerUnknown, RigidLoads, Solved, Tangent,
+    ActivePoints, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem,
+    NonlinearTangent, PerUnknown, RigidLoads, Solved, Tangent,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
@@ -127,6 +128,20 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// The first iterate, on which the constraints are imposed; zero unless it is given.
     pub fn start(mut self, start: impl PerUnknown<'a, Field<D>, N>) -> Self {
         self.untyped.start = Some(start.per_unknown());
+        self
+    }
+
+    /// A load step of [`LoadSteps::advance`](super::LoadSteps::advance): Newton's method begins on the secant through the last two
+    /// states, and from the last state where it fails from there. Afterwards the motion from the last state to the solution is
+    /// followed for each pairing whose surfaces an unknown displaces, and a step that may have passed through is refused
+    /// ([`Assembler::follow`]).
+    pub fn increment<S>(mut self, increment: &'a Increment<'_, S>) -> Self
+    where
+        &'a S: PerUnknown<'a, Field<D>, N>,
+    {
+        let before = increment.before.per_unknown();
+        self.untyped.start = Some(increment.start().per_unknown());
+        self.untyped.last_state = Some(before);
         self
     }
 
@@ -251,6 +266,10 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
 
     fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         self.untyped.balancing_forces(u, amplitudes)
+    }
+
+    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
+        self.untyped.summed_up(own)
     }
 
     fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {

@@ -349,6 +349,17 @@ pub enum MeshError {
         /// The name.
         name: String,
     },
+    /// A rigid surface of which all points lie within the bodies, where no surface of theirs can face it.
+    #[error(
+        "the rigid surface \"{name}\" lies inside a body: all of its points, the first at {position:?}, are in cells that do not \
+         reach the boundary. Put it beside the bodies"
+    )]
+    InsideBody {
+        /// The surface.
+        name: String,
+        /// Its first point \[length\].
+        position: Vec<f64>,
+    },
     /// The new region would have no member.
     #[error("the region \"{name}\" would be empty: no {entity} satisfies its condition")]
     EmptyRegion {

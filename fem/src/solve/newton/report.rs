@@ -158,6 +158,9 @@ pub enum NewtonFailure<E> {
     /// Sizes disagree, or prescribed values are unfit.
     #[error("the problem does not fit together: {0}")]
     Mismatch(#[source] LinearAlgebraError),
+    /// The solution of a load step is one that it cannot have led to, as that surfaces went through each other.
+    #[error("the solution of the step is refused: {0}")]
+    Refused(#[source] E),
     /// Assembly of the residual, the tangent or the active set failed.
     #[error("assembly failed: {0}")]
     Assembly(#[source] E),

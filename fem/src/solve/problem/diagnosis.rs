@@ -2,7 +2,7 @@
 
 use super::untyped::UntypedProblem;
 use crate::linear_algebra::{LinearAlgebraError, free_motions};
-use crate::solve::{Elimination, SolverError};
+use crate::solve::{Elimination, NonlinearProblem, SolverError};
 
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
@@ -46,6 +46,26 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
             index -= space.unknowns();
         }
         error
+    }
+
+    /// The place of the first entry of the residual at u that is not finite, and what to do.
+    pub(super) fn place_without_a_number(&mut self, u: &[f64]) -> Option<String> {
+        // What cannot be said is left out: the failure is reported in any case.
+        let residual = self.residual(u).ok()?;
+        let mut index = residual.iter().position(|value| !value.is_finite())?;
+        for (number, space) in self.system.spaces.iter().enumerate() {
+            if index < space.unknowns() {
+                let (components, field) = (space.components(), self.system.unknown_name(number));
+                let (node, component) = (index / components, index % components);
+                let position = space.positions()[node];
+                return Some(format!(
+                    "the forces on `{field}` at {position:?} (component {component}) are no numbers, as where a cell is turned \
+                     inside out: come there in smaller steps (`LoadSteps`), or begin nearer to the solution (`Problem::start`)"
+                ));
+            }
+            index -= space.unknowns();
+        }
+        None
     }
 
     /// Remarks on points that slide and have no opposite one at u.

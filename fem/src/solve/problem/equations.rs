@@ -136,6 +136,10 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
         summed(self.communicator, self.system.form.name(), own)
     }
 
+    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
+        summed(self.communicator, self.system.form.name(), Ok(own))
+    }
+
     fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         let own = self.system.sizes_of_contributions(u);
         summed(self.communicator, self.system.form.name(), own).map(Some)

@@ -60,6 +60,10 @@ impl NonlinearProblem for FormEquations<'_> {
         self.0.balancing_forces(u, amplitudes)
     }
 
+    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
+        self.0.summed_up(own)
+    }
+
     fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         self.0.sizes_of_terms(u)
     }

@@ -26,6 +26,8 @@ pub(super) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub system: System<'a, D, N>,
     pub constraints: Vec<Cow<'a, Constraints<D>>>,
     pub start: Option<[&'a Field<D>; N]>,
+    /// The state from which a load step goes, of which the start is a prediction.
+    pub last_state: Option<[&'a Field<D>; N]>,
     pub solver: Solver<'a>,
     pub options: NewtonOptions,
     pub progress: Option<EachStep<'a>>,
@@ -71,6 +73,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             },
             constraints: vec![],
             start: None,
+            last_state: None,
             solver: Solver::Own(Box::default()),
             options: NewtonOptions::default(),
             progress: None,
@@ -92,7 +95,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
         let found = match self.system.form.is_affine() {
             true => self.solve_affine(elimination, solver.get()),
-            false => self.iterate(elimination, constraints, solver.get()),
+            false => self.iterate_from_starts(elimination, constraints, solver.get()),
         };
         let report = solver.get().report();
         self.solver = solver;
@@ -109,14 +112,15 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         })
     }
 
-    /// Semismooth Newton from the start.
-    fn iterate(
+    /// Semismooth Newton from a start.
+    pub(super) fn iterate(
         &mut self,
         elimination: Elimination,
         constraints: [&Constraints<D>; N],
+        start: Option<[&Field<D>; N]>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Found, SolveError> {
-        let u: Vec<f64> = match self.start {
+        let u: Vec<f64> = match start {
             Some(start) => {
                 self.check_spaces("start", start.map(|field| field.space()))?;
                 start.iter().flat_map(|field| field.values()).copied().collect()
@@ -144,6 +148,9 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
                 error.why = NewtonFailure::LinearSolver(named);
             }
             error.notes = self.lost_pairs(&error.u);
+            if matches!(error.why, NewtonFailure::NotFinite) {
+                error.notes.extend(self.place_without_a_number(&error.u));
+            }
             error
         })?;
         Ok((found.u, found.residual, found.history))

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{RigidSurface, flat_facet};
 use crate::element::CellShape;
+use crate::locate::Locator;
 use crate::mesh::{BOUNDARY, EVERYWHERE, INTERIOR, Mesh, MeshError};
 
 /// A surface on a cell: points have reference coordinates in it, which is exact where displacements are affine on the cell.
@@ -53,9 +54,15 @@ impl<const D: usize> Mesh<D> {
     ///
     /// # Errors
     /// [`MeshError::RegionExists`] for a name that is taken, by a region or by another surface; [`MeshError::Inverted`] where a surface is so
-    /// small beside its distance from the origin that its cell has no volume.
+    /// small beside its distance from the origin that its cell has no volume; [`MeshError::InsideBody`] for one that is deep in a body.
     #[inline(never)]
     pub fn with_rigid_surfaces(&self, surfaces: &[(&str, &RigidSurface<D>)]) -> Result<Self, MeshError> {
+        for (name, surface) in surfaces {
+            if self.has_within(surface) {
+                let position = surface.points[0].to_vec();
+                return Err(MeshError::InsideBody { name: (*name).to_owned(), position });
+            }
+        }
         let mut nodes = self.nodes.clone();
         let mut blocks: Vec<(CellShape, Vec<u32>)> = Vec::new();
         for block in self.blocks() {
@@ -105,5 +112,30 @@ impl<const D: usize> Mesh<D> {
         mesh.parts = self.parts.clone();
         mesh.rigid = rigid;
         Ok(mesh)
+    }
+
+    /// Whether all points of a surface lie in cells of bodies that do not reach the boundary. A shaft that is thicker than its hole
+    /// has its points in the cells next to the boundary: it is none of those.
+    fn has_within(&self, surface: &RigidSurface<D>) -> bool {
+        let range = |points: &[[f64; D]], axis: usize| {
+            let around = |(low, high): (f64, f64), x: &[f64; D]| (low.min(x[axis]), high.max(x[axis]));
+            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), around)
+        };
+        let of_bodies = &self.nodes[..self.body_nodes().0];
+        let leaves = |axis: usize| {
+            let (own, bodies) = (range(&surface.points, axis), range(of_bodies, axis));
+            own.0 < bodies.0 || own.1 > bodies.1
+        };
+        if (0..D).any(leaves) {
+            return false;
+        }
+        let mut at_boundary: Vec<u32> = self.boundary_facets().iter().map(|facet| facet.cell).collect();
+        at_boundary.sort_unstable();
+        let locator = Locator::new(&Arc::new(self.clone()));
+        let within = |x: &[f64; D]| {
+            let cell = locator.find(x).map(|(cell, _)| cell as u32);
+            cell.is_some_and(|cell| at_boundary.binary_search(&cell).is_err())
+        };
+        surface.points.iter().all(within)
     }
 }
