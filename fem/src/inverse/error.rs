@@ -50,6 +50,28 @@ pub enum HistoryFailure {
         /// The test function.
         test: &'static str,
     },
+    /// Rates with an unknown.
+    #[error("`{unknown}` of `{form}` is an unknown; rates are of known fields, `State`s")]
+    RateOfUnknown {
+        /// The form of the rates.
+        form: &'static str,
+        /// Its unknown.
+        unknown: &'static str,
+    },
+    /// Observations of a step that is never taken.
+    #[error("something is observed at step {step}, and the last step is {}", steps.saturating_sub(1))]
+    ObservedLater {
+        /// The step observed, from 0.
+        step: usize,
+        /// The number of steps.
+        steps: usize,
+    },
+    /// Observations of states on another space.
+    #[error("what is observed at step {step} is a state on another space than the history's")]
+    ObservedElsewhere {
+        /// The step observed.
+        step: usize,
+    },
     /// Contact pairs whose points slide with the unknown.
     #[error(
         "`{form}` has pairs of surfaces that its unknown displaces; adjoints of such histories are not available"

@@ -1,18 +1,21 @@
 //! Load histories: quasi-static steps of one form, each from the state before, with a criterion and its discrete adjoint.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::any_energy::AnyEnergy;
 use super::controls::{At, ControlError, Controls};
+use super::criterion::Criterion;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::Evolution;
+use super::observations::Observations;
+use super::rates::add_rates;
 use super::reduced_problem::ReducedProblem;
 use super::sweep::{Gradient, gradient_of, value_of};
 use crate::assemble::{Assembler, BlockPattern, Parts};
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
-use crate::contract::{Form, Functional, Role};
-use crate::field::{Field, FieldView};
+use crate::contract::{Form, Functional};
+use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::any_form::AnyForm;
@@ -36,7 +39,7 @@ pub struct LoadHistory<'a, const D: usize> {
     controls: Controls<D>,
     step: Option<FormAt<'a, D>>,
     rates: Option<RatesAt<'a, D>>,
-    criterion: Option<EnergyAt<'a, D>>,
+    criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
     assembler: Assembler<D>,
     solver: Solver<'a>,
@@ -52,8 +55,6 @@ pub struct LoadHistory<'a, const D: usize> {
 type FormAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
 type RatesAt<'a, const D: usize> =
     Box<dyn Fn(&At<D>, &Field<D>, &Field<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
-type EnergyAt<'a, const D: usize> =
-    Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyEnergy<D> + 'a>, ControlError> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(usize) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 /// The history's own linear solver, or one that is lent to it.
@@ -71,11 +72,6 @@ impl Solver<'_> {
     }
 }
 
-/// The test function of the derivative by the state before.
-const BEFORE: &str = "before";
-/// What the name of a test function of rates begins with.
-const BY: &str = "by_";
-
 impl<'a, const D: usize> LoadHistory<'a, D> {
     /// A number of steps on a space, from zero unless the start is a control.
     #[inline(never)]
@@ -87,7 +83,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             controls,
             step: None,
             rates: None,
-            criterion: None,
+            criterion: Criterion { energy: None, observations: BTreeMap::new(), of_controls: None },
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             assembler: Assembler::new(space.mesh()),
             solver: Solver::Own(Box::default()),
@@ -120,7 +116,19 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         mut self,
         energy: impl Fn(&At<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.criterion = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
+        self.criterion.energy = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
+        self
+    }
+
+    /// What is measured at the end of a step, numbered from 0, adds to the criterion.
+    pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
+        self.criterion.observations.entry(step).or_default().push(observations);
+        self
+    }
+
+    /// A function of the controls alone that adds to the criterion, with its gradient, as a regularisation.
+    pub fn with_cost_of_controls(mut self, cost: impl Fn(&[f64]) -> (f64, Vec<f64>) + 'a) -> Self {
+        self.criterion.of_controls = Some(Box::new(cost));
         self
     }
 
@@ -176,7 +184,12 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     pub fn gradient(&mut self, m: &[f64]) -> Result<Gradient, HistoryError> {
         self.begin(m).map_err(|why| why.at(0))?;
         let stored = self.stored;
-        gradient_of(self, stored)
+        let mut found = gradient_of(self, stored)?;
+        if let Some((value, slope)) = self.criterion.of_controls(m).map_err(|why| why.at(0))? {
+            found.value += value;
+            add_scaled(&mut found.gradient, 1.0, &slope);
+        }
+        Ok(found)
     }
 
     /// The state after each step.
@@ -198,6 +211,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 
     fn begin(&mut self, m: &[f64]) -> Result<(), HistoryFailure> {
         self.controls.check(&self.space, self.steps)?;
+        self.criterion.check(&Field::zero(&self.space), self.steps)?;
         self.factored = None;
         Ok(self.controls.set_values(m)?)
     }
@@ -205,10 +219,6 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     /// The form of a step from a state.
     fn form(&self, at: &At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, HistoryFailure> {
         Ok(self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?)
-    }
-
-    fn energy(&self, at: &At<D>) -> Result<Box<dyn AnyEnergy<D> + 'a>, HistoryFailure> {
-        Ok(self.criterion.as_ref().ok_or(HistoryFailure::Missing("criterion"))?(at)?)
     }
 
     fn field(&self, values: &[f64]) -> Result<Field<D>, HistoryFailure> {
@@ -282,8 +292,8 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     ) -> Result<Vec<f64>, HistoryFailure> {
         let (before, after) = (self.field(before)?, self.field(after)?);
         let at = At::new(&self.controls, step, &before);
-        let (form, energy) = (self.form(&at)?, self.energy(&at)?);
-        add_scaled(&mut slope, 1.0, &energy.slope(&self.assembler, &after)?);
+        let form = self.form(&at)?;
+        self.criterion.add_slope(&at, &self.assembler, &after, &mut slope)?;
         let adjoint = self.adjoint(step, &*form, &after, &slope)?;
         let adjoint = self.field(&adjoint)?;
         let constants = match &self.constants {
@@ -292,50 +302,9 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         };
         let at = At::new(&self.controls, step, &before);
         let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &after, &adjoint)?;
-        let tests = self.tests(&*rates)?;
-        let space_of = |name: &&'static str| match *name {
-            BEFORE => Some(&self.space),
-            name => self.controls.space_of_test(name, &constants),
-        };
-        let spaces: Vec<&Arc<Space<D>>> = tests.iter().filter_map(space_of).collect();
-        let unknowns: [FieldView<D>; 0] = [];
-        let rows = rates.residual(&self.assembler, &unknowns, &spaces, Parts::ALL)?;
-        let mut rest = &rows[..];
-        let mut by_before = vec![0.0; self.space.unknowns()];
-        for (name, space) in tests.iter().zip(&spaces) {
-            let (row, others) = rest.split_at(space.unknowns());
-            match *name {
-                BEFORE => by_before.copy_from_slice(row),
-                name => self.controls.add_rate(name, step, row, gradient),
-            }
-            rest = others;
-        }
-        Ok(by_before)
-    }
-
-    /// The names of the controls, or [`BEFORE`], that the test functions of the rates belong to.
-    fn tests(&self, rates: &dyn AnyForm<D>) -> Result<Vec<&'static str>, HistoryFailure> {
-        let mut tests = vec![];
-        for field in rates.fields().iter().filter(|field| matches!(field.role, Role::Test(_))) {
-            let name = field.name.strip_prefix(BY).unwrap_or("");
-            if name != BEFORE && !self.controls.tested().any(|own| own == name) {
-                return Err(HistoryFailure::UnknownTest { form: rates.name(), test: field.name });
-            }
-            tests.push(name);
-        }
-        let missing = |name: &str, meaning| HistoryFailure::NotTested {
-            form: rates.name(),
-            name: name.to_owned(),
-            meaning,
-        };
-        if let Some(name) = self.controls.tested().find(|name| !tests.contains(name)) {
-            return Err(missing(name, "the derivative by this control is wanted"));
-        }
         let remembers = self.steps > 1 || self.controls.has_start();
-        if remembers && !tests.contains(&BEFORE) {
-            return Err(missing(BEFORE, "each step may depend on the state before it"));
-        }
-        Ok(tests)
+        let spaces = [&self.space, &constants];
+        add_rates(&*rates, step, (&self.controls, remembers), spaces, &self.assembler, gradient)
     }
 }
 
@@ -361,8 +330,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     fn cost(&mut self, step: usize, before: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
         let value = || -> Result<f64, HistoryFailure> {
             let (before, after) = (self.field(before)?, self.field(after)?);
-            let energy = self.energy(&At::new(&self.controls, step, &before))?;
-            Ok(energy.value(&self.assembler, &after)?)
+            self.criterion.value(&At::new(&self.controls, step, &before), &self.assembler, &after)
         };
         value().map_err(|why| why.at(step))
     }
@@ -407,7 +375,11 @@ impl<const D: usize> ReducedProblem for LoadHistory<'_, D> {
 
     fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {
         self.begin(m).map_err(|why| why.at(0))?;
-        value_of(self)
+        let mut found = value_of(self)?;
+        if let Some((value, _)) = self.criterion.of_controls(m).map_err(|why| why.at(0))? {
+            found.value[0] += value;
+        }
+        Ok(found)
     }
 
     fn value_and_gradient(&mut self, m: &[f64]) -> Result<(f64, Vec<f64>), HistoryError> {

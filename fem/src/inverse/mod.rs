@@ -64,18 +64,24 @@
 //! ```
 
 mod any_energy;
+pub mod bounds;
 pub mod controls;
+mod criterion;
 mod error;
 pub mod evolution;
 pub mod load_history;
 pub mod minimise;
+pub mod observations;
+mod rates;
 pub mod reduced_problem;
 mod sweep;
 
+pub use bounds::{Bounds, BoundsMismatch};
 pub use controls::{At, ControlError, Controls};
 pub use error::{HistoryError, HistoryFailure};
 pub use evolution::Evolution;
 pub use load_history::LoadHistory;
-pub use minimise::{Bounds, MinimisationError, MinimisationStep, Minimise, Minimum};
+pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
+pub use observations::Observations;
 pub use reduced_problem::{ReducedProblem, taylor_test};
 pub use sweep::{Gradient, Work, gradient_of, largest_repetition, value_of};

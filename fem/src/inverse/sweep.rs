@@ -59,11 +59,10 @@ pub fn gradient_of<V: Evolution + ?Sized>(evolution: &mut V, stored: usize) -> R
         evolution,
         value: 0.0,
         reached: 0,
-        stored: 1,
         work: Work { most_stored: 1, ..Work::default() },
     };
     if steps > 0 {
-        sweep.reverse((0, &start), (steps, None), stored.max(1))?;
+        sweep.reverse(start, steps, stored.clamp(1, steps))?;
     }
     let Sweep { evolution, slope, mut gradient, value, work, .. } = sweep;
     evolution.reverse_start(&slope, &mut gradient)?;
@@ -79,7 +78,6 @@ struct Sweep<'a, V: ?Sized> {
     value: f64,
     /// Steps whose part of J is in the value.
     reached: usize,
-    stored: usize,
     work: Work,
 }
 
@@ -94,35 +92,37 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
         Ok(after)
     }
 
-    /// Reverses the steps between two states. The first is stored, in one of `slots`; the last is computed unless it is known.
-    fn reverse(
-        &mut self,
-        (from, first): (usize, &[f64]),
-        (to, last): (usize, Option<Vec<f64>>),
-        slots: usize,
-    ) -> Result<(), V::Error> {
-        if to - from == 1 {
-            let last = match last {
+    /// Reverses all steps, with at most so many states on the stack of those from which steps are computed again.
+    fn reverse(&mut self, start: Vec<f64>, steps: usize, stored: usize) -> Result<(), V::Error> {
+        let mut states = vec![(0, start)];
+        let (mut to, mut last) = (steps, None);
+        while let Some((from, first)) = states.last() {
+            let from = *from;
+            if to - from > 1 {
+                let middle =
+                    from + before_the_next_state(to - from, stored.saturating_sub(states.len() - 1).max(1));
+                let mut state = self.advance(from, first)?;
+                for step in from + 1..middle {
+                    state = self.advance(step, &state)?;
+                }
+                states.push((middle, state));
+                // A state at the near end of the one step that is reversed next is not stored: that step is at hand.
+                let stored = states.len() - usize::from(to - middle == 1);
+                self.work.most_stored = self.work.most_stored.max(stored);
+                continue;
+            }
+            let after = match last.take() {
                 Some(last) => last,
                 None => self.advance(from, first)?,
             };
             let slope = std::mem::take(&mut self.slope);
-            self.slope = self.evolution.reverse(from, first, &last, slope, &mut self.gradient)?;
+            self.slope = self.evolution.reverse(from, first, &after, slope, &mut self.gradient)?;
             self.work.steps_reversed += 1;
-            return Ok(());
+            // Where this step began is where the one before it ends.
+            to = from;
+            last = states.pop().map(|(_, state)| state);
         }
-        let middle = from + before_the_next_state(to - from, slots);
-        let mut state = self.advance(from, first)?;
-        for step in from + 1..middle {
-            state = self.advance(step, &state)?;
-        }
-        // With one slot the state stands at the near end of the one step that is reversed next: it is not stored.
-        let storing = usize::from(to - middle > 1);
-        self.stored += storing;
-        self.work.most_stored = self.work.most_stored.max(self.stored);
-        self.reverse((middle, &state), (to, last), slots - storing)?;
-        self.stored -= storing;
-        self.reverse((from, first), (middle, Some(state)), slots)
+        Ok(())
     }
 }
 
@@ -143,7 +143,7 @@ pub fn largest_repetition(steps: usize, slots: usize) -> usize {
 
 /// (slots + repeated)!/(slots! repeated!), the most steps that can be reversed.
 fn reversible(slots: usize, repeated: usize) -> usize {
-    (1..=repeated).fold(1_usize, |product, k| product.saturating_mul(slots + k) / k)
+    (1..=repeated).fold(1_usize, |product, k| product.saturating_mul(slots.saturating_add(k)) / k)
 }
 
 #[cfg(test)]
