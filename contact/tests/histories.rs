@@ -91,11 +91,13 @@ impl Block {
             .collect();
         let controls = Controls::new().number("friction", 0.3).per_step("load", &loads);
         LoadHistory::new(&self.space, self.steps, controls)
-            .step(|at| Ok(self.model(at.number("friction")?, at.number("load")?, at.before()).direct()))
+            .step(|at| Ok(self.model(at.number("friction")?, at.number("load")?, at.before()?).direct()))
             .rates(|at, u, p| {
-                Ok(self.model(at.number("friction")?, at.number("load")?, at.before()).rates(u, p))
+                Ok(self.model(at.number("friction")?, at.number("load")?, at.before()?).rates(u, p))
             })
-            .criterion(|at| Ok(self.model(at.number("friction")?, 0.0, at.before()).criterion()))
+            .criterion(|at| {
+                Ok(self.model(at.number("friction")?, 0.0, &Field::zero(&self.space)).criterion())
+            })
             .assembler(&self.assembler)
             .constrained(&self.top)
             .options(NewtonOptions {

@@ -1,5 +1,7 @@
 //! Bounds of controls.
 
+use std::cmp::Ordering;
+
 use thiserror::Error;
 
 /// Lower and upper bounds of each control.
@@ -35,6 +37,16 @@ impl Bounds {
     /// Whether a control stays at its bound as its slope presses it there.
     pub(super) fn hold(&self, place: usize, m: f64, slope: f64) -> bool {
         (m <= self.lower[place] && slope > 0.0) || (m >= self.upper[place] && slope < 0.0)
+    }
+
+    /// The multiple of a step at which the first control comes to a bound; infinite without bounds.
+    pub(super) fn longest_step(&self, m: &[f64], step: &[f64]) -> f64 {
+        let of = |(place, (m, step)): (usize, (&f64, &f64))| match step.partial_cmp(&0.0) {
+            Some(Ordering::Greater) => (self.upper[place] - m) / step,
+            Some(Ordering::Less) => (self.lower[place] - m) / step,
+            _ => f64::INFINITY,
+        };
+        m.iter().zip(step).enumerate().map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// The largest change of a control in a gradient step of length one between the bounds \[gradient\]; zero at a minimum.

@@ -34,8 +34,15 @@ enum Kind<const D: usize> {
     PerStep(usize),
     /// The coefficients of a field.
     Field(Arc<Space<D>>),
-    /// Those of the state before the first step.
-    Start(Arc<Space<D>>),
+    /// Those of the state before the first step, or of its rate.
+    Start(Start, Arc<Space<D>>),
+}
+
+/// What of the first state is a control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Start {
+    Value,
+    Rate,
 }
 
 impl<const D: usize> Entry<D> {
@@ -43,7 +50,7 @@ impl<const D: usize> Entry<D> {
         match &self.kind {
             Kind::Number => 1,
             Kind::PerStep(count) => *count,
-            Kind::Field(space) | Kind::Start(space) => space.unknowns(),
+            Kind::Field(space) | Kind::Start(_, space) => space.unknowns(),
         }
     }
 }
@@ -101,6 +108,17 @@ pub enum ControlError {
         /// The control.
         name: String,
     },
+    /// The state before a step, where there is none.
+    #[error(
+        "the state before the step is no part of a criterion: a criterion is one of the state after the step"
+    )]
+    NoBefore,
+    /// The rate of the start of a history that has no rates.
+    #[error("the control `{name}` is a rate at the start, and steps of loads have no rates")]
+    NoRate {
+        /// The control.
+        name: String,
+    },
     /// Fields that do not fit.
     #[error(transparent)]
     Field(#[from] FieldError),
@@ -135,7 +153,12 @@ impl<const D: usize> Controls<D> {
 
     /// The state before the first step, which is zero unless it is a control.
     pub fn start(self, name: &str, state: &Field<D>) -> Self {
-        self.with(name, Kind::Start(Arc::clone(state.space())), state.values())
+        self.with(name, Kind::Start(Start::Value, Arc::clone(state.space())), state.values())
+    }
+
+    /// The rate of that, of motions.
+    pub fn start_rate(self, name: &str, rate: &Field<D>) -> Self {
+        self.with(name, Kind::Start(Start::Rate, Arc::clone(rate.space())), rate.values())
     }
 
     /// m.
@@ -188,7 +211,7 @@ impl<const D: usize> Controls<D> {
                 Kind::PerStep(found) if *found != steps => {
                     return Err(ControlError::Steps { name: name(), found: *found, steps });
                 }
-                Kind::Start(own) if !own.numbers_as(space) => {
+                Kind::Start(_, own) if !own.numbers_as(space) => {
                     return Err(ControlError::Space { name: name() });
                 }
                 _ => {}
@@ -197,18 +220,26 @@ impl<const D: usize> Controls<D> {
         Ok(())
     }
 
-    /// The state before the first step.
-    pub(super) fn start_values(&self, space: &Arc<Space<D>>) -> Vec<f64> {
-        let start = self.entries.iter().find(|entry| matches!(entry.kind, Kind::Start(_)));
-        start.map_or_else(
-            || vec![0.0; space.unknowns()],
-            |entry| self.values[entry.from..entry.from + entry.count()].to_vec(),
-        )
+    fn starts(&self, which: Start) -> Option<&Entry<D>> {
+        self.entries.iter().find(|entry| matches!(entry.kind, Kind::Start(own, _) if own == which))
+    }
+
+    /// The coefficients of the state before the first step, or of its rate.
+    pub(super) fn start_values(&self, which: Start, count: usize) -> Vec<f64> {
+        match self.starts(which) {
+            Some(entry) => self.values[entry.from..entry.from + entry.count()].to_vec(),
+            None => vec![0.0; count],
+        }
+    }
+
+    /// The name of the control that is the first state, or its rate.
+    pub(super) fn start_name(&self, which: Start) -> Option<&str> {
+        self.starts(which).map(|entry| &*entry.name)
     }
 
     /// The names of the controls whose rates a form has to give.
     pub(super) fn tested(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().filter(|entry| !matches!(entry.kind, Kind::Start(_))).map(|entry| &*entry.name)
+        self.entries.iter().filter(|entry| !matches!(entry.kind, Kind::Start(..))).map(|entry| &*entry.name)
     }
 
     /// The space of the function that tests the rate by a control; that of `numbers` for what does not vary in space.
@@ -220,7 +251,7 @@ impl<const D: usize> Controls<D> {
         self.entries.iter().find(|entry| entry.name == name).and_then(|entry| match &entry.kind {
             Kind::Number | Kind::PerStep(_) => Some(numbers),
             Kind::Field(space) => Some(space),
-            Kind::Start(_) => None,
+            Kind::Start(..) => None,
         })
     }
 
@@ -234,18 +265,13 @@ impl<const D: usize> Controls<D> {
             Kind::Field(_) => {
                 gradient[entry.from..].iter_mut().zip(row).for_each(|(sum, rate)| *sum += rate);
             }
-            Kind::Start(_) => {}
+            Kind::Start(..) => {}
         }
     }
 
-    /// Whether the first state is a control.
-    pub(super) fn has_start(&self) -> bool {
-        self.entries.iter().any(|entry| matches!(entry.kind, Kind::Start(_)))
-    }
-
-    /// Adds the slope of the criterion by the first state.
-    pub(super) fn add_start(&self, slope: &[f64], gradient: &mut [f64]) {
-        for entry in self.entries.iter().filter(|entry| matches!(entry.kind, Kind::Start(_))) {
+    /// Adds the slope of the criterion by the first state, or by its rate.
+    pub(super) fn add_start(&self, which: Start, slope: &[f64], gradient: &mut [f64]) {
+        if let Some(entry) = self.starts(which) {
             gradient[entry.from..].iter_mut().zip(slope).for_each(|(sum, rate)| *sum += rate);
         }
     }
@@ -256,11 +282,11 @@ impl<const D: usize> Controls<D> {
 pub struct At<'a, const D: usize> {
     controls: &'a Controls<D>,
     step: usize,
-    before: &'a Field<D>,
+    before: Option<&'a Field<D>>,
 }
 
 impl<'a, const D: usize> At<'a, D> {
-    pub(super) fn new(controls: &'a Controls<D>, step: usize, before: &'a Field<D>) -> Self {
+    pub(super) fn new(controls: &'a Controls<D>, step: usize, before: Option<&'a Field<D>>) -> Self {
         At { controls, step, before }
     }
 
@@ -269,9 +295,12 @@ impl<'a, const D: usize> At<'a, D> {
         self.step
     }
 
-    /// The state before the step.
-    pub fn before(&self) -> &'a Field<D> {
-        self.before
+    /// The state before the step, of a load history.
+    ///
+    /// # Errors
+    /// [`ControlError::NoBefore`] in a criterion, which is one of the state after the step.
+    pub fn before(&self) -> Result<&'a Field<D>, ControlError> {
+        self.before.ok_or(ControlError::NoBefore)
     }
 
     /// The value of a number at this step.

@@ -72,6 +72,17 @@ pub enum HistoryFailure {
         /// The step observed.
         step: usize,
     },
+    /// A scheme that reads several states, or is explicit.
+    #[error(
+        "{scheme} has no adjoint here: those of implicit schemes are there that read the last state alone"
+    )]
+    Scheme {
+        /// The scheme with its parameters.
+        scheme: String,
+    },
+    /// Steps that do not go on.
+    #[error("the step size {0} is no positive number")]
+    StepSize(f64),
     /// Contact pairs whose points slide with the unknown.
     #[error(
         "`{form}` has pairs of surfaces that its unknown displaces; adjoints of such histories are not available"

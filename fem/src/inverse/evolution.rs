@@ -43,11 +43,16 @@ pub trait Evolution {
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, Self::Error>;
 
-    /// The end of the way back: the slope by the state before the first step, for controls of that state.
+    /// The end of the way back: the first state, and the slope by it, for controls of that state.
     ///
     /// # Errors
     /// An adjoint system that was not solved.
-    fn reverse_start(&mut self, slope: &[f64], gradient: &mut [f64]) -> Result<(), Self::Error>;
+    fn reverse_start(
+        &mut self,
+        start: &[f64],
+        slope: &[f64],
+        gradient: &mut [f64],
+    ) -> Result<(), Self::Error>;
 
     /// Which switches of the step's equations are on, per quadrature point: where they change, J has a kink. None without kinks.
     ///

@@ -3,26 +3,22 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::controls::{At, ControlError, Controls};
+use super::controls::{At, ControlError, Controls, Start};
 use super::criterion::Criterion;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::Evolution;
 use super::observations::Observations;
 use super::rates::add_rates;
 use super::reduced_problem::ReducedProblem;
+use super::step_equations::{Solution, StepEquations};
 use super::sweep::{Gradient, gradient_of, value_of};
-use crate::assemble::{Assembler, BlockPattern, Parts};
+use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Form, Functional};
 use crate::field::Field;
-use crate::linear_algebra::BlockMatrix;
-use crate::linear_algebra::vector::add_scaled;
 use crate::solve::any_form::AnyForm;
-use crate::solve::{
-    Elimination, LinearSolver, NewtonOptions, OwnedForm, TangentSolver, Transpose, solve_linear_transposed,
-    solve_owned,
-};
+use crate::solve::{LinearSolver, NewtonOptions};
 use crate::space::Space;
 use crate::verification::Sample;
 
@@ -30,7 +26,7 @@ use crate::verification::Sample;
 /// without a past is a history of one step.
 ///
 /// The rates are a form without unknowns, a function of state, adjoint state and state before: the derivative of R(u, before, m; p), and
-/// of what the criterion reads beside u, by the state before, tested with `by_before`, and by each control `name`, tested with
+/// of what the criterion reads of the controls, by the state before, tested with `by_before`, and by each control `name`, tested with
 /// `by_name`. The gradient is exact for the equations as they are discretised, to the accuracy to which they are solved. Where a
 /// switch of the form changes (contact opens, friction begins to slip) J has a kink, and this is its slope on one side.
 pub struct LoadHistory<'a, const D: usize> {
@@ -41,36 +37,14 @@ pub struct LoadHistory<'a, const D: usize> {
     rates: Option<RatesAt<'a, D>>,
     criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
-    assembler: Assembler<D>,
-    solver: Solver<'a>,
-    options: NewtonOptions,
+    equations: StepEquations<'a, D>,
     stored: usize,
-    pattern: Option<Arc<BlockPattern<D>>>,
-    /// Constants, to test rates by numbers with.
-    constants: Option<Arc<Space<D>>>,
-    /// The step whose tangent the solver has factored at its solution.
-    factored: Option<usize>,
 }
 
 type FormAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
 type RatesAt<'a, const D: usize> =
     Box<dyn Fn(&At<D>, &Field<D>, &Field<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(usize) -> Result<Constraints<D>, ConstraintsError> + 'a>;
-
-/// The history's own linear solver, or one that is lent to it.
-enum Solver<'a> {
-    Own(Box<TangentSolver>),
-    Lent(&'a mut dyn LinearSolver),
-}
-
-impl Solver<'_> {
-    fn get(&mut self) -> &mut dyn LinearSolver {
-        match self {
-            Solver::Own(solver) => &mut **solver,
-            Solver::Lent(solver) => &mut **solver,
-        }
-    }
-}
 
 impl<'a, const D: usize> LoadHistory<'a, D> {
     /// A number of steps on a space, from zero unless the start is a control.
@@ -85,13 +59,8 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             rates: None,
             criterion: Criterion { energy: None, observations: BTreeMap::new(), of_controls: None },
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
-            assembler: Assembler::new(space.mesh()),
-            solver: Solver::Own(Box::default()),
-            options: NewtonOptions::default(),
+            equations: StepEquations::new(space),
             stored: usize::MAX,
-            pattern: None,
-            constants: None,
-            factored: None,
         }
     }
 
@@ -149,19 +118,19 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 
     /// Another assembler than the default one: for its quadrature, its threads.
     pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
-        self.assembler = assembler.clone();
+        self.equations.assembler = assembler.clone();
         self
     }
 
     /// Another linear solver than a [`TangentSolver`], for the steps and their adjoints.
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
-        self.solver = Solver::Lent(solver);
+        self.equations.lend(solver);
         self
     }
 
     /// Tolerances of Newton's method in each step.
     pub fn options(mut self, options: NewtonOptions) -> Self {
-        self.options = options;
+        self.equations.options = options;
         self
     }
 
@@ -185,10 +154,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         self.begin(m).map_err(|why| why.at(0))?;
         let stored = self.stored;
         let mut found = gradient_of(self, stored)?;
-        if let Some((value, slope)) = self.criterion.of_controls(m).map_err(|why| why.at(0))? {
-            found.value += value;
-            add_scaled(&mut found.gradient, 1.0, &slope);
-        }
+        self.criterion.add_cost_of_controls(m, &mut found).map_err(|why| why.at(0))?;
         Ok(found)
     }
 
@@ -211,8 +177,11 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 
     fn begin(&mut self, m: &[f64]) -> Result<(), HistoryFailure> {
         self.controls.check(&self.space, self.steps)?;
-        self.criterion.check(&Field::zero(&self.space), self.steps)?;
-        self.factored = None;
+        if let Some(name) = self.controls.start_name(Start::Rate) {
+            return Err(ControlError::NoRate { name: name.to_owned() }.into());
+        }
+        self.criterion.check(&self.space, self.steps)?;
+        self.equations.forget();
         Ok(self.controls.set_values(m)?)
     }
 
@@ -225,61 +194,13 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         Ok(Field::from_values(&self.space, values.to_vec())?)
     }
 
-    fn pattern(&mut self, form: &dyn AnyForm<D>) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
-        if let Some(known) = &self.pattern {
-            return Ok(Arc::clone(known));
-        }
-        let outline = form.outline(Parts::ALL);
-        let pattern = BlockPattern::for_cells_of(&outline, &[&self.space], &[&self.space], &self.assembler)?;
-        Ok(Arc::clone(self.pattern.insert(Arc::new(pattern))))
-    }
-
     #[inline(never)]
     fn try_advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let before = self.field(before)?;
-        let form = self.form(&At::new(&self.controls, step, &before))?;
-        if form.slides() {
-            return Err(HistoryFailure::Sliding { form: form.name() });
-        }
-        let (affine, pattern, constraints) =
-            (form.is_affine(), self.pattern(&*form)?, (self.constraints)(step)?);
-        let owned = OwnedForm {
-            form,
-            assembler: &self.assembler,
-            pattern: &pattern,
-            constraints: &constraints,
-            start: &before,
-            options: self.options.clone(),
-        };
-        self.factored = None;
-        let [state] = solve_owned(owned, self.solver.get())?.fields;
-        // Of an affine form it is the tangent wherever; Newton's method has that of an iterate.
-        self.factored = affine.then_some(step);
+        let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
+        let constraints = (self.constraints)(step)?;
+        let state = self.equations.solve(Solution::Step(step), form, &constraints, &before)?;
         Ok(state.values().to_vec())
-    }
-
-    /// p with R_uᵀ p = −slope.
-    fn adjoint(
-        &mut self,
-        step: usize,
-        form: &dyn AnyForm<D>,
-        state: &Field<D>,
-        slope: &[f64],
-    ) -> Result<Vec<f64>, HistoryFailure> {
-        let load: Vec<f64> = slope.iter().map(|slope| -slope).collect();
-        let mut elimination = Elimination::of(&[&(self.constraints)(step)?.homogeneous()])?;
-        if self.factored == Some(step) && self.solver.get().judges_equations() {
-            let reduced = elimination.reduce(&load)?;
-            let found = self.solver.get().solve_with(&reduced, 0.0, Transpose::Yes)?;
-            return Ok(elimination.extend_by_zero(&found.solution)?);
-        }
-        let pattern = self.pattern(form)?;
-        let mut matrix = BlockMatrix::zero(pattern.sparsity());
-        let arguments = (&[state.view()][..], &[&self.space][..]);
-        form.assemble_tangent(&self.assembler, arguments, Parts::ALL, &pattern, &mut matrix)?;
-        let found = solve_linear_transposed(&matrix, &load, &mut elimination, self.solver.get())?;
-        self.factored = Some(step);
-        Ok(found.solution)
     }
 
     #[inline(never)]
@@ -291,20 +212,16 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
         let (before, after) = (self.field(before)?, self.field(after)?);
-        let at = At::new(&self.controls, step, &before);
-        let form = self.form(&at)?;
-        self.criterion.add_slope(&at, &self.assembler, &after, &mut slope)?;
-        let adjoint = self.adjoint(step, &*form, &after, &slope)?;
-        let adjoint = self.field(&adjoint)?;
-        let constants = match &self.constants {
-            Some(known) => Arc::clone(known),
-            None => Arc::clone(self.constants.insert(Space::discontinuous_scalar(self.space.mesh(), 0)?)),
-        };
-        let at = At::new(&self.controls, step, &before);
+        let at = At::new(&self.controls, step, None);
+        self.criterion.add_slope(&at, &self.equations.assembler, &after, &mut slope)?;
+        let at = At::new(&self.controls, step, Some(&before));
+        let (form, constraints) = (self.form(&at)?, (self.constraints)(step)?);
+        let adjoint = self.equations.adjoint(Solution::Step(step), &*form, &constraints, &after, &slope)?;
         let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &after, &adjoint)?;
-        let remembers = self.steps > 1 || self.controls.has_start();
-        let spaces = [&self.space, &constants];
-        add_rates(&*rates, step, (&self.controls, remembers), spaces, &self.assembler, gradient)
+        let remembers = self.steps > 1 || self.controls.start_name(Start::Value).is_some();
+        let spaces = [&self.space, &self.equations.constants()?];
+        let controls = (&self.controls, remembers);
+        add_rates(&*rates, step, controls, spaces, &self.equations.assembler, gradient)
     }
 }
 
@@ -320,17 +237,17 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     }
 
     fn start(&mut self) -> Result<Vec<f64>, HistoryError> {
-        Ok(self.controls.start_values(&self.space))
+        Ok(self.controls.start_values(Start::Value, self.space.unknowns()))
     }
 
     fn advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryError> {
         self.try_advance(step, before).map_err(|why| why.at(step))
     }
 
-    fn cost(&mut self, step: usize, before: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
-        let value = || -> Result<f64, HistoryFailure> {
-            let (before, after) = (self.field(before)?, self.field(after)?);
-            self.criterion.value(&At::new(&self.controls, step, &before), &self.assembler, &after)
+    fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
+        let value = || {
+            let (after, at) = (self.field(after)?, At::new(&self.controls, step, None));
+            self.criterion.value(&at, &self.equations.assembler, &after)
         };
         value().map_err(|why| why.at(step))
     }
@@ -346,8 +263,8 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
         self.try_reverse(step, [before, after], slope, gradient).map_err(|why| why.at(step))
     }
 
-    fn reverse_start(&mut self, slope: &[f64], gradient: &mut [f64]) -> Result<(), HistoryError> {
-        self.controls.add_start(slope, gradient);
+    fn reverse_start(&mut self, _: &[f64], slope: &[f64], gradient: &mut [f64]) -> Result<(), HistoryError> {
+        self.controls.add_start(Start::Value, slope, gradient);
         Ok(())
     }
 
@@ -359,8 +276,8 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     ) -> Result<Option<Vec<u32>>, HistoryError> {
         let found = || -> Result<Option<Vec<u32>>, HistoryFailure> {
             let (before, after) = (self.field(before)?, self.field(after)?);
-            let form = self.form(&At::new(&self.controls, step, &before))?;
-            Ok(form.active_set(&self.assembler, &[after.view()])?)
+            let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
+            Ok(form.active_set(&self.equations.assembler, &[after.view()])?)
         };
         found().map_err(|why| why.at(step))
     }
@@ -376,9 +293,7 @@ impl<const D: usize> ReducedProblem for LoadHistory<'_, D> {
     fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {
         self.begin(m).map_err(|why| why.at(0))?;
         let mut found = value_of(self)?;
-        if let Some((value, _)) = self.criterion.of_controls(m).map_err(|why| why.at(0))? {
-            found.value[0] += value;
-        }
+        found.value[0] += self.criterion.cost_of_controls(m).map_err(|why| why.at(0))?;
         Ok(found)
     }
 

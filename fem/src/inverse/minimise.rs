@@ -1,14 +1,12 @@
-//! Minimisation of a reduced problem between bounds: projected L-BFGS.
+//! Minimisation of a reduced problem between bounds: L-BFGS.
 //!
-//! At an iterate the controls that stand at a bound and would leave it stay there; on the others Nocedal's two loops (1980) give a
-//! direction from the last changes of controls and gradient, and Armijo's rule a point on the path that the bounds cut off
-//! (Bertsekas 1982, Projected Newton methods, SIAM J. Control Optim. 20).
-
-use std::collections::VecDeque;
+//! At each iterate the quadratic model of the last changes of controls and gradient has a minimum between the bounds, as in L-BFGS-B
+//! (Byrd, Lu, Nocedal & Zhu 1995, SIAM J. Sci. Comput. 16); towards it the step follows the weak conditions of Wolfe.
 
 use thiserror::Error;
 
 use super::bounds::{Bounds, BoundsMismatch};
+use super::quasi_newton::Model;
 use super::reduced_problem::ReducedProblem;
 use crate::linear_algebra::vector::{add_scaled, dot};
 
@@ -21,13 +19,13 @@ pub struct Minimise {
     pub tolerance: f64,
     /// Changes of controls and gradient that are remembered.
     pub memory: usize,
-    /// The largest change of a control in the first trial step; later ones take the length that they come with.
+    /// The largest change of a control in the first trial step.
     pub first_change: f64,
 }
 
 impl Default for Minimise {
     fn default() -> Self {
-        Minimise { max_iterations: 200, tolerance: 1e-6, memory: 10, first_change: 0.1 }
+        Minimise { max_iterations: 200, tolerance: 1e-6, memory: 20, first_change: 0.1 }
     }
 }
 
@@ -92,10 +90,10 @@ pub enum MinimisationError<E: std::error::Error + 'static> {
 
 /// Armijo's part of the expected decrease.
 const DECREASE: f64 = 1e-4;
+/// The slope along a step has to fall to this part, unless the bounds end the step.
+const FLATTER: f64 = 0.9;
 /// Trials of a step.
 const TRIALS: usize = 30;
-/// A change is remembered if s·y is above this part of |s| |y|.
-const CURVED: f64 = 1e-12;
 
 impl Minimise {
     /// Minimises from the problem's start, put between the bounds. `progress` is told of each iterate.
@@ -116,7 +114,7 @@ impl Minimise {
         if !all_finite(value, &gradient) {
             return Err(MinimisationError::NotFinite(value));
         }
-        let mut changes = Changes::new(self.memory);
+        let mut model = Model::new(self.memory, self.first_scale(&gradient));
         let mut evaluations = 1;
         let mut history: Vec<MinimisationStep> = vec![];
         let finish = loop {
@@ -131,67 +129,74 @@ impl Minimise {
             if iteration >= self.max_iterations {
                 break Finish::Iterations;
             }
-            let held: Vec<bool> =
-                (0..m.len()).map(|place| bounds.hold(place, m[place], gradient[place])).collect();
             let found = loop {
-                let (direction, first) = changes.direction(&gradient, &held, self.first_change);
-                let found = self.search(
-                    problem,
-                    bounds,
-                    (&m, value, &gradient),
-                    (&direction, first),
-                    &mut evaluations,
-                );
+                let direction = model.minimum(&m, &gradient, bounds);
+                let at = (&m[..], value, &gradient[..]);
+                let found = self.search(problem, bounds, at, &direction, &mut evaluations);
                 match found.map_err(failed(iteration + 1))? {
                     // Once more along the gradient: what is remembered may be of the other side of a kink.
-                    None if !changes.is_empty() => changes.clear(),
+                    None if !model.is_empty() => model.restart(self.first_scale(&gradient)),
                     found => break found,
                 }
             };
             let Some((moved, moved_value, moved_gradient)) = found else { break Finish::NoDescent };
-            changes.remember(&m, &moved, &gradient, &moved_gradient);
+            model.remember(difference(&moved, &m), difference(&moved_gradient, &gradient));
             (m, value, gradient) = (moved, moved_value, moved_gradient);
         };
         Ok(Minimum { controls: m, value, gradient, history, finish })
     }
 
-    /// A point on the path along a direction with enough of a decrease; none if there is none.
+    /// θ with which the first step changes a control by as much as it may.
+    fn first_scale(&self, gradient: &[f64]) -> f64 {
+        let largest = gradient.iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));
+        if largest > 0.0 { largest / self.first_change } else { 1.0 }
+    }
+
+    /// A point along a direction with enough of a decrease and a slope that has fallen; none if there is none.
     fn search<P: ReducedProblem + ?Sized>(
         &self,
         problem: &mut P,
         bounds: &Bounds,
         (m, value, gradient): (&[f64], f64, &[f64]),
-        (direction, first): (&[f64], f64),
+        direction: &[f64],
         evaluations: &mut usize,
     ) -> Result<Option<Point>, P::Error> {
-        let mut length = first;
+        let slope = dot(gradient, direction);
+        if slope.is_nan() || slope >= 0.0 {
+            return Ok(None);
+        }
+        let longest = bounds.longest_step(m, direction).max(1.0);
+        // What is too short, what is too long, and the best of what is too short.
+        let (mut short, mut long, mut length) = (0.0, f64::INFINITY, 1.0);
+        let mut best = None;
         for trial in 0..TRIALS {
             let mut moved = m.to_vec();
             add_scaled(&mut moved, length, direction);
             bounds.project(&mut moved);
-            let change: Vec<f64> = moved.iter().zip(m).map(|(moved, m)| moved - m).collect();
-            let expected = dot(gradient, &change);
-            if change.iter().all(|change| *change == 0.0) || expected >= 0.0 {
-                return Ok(None);
-            }
             *evaluations += 1;
-            let mut decrease = f64::NAN;
             match problem.value_and_gradient(&moved) {
-                Ok((found, slope)) if all_finite(found, &slope) => {
-                    if found <= value + DECREASE * expected {
-                        return Ok(Some((moved, found, slope)));
+                Ok((found, at)) if all_finite(found, &at) && found <= value + DECREASE * length * slope => {
+                    let flat = dot(&at, direction) >= FLATTER * slope;
+                    best = Some((moved, found, at));
+                    if flat || length >= longest {
+                        break;
                     }
-                    decrease = found - value;
+                    short = length;
                 }
-                Ok(_) => {}
-                Err(why) if trial + 1 == TRIALS => return Err(why),
-                Err(_) => {}
+                // Too long a step may have no solution, or no number.
+                Ok(_) => long = length,
+                Err(why) if trial + 1 == TRIALS && best.is_none() => return Err(why),
+                Err(_) => long = length,
             }
-            // The minimum of the parabola through value, slope and trial, or where there is no value a tenth.
-            let part = -expected / (2.0 * (decrease - expected));
-            length *= if part.is_finite() { part.clamp(0.1, 0.5) } else { 0.1 };
+            length = if long.is_infinite() {
+                (4.0 * short).min(longest)
+            } else if short > 0.0 {
+                0.5 * (short + long)
+            } else {
+                0.3 * long
+            };
         }
-        Ok(None)
+        Ok(best)
     }
 }
 
@@ -202,75 +207,8 @@ fn all_finite(value: f64, gradient: &[f64]) -> bool {
     value.is_finite() && gradient.iter().all(|slope| slope.is_finite())
 }
 
-/// The last changes of controls and gradient, oldest first.
-struct Changes {
-    most: usize,
-    pairs: VecDeque<[Vec<f64>; 2]>,
-}
-
-impl Changes {
-    fn new(most: usize) -> Self {
-        Changes { most, pairs: VecDeque::new() }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.pairs.is_empty()
-    }
-
-    fn clear(&mut self) {
-        self.pairs.clear();
-    }
-
-    fn remember(&mut self, m: &[f64], moved: &[f64], gradient: &[f64], moved_gradient: &[f64]) {
-        let difference = |new: &[f64], old: &[f64]| new.iter().zip(old).map(|(new, old)| new - old).collect();
-        let (s, y): (Vec<f64>, Vec<f64>) = (difference(moved, m), difference(moved_gradient, gradient));
-        if dot(&s, &y) > CURVED * (dot(&s, &s) * dot(&y, &y)).sqrt() {
-            self.pairs.push_back([s, y]);
-            if self.pairs.len() > self.most {
-                self.pairs.pop_front();
-            }
-        }
-    }
-
-    /// A direction of descent, zero where controls are held, and the length to try first.
-    fn direction(&self, gradient: &[f64], held: &[bool], first_change: f64) -> (Vec<f64>, f64) {
-        let free = |vector: &[f64]| -> Vec<f64> {
-            vector.iter().zip(held).map(|(value, held)| if *held { 0.0 } else { *value }).collect()
-        };
-        let slope = free(gradient);
-        let pairs: Vec<[Vec<f64>; 2]> = self.pairs.iter().map(|[s, y]| [free(s), free(y)]).collect();
-        let pairs: Vec<_> = pairs
-            .iter()
-            .filter_map(|[s, y]| {
-                let curvature = dot(s, y);
-                (curvature > CURVED * (dot(s, s) * dot(y, y)).sqrt()).then_some((s, y, curvature))
-            })
-            .collect();
-        let steepest = || {
-            let largest = slope.iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));
-            let length = if largest > 0.0 { first_change / largest } else { 1.0 };
-            (slope.iter().map(|slope| -slope).collect(), length)
-        };
-        let Some((_, y, curvature)) = pairs.last() else { return steepest() };
-        let scale = curvature / dot(y, y);
-        let mut direction = slope.clone();
-        let mut factors = vec![];
-        for (s, y, curvature) in pairs.iter().rev() {
-            let factor = dot(s, &direction) / curvature;
-            add_scaled(&mut direction, -factor, y);
-            factors.push(factor);
-        }
-        direction.iter_mut().for_each(|value| *value *= scale);
-        for ((s, y, curvature), factor) in pairs.iter().zip(factors.into_iter().rev()) {
-            let other = dot(y, &direction) / curvature;
-            add_scaled(&mut direction, factor - other, s);
-        }
-        direction.iter_mut().for_each(|value| *value = -*value);
-        match dot(&direction, &slope) < 0.0 {
-            true => (direction, 1.0),
-            false => steepest(),
-        }
-    }
+fn difference(new: &[f64], old: &[f64]) -> Vec<f64> {
+    new.iter().zip(old).map(|(new, old)| new - old).collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! ```text
 //! Controls        named numbers and fields that the data of a form are made of
 //! LoadHistory     steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 of one form with a criterion J = Σ Jⁿ(uⁿ): J(m) and its gradient
+//! MotionHistory   steps in time of one form by a scheme, the same
 //! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with few stored states
 //! ReducedProblem  J(m) with its gradient: Taylor tests, and `minimise` with bounds
 //! ```
@@ -52,8 +53,8 @@
 //! let controls = Controls::new().number("conductivity", 0.3);
 //! let model = |conductivity| creep::Model::new(creep::Data { conductivity, source: 1.0 });
 //! let mut history = LoadHistory::new(&space, 10, controls)
-//!     .step(|at| Ok(model(at.number("conductivity")?).step(at.before())))
-//!     .rates(|at, u, p| Ok(model(at.number("conductivity")?).rates(u, at.before(), p)))
+//!     .step(|at| Ok(model(at.number("conductivity")?).step(at.before()?)))
+//!     .rates(|at, u, p| Ok(model(at.number("conductivity")?).rates(u, at.before()?, p)))
 //!     .criterion(|at| Ok(model(at.number("conductivity")?).misfit()))
 //!     .constrained(&held);
 //! let (value, gradient) = history.value_and_gradient(&[0.3])?;
@@ -67,21 +68,27 @@ mod any_energy;
 pub mod bounds;
 pub mod controls;
 mod criterion;
+mod during;
 mod error;
 pub mod evolution;
 pub mod load_history;
 pub mod minimise;
+pub mod motion_history;
 pub mod observations;
+mod quasi_newton;
 mod rates;
 pub mod reduced_problem;
+mod step_equations;
 mod sweep;
 
 pub use bounds::{Bounds, BoundsMismatch};
 pub use controls::{At, ControlError, Controls};
+pub use during::During;
 pub use error::{HistoryError, HistoryFailure};
 pub use evolution::Evolution;
 pub use load_history::LoadHistory;
 pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
+pub use motion_history::MotionHistory;
 pub use observations::Observations;
 pub use reduced_problem::{ReducedProblem, taylor_test};
 pub use sweep::{Gradient, Work, gradient_of, largest_repetition, value_of};

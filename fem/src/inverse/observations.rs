@@ -78,7 +78,7 @@ impl<const D: usize> Observations<D> {
     }
 
     /// Whether they are of states on a space.
-    pub(super) fn fit(&self, space: &Space<D>) -> bool {
+    pub(super) fn fit(&self, space: &Arc<Space<D>>) -> bool {
         self.space.numbers_as(space)
     }
 

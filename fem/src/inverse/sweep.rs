@@ -61,11 +61,12 @@ pub fn gradient_of<V: Evolution + ?Sized>(evolution: &mut V, stored: usize) -> R
         reached: 0,
         work: Work { most_stored: 1, ..Work::default() },
     };
-    if steps > 0 {
-        sweep.reverse(start, steps, stored.clamp(1, steps))?;
-    }
+    let start = match steps {
+        0 => start,
+        _ => sweep.reverse(start, steps, stored.clamp(1, steps))?,
+    };
     let Sweep { evolution, slope, mut gradient, value, work, .. } = sweep;
-    evolution.reverse_start(&slope, &mut gradient)?;
+    evolution.reverse_start(&start, &slope, &mut gradient)?;
     Ok(Gradient { value, gradient, work })
 }
 
@@ -92,8 +93,9 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
         Ok(after)
     }
 
-    /// Reverses all steps, with at most so many states on the stack of those from which steps are computed again.
-    fn reverse(&mut self, start: Vec<f64>, steps: usize, stored: usize) -> Result<(), V::Error> {
+    /// Reverses all steps, with at most so many states on the stack of those from which steps are computed again, and gives the
+    /// first state back.
+    fn reverse(&mut self, start: Vec<f64>, steps: usize, stored: usize) -> Result<Vec<f64>, V::Error> {
         let mut states = vec![(0, start)];
         let (mut to, mut last) = (steps, None);
         while let Some((from, first)) = states.last() {
@@ -122,7 +124,7 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
             to = from;
             last = states.pop().map(|(_, state)| state);
         }
-        Ok(())
+        Ok(last.unwrap_or_default())
     }
 }
 
@@ -197,7 +199,13 @@ mod tests {
             Ok(vec![slope * (self.m + x[0] / 5.0)])
         }
 
-        fn reverse_start(&mut self, slope: &[f64], gradient: &mut [f64]) -> Result<(), Infallible> {
+        fn reverse_start(
+            &mut self,
+            start: &[f64],
+            slope: &[f64],
+            gradient: &mut [f64],
+        ) -> Result<(), Infallible> {
+            assert_eq!(start, [1.0]);
             gradient[1] += slope[0];
             Ok(())
         }
