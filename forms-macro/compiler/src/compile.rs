@@ -3,6 +3,9 @@
 //! ```text
 //! syn::ItemMod ─parse→ Module ─check→ Checked ─differentiate→ Derived ─optimise→ Optimised ─emit→ Rust
 //! ```
+//!
+//! Beside the stages: `reuse` brings what the module imports before them, `dump` and `show` print what they made, `proof` and
+//! `reference` check them on random forms.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
