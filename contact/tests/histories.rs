@@ -116,12 +116,18 @@ fn two_hundred_steps_of_friction() {
     let block = Block::new(if sweep { 12 } else { 3 }, 200);
     let mut history = block.history();
     let m = history.start();
-    let begun = Instant::now();
-    let value = history.value(&m).unwrap();
-    let forward = begun.elapsed().as_secs_f64();
-    let begun = Instant::now();
-    let whole = history.gradient(&m).unwrap();
-    let both = begun.elapsed().as_secs_f64();
+    let (mut forward, mut both) = (f64::INFINITY, f64::INFINITY);
+    let (mut value, mut whole) = (f64::NAN, None);
+    // The shorter of some times: what other programs take does not count.
+    for _ in 0..if sweep { 3 } else { 1 } {
+        let begun = Instant::now();
+        value = history.value(&m).unwrap();
+        forward = forward.min(begun.elapsed().as_secs_f64());
+        let begun = Instant::now();
+        whole = Some(history.gradient(&m).unwrap());
+        both = both.min(begun.elapsed().as_secs_f64());
+    }
+    let whole = whole.unwrap();
     assert_eq!(whole.work.steps_solved, 200);
     assert!((whole.value - value).abs() <= 1e-12 * value.abs());
     println!("forward {forward:.3} s, forward and adjoint {both:.3} s: {:.2}", both / forward);
