@@ -196,7 +196,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     }
 
     /// The value in a row of value, rate and second rate.
-    fn value(&self, row: &[f64]) -> Result<Field<D>, HistoryFailure> {
+    fn value_in(&self, row: &[f64]) -> Result<Field<D>, HistoryFailure> {
         Ok(Field::from_values(&self.space, row[..self.space.unknowns()].to_vec())?)
     }
 
@@ -329,7 +329,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
 
     fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
         let value = || {
-            let after = self.value(after)?;
+            let after = self.value_in(after)?;
             let at = At::new(&self.controls, step, None);
             self.criterion.value(&at, &self.equations.assembler, &after)
         };
@@ -345,7 +345,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryError> {
         let mut reverse = || {
-            let value = self.value(after)?;
+            let value = self.value_in(after)?;
             let at = At::new(&self.controls, step, None);
             let own = &mut slope[..value.values().len()];
             self.criterion.add_slope(&at, &self.equations.assembler, &value, own)?;
