@@ -60,6 +60,7 @@ pub mod constraints;
 pub mod dimension;
 pub mod field;
 pub mod history;
+pub mod inverse;
 pub mod lanes;
 pub mod language;
 pub mod movement;

@@ -14,6 +14,7 @@ mod hanging_nodes;
 mod high_degrees;
 mod history;
 mod interior_facets;
+mod inverse;
 mod kept_candidates;
 mod language_names;
 mod mixed;

@@ -79,7 +79,7 @@ impl<const D: usize> Step<D> {
 
 /// The part of a combination that the states give.
 #[inline(never)]
-pub(super) fn known<const D: usize>(
+pub(crate) fn known<const D: usize>(
     combination: &Combination,
     states: &[State<D>],
 ) -> Result<Field<D>, FieldError> {

@@ -1,0 +1,72 @@
+//! Two inverse problems of a public benchmark of differentiable solvers (arXiv 2606.27895): the conductivity of a slab from
+//! temperatures, and a cantilever of least compliance, with a control per cell. It prints values, gradients beside differences,
+//! and what they cost, for docs/inverse_problems.md.
+//!
+//! `cargo run --release --bin inverse_problems -- heat --cells 16 32 64 --solver direct`, `structure`, or `inversion`.
+
+mod heat;
+mod measured;
+mod structure;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use forms_examples::command_line::program_with_options;
+use forms_fem::output::StandardOutput;
+
+#[derive(Parser)]
+#[command(about, version)]
+struct Options {
+    #[command(subcommand)]
+    problem: Which,
+}
+
+/// The linear solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Cholesky's factor.
+    Direct,
+    /// Conjugate gradients with multigrid.
+    Multigrid,
+}
+
+#[derive(Subcommand)]
+enum Which {
+    /// Compliance of a slab that conducts heat, with its gradient by a density per cell.
+    Heat {
+        /// Cells along the slab.
+        #[arg(long, num_args = 1.., default_values_t = [16, 32, 64, 128])]
+        cells: Vec<usize>,
+        /// The linear solver.
+        #[arg(long, value_enum, default_value = "direct")]
+        solver: Method,
+    },
+    /// The density of the slab from the temperatures at its nodes: L-BFGS, 200 iterations.
+    Inversion {
+        /// Cells along the slab.
+        #[arg(long, default_value_t = 16)]
+        cells: usize,
+    },
+    /// Compliance of a cantilever with its gradient, and the density that minimises it.
+    Structure {
+        /// The linear solver.
+        #[arg(long, value_enum, default_value = "direct")]
+        solver: Method,
+        /// Iterations of L-BFGS on the smallest mesh.
+        #[arg(long, default_value_t = 60)]
+        iterations: usize,
+    },
+}
+
+fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+    match &options.problem {
+        Which::Heat { cells, solver } => heat::costs(cells, *solver, out),
+        Which::Inversion { cells } => heat::inversion(*cells, out),
+        Which::Structure { solver, iterations } => structure::costs(*solver, *iterations, out),
+    }
+}
+
+fn main() -> ExitCode {
+    program_with_options(run)
+}

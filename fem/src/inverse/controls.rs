@@ -1,0 +1,333 @@
+//! Controls: the named numbers and fields that the data of a history's forms are made of.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::field::{Field, FieldError};
+use crate::space::Space;
+
+/// The controls of a problem with their values m, one after the other in one vector.
+///
+/// A form's rates name them: the derivative by the control `load` is tested with the function `by_load`.
+#[derive(Clone, Debug, Default)]
+pub struct Controls<const D: usize> {
+    entries: Vec<Entry<D>>,
+    values: Vec<f64>,
+}
+
+/// One control.
+#[derive(Clone, Debug)]
+struct Entry<const D: usize> {
+    name: String,
+    kind: Kind<D>,
+    /// The place of its first value.
+    from: usize,
+}
+
+/// What the values of a control are.
+#[derive(Clone, Debug)]
+enum Kind<const D: usize> {
+    /// One number at all steps.
+    Number,
+    /// A number for each step.
+    PerStep(usize),
+    /// The coefficients of a field.
+    Field(Arc<Space<D>>),
+    /// Those of the state before the first step, or of its rate.
+    Start(Start, Arc<Space<D>>),
+}
+
+/// What of the first state is a control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Start {
+    Value,
+    Rate,
+}
+
+impl<const D: usize> Entry<D> {
+    fn count(&self) -> usize {
+        match &self.kind {
+            Kind::Number => 1,
+            Kind::PerStep(count) => *count,
+            Kind::Field(space) | Kind::Start(_, space) => space.unknowns(),
+        }
+    }
+}
+
+/// Errors of controls.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ControlError {
+    /// No control of this name and kind.
+    #[error("there is no {kind} `{name}` among the controls; they are {known}")]
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// "number" or "field".
+        kind: &'static str,
+        /// The names that there are.
+        known: String,
+    },
+    /// Two controls of one name.
+    #[error("two controls are named `{name}`")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// Another number of values than of steps.
+    #[error("the control `{name}` has {found} values, one per step, and there are {steps} steps")]
+    Steps {
+        /// The control.
+        name: String,
+        /// Its values.
+        found: usize,
+        /// The steps.
+        steps: usize,
+    },
+    /// Another number of values than the controls have.
+    #[error("the controls have {expected} values, and {found} were given")]
+    Length {
+        /// The controls' own.
+        expected: usize,
+        /// Those given.
+        found: usize,
+    },
+    /// A value that is not finite.
+    #[error("the value {value} of the control `{name}` is not finite (its number {index})")]
+    NotFinite {
+        /// The control.
+        name: String,
+        /// The number of the value among its own.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A start on another space than the history's.
+    #[error("the start `{name}` is on another space than the history")]
+    Space {
+        /// The control.
+        name: String,
+    },
+    /// The state before a step, where there is none.
+    #[error(
+        "the state before the step is no part of a criterion: a criterion is one of the state after the step"
+    )]
+    NoBefore,
+    /// The rate of the start of a history that has no rates.
+    #[error("the control `{name}` is a rate at the start, and steps of loads have no rates")]
+    NoRate {
+        /// The control.
+        name: String,
+    },
+    /// Fields that do not fit.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+}
+
+impl<const D: usize> Controls<D> {
+    /// No controls yet.
+    pub fn new() -> Self {
+        Controls { entries: vec![], values: vec![] }
+    }
+
+    fn with(mut self, name: &str, kind: Kind<D>, values: &[f64]) -> Self {
+        self.entries.push(Entry { name: name.to_owned(), kind, from: self.values.len() });
+        self.values.extend(values);
+        self
+    }
+
+    /// A number, the same at all steps.
+    pub fn number(self, name: &str, value: f64) -> Self {
+        self.with(name, Kind::Number, &[value])
+    }
+
+    /// A number for each step, as a load that changes.
+    pub fn per_step(self, name: &str, values: &[f64]) -> Self {
+        self.with(name, Kind::PerStep(values.len()), values)
+    }
+
+    /// A field, the same at all steps, by its coefficients: per cell on discontinuous fields of degree zero, per node on others.
+    pub fn field(self, name: &str, field: &Field<D>) -> Self {
+        self.with(name, Kind::Field(Arc::clone(field.space())), field.values())
+    }
+
+    /// The state before the first step, which is zero unless it is a control.
+    pub fn start(self, name: &str, state: &Field<D>) -> Self {
+        self.with(name, Kind::Start(Start::Value, Arc::clone(state.space())), state.values())
+    }
+
+    /// The rate of that, of motions.
+    pub fn start_rate(self, name: &str, rate: &Field<D>) -> Self {
+        self.with(name, Kind::Start(Start::Rate, Arc::clone(rate.space())), rate.values())
+    }
+
+    /// m.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The places of a control's values in m.
+    ///
+    /// # Errors
+    /// [`ControlError::Unknown`].
+    pub fn places(&self, name: &str) -> Result<std::ops::Range<usize>, ControlError> {
+        let entry = self.entries.iter().find(|entry| entry.name == name);
+        let entry = entry.ok_or_else(|| self.unknown(name, "control"))?;
+        Ok(entry.from..entry.from + entry.count())
+    }
+
+    /// Takes other values.
+    ///
+    /// # Errors
+    /// [`ControlError::Length`]; [`ControlError::NotFinite`], which names the control.
+    pub fn set_values(&mut self, values: &[f64]) -> Result<(), ControlError> {
+        if values.len() != self.values.len() {
+            return Err(ControlError::Length { expected: self.values.len(), found: values.len() });
+        }
+        for entry in &self.entries {
+            let own = &values[entry.from..entry.from + entry.count()];
+            if let Some(index) = own.iter().position(|value| !value.is_finite()) {
+                return Err(ControlError::NotFinite { name: entry.name.clone(), index, value: own[index] });
+            }
+        }
+        self.values.copy_from_slice(values);
+        Ok(())
+    }
+
+    fn unknown(&self, name: &str, kind: &'static str) -> ControlError {
+        let known: Vec<_> = self.entries.iter().map(|entry| format!("`{}`", entry.name)).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        ControlError::Unknown { name: name.to_owned(), kind, known }
+    }
+
+    /// Whether they fit a history on a space.
+    pub(super) fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), ControlError> {
+        for (place, entry) in self.entries.iter().enumerate() {
+            let name = || entry.name.clone();
+            if self.entries[..place].iter().any(|earlier| earlier.name == entry.name) {
+                return Err(ControlError::Twice { name: name() });
+            }
+            match &entry.kind {
+                Kind::PerStep(found) if *found != steps => {
+                    return Err(ControlError::Steps { name: name(), found: *found, steps });
+                }
+                Kind::Start(_, own) if !own.numbers_as(space) => {
+                    return Err(ControlError::Space { name: name() });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn starts(&self, which: Start) -> Option<&Entry<D>> {
+        self.entries.iter().find(|entry| matches!(entry.kind, Kind::Start(own, _) if own == which))
+    }
+
+    /// The coefficients of the state before the first step, or of its rate.
+    pub(super) fn start_values(&self, which: Start, count: usize) -> Vec<f64> {
+        match self.starts(which) {
+            Some(entry) => self.values[entry.from..entry.from + entry.count()].to_vec(),
+            None => vec![0.0; count],
+        }
+    }
+
+    /// The name of the control that is the first state, or its rate.
+    pub(super) fn start_name(&self, which: Start) -> Option<&str> {
+        self.starts(which).map(|entry| &*entry.name)
+    }
+
+    /// The names of the controls whose rates a form has to give.
+    pub(super) fn tested(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().filter(|entry| !matches!(entry.kind, Kind::Start(..))).map(|entry| &*entry.name)
+    }
+
+    /// The space of the function that tests the rate by a control; that of `numbers` for what does not vary in space.
+    pub(super) fn space_of_test<'a>(
+        &'a self,
+        name: &str,
+        numbers: &'a Arc<Space<D>>,
+    ) -> Option<&'a Arc<Space<D>>> {
+        self.entries.iter().find(|entry| entry.name == name).and_then(|entry| match &entry.kind {
+            Kind::Number | Kind::PerStep(_) => Some(numbers),
+            Kind::Field(space) => Some(space),
+            Kind::Start(..) => None,
+        })
+    }
+
+    /// Adds a step's rate by a control, tested on its space, to the gradient.
+    pub(super) fn add_rate(&self, name: &str, step: usize, row: &[f64], gradient: &mut [f64]) {
+        let Some(entry) = self.entries.iter().find(|entry| entry.name == name) else { return };
+        match &entry.kind {
+            // The test functions of a space add up to one: the sum is the rate by a constant.
+            Kind::Number => gradient[entry.from] += row.iter().sum::<f64>(),
+            Kind::PerStep(_) => gradient[entry.from + step] += row.iter().sum::<f64>(),
+            Kind::Field(_) => {
+                gradient[entry.from..].iter_mut().zip(row).for_each(|(sum, rate)| *sum += rate);
+            }
+            Kind::Start(..) => {}
+        }
+    }
+
+    /// Adds the slope of the criterion by the first state, or by its rate.
+    pub(super) fn add_start(&self, which: Start, slope: &[f64], gradient: &mut [f64]) {
+        if let Some(entry) = self.starts(which) {
+            gradient[entry.from..].iter_mut().zip(slope).for_each(|(sum, rate)| *sum += rate);
+        }
+    }
+}
+
+/// What a form of a step is made of: the controls, the step's number, the state before it.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a, const D: usize> {
+    controls: &'a Controls<D>,
+    step: usize,
+    before: Option<&'a Field<D>>,
+}
+
+impl<'a, const D: usize> At<'a, D> {
+    pub(super) fn new(controls: &'a Controls<D>, step: usize, before: Option<&'a Field<D>>) -> Self {
+        At { controls, step, before }
+    }
+
+    /// The number of the step, from 0.
+    pub fn step(&self) -> usize {
+        self.step
+    }
+
+    /// The state before the step, of a load history.
+    ///
+    /// # Errors
+    /// [`ControlError::NoBefore`] in a criterion, which is one of the state after the step.
+    pub fn before(&self) -> Result<&'a Field<D>, ControlError> {
+        self.before.ok_or(ControlError::NoBefore)
+    }
+
+    /// The value of a number at this step.
+    ///
+    /// # Errors
+    /// [`ControlError::Unknown`].
+    pub fn number(&self, name: &str) -> Result<f64, ControlError> {
+        let entry = self.controls.entries.iter().find(|entry| entry.name == name);
+        match entry.map(|entry| (&entry.kind, entry.from)) {
+            Some((Kind::Number, from)) => Ok(self.controls.values[from]),
+            Some((Kind::PerStep(_), from)) => Ok(self.controls.values[from + self.step]),
+            _ => Err(self.controls.unknown(name, "number")),
+        }
+    }
+
+    /// The field of a control.
+    ///
+    /// # Errors
+    /// [`ControlError::Unknown`].
+    pub fn field(&self, name: &str) -> Result<Field<D>, ControlError> {
+        let entry = self.controls.entries.iter().find(|entry| entry.name == name);
+        match entry.map(|entry| (&entry.kind, entry)) {
+            Some((Kind::Field(space), entry)) => {
+                let values = &self.controls.values[entry.from..entry.from + entry.count()];
+                Ok(Field::from_values(space, values.to_vec())?)
+            }
+            _ => Err(self.controls.unknown(name, "field")),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The criterion of a history: an energy of each step's state, observations of some, and what depends on the controls alone.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::any_energy::AnyEnergy;
+use super::controls::{At, ControlError};
+use super::error::HistoryFailure;
+use super::observations::Observations;
+use super::sweep::{Gradient, Work};
+use crate::assemble::Assembler;
+use crate::field::Field;
+use crate::linear_algebra::vector::add_scaled;
+use crate::space::Space;
+
+/// What a history's criterion sums.
+pub(super) struct Criterion<'a, const D: usize> {
+    pub energy: Option<EnergyAt<'a, D>>,
+    /// By the number of the step.
+    pub observations: BTreeMap<usize, Vec<Observations<D>>>,
+    pub of_controls: Option<OfControls<'a>>,
+}
+
+pub(super) type EnergyAt<'a, const D: usize> =
+    Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyEnergy<D> + 'a>, ControlError> + 'a>;
+pub(super) type OfControls<'a> = Box<dyn Fn(&[f64]) -> (f64, Vec<f64>) + 'a>;
+
+impl<const D: usize> Criterion<'_, D> {
+    /// Whether there is a criterion, of states on the space of a history with so many steps.
+    pub fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), HistoryFailure> {
+        if self.energy.is_none() && self.observations.is_empty() {
+            return Err(HistoryFailure::Missing("criterion"));
+        }
+        if let Some(step) = self.observations.keys().find(|step| **step >= steps) {
+            return Err(HistoryFailure::ObservedLater { step: *step, steps });
+        }
+        let mut all = self.observations.iter().flat_map(|(step, all)| all.iter().map(move |one| (step, one)));
+        match all.find(|(_, one)| !one.fit(space)) {
+            Some((step, _)) => Err(HistoryFailure::ObservedElsewhere { step: *step }),
+            None => Ok(()),
+        }
+    }
+
+    /// What a step adds.
+    pub fn value(
+        &self,
+        at: &At<D>,
+        assembler: &Assembler<D>,
+        after: &Field<D>,
+    ) -> Result<f64, HistoryFailure> {
+        let energy = match &self.energy {
+            Some(energy) => energy(at)?.value(assembler, after)?,
+            None => 0.0,
+        };
+        let observed = self.observations.get(&at.step()).into_iter().flatten();
+        Ok(observed.fold(energy, |sum, observations| sum + observations.value(after.values())))
+    }
+
+    /// Adds the slope of that by the state after the step.
+    pub fn add_slope(
+        &self,
+        at: &At<D>,
+        assembler: &Assembler<D>,
+        after: &Field<D>,
+        slope: &mut [f64],
+    ) -> Result<(), HistoryFailure> {
+        if let Some(energy) = &self.energy {
+            add_scaled(slope, 1.0, &energy(at)?.slope(assembler, after)?);
+        }
+        let observed = self.observations.get(&at.step()).into_iter().flatten();
+        observed.for_each(|observations| observations.add_slope(after.values(), slope));
+        Ok(())
+    }
+
+    /// What the controls add by themselves.
+    pub fn cost_of_controls(&self, m: &[f64]) -> Result<f64, HistoryFailure> {
+        let mut alone = Gradient { value: 0.0, gradient: vec![0.0; m.len()], work: Work::default() };
+        self.add_cost_of_controls(m, &mut alone)?;
+        Ok(alone.value)
+    }
+
+    /// Adds that to a value with its gradient.
+    pub fn add_cost_of_controls(&self, m: &[f64], found: &mut Gradient) -> Result<(), HistoryFailure> {
+        let Some(of_controls) = &self.of_controls else { return Ok(()) };
+        let (value, gradient) = of_controls(m);
+        if gradient.len() != m.len() {
+            let (expected, found) = (m.len(), gradient.len());
+            return Err(ControlError::Length { expected, found }.into());
+        }
+        found.value += value;
+        add_scaled(&mut found.gradient, 1.0, &gradient);
+        Ok(())
+    }
+}

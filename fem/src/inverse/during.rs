@@ -1,0 +1,110 @@
+//! A step of a motion as its form reads it, and the formulas of its unknown.
+
+use std::sync::Arc;
+
+use super::controls::{At, ControlError};
+use super::error::HistoryFailure;
+use super::step_equations::Solution;
+use crate::field::Field;
+use crate::space::Space;
+use crate::time::operators::{scalar, vector};
+use crate::time::step::known;
+use crate::time::{Combination, Formulas, State, Step};
+
+/// What a form of motion is made of in a step: `during.into()` is the `Data` of the operators of [`time`](crate::time).
+#[derive(Clone, Copy, Debug)]
+pub struct During<'a, const D: usize> {
+    pub(super) step: &'a Step<D>,
+    pub(super) at: At<'a, D>,
+}
+
+impl<const D: usize> During<'_, D> {
+    /// The time for which loads are to be given.
+    pub fn time(&self) -> f64 {
+        self.step.time
+    }
+
+    /// The value of a number in this step.
+    ///
+    /// # Errors
+    /// [`ControlError::Unknown`].
+    pub fn number(&self, name: &str) -> Result<f64, ControlError> {
+        self.at.number(name)
+    }
+
+    /// The field of a control.
+    ///
+    /// # Errors
+    /// [`ControlError::Unknown`].
+    pub fn field(&self, name: &str) -> Result<Field<D>, ControlError> {
+        self.at.field(name)
+    }
+}
+
+impl<const D: usize> From<&During<'_, D>> for vector::Data<D> {
+    fn from(during: &During<'_, D>) -> Self {
+        during.step.into()
+    }
+}
+
+impl<const D: usize> From<&During<'_, D>> for scalar::Data<D> {
+    fn from(during: &During<'_, D>) -> Self {
+        during.step.into()
+    }
+}
+
+/// The formulas by which the second rate of the first state is found: it is the unknown, beside known value and rate.
+pub(super) fn of_start() -> Formulas {
+    let all = || {
+        [
+            Combination::new(0.0, [1.0, 0.0, 0.0]),
+            Combination::new(0.0, [0.0, 1.0, 0.0]),
+            Combination::new(1.0, [0.0; 3]),
+        ]
+    };
+    Formulas { evaluated: all(), end: all(), load_at: 0.0 }
+}
+
+/// A step's formulas, and what they are between.
+pub(super) struct Interval<'f> {
+    pub solution: Solution,
+    pub formulas: &'f Formulas,
+    pub from: f64,
+    pub to: f64,
+}
+
+impl<'f> Interval<'f> {
+    /// The start at time zero, with the formulas [`of_start`].
+    pub fn at_start(formulas: &'f Formulas) -> Self {
+        Interval { solution: Solution::Start, formulas, from: 0.0, to: 0.0 }
+    }
+
+    /// The number of the step whose controls hold.
+    pub fn step(&self) -> usize {
+        match self.solution {
+            Solution::Start => 0,
+            Solution::Step(step) => step,
+        }
+    }
+
+    /// What a form reads in the step from a state, given as a row of value, rate and second rate.
+    pub fn step_from<const D: usize>(
+        &self,
+        space: &Arc<Space<D>>,
+        before: &[f64],
+    ) -> Result<Step<D>, HistoryFailure> {
+        let count = space.unknowns();
+        let part = |k: usize| Field::from_values(space, before[k * count..(k + 1) * count].to_vec());
+        let states = [State { time: self.from, value: part(0)?, rate: part(1)?, second_rate: part(2)? }];
+        let [value, rate, second_rate] = &self.formulas.evaluated;
+        let known = [known(value, &states)?, known(rate, &states)?, known(second_rate, &states)?];
+        let [before] = states;
+        Ok(Step {
+            end: self.to,
+            time: self.from + self.formulas.load_at * (self.to - self.from),
+            weights: self.formulas.evaluated.each_ref().map(|combination| combination.unknown),
+            known,
+            before,
+        })
+    }
+}

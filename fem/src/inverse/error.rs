@@ -1,0 +1,128 @@
+//! Errors of histories.
+
+use thiserror::Error;
+
+use super::controls::ControlError;
+use crate::assemble::AssemblyError;
+use crate::constraints::ConstraintsError;
+use crate::field::FieldError;
+use crate::linear_algebra::LinearAlgebraError;
+use crate::solve::{SolveError, SolverError};
+use crate::space::SpaceError;
+
+/// A history of which value or gradient could not be computed.
+#[derive(Debug, Error)]
+#[error("step {step} of the history: {why}")]
+pub struct HistoryError {
+    /// The number of the step, from 0.
+    pub step: usize,
+    /// The reason.
+    #[source]
+    pub why: HistoryFailure,
+}
+
+/// A reason why a history failed.
+#[derive(Debug, Error)]
+pub enum HistoryFailure {
+    /// Controls that do not fit, or that do not exist.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// A history without a form of its steps, of their rates, or without a criterion.
+    #[error("the history has no {0}: give it with `.{0}(..)`")]
+    Missing(&'static str),
+    /// Rates that lack the test function of a control, or of the state before.
+    #[error("`{form}` has no test function `by_{name}`: {meaning}")]
+    NotTested {
+        /// The form of the rates.
+        form: &'static str,
+        /// The control.
+        name: String,
+        /// What is missing.
+        meaning: &'static str,
+    },
+    /// A test function of the rates that belongs to no control.
+    #[error(
+        "the test function `{test}` of `{form}` belongs to no control: it is `by_` and a control's name, or `by_before`"
+    )]
+    UnknownTest {
+        /// The form of the rates.
+        form: &'static str,
+        /// The test function.
+        test: &'static str,
+    },
+    /// Rates with an unknown.
+    #[error("`{unknown}` of `{form}` is an unknown; rates are of known fields, `State`s")]
+    RateOfUnknown {
+        /// The form of the rates.
+        form: &'static str,
+        /// Its unknown.
+        unknown: &'static str,
+    },
+    /// Observations of a step that is never taken.
+    #[error("something is observed at step {step}, and the last step is {}", steps.saturating_sub(1))]
+    ObservedLater {
+        /// The step observed, from 0.
+        step: usize,
+        /// The number of steps.
+        steps: usize,
+    },
+    /// Observations of states on another space.
+    #[error("what is observed at step {step} is a state on another space than the history's")]
+    ObservedElsewhere {
+        /// The step observed.
+        step: usize,
+    },
+    /// A scheme that reads several states, or is explicit.
+    #[error(
+        "{scheme} has no adjoint here: those of implicit schemes are there that read the last state alone"
+    )]
+    Scheme {
+        /// The scheme with its parameters.
+        scheme: String,
+    },
+    /// Steps that do not go on.
+    #[error("the step size {0} is no positive number")]
+    StepSize(f64),
+    /// Contact pairs whose points slide with the unknown.
+    #[error(
+        "`{form}` has pairs of surfaces that its unknown displaces; adjoints of such histories are not available"
+    )]
+    Sliding {
+        /// The form.
+        form: &'static str,
+    },
+    /// A form that does not fit, or could not be assembled.
+    #[error(transparent)]
+    Assembly(#[from] AssemblyError),
+    /// The equations of a step were not solved.
+    #[error(transparent)]
+    Solve(Box<SolveError>),
+    /// The adjoint system of a step was not solved.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// A vector or matrix is unfit.
+    #[error(transparent)]
+    LinearAlgebra(#[from] LinearAlgebraError),
+    /// Conditions that do not fit.
+    #[error(transparent)]
+    Constraints(#[from] ConstraintsError),
+    /// A state that is not finite.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// No space of constants on the mesh.
+    #[error(transparent)]
+    Space(#[from] SpaceError),
+}
+
+impl From<SolveError> for HistoryFailure {
+    fn from(error: SolveError) -> Self {
+        HistoryFailure::Solve(Box::new(error))
+    }
+}
+
+impl HistoryFailure {
+    /// The error at a step.
+    pub(super) fn at(self, step: usize) -> HistoryError {
+        HistoryError { step, why: self }
+    }
+}

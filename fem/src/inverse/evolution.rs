@@ -1,0 +1,69 @@
+//! What a history has to say of its steps, so that a sweep forward and back gives the gradient of its criterion.
+
+/// A row of steps from a state to the next, with a criterion J = Σ Jⁿ, n = 0, 1, …, over them.
+pub trait Evolution {
+    /// What can go wrong in a step.
+    type Error;
+
+    /// The number of steps.
+    fn steps(&self) -> usize;
+
+    /// The number of controls: the length of the gradient.
+    fn control_count(&self) -> usize;
+
+    /// The state before the first step.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    fn start(&mut self) -> Result<Vec<f64>, Self::Error>;
+
+    /// The state after a step.
+    ///
+    /// # Errors
+    /// Equations that were not solved.
+    fn advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, Self::Error>;
+
+    /// Jⁿ, the part of the criterion that a step adds \[J\].
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    fn cost(&mut self, step: usize, before: &[f64], after: &[f64]) -> Result<f64, Self::Error>;
+
+    /// From the slope of J, but for this step's part, by the state after a step: the slope by the state before it. What the
+    /// step's controls change is added to the gradient.
+    ///
+    /// # Errors
+    /// An adjoint system that was not solved.
+    fn reverse(
+        &mut self,
+        step: usize,
+        before: &[f64],
+        after: &[f64],
+        slope: Vec<f64>,
+        gradient: &mut [f64],
+    ) -> Result<Vec<f64>, Self::Error>;
+
+    /// The end of the way back: the first state, and the slope by it, for controls of that state.
+    ///
+    /// # Errors
+    /// An adjoint system that was not solved.
+    fn reverse_start(
+        &mut self,
+        start: &[f64],
+        slope: &[f64],
+        gradient: &mut [f64],
+    ) -> Result<(), Self::Error>;
+
+    /// Which switches of the step's equations are on, per quadrature point: where they change, J has a kink. None without kinks.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    fn switches(
+        &mut self,
+        _step: usize,
+        _before: &[f64],
+        _after: &[f64],
+    ) -> Result<Option<Vec<u32>>, Self::Error> {
+        Ok(None)
+    }
+}

@@ -1,0 +1,312 @@
+//! Load histories: quasi-static steps of one form, each from the state before, with a criterion and its discrete adjoint.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::controls::{At, ControlError, Controls, Start};
+use super::criterion::Criterion;
+use super::error::{HistoryError, HistoryFailure};
+use super::evolution::Evolution;
+use super::observations::Observations;
+use super::rates::add_rates;
+use super::reduced_problem::ReducedProblem;
+use super::step_equations::{Solution, StepEquations};
+use super::sweep::{Gradient, gradient_of, value_of};
+use crate::assemble::Assembler;
+use crate::compiled_here::compiled_here;
+use crate::constraints::{Constraints, ConstraintsError};
+use crate::contract::{Form, Functional};
+use crate::field::Field;
+use crate::solve::any_form::AnyForm;
+use crate::solve::{LinearSolver, NewtonOptions};
+use crate::space::Space;
+use crate::verification::Sample;
+
+/// Steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 with a criterion J(m) = Σ Jⁿ(uⁿ), of which it gives value and gradient by the controls m. A problem
+/// without a past is a history of one step.
+///
+/// The rates are a form without unknowns, a function of state, adjoint state and state before: the derivative of R(u, before, m; p), and
+/// of what the criterion reads of the controls, by the state before, tested with `by_before`, and by each control `name`, tested with
+/// `by_name`. The gradient is exact for the equations as they are discretised, to the accuracy to which they are solved. Where a
+/// switch of the form changes (contact opens, friction begins to slip) J has a kink, and this is its slope on one side.
+pub struct LoadHistory<'a, const D: usize> {
+    space: Arc<Space<D>>,
+    steps: usize,
+    controls: Controls<D>,
+    step: Option<FormAt<'a, D>>,
+    rates: Option<RatesAt<'a, D>>,
+    criterion: Criterion<'a, D>,
+    constraints: ConstraintsAt<'a, D>,
+    equations: StepEquations<'a, D>,
+    stored: usize,
+}
+
+type FormAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+type RatesAt<'a, const D: usize> =
+    Box<dyn Fn(&At<D>, &Field<D>, &Field<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(usize) -> Result<Constraints<D>, ConstraintsError> + 'a>;
+
+impl<'a, const D: usize> LoadHistory<'a, D> {
+    /// A number of steps on a space, from zero unless the start is a control.
+    #[inline(never)]
+    pub fn new(space: &Arc<Space<D>>, steps: usize, controls: Controls<D>) -> Self {
+        let unconstrained = Constraints::new(space);
+        LoadHistory {
+            space: Arc::clone(space),
+            steps,
+            controls,
+            step: None,
+            rates: None,
+            criterion: Criterion { energy: None, observations: BTreeMap::new(), of_controls: None },
+            constraints: Box::new(move |_| Ok(unconstrained.clone())),
+            equations: StepEquations::new(space),
+            stored: usize::MAX,
+        }
+    }
+
+    /// The form of a step.
+    pub fn step<F: Form<D> + 'a>(mut self, form: impl Fn(&At<D>) -> Result<F, ControlError> + 'a) -> Self {
+        self.step = Some(Box::new(move |at| Ok(Box::new(form(at)?))));
+        self
+    }
+
+    /// The rates of a step at its state u and adjoint state p.
+    pub fn rates<F: Form<D> + 'a>(
+        mut self,
+        form: impl Fn(&At<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
+    ) -> Self {
+        self.rates = Some(Box::new(move |at, u, p| Ok(Box::new(form(at, u, p)?))));
+        self
+    }
+
+    /// Jⁿ, an energy of the state after the step, whose slope is the adjoint's load. A criterion of the last step alone has a factor
+    /// that is zero in the others.
+    pub fn criterion<F: Form<D> + Functional<D> + 'a>(
+        mut self,
+        energy: impl Fn(&At<D>) -> Result<F, ControlError> + 'a,
+    ) -> Self {
+        self.criterion.energy = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
+        self
+    }
+
+    /// What is measured at the end of a step, numbered from 0, adds to the criterion.
+    pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
+        self.criterion.observations.entry(step).or_default().push(observations);
+        self
+    }
+
+    /// A function of the controls alone that adds to the criterion, with its gradient, as a regularisation.
+    pub fn with_cost_of_controls(mut self, cost: impl Fn(&[f64]) -> (f64, Vec<f64>) + 'a) -> Self {
+        self.criterion.of_controls = Some(Box::new(cost));
+        self
+    }
+
+    /// Conditions that do not change.
+    pub fn constrained(self, constraints: &Constraints<D>) -> Self {
+        let constraints = constraints.clone();
+        self.constrained_at(move |_| Ok(constraints.clone()))
+    }
+
+    /// Conditions as a function of the number of the step.
+    pub fn constrained_at(
+        mut self,
+        constraints: impl Fn(usize) -> Result<Constraints<D>, ConstraintsError> + 'a,
+    ) -> Self {
+        self.constraints = Box::new(constraints);
+        self
+    }
+
+    /// Another assembler than the default one: for its quadrature, its threads.
+    pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
+        self.equations.assembler = assembler.clone();
+        self
+    }
+
+    /// Another linear solver than a [`TangentSolver`], for the steps and their adjoints.
+    pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
+        self.equations.lend(solver);
+        self
+    }
+
+    /// Tolerances of Newton's method in each step.
+    pub fn options(mut self, options: NewtonOptions) -> Self {
+        self.equations.options = options;
+        self
+    }
+
+    /// At most so many states are stored, and the others computed again on the way back; all are, unless this is said.
+    pub fn stored_states(mut self, most: usize) -> Self {
+        self.stored = most;
+        self
+    }
+
+    /// The controls with their last values.
+    pub fn controls(&self) -> &Controls<D> {
+        &self.controls
+    }
+
+    /// J with its gradient, and what it took.
+    ///
+    /// # Errors
+    /// [`HistoryError`], which names the step.
+    #[inline(never)]
+    pub fn gradient(&mut self, m: &[f64]) -> Result<Gradient, HistoryError> {
+        self.begin(m).map_err(|why| why.at(0))?;
+        let stored = self.stored;
+        let mut found = gradient_of(self, stored)?;
+        self.criterion.add_cost_of_controls(m, &mut found).map_err(|why| why.at(0))?;
+        Ok(found)
+    }
+
+    /// The state after each step.
+    ///
+    /// # Errors
+    /// [`HistoryError`], which names the step.
+    #[inline(never)]
+    pub fn states(&mut self, m: &[f64]) -> Result<Vec<Field<D>>, HistoryError> {
+        self.begin(m).map_err(|why| why.at(0))?;
+        let mut states: Vec<Field<D>> = vec![];
+        let mut before = self.start()?;
+        for step in 0..self.steps {
+            before = self.advance(step, &before)?;
+            let state = Field::from_values(&self.space, before.clone());
+            states.push(state.map_err(|why| HistoryFailure::from(why).at(step))?);
+        }
+        Ok(states)
+    }
+
+    fn begin(&mut self, m: &[f64]) -> Result<(), HistoryFailure> {
+        self.controls.check(&self.space, self.steps)?;
+        if let Some(name) = self.controls.start_name(Start::Rate) {
+            return Err(ControlError::NoRate { name: name.to_owned() }.into());
+        }
+        self.criterion.check(&self.space, self.steps)?;
+        self.equations.forget();
+        Ok(self.controls.set_values(m)?)
+    }
+
+    /// The form of a step from a state.
+    fn form(&self, at: &At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, HistoryFailure> {
+        Ok(self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?)
+    }
+
+    fn field(&self, values: &[f64]) -> Result<Field<D>, HistoryFailure> {
+        Ok(Field::from_values(&self.space, values.to_vec())?)
+    }
+
+    #[inline(never)]
+    fn try_advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
+        let before = self.field(before)?;
+        let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
+        let constraints = (self.constraints)(step)?;
+        let state = self.equations.solve(Solution::Step(step), form, &constraints, &before)?;
+        Ok(state.values().to_vec())
+    }
+
+    #[inline(never)]
+    fn try_reverse(
+        &mut self,
+        step: usize,
+        [before, after]: [&[f64]; 2],
+        mut slope: Vec<f64>,
+        gradient: &mut [f64],
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        let (before, after) = (self.field(before)?, self.field(after)?);
+        let at = At::new(&self.controls, step, None);
+        self.criterion.add_slope(&at, &self.equations.assembler, &after, &mut slope)?;
+        let at = At::new(&self.controls, step, Some(&before));
+        let (form, constraints) = (self.form(&at)?, (self.constraints)(step)?);
+        let adjoint = self.equations.adjoint(Solution::Step(step), &*form, &constraints, &after, &slope)?;
+        let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &after, &adjoint)?;
+        let remembers = self.steps > 1 || self.controls.start_name(Start::Value).is_some();
+        let spaces = [&self.space, &self.equations.constants()?];
+        let controls = (&self.controls, remembers);
+        add_rates(&*rates, step, controls, spaces, &self.equations.assembler, gradient)
+    }
+}
+
+impl<const D: usize> Evolution for LoadHistory<'_, D> {
+    type Error = HistoryError;
+
+    fn steps(&self) -> usize {
+        self.steps
+    }
+
+    fn control_count(&self) -> usize {
+        self.controls.values().len()
+    }
+
+    fn start(&mut self) -> Result<Vec<f64>, HistoryError> {
+        Ok(self.controls.start_values(Start::Value, self.space.unknowns()))
+    }
+
+    fn advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryError> {
+        self.try_advance(step, before).map_err(|why| why.at(step))
+    }
+
+    fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
+        let value = || {
+            let (after, at) = (self.field(after)?, At::new(&self.controls, step, None));
+            self.criterion.value(&at, &self.equations.assembler, &after)
+        };
+        value().map_err(|why| why.at(step))
+    }
+
+    fn reverse(
+        &mut self,
+        step: usize,
+        before: &[f64],
+        after: &[f64],
+        slope: Vec<f64>,
+        gradient: &mut [f64],
+    ) -> Result<Vec<f64>, HistoryError> {
+        self.try_reverse(step, [before, after], slope, gradient).map_err(|why| why.at(step))
+    }
+
+    fn reverse_start(&mut self, _: &[f64], slope: &[f64], gradient: &mut [f64]) -> Result<(), HistoryError> {
+        self.controls.add_start(Start::Value, slope, gradient);
+        Ok(())
+    }
+
+    fn switches(
+        &mut self,
+        step: usize,
+        before: &[f64],
+        after: &[f64],
+    ) -> Result<Option<Vec<u32>>, HistoryError> {
+        let found = || -> Result<Option<Vec<u32>>, HistoryFailure> {
+            let (before, after) = (self.field(before)?, self.field(after)?);
+            let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
+            Ok(form.active_set(&self.equations.assembler, &[after.view()])?)
+        };
+        found().map_err(|why| why.at(step))
+    }
+}
+
+impl<const D: usize> ReducedProblem for LoadHistory<'_, D> {
+    type Error = HistoryError;
+
+    fn start(&self) -> Vec<f64> {
+        self.controls.values().to_vec()
+    }
+
+    fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {
+        self.begin(m).map_err(|why| why.at(0))?;
+        let mut found = value_of(self)?;
+        found.value[0] += self.criterion.cost_of_controls(m).map_err(|why| why.at(0))?;
+        Ok(found)
+    }
+
+    fn value_and_gradient(&mut self, m: &[f64]) -> Result<(f64, Vec<f64>), HistoryError> {
+        let found = self.gradient(m)?;
+        Ok((found.value, found.gradient))
+    }
+}
+
+compiled_here!(
+    LoadHistory::<D>::new,
+    LoadHistory::<D>::gradient,
+    LoadHistory::<D>::states,
+    LoadHistory::<D>::try_advance,
+    LoadHistory::<D>::try_reverse,
+);

@@ -1,0 +1,94 @@
+//! Inverse problems: controls, criteria over histories of steps, their gradients by discrete adjoints, and minimisation.
+//!
+//! ```text
+//! Controls        named numbers and fields that the data of a form are made of
+//! LoadHistory     steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 of one form with a criterion J = Σ Jⁿ(uⁿ): J(m) and its gradient
+//! MotionHistory   steps in time of one form by a scheme, the same
+//! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with few stored states
+//! ReducedProblem  J(m) with its gradient: Taylor tests, and `minimise` with bounds
+//! ```
+//!
+//! A history's gradient is that of the discrete problem: backwards over the steps R_uᵀ pⁿ = −Jⁿ_u − (∂Rⁿ⁺¹/∂uⁿ)ᵀ pⁿ⁺¹, and dJ/dm is
+//! the sum of (∂Rⁿ/∂m)ᵀ pⁿ. Both derivatives of R come from `derivative` in the user's module:
+//!
+//! ```
+//! use forms_fem::inverse::{Controls, LoadHistory, ReducedProblem};
+//! use forms_fem::prelude::*;
+//!
+//! #[forms(dimension = 2)]
+//! mod creep {
+//!     pub struct Data {
+//!         pub conductivity: Param,
+//!         pub source: Param,
+//!     }
+//!     #[cells]
+//!     pub struct Omega;
+//!
+//!     /// Each step goes on from the one before.
+//!     pub fn step(u: Unknown<Scalar>, v: Test<Scalar>, before: State<Scalar>) -> Form {
+//!         integral(Omega, (u - before) * v + conductivity * (1 + sqr(u)) * dot(grad(u), grad(v)) - source * v)
+//!     }
+//!     /// What is summed over the steps.
+//!     pub fn misfit(u: Unknown<Scalar>) -> Energy {
+//!         integral(Omega, sqr(u - x[0]) / 2)
+//!     }
+//!     /// The derivatives of a step's work by the state before, and by each control.
+//!     pub fn rates(
+//!         u: State<Scalar>,
+//!         before: State<Scalar>,
+//!         p: State<Scalar>,
+//!         by_before: Test<Scalar>,
+//!         by_conductivity: Test<Scalar>,
+//!     ) -> Form {
+//!         let work = step(u, p, before);
+//!         derivative(work, before, by_before) + derivative(work, conductivity, by_conductivity)
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1)?);
+//! let space = Space::scalar(&mesh, 1)?;
+//! let mut held = Constraints::new(&space);
+//! held.fix("left", |_| 0.0)?;
+//! let controls = Controls::new().number("conductivity", 0.3);
+//! let model = |conductivity| creep::Model::new(creep::Data { conductivity, source: 1.0 });
+//! let mut history = LoadHistory::new(&space, 10, controls)
+//!     .step(|at| Ok(model(at.number("conductivity")?).step(at.before()?)))
+//!     .rates(|at, u, p| Ok(model(at.number("conductivity")?).rates(u, at.before()?, p)))
+//!     .criterion(|at| Ok(model(at.number("conductivity")?).misfit()))
+//!     .constrained(&held);
+//! let (value, gradient) = history.value_and_gradient(&[0.3])?;
+//! # let (above, below) = (history.value(&[0.3001])?, history.value(&[0.2999])?);
+//! # assert!(((above - below) / 2e-4 - gradient[0]).abs() < 1e-6 * gradient[0].abs() && value > 0.0);
+//! # Ok(())
+//! # }
+//! ```
+
+mod any_energy;
+pub mod bounds;
+pub mod controls;
+mod criterion;
+mod during;
+mod error;
+pub mod evolution;
+pub mod load_history;
+pub mod minimise;
+pub mod motion_history;
+pub mod observations;
+mod quasi_newton;
+mod rates;
+pub mod reduced_problem;
+mod step_equations;
+mod sweep;
+
+pub use bounds::{Bounds, BoundsMismatch};
+pub use controls::{At, ControlError, Controls};
+pub use during::During;
+pub use error::{HistoryError, HistoryFailure};
+pub use evolution::Evolution;
+pub use load_history::LoadHistory;
+pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
+pub use motion_history::MotionHistory;
+pub use observations::Observations;
+pub use reduced_problem::{ReducedProblem, taylor_test};
+pub use sweep::{Gradient, Work, gradient_of, largest_repetition, value_of};

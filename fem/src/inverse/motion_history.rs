@@ -1,0 +1,402 @@
+//! Motions: steps in time of one form by a scheme, with a criterion and its discrete adjoint.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::controls::{At, ControlError, Controls, Start};
+use super::criterion::Criterion;
+use super::during::{During, Interval, of_start};
+use super::error::{HistoryError, HistoryFailure};
+use super::evolution::Evolution;
+use super::observations::Observations;
+use super::rates::add_rates;
+use super::reduced_problem::ReducedProblem;
+use super::step_equations::{Solution, StepEquations};
+use super::sweep::{Gradient, gradient_of, value_of};
+use crate::assemble::Assembler;
+use crate::compiled_here::compiled_here;
+use crate::constraints::{Constraints, ConstraintsError};
+use crate::contract::{Form, Functional};
+use crate::field::Field;
+use crate::linear_algebra::vector::add_scaled;
+use crate::solve::any_form::AnyForm;
+use crate::solve::{LinearSolver, NewtonOptions};
+use crate::space::Space;
+use crate::time::step::known;
+use crate::time::{Combination, Formulas, Scheme, SolvedFor, Step};
+use crate::verification::Sample;
+
+/// A form of motion followed by a scheme of one step over equal steps in time, with a criterion J(m) = Σ Jⁿ(uⁿ) over the values at
+/// the ends of the steps, of which it gives value and gradient by the controls m.
+///
+/// The form is written with the operators of [`time`](crate::time), and reads the state before a step by them alone: then the
+/// derivatives by that state are tangents of the same form with other weights, and the form of rates, a function of the step's
+/// unknown and the adjoint state, has a test function `by_name` for each control `name`.
+pub struct MotionHistory<'a, const D: usize> {
+    space: Arc<Space<D>>,
+    steps: usize,
+    size: f64,
+    scheme: Box<dyn Scheme + 'a>,
+    controls: Controls<D>,
+    motion: Option<FormAt<'a, D>>,
+    rates: Option<RatesAt<'a, D>>,
+    criterion: Criterion<'a, D>,
+    constraints: ConstraintsAt<'a, D>,
+    equations: StepEquations<'a, D>,
+    stored: usize,
+}
+
+type FormAt<'a, const D: usize> =
+    Box<dyn Fn(&During<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+type RatesAt<'a, const D: usize> =
+    Box<dyn Fn(&During<D>, &Field<D>, &Field<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
+
+impl<'a, const D: usize> MotionHistory<'a, D> {
+    /// Equal steps of a size from time zero, at rest unless the start is a control.
+    pub fn new(
+        space: &Arc<Space<D>>,
+        (steps, size): (usize, f64),
+        scheme: impl Scheme + 'a,
+        controls: Controls<D>,
+    ) -> Self {
+        Self::of(space, (steps, size), Box::new(scheme), controls)
+    }
+
+    #[inline(never)]
+    fn of(
+        space: &Arc<Space<D>>,
+        (steps, size): (usize, f64),
+        scheme: Box<dyn Scheme + 'a>,
+        controls: Controls<D>,
+    ) -> Self {
+        let unconstrained = Constraints::new(space);
+        MotionHistory {
+            space: Arc::clone(space),
+            steps,
+            size,
+            scheme,
+            controls,
+            motion: None,
+            rates: None,
+            criterion: Criterion { energy: None, observations: BTreeMap::new(), of_controls: None },
+            constraints: Box::new(move |_| Ok(unconstrained.clone())),
+            equations: StepEquations::new(space),
+            stored: usize::MAX,
+        }
+    }
+
+    /// The form of motion.
+    pub fn motion<F: Form<D> + 'a>(
+        mut self,
+        form: impl Fn(&During<D>) -> Result<F, ControlError> + 'a,
+    ) -> Self {
+        self.motion = Some(Box::new(move |during| Ok(Box::new(form(during)?))));
+        self
+    }
+
+    /// The rates of a step at its unknown u and adjoint state p.
+    pub fn rates<F: Form<D> + 'a>(
+        mut self,
+        form: impl Fn(&During<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
+    ) -> Self {
+        self.rates = Some(Box::new(move |during, u, p| Ok(Box::new(form(during, u, p)?))));
+        self
+    }
+
+    /// Jⁿ, an energy of the value after the step, which depends on no control.
+    pub fn criterion<F: Form<D> + Functional<D> + 'a>(
+        mut self,
+        energy: impl Fn(&At<D>) -> Result<F, ControlError> + 'a,
+    ) -> Self {
+        self.criterion.energy = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
+        self
+    }
+
+    /// What is measured of the value at the end of a step, numbered from 0, adds to the criterion.
+    pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
+        self.criterion.observations.entry(step).or_default().push(observations);
+        self
+    }
+
+    /// A function of the controls alone that adds to the criterion, with its gradient, as a regularisation.
+    pub fn with_cost_of_controls(mut self, cost: impl Fn(&[f64]) -> (f64, Vec<f64>) + 'a) -> Self {
+        self.criterion.of_controls = Some(Box::new(cost));
+        self
+    }
+
+    /// Conditions that do not change.
+    pub fn constrained(self, constraints: &Constraints<D>) -> Self {
+        let constraints = constraints.clone();
+        self.constrained_at(move |_| Ok(constraints.clone()))
+    }
+
+    /// Conditions as a function of the time at the end of a step.
+    pub fn constrained_at(
+        mut self,
+        constraints: impl Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a,
+    ) -> Self {
+        self.constraints = Box::new(constraints);
+        self
+    }
+
+    /// Another assembler than the default one: for its quadrature, its threads.
+    pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
+        self.equations.assembler = assembler.clone();
+        self
+    }
+
+    /// Another linear solver than a [`TangentSolver`](crate::solve::TangentSolver).
+    pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
+        self.equations.lend(solver);
+        self
+    }
+
+    /// Tolerances of Newton's method in each step.
+    pub fn options(mut self, options: NewtonOptions) -> Self {
+        self.equations.options = options;
+        self
+    }
+
+    /// At most so many states are stored, and the others computed again on the way back; all are, unless this is said.
+    pub fn stored_states(mut self, most: usize) -> Self {
+        self.stored = most;
+        self
+    }
+
+    /// J with its gradient, and what it took.
+    ///
+    /// # Errors
+    /// [`HistoryError`], which names the step.
+    #[inline(never)]
+    pub fn gradient(&mut self, m: &[f64]) -> Result<Gradient, HistoryError> {
+        self.begin(m).map_err(|why| why.at(0))?;
+        let stored = self.stored;
+        let mut found = gradient_of(self, stored)?;
+        self.criterion.add_cost_of_controls(m, &mut found).map_err(|why| why.at(0))?;
+        Ok(found)
+    }
+
+    fn begin(&mut self, m: &[f64]) -> Result<(), HistoryFailure> {
+        if self.scheme.states() != 1 || self.scheme.solved_for() != SolvedFor::Value {
+            return Err(HistoryFailure::Scheme { scheme: format!("{:?}", self.scheme) });
+        }
+        if !(self.size > 0.0 && self.size.is_finite()) {
+            return Err(HistoryFailure::StepSize(self.size));
+        }
+        self.controls.check(&self.space, self.steps)?;
+        self.criterion.check(&self.space, self.steps)?;
+        self.equations.forget();
+        Ok(self.controls.set_values(m)?)
+    }
+
+    fn interval<'f>(&self, step: usize, formulas: &'f Formulas) -> Interval<'f> {
+        let at = |step: usize| self.size * step as f64;
+        Interval { solution: Solution::Step(step), formulas, from: at(step), to: at(step + 1) }
+    }
+
+    /// The value in a row of value, rate and second rate.
+    fn value_in(&self, row: &[f64]) -> Result<Field<D>, HistoryFailure> {
+        Ok(Field::from_values(&self.space, row[..self.space.unknowns()].to_vec())?)
+    }
+
+    fn form(&self, interval: &Interval, step: &Step<D>) -> Result<Box<dyn AnyForm<D> + 'a>, HistoryFailure> {
+        let at = At::new(&self.controls, interval.step(), None);
+        Ok(self.motion.as_ref().ok_or(HistoryFailure::Missing("motion"))?(&During { step, at })?)
+    }
+
+    /// The conditions on the unknown of a step; that of the start is a second rate.
+    fn conditions(&self, interval: &Interval) -> Result<Constraints<D>, HistoryFailure> {
+        let constraints = (self.constraints)(interval.to)?;
+        Ok(if interval.to > interval.from { constraints } else { constraints.homogeneous() })
+    }
+
+    #[inline(never)]
+    fn advance_by(&mut self, interval: &Interval, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
+        let step = interval.step_from(&self.space, before)?;
+        let form = self.form(interval, &step)?;
+        let guess = if interval.to > interval.from { &step.before.value } else { &step.before.second_rate };
+        let conditions = self.conditions(interval)?;
+        let unknown = self.equations.solve(interval.solution, form, &conditions, guess)?;
+        let states = [step.before];
+        let mut after = vec![];
+        for combination in &interval.formulas.end {
+            let mut part = known(combination, &states)?.values().to_vec();
+            add_scaled(&mut part, combination.unknown, unknown.values());
+            after.extend(part);
+        }
+        Ok(after)
+    }
+
+    #[inline(never)]
+    fn reverse_by(
+        &mut self,
+        interval: &Interval,
+        [before, after]: [&[f64]; 2],
+        slope: &[f64],
+        gradient: &mut [f64],
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        let count = self.space.unknowns();
+        let formulas = interval.formulas;
+        let step = interval.step_from(&self.space, before)?;
+        // The step's unknown is the first of value, rate and second rate at its end of which it is a part.
+        let part = formulas.end.iter().position(|combination| combination.unknown != 0.0).unwrap_or(0);
+        let combination = &formulas.end[part];
+        let mut unknown = after[part * count..(part + 1) * count].to_vec();
+        add_scaled(&mut unknown, -1.0, known(combination, std::slice::from_ref(&step.before))?.values());
+        unknown.iter_mut().for_each(|value| *value /= combination.unknown);
+        let unknown = Field::from_values(&self.space, unknown)?;
+
+        let mut load = vec![0.0; count];
+        for (combination, slope) in formulas.end.iter().zip(slope.chunks(count)) {
+            add_scaled(&mut load, combination.unknown, slope);
+        }
+        let form = self.form(interval, &step)?;
+        let conditions = self.conditions(interval)?;
+        let adjoint = self.equations.adjoint(interval.solution, &*form, &conditions, &unknown, &load)?;
+        let at = At::new(&self.controls, interval.step(), None);
+        let during = During { step: &step, at };
+        let rates =
+            self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&during, &unknown, &adjoint)?;
+        let spaces = [&self.space, &self.equations.constants()?];
+        add_rates(
+            &*rates,
+            interval.step(),
+            (&self.controls, false),
+            spaces,
+            &self.equations.assembler,
+            gradient,
+        )?;
+
+        let mut by_before = vec![0.0; 3 * count];
+        let mut add = |combination: &Combination, slope: &[f64]| {
+            for (weight, part) in
+                combination.states.first().into_iter().flatten().zip(by_before.chunks_mut(count))
+            {
+                add_scaled(part, *weight, slope);
+            }
+        };
+        formulas.end.iter().zip(slope.chunks(count)).for_each(|(combination, slope)| add(combination, slope));
+        // What the form evaluates: its tangent by one of the three is that with the weight one there and what is known of it zero.
+        let mut evaluated = step.known.clone();
+        for (field, weight) in evaluated.iter_mut().zip(step.weights) {
+            *field = Field::combination(&[(weight, &unknown), (1.0, field)])?;
+        }
+        for (place, combination) in formulas.evaluated.iter().enumerate() {
+            if combination.states.iter().flatten().all(|weight| *weight == 0.0) {
+                continue;
+            }
+            let mut weights = [0.0; 3];
+            weights[place] = 1.0;
+            let mut known = evaluated.clone();
+            known[place] = Field::zero(&self.space);
+            let alone = Step { weights, known, ..step.clone() };
+            let form = self.form(interval, &alone)?;
+            add(combination, &self.equations.transposed(&*form, &evaluated[place], &adjoint)?);
+        }
+        Ok(by_before)
+    }
+}
+
+impl<const D: usize> Evolution for MotionHistory<'_, D> {
+    type Error = HistoryError;
+
+    fn steps(&self) -> usize {
+        self.steps
+    }
+
+    fn control_count(&self) -> usize {
+        self.controls.values().len()
+    }
+
+    fn start(&mut self) -> Result<Vec<f64>, HistoryError> {
+        let count = self.space.unknowns();
+        let mut start = self.controls.start_values(Start::Value, count);
+        start.extend(self.controls.start_values(Start::Rate, count));
+        start.extend(vec![0.0; count]);
+        if !self.scheme.reads_second_rates() {
+            return Ok(start);
+        }
+        let start_formulas = of_start();
+        let interval = Interval::at_start(&start_formulas);
+        self.advance_by(&interval, &start).map_err(|why| why.at(0))
+    }
+
+    fn advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryError> {
+        let formulas = self.scheme.formulas(&[self.size]);
+        self.advance_by(&self.interval(step, &formulas), before).map_err(|why| why.at(step))
+    }
+
+    fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
+        let value = || {
+            let after = self.value_in(after)?;
+            let at = At::new(&self.controls, step, None);
+            self.criterion.value(&at, &self.equations.assembler, &after)
+        };
+        value().map_err(|why| why.at(step))
+    }
+
+    fn reverse(
+        &mut self,
+        step: usize,
+        before: &[f64],
+        after: &[f64],
+        mut slope: Vec<f64>,
+        gradient: &mut [f64],
+    ) -> Result<Vec<f64>, HistoryError> {
+        let mut reverse = || {
+            let value = self.value_in(after)?;
+            let at = At::new(&self.controls, step, None);
+            let own = &mut slope[..value.values().len()];
+            self.criterion.add_slope(&at, &self.equations.assembler, &value, own)?;
+            let formulas = self.scheme.formulas(&[self.size]);
+            self.reverse_by(&self.interval(step, &formulas), [before, after], &slope, gradient)
+        };
+        reverse().map_err(|why| why.at(step))
+    }
+
+    fn reverse_start(
+        &mut self,
+        start: &[f64],
+        slope: &[f64],
+        gradient: &mut [f64],
+    ) -> Result<(), HistoryError> {
+        let count = self.space.unknowns();
+        let mut slope = slope.to_vec();
+        if self.scheme.reads_second_rates() {
+            let start_formulas = of_start();
+            let interval = Interval::at_start(&start_formulas);
+            slope = self.reverse_by(&interval, [start, start], &slope, gradient).map_err(|why| why.at(0))?;
+        }
+        self.controls.add_start(Start::Value, &slope[..count], gradient);
+        self.controls.add_start(Start::Rate, &slope[count..2 * count], gradient);
+        Ok(())
+    }
+}
+
+impl<const D: usize> ReducedProblem for MotionHistory<'_, D> {
+    type Error = HistoryError;
+
+    fn start(&self) -> Vec<f64> {
+        self.controls.values().to_vec()
+    }
+
+    fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {
+        self.begin(m).map_err(|why| why.at(0))?;
+        let mut found = value_of(self)?;
+        found.value[0] += self.criterion.cost_of_controls(m).map_err(|why| why.at(0))?;
+        Ok(found)
+    }
+
+    fn value_and_gradient(&mut self, m: &[f64]) -> Result<(f64, Vec<f64>), HistoryError> {
+        let found = self.gradient(m)?;
+        Ok((found.value, found.gradient))
+    }
+}
+
+compiled_here!(
+    MotionHistory::<D>::of,
+    MotionHistory::<D>::gradient,
+    MotionHistory::<D>::advance_by,
+    MotionHistory::<D>::reverse_by,
+);

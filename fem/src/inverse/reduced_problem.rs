@@ -1,0 +1,51 @@
+//! Reduced problems: a criterion as a function of the controls alone, the states being solved for on the way.
+
+use crate::verification::{Sample, TaylorReport, taylor};
+
+/// J(m) with its gradient.
+pub trait ReducedProblem {
+    /// What can go wrong on the way to a value.
+    type Error: std::error::Error + 'static;
+
+    /// The controls m to begin with.
+    fn start(&self) -> Vec<f64>;
+
+    /// J(m), with the switches that are on: where they change, J has a kink.
+    ///
+    /// # Errors
+    /// Equations that were not solved; controls that do not fit.
+    fn sample(&mut self, m: &[f64]) -> Result<Sample, Self::Error>;
+
+    /// J(m).
+    ///
+    /// # Errors
+    /// As [`ReducedProblem::sample`].
+    fn value(&mut self, m: &[f64]) -> Result<f64, Self::Error> {
+        Ok(self.sample(m)?.value.first().copied().unwrap_or(f64::NAN))
+    }
+
+    /// J(m) and dJ/dm, an entry per control value.
+    ///
+    /// # Errors
+    /// As [`ReducedProblem::sample`].
+    fn value_and_gradient(&mut self, m: &[f64]) -> Result<(f64, Vec<f64>), Self::Error>;
+}
+
+/// Tests the gradient at m along a direction of the controls: the remainder |J(m + t δ) − J(m) − t dJ/dm·δ| has to fall with the
+/// second order, from steps t = `first` on. Steps across a kink are reported and do not count.
+///
+/// # Errors
+/// Those of the problem.
+pub fn taylor_test<P: ReducedProblem + ?Sized>(
+    problem: &mut P,
+    m: &[f64],
+    direction: &[f64],
+    first: f64,
+) -> Result<TaylorReport, P::Error> {
+    let (_, gradient) = problem.value_and_gradient(m)?;
+    let slope: f64 = gradient.iter().zip(direction).map(|(gradient, along)| gradient * along).sum();
+    taylor(first, &[slope], |step| {
+        let moved: Vec<f64> = m.iter().zip(direction).map(|(m, along)| m + step * along).collect();
+        problem.sample(&moved)
+    })
+}

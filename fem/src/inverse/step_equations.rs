@@ -1,0 +1,165 @@
+//! The equations of one step after the other: solution, adjoint, and products with transposed tangents, on one pattern.
+
+use std::sync::Arc;
+
+use super::error::HistoryFailure;
+use crate::assemble::{Assembler, BlockPattern, Parts};
+use crate::compiled_here::compiled_here;
+use crate::constraints::Constraints;
+use crate::field::Field;
+use crate::linear_algebra::BlockMatrix;
+use crate::solve::any_form::AnyForm;
+use crate::solve::{
+    Elimination, LinearSolver, NewtonOptions, OwnedForm, TangentSolver, Transpose, solve_linear_transposed,
+    solve_owned,
+};
+use crate::space::Space;
+
+/// Who assembles and solves the steps of a history.
+pub(super) struct StepEquations<'a, const D: usize> {
+    pub assembler: Assembler<D>,
+    pub options: NewtonOptions,
+    space: Arc<Space<D>>,
+    solver: Solver<'a>,
+    pattern: Option<Arc<BlockPattern<D>>>,
+    /// Constants, to test rates by numbers with.
+    constants: Option<Arc<Space<D>>>,
+    /// The step whose tangent at its solution is the solver's matrix.
+    tangent_of: Option<Solution>,
+}
+
+/// The number of a solution, by which its adjoint knows it again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Solution {
+    /// That of the start's second rate.
+    Start,
+    /// That of a step.
+    Step(usize),
+}
+
+/// The history's own linear solver, or one that is lent to it.
+enum Solver<'a> {
+    Own(Box<TangentSolver>),
+    Lent(&'a mut dyn LinearSolver),
+}
+
+impl Solver<'_> {
+    fn get(&mut self) -> &mut dyn LinearSolver {
+        match self {
+            Solver::Own(solver) => &mut **solver,
+            Solver::Lent(solver) => &mut **solver,
+        }
+    }
+}
+
+impl<'a, const D: usize> StepEquations<'a, D> {
+    #[inline(never)]
+    pub fn new(space: &Arc<Space<D>>) -> Self {
+        StepEquations {
+            assembler: Assembler::new(space.mesh()),
+            options: NewtonOptions::default(),
+            space: Arc::clone(space),
+            solver: Solver::Own(Box::default()),
+            pattern: None,
+            constants: None,
+            tangent_of: None,
+        }
+    }
+
+    pub fn lend(&mut self, solver: &'a mut dyn LinearSolver) {
+        self.solver = Solver::Lent(solver);
+    }
+
+    /// Forgets which tangent the solver has: data may be others now.
+    pub fn forget(&mut self) {
+        self.tangent_of = None;
+    }
+
+    /// The space of constants per cell.
+    pub fn constants(&mut self) -> Result<Arc<Space<D>>, HistoryFailure> {
+        if let Some(known) = &self.constants {
+            return Ok(Arc::clone(known));
+        }
+        Ok(Arc::clone(self.constants.insert(Space::discontinuous_scalar(self.space.mesh(), 0)?)))
+    }
+
+    fn pattern(&mut self, form: &dyn AnyForm<D>) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
+        if let Some(known) = &self.pattern {
+            return Ok(Arc::clone(known));
+        }
+        let outline = form.outline(Parts::ALL);
+        let pattern = BlockPattern::for_cells_of(&outline, &[&self.space], &[&self.space], &self.assembler)?;
+        Ok(Arc::clone(self.pattern.insert(Arc::new(pattern))))
+    }
+
+    /// The solution of a form from a start.
+    #[inline(never)]
+    pub fn solve(
+        &mut self,
+        number: Solution,
+        form: Box<dyn AnyForm<D> + '_>,
+        constraints: &Constraints<D>,
+        start: &Field<D>,
+    ) -> Result<Field<D>, HistoryFailure> {
+        if form.slides() {
+            return Err(HistoryFailure::Sliding { form: form.name() });
+        }
+        let (affine, pattern) = (form.is_affine(), self.pattern(&*form)?);
+        let (assembler, options) = (&self.assembler, self.options.clone());
+        let owned = OwnedForm { form, assembler, pattern: &pattern, constraints, start, options };
+        self.tangent_of = None;
+        let [solution] = solve_owned(owned, self.solver.get())?.fields;
+        // Of an affine form it is the tangent wherever; Newton's method has that of an iterate.
+        self.tangent_of = affine.then_some(number);
+        Ok(solution)
+    }
+
+    fn tangent(&mut self, form: &dyn AnyForm<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
+        let pattern = self.pattern(form)?;
+        let mut matrix = BlockMatrix::zero(pattern.sparsity());
+        let arguments = (&[at.view()][..], &[&self.space][..]);
+        form.assemble_tangent(&self.assembler, arguments, Parts::ALL, &pattern, &mut matrix)?;
+        Ok(matrix)
+    }
+
+    /// p with R_uᵀ p = −slope, zero where the solution is prescribed.
+    #[inline(never)]
+    pub fn adjoint(
+        &mut self,
+        number: Solution,
+        form: &dyn AnyForm<D>,
+        constraints: &Constraints<D>,
+        solution: &Field<D>,
+        slope: &[f64],
+    ) -> Result<Field<D>, HistoryFailure> {
+        let load: Vec<f64> = slope.iter().map(|slope| -slope).collect();
+        let mut elimination = Elimination::of(&[&constraints.homogeneous()])?;
+        let adjoint = if self.tangent_of == Some(number) && self.solver.get().judges_equations() {
+            let found = self.solver.get().solve_with(&elimination.reduce(&load)?, 0.0, Transpose::Yes)?;
+            elimination.extend_by_zero(&found.solution)?
+        } else {
+            let matrix = self.tangent(form, solution)?;
+            self.tangent_of = None;
+            solve_linear_transposed(&matrix, &load, &mut elimination, self.solver.get())?.solution
+        };
+        Ok(Field::from_values(&self.space, adjoint)?)
+    }
+
+    /// Kᵀ p with the tangent K of a form at a solution.
+    #[inline(never)]
+    pub fn transposed(
+        &mut self,
+        form: &dyn AnyForm<D>,
+        at: &Field<D>,
+        p: &Field<D>,
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        Ok(self.tangent(form, at)?.multiply_transposed(p.values())?)
+    }
+}
+
+compiled_here!(
+    StepEquations::<D>::new,
+    StepEquations::<D>::solve,
+    StepEquations::<D>::adjoint,
+    StepEquations::<D>::transposed,
+);
