@@ -30,6 +30,8 @@ mod point_tree;
 mod quality;
 mod refine;
 mod regions;
+#[cfg(feature = "remeshing")]
+mod remeshing;
 mod rigid_surface;
 mod shared_facets;
 mod simplices;
@@ -57,6 +59,8 @@ pub use perforated::PerforatedAnnulus;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
 pub use refine::{Surface, onto_sphere};
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
+#[cfg(feature = "remeshing")]
+pub use remeshing::{Remeshing, RemeshingError, Sizes};
 #[doc(hidden)]
 pub use rigid_surface::CarriedSurface;
 pub use rigid_surface::{RigidSurface, RigidSurfaceError};
