@@ -1,34 +1,20 @@
 //! Finite element spaces: unknowns on the nodes of a mesh, or of its facets.
 
 mod embedding;
+mod error;
+mod family;
 mod numbering;
 mod orientation;
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-use thiserror::Error;
-
+pub use self::error::SpaceError;
+pub use self::family::Family;
 use crate::compiled_here::compiled_here;
-use crate::element::{CellShape, ElementError, Lagrange, MAXIMUM_DEGREE};
+use crate::element::{CellShape, Lagrange, MAXIMUM_DEGREE};
 use crate::locate::Locator;
 use crate::mesh::{CellLists, Facet, Mesh, MeshError};
-
-/// The places of a space's nodes, and the cells that share them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Family {
-    /// Lagrange elements of degree 1 to 4; cells share the nodes on the facets that they share.
-    Continuous,
-    /// Lagrange elements of degree 0 to 4; each cell has nodes of its own. In degree 0 it is the centre.
-    Discontinuous,
-    /// Traces of continuous Lagrange elements of degree 1 to 4 on the facets of a region, exterior or
-    /// interior, and nothing elsewhere; in degree 0, one constant per facet. For multipliers.
-    OnFacets(String),
-    /// Lagrange elements of degree 0 to 4 on the facets of a region, exterior or interior, and nothing elsewhere; each
-    /// facet has nodes of its own, which the two sides of an interior one share. For multipliers.
-    DiscontinuousOnFacets(String),
-}
 
 /// A Lagrange space with a number of components per node. Unknown number = node * components + component.
 ///
@@ -52,56 +38,6 @@ pub struct Space<const D: usize> {
     pub(crate) positions: Vec<[f64; D]>,
     // Built when a field is first evaluated at a point.
     locator: OnceLock<Locator<D>>,
-}
-
-/// Errors of spaces.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum SpaceError {
-    /// No such element.
-    #[error(transparent)]
-    Element(#[from] ElementError),
-    /// No such element in a family that has degree 0.
-    #[error("there is no Lagrange element of degree {degree} {family}; the degrees are 0 to 4")]
-    Degree {
-        /// The family asked for.
-        family: Family,
-        /// The degree asked for.
-        degree: usize,
-    },
-    /// No such facet region.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// Spaces that must live on the cells of one mesh do not.
-    #[error("the two spaces are not both on the cells of one mesh")]
-    OtherMesh,
-    /// A solver that takes prescribed values alone was given more.
-    #[error("multigrid takes prescribed values; sliding or periodic conditions need another solver")]
-    Relations,
-    /// A value without components.
-    #[error("a value of shape {shape:?} has no components")]
-    Shape {
-        /// The shape asked for.
-        shape: Vec<usize>,
-    },
-    /// Unknowns are numbered with `u32`.
-    #[error("the space would have {unknowns} unknowns, more than 4294967295")]
-    TooLarge {
-        /// Number of unknowns.
-        unknowns: usize,
-    },
-}
-
-impl fmt::Display for Family {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Family::Continuous => write!(f, "with continuous values"),
-            Family::Discontinuous => write!(f, "with discontinuous values"),
-            Family::OnFacets(region) => write!(f, "on the facet region \"{region}\""),
-            Family::DiscontinuousOnFacets(region) => {
-                write!(f, "with discontinuous values on the facet region \"{region}\"")
-            }
-        }
-    }
 }
 
 impl<const D: usize> Space<D> {

@@ -35,6 +35,7 @@ mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod time_runs;
 mod time_schemes;
 mod time_waves;
 mod transfer;

@@ -3,25 +3,22 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
+mod buffers;
+mod cell_map;
 mod checks;
 mod fields;
 mod pairs;
 mod side;
 
-use forms_core::contract::{
-    Basis, CellGeometry, Hessian, OppositePoint, Order, PointGeometry, Requirements, Side,
-};
+use forms_core::contract::{Basis, CellGeometry, Hessian, OppositePoint, PointGeometry, Requirements};
 
-use self::fields::factorised;
-use self::pairs::PairBuffers;
-use self::side::{SideBuffers, SideTables};
-pub(super) use self::side::{inverse_transposed, largest_distance, surface};
+pub(super) use self::buffers::{BatchBuffers, Reads};
+pub(super) use self::cell_map::{inverse_transposed, largest_distance, surface};
+use self::side::SideTables;
 
 use super::AssemblyError;
-use super::binding::{Binding, Values};
-use super::sum_factorisation::Stages;
+use super::binding::Binding;
 use super::walk::Group;
-use crate::compiled_here::compiled_here;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
 
@@ -42,123 +39,6 @@ pub(super) enum Cells<'a, const D: usize> {
     },
 }
 
-/// Memory of a batch, kept from one run of a kernel to the next.
-pub(super) struct BatchBuffers<L, const D: usize> {
-    sides: [SideBuffers<L, D>; 2],
-    /// Coefficients of the field of each slot: node × component.
-    coefficients: Vec<Vec<L>>,
-    fields: Vec<L>,
-    /// Each slot's field at all points, where it is made by sum factorisation; otherwise empty.
-    at_points: Vec<Vec<L>>,
-    stages: Stages<L>,
-    /// Basis functions at points that differ from lane to lane.
-    pairs: PairBuffers<L, D>,
-    /// Which derivatives of each element's basis are read.
-    reads: Vec<Reads>,
-    /// All of this has been made for the kernel and sizes like those of the group.
-    prepared: bool,
-}
-
-impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
-    fn default() -> Self {
-        BatchBuffers {
-            sides: [SideBuffers::default(), SideBuffers::default()],
-            coefficients: vec![],
-            fields: vec![],
-            at_points: vec![],
-            stages: Stages::default(),
-            pairs: PairBuffers::default(),
-            reads: vec![],
-            prepared: false,
-        }
-    }
-}
-
-impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
-    /// Checks that the kernel finds what it reads, and makes room for it.
-    #[inline(never)]
-    fn prepare(
-        &mut self,
-        binding: &Binding<D>,
-        group: &Group<D>,
-        requirements: Requirements,
-        arguments: &[usize],
-    ) -> Result<(), AssemblyError> {
-        let zero = L::splat(0.0);
-        let form = binding.name;
-        let reads = &mut self.reads;
-        reads.clear();
-        reads.resize(binding.elements.len(), Reads::default());
-        for element in arguments {
-            reads[*element] = Reads {
-                value: requirements.basis_value,
-                gradient: requirements.basis_gradient || requirements.hessian,
-                hessian: requirements.hessian,
-            };
-        }
-        self.coefficients.resize_with(requirements.fields.len(), Vec::new);
-        self.at_points.resize_with(requirements.fields.len(), Vec::new);
-        let lists = self.coefficients.iter_mut().zip(&mut self.at_points);
-        for (slot, (coefficients, at_points)) in requirements.fields.iter().zip(lists) {
-            let side = group.side(form, slot.side)?;
-            let field = binding.fields[slot.field].name;
-            let (element, length) = match &binding.values[slot.field] {
-                Values::Function { gradient: None, .. } if slot.order == Order::Gradient => {
-                    return Err(AssemblyError::GradientOfFunction { form, field });
-                }
-                Values::Function { .. } if slot.order == Order::Hessian => {
-                    return Err(AssemblyError::HessianOfFunction { form, field });
-                }
-                Values::Discrete { element, space, .. } => {
-                    group.check_support(form, field, space, side)?;
-                    if let (Order::Hessian, Some(region)) = (slot.order, space.facet_region()) {
-                        let region = region.to_owned();
-                        return Err(AssemblyError::HessianOnFacets { form, field, region });
-                    }
-                    (Some(*element), group.sides[side].elements[*element].nodes * slot.components)
-                }
-                Values::Given { element, .. } => {
-                    (Some(*element), group.sides[side].elements[*element].nodes * slot.components)
-                }
-                _ => (None, 0),
-            };
-            coefficients.resize(length, zero);
-            at_points.clear();
-            if let Some(element) = element {
-                if let Some(tables) = factorised(&group.sides[side], element, slot) {
-                    let lists = if slot.order == Order::Value { 1 } else { D };
-                    at_points.resize(slot.components * lists * tables.place_of.len(), zero);
-                    continue;
-                }
-                reads[element].value |= slot.order == Order::Value;
-                reads[element].gradient |= slot.order != Order::Value; // second derivatives need the first
-                reads[element].hessian |= slot.order == Order::Hessian;
-            }
-        }
-        let needs_facet = requirements.normal || requirements.facet_area || requirements.curvature;
-        if needs_facet && group.sides[0].facet.is_none() {
-            return Err(AssemblyError::NeedsFacet { form });
-        }
-        if requirements.opposite_diameter || requirements.opposite_volume {
-            group.side(form, Side::Other)?;
-        }
-        let needs_pairs = requirements.gap
-            || requirements.toward
-            || requirements.opposite_position
-            || requirements.opposite_normal
-            || requirements.opposite_shape_operator;
-        if needs_pairs && group.pairs.is_none() {
-            return Err(AssemblyError::NeedsPairs { form, place: group.place.clone() });
-        }
-        self.fields.resize(requirements.field_length, zero);
-        for (tables, side) in group.sides.iter().zip(&mut self.sides) {
-            side.prepare(tables);
-        }
-        self.prepared = true;
-        Ok(())
-    }
-}
-
 /// A loop over the batches of a group.
 pub(super) struct Batch<'a, L, const D: usize> {
     binding: &'a Binding<'a, D>,
@@ -177,14 +57,6 @@ pub(super) struct Batch<'a, L, const D: usize> {
     affine: Option<AffineGeometry<L, D>>,
     /// The least Jacobian determinant so far, lane by lane.
     least: L,
-}
-
-/// Whether a kernel or one of its fields reads values, gradients and second derivatives of an element's basis.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Reads {
-    pub value: bool,
-    pub gradient: bool,
-    pub hessian: bool,
 }
 
 /// The geometry that is constant on affine cells.
@@ -457,8 +329,6 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
         self.batch.point_here(&requirements, self.q)
     }
 }
-
-compiled_here!(lanes: BatchBuffers::<L, D>::prepare);
 
 #[cfg(test)]
 mod tests;

@@ -1,19 +1,19 @@
 //! A form bound to a mesh: every field checked and resolved, every parameter finite.
 
-use std::borrow::Cow;
 use std::ops::Deref;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, FieldDescription, Inputs, Region, Requirements, Role, Source};
+use forms_core::contract::{FieldDescription, Inputs, Region, Requirements, Role, Source};
 use forms_core::source::PositionFunction;
 
+use super::entities::Entities;
 use super::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError, notices};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::lanes::InstructionSet;
-use crate::mesh::{Facet, Mesh, MeshError};
+use crate::mesh::Mesh;
 use crate::pairs::{Displacement, DisplacementField, KnownPairs, PairError, Pairs};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -80,56 +80,6 @@ pub(super) struct Binding<'a, const D: usize> {
 pub(super) struct Tabulated {
     pub degree: usize,
     pub on_facets: bool,
-}
-
-/// The cells or facets of a region.
-pub(super) enum Entities<'a> {
-    Cells(Cow<'a, [u32]>),
-    Facets(Cow<'a, [Facet]>),
-    InteriorFacets(Cow<'a, [[Facet; 2]]>),
-}
-
-impl<'a> Entities<'a> {
-    /// Those of a form's region.
-    #[inline(never)]
-    pub fn of<const D: usize>(
-        mesh: &'a Mesh<D>,
-        form: &'static str,
-        region: &Region,
-    ) -> Result<Self, AssemblyError> {
-        let name = &region.name;
-        let found = match region.entity {
-            Entity::Cells if mesh.rigid_surface(name).is_some() => {
-                Err(MeshError::NoBody { name: name.clone() })
-            }
-            Entity::Cells => mesh.cell_region(name).map(|cells| Entities::Cells(cells.into())),
-            Entity::Facets => mesh.facet_region(name).map(|facets| Entities::Facets(facets.into())),
-            // Their facets follow from a search, not from a name: `Binding::pairs`.
-            Entity::Pairs => return Err(pair_error(form, region, PairError::NoPairing)),
-            Entity::InteriorFacets => {
-                mesh.interior_facet_region(name).map(|facets| Entities::InteriorFacets(facets.into()))
-            }
-        };
-        found.map_err(|source| AssemblyError::Region { form, symbol: region.symbol, source })
-    }
-
-    /// Number of cells or facets.
-    pub fn count(&self) -> usize {
-        match self {
-            Entities::Cells(cells) => cells.len(),
-            Entities::Facets(facets) => facets.len(),
-            Entities::InteriorFacets(facets) => facets.len(),
-        }
-    }
-
-    /// The sides of a facet: one or two. Cells have none.
-    pub fn sides(&self, index: usize) -> &[Facet] {
-        match self {
-            Entities::Cells(_) => &[],
-            Entities::Facets(facets) => &facets[index..index + 1],
-            Entities::InteriorFacets(facets) => &facets[index],
-        }
-    }
 }
 
 impl<'a, const D: usize> Binding<'a, D> {
@@ -395,7 +345,6 @@ pub(super) fn pair_error(form: &'static str, region: &Region, source: PairError)
 }
 
 compiled_here!(
-    Entities::of::<D>,
     Binding::<D>::new,
     Binding::<D>::assembled_by,
     Binding::<D>::bind_directions,

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use forms_core::contract::{Form, Role, Side};
 
-use super::binding::Entities;
 use super::block_index::BlockIndex;
+use super::entities::Entities;
 use super::outline::{Coupling, Described, Outline};
 use super::owned_cells::OwnedCells;
-use super::pair_groups::{PairSearch, without_coefficients};
+use super::pair_groups::without_coefficients;
+use super::pair_search::PairSearch;
 use super::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::compiled_here::compiled_here;

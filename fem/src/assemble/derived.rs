@@ -7,7 +7,8 @@ use forms_core::contract::{
 };
 
 use super::batch::{Batch, BatchBuffers, Cells};
-use super::binding::{Binding, Entities, pair_error};
+use super::binding::{Binding, pair_error};
+use super::entities::Entities;
 use super::pair_groups::groups_of;
 use super::walk::{Group, Places, facet_groups};
 use super::{Assembler, AssemblyError};

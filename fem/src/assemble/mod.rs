@@ -1,14 +1,14 @@
 //! Assembly: the loops over cells and facets that run compiled kernels.
 //!
 //! ```text
-//! binding   a form's data against a mesh: regions, fields, parameters checked
+//! binding   a form's data against a mesh: regions, fields, parameters checked; entities are a region's cells or facets
 //! walk      a region as groups of entities with common tables
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
 //! kernel_calls   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
 //! block_pattern, touched, sparsity, block_index   the positions of a matrix, and where element matrices go
-//! pair_groups   the points of contact pairs, which differ from entity to entity, as groups
+//! pair_groups   the points of contact pairs, which differ from entity to entity, as groups; pair_search those of a pattern
 //! owned_cells   the partial sums of an assembler of some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
@@ -28,6 +28,7 @@ mod block_index;
 mod block_pattern;
 mod derived;
 mod element_kernel;
+mod entities;
 mod error;
 mod fixed;
 mod functional;
@@ -38,6 +39,7 @@ mod owned_cells;
 mod pair_groups;
 mod pair_histories;
 mod pair_reports;
+mod pair_search;
 mod partition;
 mod positive_parts;
 pub(crate) mod projection;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::Assembler;
-use super::binding::Entities;
+use super::entities::Entities;
 use crate::compiled_here::compiled_here;
 use crate::mesh::{Mesh, MeshError};
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use forms_core::contract::{Entity, Role, Side};
 
 use super::AssemblyError;
-use super::binding::Entities;
 use super::block_pattern::BlockPattern;
+use super::entities::Entities;
 use super::outline::{Coupling, Outline};
 use super::owned_cells::OwnedCells;
 use crate::compiled_here::compiled_here;

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
 
 use super::AssemblyError;
-use super::binding::{Binding, Entities, Tabulated};
+use super::binding::{Binding, Tabulated};
+use super::entities::Entities;
 use super::pair_groups::{PairTables, degree_on_pairs, pair_groups};
 use super::sum_factorisation::ProductTables;
 use crate::compiled_here::compiled_here;

@@ -1,5 +1,6 @@
 //! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential or on the residual.
 
+mod active_points;
 mod condensed;
 mod convergence;
 mod cycles;
@@ -8,9 +9,9 @@ mod report;
 mod tangent;
 
 use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
+pub use self::active_points::ActivePoints;
 use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use crate::linear_algebra::vector::{add_scaled, norm};
@@ -98,28 +99,6 @@ pub trait NonlinearProblem {
     /// If assembly fails.
     fn sizes_of_terms(&mut self, _u: &[f64]) -> Result<Option<Vec<f64>>, Self::Error> {
         Ok(None)
-    }
-}
-
-/// A set of active quadrature points: how many, and a fingerprint that tells sets apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ActivePoints {
-    /// Number of active points.
-    pub count: usize,
-    /// Hash of their numbers.
-    pub fingerprint: u64,
-}
-
-impl ActivePoints {
-    /// The set of these point numbers, which must come in the same order for the same set.
-    pub fn from_numbers(numbers: impl IntoIterator<Item = usize>) -> Self {
-        let mut hasher = DefaultHasher::new();
-        let mut count = 0;
-        for number in numbers {
-            number.hash(&mut hasher);
-            count += 1;
-        }
-        Self { count, fingerprint: hasher.finish() }
     }
 }
 

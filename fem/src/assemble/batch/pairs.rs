@@ -6,8 +6,9 @@
 
 use forms_core::contract::{OppositePoint, PointGeometry, Requirements};
 
-use super::side::{curvature, inverse_transposed, shape_operator, surface, tangential};
-use super::{Batch, SideBuffers, SideTables};
+use super::Batch;
+use super::cell_map::{curvature, inverse_transposed, shape_operator, surface, tangential};
+use super::side::{SideBuffers, SideTables};
 use crate::assemble::AssemblyError;
 use crate::assemble::basis_in_lanes::{LaneBasis, LaneElement};
 use crate::assemble::pair_groups::PairTables;

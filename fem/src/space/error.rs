@@ -1,0 +1,44 @@
+//! Errors of spaces.
+
+use thiserror::Error;
+
+use super::Family;
+use crate::element::ElementError;
+use crate::mesh::MeshError;
+
+/// Errors of spaces.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SpaceError {
+    /// No such element.
+    #[error(transparent)]
+    Element(#[from] ElementError),
+    /// No such element in a family that has degree 0.
+    #[error("there is no Lagrange element of degree {degree} {family}; the degrees are 0 to 4")]
+    Degree {
+        /// The family asked for.
+        family: Family,
+        /// The degree asked for.
+        degree: usize,
+    },
+    /// No such facet region.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// Spaces that must live on the cells of one mesh do not.
+    #[error("the two spaces are not both on the cells of one mesh")]
+    OtherMesh,
+    /// A solver that takes prescribed values alone was given more.
+    #[error("multigrid takes prescribed values; sliding or periodic conditions need another solver")]
+    Relations,
+    /// A value without components.
+    #[error("a value of shape {shape:?} has no components")]
+    Shape {
+        /// The shape asked for.
+        shape: Vec<usize>,
+    },
+    /// Unknowns are numbered with `u32`.
+    #[error("the space would have {unknowns} unknowns, more than 4294967295")]
+    TooLarge {
+        /// Number of unknowns.
+        unknowns: usize,
+    },
+}
