@@ -71,7 +71,14 @@ fn options() -> DescentOptions {
 fn the_shortest_perimeter_is_the_regular_polygon() {
     let initial = plate();
     let problem = problem(&initial);
-    let descent = Descent { problem: &problem, initial: initial.clone(), options: options(), pattern: None };
+    let descent = Descent {
+        problem: &problem,
+        initial: initial.clone(),
+        options: options(),
+        pattern: None,
+        wall: None,
+        remesh: None,
+    };
     let mut reports = 0;
     let best = descent
         .run(None, &mut |_| {
@@ -110,7 +117,7 @@ fn every_step_keeps_armijos_promise() {
     let initial = plate();
     let problem = problem(&initial);
     let options = DescentOptions { iterations: 15, ..options() };
-    let descent = Descent { problem: &problem, initial, options, pattern: None };
+    let descent = Descent { problem: &problem, initial, options, pattern: None, wall: None, remesh: None };
     let best = descent.run(None, &mut |_| Ok(())).unwrap();
     assert_eq!(best.state.finish, Some(Finish::Iterations));
     let history = &best.state.history;
@@ -128,7 +135,7 @@ fn every_step_keeps_armijos_promise() {
     }
     let csv = best.state.csv();
     assert_eq!(csv.lines().count(), 17);
-    assert!(csv.lines().all(|line| line.split(',').count() == 10), "{csv}");
+    assert!(csv.lines().all(|line| line.split(',').count() == 12), "{csv}");
 }
 
 #[test]
@@ -136,7 +143,7 @@ fn a_descent_that_goes_on_is_the_one_that_was_not_interrupted() {
     let initial = plate();
     let problem = problem(&initial);
     let options = DescentOptions { iterations: 12, ..options() };
-    let descent = Descent { problem: &problem, initial, options, pattern: None };
+    let descent = Descent { problem: &problem, initial, options, pattern: None, wall: None, remesh: None };
     let mut written = Vec::new();
     let whole = descent
         .run(None, &mut |report| {
@@ -164,7 +171,8 @@ fn a_descent_that_goes_on_is_the_one_that_was_not_interrupted() {
 fn what_goes_wrong_is_told() {
     let initial = plate();
     let run = |problem: &Isoperimetric, options: DescentOptions, from| {
-        Descent { problem, initial: initial.clone(), options, pattern: None }.run(from, &mut |_| Ok(()))
+        Descent { problem, initial: initial.clone(), options, pattern: None, wall: None, remesh: None }
+            .run(from, &mut |_| Ok(()))
     };
     // A derivative of the wrong sign: no step decreases.
     let wrong = Isoperimetric { sign: -1.0, ..problem(&initial) };
@@ -184,7 +192,7 @@ fn what_goes_wrong_is_told() {
         message(run(&problem(&initial), meaningless, None)),
         "penalty = 0 is not possible: it must be positive"
     );
-    let other = DescentState { nodes: vec![0.0; 4], step: None, history: vec![], finish: None };
+    let other = DescentState { nodes: vec![0.0; 4], mesh: None, step: None, history: vec![], finish: None };
     let text = message(run(&problem(&initial), options(), Some(other)));
     assert!(text.starts_with("the state to go on from has 4 coordinates"), "{text}");
 }
@@ -206,4 +214,96 @@ fn cells_are_laid_out_anew_inside_the_same_boundary() {
         assert!((end[0] - 1.05 * start[0]).abs() < 1e-12 && (end[1] - 0.97 * start[1]).abs() < 1e-12);
     }
     assert!((measured_volume(&laid).unwrap() / measured_volume(&shaken).unwrap() - 1.0).abs() < 1e-14);
+}
+
+/// Below a wall that it would cross where it stands, the plate goes down until it is as round as without.
+#[test]
+fn nodes_slide_along_a_wall() {
+    let initial = plate();
+    let problem = problem(&initial);
+    let height = 1.75;
+    let clearance = |x: &[f64; 2]| Clearance { distance: height - x[1], away: [0.0, -1.0] };
+    let wall = Wall { region: "outer".into(), clearance: &clearance };
+    let options = DescentOptions { gradient_tolerance: 1e-4, ..options() };
+    let free = Descent {
+        problem: &problem,
+        initial: initial.clone(),
+        options,
+        pattern: None,
+        wall: None,
+        remesh: None,
+    };
+    let highest = |mesh: &Mesh<2>| mesh.nodes().iter().map(|x| x[1]).fold(f64::NEG_INFINITY, f64::max);
+    assert!(highest(&initial) < height);
+    let without = free.run(None, &mut |_| Ok(())).unwrap();
+    assert!(highest(&without.mesh) > height + 0.1, "{}", highest(&without.mesh));
+    let walled = Descent { wall: Some(wall), ..free };
+    let mut most = f64::NEG_INFINITY;
+    let best = walled
+        .run(None, &mut |report| {
+            most = most.max(highest(report.mesh));
+            Ok(())
+        })
+        .unwrap();
+    println!("{} with the wall, {} without", best.values.criterion, without.values.criterion);
+    assert!(most < height + 1e-9 && highest(&best.mesh) > height - 1e-3, "{most}");
+    assert!((best.values.criterion / without.values.criterion - 1.0).abs() < 1e-4);
+    assert!(best.values.constraint.unwrap().abs() < 1e-6);
+}
+
+/// On new cells the descent goes on, with the outline and the values that it had, and from every checkpoint with the same bits.
+#[cfg(feature = "remeshing")]
+#[test]
+fn cells_that_have_suffered_are_replaced() {
+    use crate::mesh::{Remeshing, Sizes};
+
+    let initial = plate();
+    let problem = problem(&initial);
+    let with = |mesh: &Mesh<2>, factor: f64| -> Result<Mesh<2>, Failure> {
+        Ok(Remeshing::new(Sizes::between(0.15, 0.4).scaled(factor)).remesh(mesh)?)
+    };
+    let quality = initial.quality().scaled_jacobian()[0];
+    // Strict, so that a few steps are enough.
+    let remesh = Some(Remesh { with: &with, below: 1.2 * quality, tolerance: 2e-2 });
+    let options = DescentOptions { iterations: 20, ..options() };
+    let descent = Descent { problem: &problem, initial, options, pattern: None, wall: None, remesh };
+    let mut written = Vec::new();
+    let whole = descent
+        .run(None, &mut |report| {
+            let nothing = || serde_json::json!({});
+            let checkpoint = Checkpoint::new(nothing(), nothing(), vec![], report.state.clone());
+            written.push(serde_json::to_string(&checkpoint)?);
+            Ok(())
+        })
+        .unwrap();
+    let history = &whole.state.history;
+    let remeshed: Vec<&Remeshed> = history.iter().filter_map(|row| row.remeshed.as_ref()).collect();
+    assert!(!remeshed.is_empty() && whole.state.mesh.is_some());
+    assert_eq!(remeshed.last().unwrap().cells, whole.mesh.cell_count());
+    for row in history {
+        if let Some(before) = &row.remeshed {
+            println!("{} to {}, {before:?}", before.criterion, row.criterion);
+            assert!(row.quality > before.quality);
+            assert!((row.criterion / before.criterion - 1.0).abs() < 2e-2);
+            assert!((row.constraint.unwrap() - before.constraint.unwrap()).abs() < 2e-2);
+        }
+    }
+    // No closed curve around that area is shorter than a circle.
+    let n = CORNERS as f64;
+    let area = problem.area.target + 0.5 * n * (TAU / n).sin();
+    let circle = (4.0 * PI * area).sqrt();
+    let end = whole.values.criterion;
+    assert!(end > 0.999 * circle && end < 1.01 * circle, "{end} and {circle}");
+    for text in written.iter().step_by(3) {
+        let checkpoint: Checkpoint = serde_json::from_str(text).unwrap();
+        let resumed = descent.run(Some(checkpoint.state), &mut |_| Ok(())).unwrap();
+        assert_eq!(resumed.state, whole.state);
+        assert!(resumed.mesh.nodes() == whole.mesh.nodes());
+    }
+    // A mesher that fails is told where the cells end the descent.
+    let fails = |_: &Mesh<2>, _: f64| -> Result<Mesh<2>, Failure> { Err("no mesher".into()) };
+    let options = DescentOptions { least_quality: 2.0 * quality, ..descent.options.clone() };
+    let remesh = Some(Remesh { with: &fails, below: 0.0, tolerance: 1.0 });
+    let ended = Descent { options, remesh, ..descent }.run(None, &mut |_| Ok(())).unwrap();
+    assert_eq!(ended.state.finish, Some(Finish::NoNewMesh("no mesher".into())));
 }

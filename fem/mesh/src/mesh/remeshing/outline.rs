@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::RemeshingError;
+use super::regions::ends_and_middle;
 use crate::facet::Facet;
 use crate::mesh::{BOUNDARY, Mesh};
 
@@ -73,19 +74,14 @@ impl Outline {
         let mut from: BTreeMap<u32, Vec<(u32, Arc)>> = BTreeMap::new();
         for &facet in mesh.boundary_facets() {
             let cell = mesh.cell(facet.cell as usize);
-            let nodes = mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into());
             let [a, b] = mesh.cell_shape(facet.cell as usize).edges()[usize::from(facet.local)];
-            let place = |local: usize| mesh.nodes()[cell[local] as usize];
-            let middle = match nodes.iter().find(|local| **local != a && **local != b) {
-                Some(local) => place(*local),
-                None => std::array::from_fn(|k| 0.5 * (place(a)[k] + place(b)[k])),
-            };
+            let nodes = ends_and_middle(mesh, facet);
             let own = names.remove(&facet).unwrap_or_default();
             let regions = sets.iter().position(|set| *set == own).unwrap_or_else(|| {
                 sets.push(own);
                 sets.len() - 1
             });
-            let arc = Arc { nodes: [place(a), middle, place(b)], facet: Some(facet), regions };
+            let arc = Arc { nodes, facet: Some(facet), regions };
             from.entry(cell[a]).or_default().push((cell[b], arc));
         }
         let mut loops = vec![];

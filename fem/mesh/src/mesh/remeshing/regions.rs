@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::RemeshingError;
-use super::outline::Outline;
+use super::outline::{Arc, Outline};
 use crate::facet::Facet;
 use crate::mesh::{EVERYWHERE, INTERIOR, Mesh};
 
@@ -24,7 +24,21 @@ pub(super) fn carry(
     // The old component that each new one is.
     let mut origin: BTreeMap<u32, u32> = BTreeMap::new();
     for &facet in new.boundary_facets() {
-        let Some(arc) = outline.nearest(&middle(new, facet)) else { continue };
+        let [start, middle, end] = ends_and_middle(new, facet);
+        let Some(arc) = outline.nearest(&middle) else { continue };
+        let new_arc = Arc { nodes: [start, middle, end], facet: None, regions: arc.regions };
+        for near_an_end in [0.1, 0.9].map(|t| new_arc.point(t)) {
+            if let Some(other) = outline.nearest(&near_an_end)
+                && other.regions != arc.regions
+            {
+                let names = [arc.regions, other.regions].map(|set| outline.sets.get(set).cloned());
+                let [own, others] = names.map(Option::unwrap_or_default);
+                let differs = |name: &&String| own.contains(name) != others.contains(name);
+                let name = own.iter().chain(&others).find(differs).cloned().unwrap_or_default();
+                let why = "it ends inside a facet of the new outline, which is cut where a sector ends";
+                return Err(RemeshingError::Region { name, why });
+            }
+        }
         for name in outline.sets.get(arc.regions).into_iter().flatten() {
             facets.entry(name).or_default().push(facet);
         }
@@ -75,16 +89,17 @@ fn components(mesh: &Mesh<2>) -> Vec<u32> {
     (0..mesh.cell_count() as u32).map(|cell| root(&mut parent, cell)).collect()
 }
 
-/// The node in the middle of a facet, or the place between its ends.
-fn middle(mesh: &Mesh<2>, facet: Facet) -> [f64; 2] {
+/// The start of a facet, the node in its middle or the place between its ends, and the end.
+pub(super) fn ends_and_middle(mesh: &Mesh<2>, facet: Facet) -> [[f64; 2]; 3] {
     let cell = mesh.cell(facet.cell as usize);
     let nodes = mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into());
     let [a, b] = mesh.cell_shape(facet.cell as usize).edges()[usize::from(facet.local)];
     let place = |local: usize| mesh.nodes()[cell[local] as usize];
-    match nodes.iter().find(|local| **local != a && **local != b) {
+    let middle = match nodes.iter().find(|local| **local != a && **local != b) {
         Some(local) => place(*local),
         None => std::array::from_fn(|k| 0.5 * (place(a)[k] + place(b)[k])),
-    }
+    };
+    [place(a), middle, place(b)]
 }
 
 /// The mesh with the nodes of a region of facets on a curve.
