@@ -53,8 +53,8 @@ impl Run {
         let clearance = |x: &[f64; 2]| meshes::clearance(options, x);
         let wall = Some(Wall { region: problem.moving.clone(), clearance: &clearance });
         let with = |mesh: &Mesh<2>, factor: f64| meshes::remeshed(options, mesh, factor);
-        let remesh = Remesh { with: &with, below: options.remesh_below, tolerance: meshes::TOLERANCE };
-        let remesh = (options.remesh_below > 0.0).then_some(remesh);
+        let remesh = Remesh { with: &with, below: options.remesh_below(), tolerance: meshes::TOLERANCE };
+        let remesh = (options.remesh_below() > 0.0).then_some(remesh);
         let descent =
             Descent { problem, initial: initial.clone(), options: options.descent(), pattern, wall, remesh };
         let (settings, changeable) = (options.settings(name)?, options.changeable());
