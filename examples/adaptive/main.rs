@@ -67,8 +67,6 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     table(out, &displacement);
     let adjoint = transition::adjoint(options.unknowns)?;
     table(out, &adjoint);
-    let discrete_adjoint = transition::discrete_adjoint(options.unknowns)?;
-    table(out, &discrete_adjoint);
     for theta in [-1.0, 0.0, 1.0] {
         table(out, &transition::goal(options.unknowns, theta)?);
     }
@@ -78,7 +76,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         figures::errors(
             "Scalar Signorini, degree 2, θ = −1",
             "error in H^{1}",
-            &[("u", &displacement), ("p (22)", &adjoint), ("p (21)", &discrete_adjoint)],
+            &[("u", &displacement), ("p (22)", &adjoint)],
             &file("adaptive_contact.png"),
         )?,
         figures::mesh("Scalar Signorini, for u", &displacement, &file("adaptive_contact_mesh.png"))?,

@@ -91,14 +91,6 @@ pub mod signorini {
     pub fn consistent_adjoint(p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
         balance(p, q, linear_reaction(p))
     }
-    /// The adjoint (21) of ∫flux·n u on the loaded boundary, with the flux of p.
-    pub fn discrete_adjoint(u: State<Scalar>, p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
-        derivative(direct(u, p), u, q) - integral(Loaded, dot(flux, n) * q)
-    }
-    /// ‖∇(p − exact)‖²: the flux is given as the exact gradient.
-    pub fn squared_error(p: State<Scalar>, q: Test<Scalar>) -> Form {
-        integral(Omega, dot(grad(p) - flux, grad(p) - flux) * q)
-    }
 
     /// η_T² = h²‖Δw‖² + h‖½⟦∂w/∂n⟧‖² + h‖∂w/∂n − flux·n‖² + h‖∂w/∂n − r‖².
     fn squared(w: Scalar, q: Scalar, r: Scalar) -> Form {

@@ -107,19 +107,6 @@ pub fn adjoint(unknowns: usize) -> Outcome<Study> {
     })
 }
 
-/// p̃ of (21) of degree 2 in H¹, θ = −1. No estimator is known for it: marked is its true error, the best that any could do.
-pub fn discrete_adjoint(unknowns: usize) -> Outcome<Study> {
-    let (displacement, model) = (model(-1.0, 1.5), model(-1.0, 0.5));
-    Study::new("p by (21) in H1", &mesh()?, unknowns, |mesh, _| {
-        let (space, assembler) = (Space::scalar(mesh, 2)?, assembler(mesh));
-        let solved = direct(&displacement, &space, None)?;
-        let form = model.discrete_adjoint(solved.field());
-        let p = Problem::new(&form, &space).assembler(&assembler).solve()?.into_field();
-        let estimate = ErrorEstimate::residual(&assembler, &model.squared_error(&p))?;
-        with_error(p, estimate, 0.5)
-    })
-}
-
 /// J = ∫u by degree 1, its error by the adjoint state (21) of degree 2.
 pub fn goal(unknowns: usize, theta: f64) -> Outcome<Study> {
     let model = model(theta, 1.5);
