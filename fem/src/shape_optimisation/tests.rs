@@ -215,3 +215,38 @@ fn cells_are_laid_out_anew_inside_the_same_boundary() {
     }
     assert!((measured_volume(&laid).unwrap() / measured_volume(&shaken).unwrap() - 1.0).abs() < 1e-14);
 }
+
+/// Below a wall that it would cross where it stands, the plate goes down until it is as round as without.
+#[test]
+fn nodes_slide_along_a_wall() {
+    let initial = plate();
+    let problem = problem(&initial);
+    let height = 1.75;
+    let clearance = |x: &[f64; 2]| Clearance { distance: height - x[1], away: [0.0, -1.0] };
+    let wall = Wall { region: "outer".into(), clearance: &clearance };
+    let options = DescentOptions { gradient_tolerance: 1e-4, ..options() };
+    let free = Descent {
+        problem: &problem,
+        initial: initial.clone(),
+        options,
+        pattern: None,
+        wall: None,
+        remesh: None,
+    };
+    let highest = |mesh: &Mesh<2>| mesh.nodes().iter().map(|x| x[1]).fold(f64::NEG_INFINITY, f64::max);
+    assert!(highest(&initial) < height);
+    let without = free.run(None, &mut |_| Ok(())).unwrap();
+    assert!(highest(&without.mesh) > height + 0.1, "{}", highest(&without.mesh));
+    let walled = Descent { wall: Some(wall), ..free };
+    let mut most = f64::NEG_INFINITY;
+    let best = walled
+        .run(None, &mut |report| {
+            most = most.max(highest(report.mesh));
+            Ok(())
+        })
+        .unwrap();
+    println!("{} with the wall, {} without", best.values.criterion, without.values.criterion);
+    assert!(most < height + 1e-9 && highest(&best.mesh) > height - 1e-3, "{most}");
+    assert!((best.values.criterion / without.values.criterion - 1.0).abs() < 1e-4);
+    assert!(best.values.constraint.unwrap().abs() < 1e-6);
+}
