@@ -105,7 +105,17 @@ const MAKERS: [Maker; 15] = [
         ],
     },
     Maker {
-        arguments: &["--bin", "shape_optimisation", "--", "figure-6", "--anew"],
+        arguments: &[
+            "--bin",
+            "shape_optimisation",
+            "--",
+            "figure-6",
+            "--wall",
+            "0",
+            "--remesh-below",
+            "0",
+            "--anew",
+        ],
         pictures: &[
             ("out/shape_optimisation/figure_6.png", "figure_6.png"),
             ("out/shape_optimisation/figure_6_holes.png", "figure_6_holes.png"),

@@ -38,6 +38,13 @@ pub struct Options {
     /// Waves of the moving boundary that are shorter than this move less (cm)
     #[arg(long, value_name = "L", default_value_t = 2.0)]
     pub smoothing: f64,
+    /// Thickness that stays between holes, and between them and the ring's circles; height that stays of the cantilever
+    /// (cm) [default: 0.2, 4 for cantilever]
+    #[arg(long, value_name = "W")]
+    wall: Option<f64>,
+    /// The least scaled Jacobian below which the mesh is made anew; 0: never [default: 0.4, 0.25 for cantilever]
+    #[arg(long, value_name = "Q")]
+    remesh_below: Option<f64>,
     /// Steps, at most
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub steps: usize,
@@ -104,6 +111,16 @@ impl Options {
         })
     }
 
+    /// The wall that stays \[cm\].
+    pub fn wall(&self) -> f64 {
+        self.wall.unwrap_or(if self.case == Case::Cantilever { 4.0 } else { 0.2 })
+    }
+
+    /// The least scaled Jacobian below which the mesh is made anew.
+    pub fn remesh_below(&self) -> f64 {
+        self.remesh_below.unwrap_or(if self.case == Case::Cantilever { 0.25 } else { 0.4 })
+    }
+
     /// Cells along a side of a sector of the ring, or of a tenth of the cantilever's length. A pressure that is to become even
     /// needs a contact zone of many cells.
     pub fn cells_per_side(&self) -> usize {
@@ -151,6 +168,8 @@ impl Options {
             "cells_per_side": self.cells_per_side(),
             "layers": self.layers,
             "perimeter_penalty": self.perimeter_penalty(),
+            "wall": self.wall(),
+            "remesh_below": self.remesh_below(),
         });
         if let (Some(all), Value::Object(descent)) =
             (settings.as_object_mut(), serde_json::to_value(self.descent())?)

@@ -9,11 +9,12 @@ use forms_contact::shape_problem::{ContactShape, ContactState, Criterion};
 use forms_fem::output::tell;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
-    Descent, DescentState, Finish, Logbook, Report, Rotations, ShapeProblem,
+    Descent, DescentState, Finish, Logbook, Remesh, Remeshed, Report, Rotations, ShapeProblem, Wall,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::Outcome;
+use crate::meshes;
 use crate::options::Options;
 use crate::ring::ProblemOn;
 
@@ -33,6 +34,8 @@ pub struct Run {
     pub adjoints: Option<[Field<2>; 2]>,
     /// The directory of the results.
     pub logbook: Logbook,
+    /// The least wall of the best shape \[cm\].
+    wall: f64,
     seconds: f64,
 }
 
@@ -47,7 +50,13 @@ impl Run {
         pattern: Option<Rotations<2>>,
     ) -> Outcome<Run> {
         let clock = Instant::now();
-        let descent = Descent { problem, initial: initial.clone(), options: options.descent(), pattern };
+        let clearance = |x: &[f64; 2]| meshes::clearance(options, x);
+        let wall = Some(Wall { region: problem.moving.clone(), clearance: &clearance });
+        let with = |mesh: &Mesh<2>, factor: f64| meshes::remeshed(options, mesh, factor);
+        let remesh = Remesh { with: &with, below: options.remesh_below(), tolerance: meshes::TOLERANCE };
+        let remesh = (options.remesh_below() > 0.0).then_some(remesh);
+        let descent =
+            Descent { problem, initial: initial.clone(), options: options.descent(), pattern, wall, remesh };
         let (settings, changeable) = (options.settings(name)?, options.changeable());
         let mut logbook = Logbook::new(options.out.join(name), settings, changeable, options.every)?;
         if options.anew {
@@ -77,14 +86,15 @@ impl Run {
             _ => None,
         };
         let seconds = clock.elapsed().as_secs_f64();
-        Ok(Run { number, state: best.state, mesh: best.mesh, start, end, adjoints, logbook, seconds })
+        let wall = meshes::least_wall(options, &best.mesh, &problem.moving)?;
+        Ok(Run { number, state: best.state, mesh: best.mesh, start, end, adjoints, logbook, wall, seconds })
     }
 }
 
 /// The results, one line per run: J alone, and with the perimeter penalty, which is what the descent minimises.
 pub fn table(runs: &[Run]) -> String {
     let mut text = format!(
-        "{:<8}{:>14}{:>14}{:>10}{:>14}{:>14}{:>12}{:>10}{:>7}{:>9}  why it stopped\n",
+        "{:<8}{:>14}{:>14}{:>10}{:>14}{:>14}{:>12}{:>10}{:>7}{:>8}{:>7}{:>9}  why it stopped\n",
         "adjoint",
         "J at first",
         "J at last",
@@ -93,10 +103,12 @@ pub fn table(runs: &[Run]) -> String {
         "at last",
         "volume off",
         "quality",
+        "wall",
         "steps",
+        "meshes",
         "seconds"
     );
-    for Run { number, state, seconds, start, end, .. } in runs {
+    for Run { number, state, seconds, start, end, wall, .. } in runs {
         let [Some(first), Some(last)] = [state.history.first(), state.history.last()] else { continue };
         let finish = match &state.finish {
             Some(Finish::Converged) => "the derivative vanishes",
@@ -104,12 +116,13 @@ pub fn table(runs: &[Run]) -> String {
             Some(Finish::Iterations) => "steps",
             Some(Finish::NoStep(_)) => "no decrease along the direction",
             Some(Finish::MeshQuality) => "the cells",
+            Some(Finish::NoNewMesh(why)) => why,
             None => "",
         };
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{number:<8}{:>14.6}{:>14.6}{:>9.2}%{:>14.6}{:>14.6}{:>12.1e}{:>10.3}{:>7}{seconds:>9.1}  {finish}",
+            "{number:<8}{:>14.6}{:>14.6}{:>9.2}%{:>14.6}{:>14.6}{:>12.1e}{:>10.3}{wall:>7.3}{:>8}{:>7}{seconds:>9.1}  {finish}",
             start.criterion,
             end.criterion,
             100.0 * (end.criterion / start.criterion - 1.0),
@@ -117,10 +130,19 @@ pub fn table(runs: &[Run]) -> String {
             last.criterion,
             last.constraint.unwrap_or(0.0),
             last.quality,
-            state.iterations()
+            state.iterations(),
+            1 + state.history.iter().filter(|row| row.remeshed.is_some()).count(),
         );
     }
     text
+}
+
+/// A new mesh, with what was before it.
+fn new_mesh(Remeshed { criterion, constraint, quality, cells }: &Remeshed) -> String {
+    let volume = constraint.unwrap_or(0.0);
+    format!(
+        "; a new mesh of {cells} cells, before it penalised {criterion:.6}, volume off by {volume:.1e}, quality {quality:.2}"
+    )
 }
 
 /// A bar on a terminal, a line per step elsewhere; both on the standard error stream.
@@ -151,8 +173,10 @@ impl Progress {
         });
         let volume = row.constraint.unwrap_or(0.0);
         let text = format!(
-            "J = {alone:.6}, penalised {:.6}, volume off by {volume:.1e}, quality {:.2}{step}",
-            row.criterion, row.quality
+            "J = {alone:.6}, penalised {:.6}, volume off by {volume:.1e}, quality {:.2}{step}{}",
+            row.criterion,
+            row.quality,
+            row.remeshed.as_ref().map_or_else(String::new, new_mesh)
         );
         match &self.bar {
             Some(bar) => {

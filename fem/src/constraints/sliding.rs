@@ -73,7 +73,7 @@ impl<const D: usize> Constraints<D> {
         self.slide_on(&place, &nodes, normals, value)
     }
 
-    fn slide_on(
+    pub(crate) fn slide_on(
         &mut self,
         place: &str,
         nodes: &[u32],

@@ -165,9 +165,17 @@ mod tests {
             2.225_073_858_507_201e-308,
         ];
         let step = Step { factor: 1e-17, trials: 2, longest_move: 0.7, multiplier: -1.1, gradient_norm: 3.3 };
-        let row = Row { criterion: 0.3, constraint: None, quality: 0.9, smoothed: false, step: Some(step) };
+        let row = Row {
+            criterion: 0.3,
+            constraint: None,
+            quality: 0.9,
+            smoothed: false,
+            remeshed: None,
+            step: Some(step),
+        };
         let state = DescentState {
             nodes,
+            mesh: None,
             step: Some(0.1),
             history: vec![row],
             finish: Some(Finish::NoStep("why".into())),

@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
-use super::direction::{Constrained, Direction, check_length, longest};
+use super::descent_options::DescentOptions;
+use super::direction::longest;
 use super::error::{Failure, ShapeOptimisationError};
 use super::history::{DescentState, Finish, Row, Step};
-use super::inner_product::InnerProduct;
 use super::problem::{ShapeProblem, Values};
+use super::remeshed::{Base, Remesh};
 use super::rotations::Rotations;
 use super::smoothing::smoothed;
-use crate::constraints::Constraints;
+use super::wall::Wall;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::mesh::Mesh;
@@ -27,88 +26,20 @@ const SMALLEST_FACTOR: f64 = 1e-4;
 /// Callback at the start and after each step; an error ends the run.
 pub type Listener<'a, S, const D: usize> = dyn FnMut(&Report<S, D>) -> Result<(), Failure> + 'a;
 
-/// Options of a descent. Lengths are in the mesh's unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DescentOptions {
-    /// Steps, at most.
-    pub iterations: usize,
-    /// The inner product that turns derivatives into movements.
-    pub inner_product: InnerProduct,
-    /// The longest way of a node in the first step that is tried \[length\].
-    pub first_move: f64,
-    /// The longest way of a node in any step, and on the way back to the constraint \[length\].
-    pub longest_move: f64,
-    /// The part of the decrease that the derivative promises which a step must bring, in (0, 1/2).
-    pub sufficient_decrease: f64,
-    /// r of the augmented Lagrangian, in units of the criterion at the start.
-    pub penalty: f64,
-    /// |constraint| up to which a shape may be called optimal.
-    pub constraint_tolerance: f64,
-    /// The norm of the derivative along the constraint, relative to the first, at which the descent has converged.
-    pub gradient_tolerance: f64,
-    /// The decrease of the criterion over five steps, relative to its value at the start, below which it has stalled.
-    pub decrease_tolerance: f64,
-    /// The mesh is smoothed when the least scaled Jacobian falls below this.
-    pub smooth_below: f64,
-    /// No step may let the least scaled Jacobian fall below this.
-    pub least_quality: f64,
-}
-
-impl DescentOptions {
-    /// For a mesh whose cells may move by so much in a step \[length\]; the elastic inner product.
-    pub fn new(longest_move: f64) -> Self {
-        DescentOptions {
-            iterations: 100,
-            inner_product: InnerProduct::elasticity(0.0),
-            first_move: longest_move,
-            longest_move,
-            sufficient_decrease: 1e-4,
-            penalty: 10.0,
-            constraint_tolerance: 5e-4,
-            gradient_tolerance: 1e-3,
-            decrease_tolerance: 1e-6,
-            smooth_below: 0.3,
-            least_quality: 0.1,
-        }
-    }
-
-    fn check(&self) -> Result<(), ShapeOptimisationError> {
-        let fail = |name, value, why| Err(ShapeOptimisationError::Option { name, value, why });
-        let positive =
-            [("first_move", self.first_move), ("longest_move", self.longest_move), ("penalty", self.penalty)];
-        for (name, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return fail(name, value, "it must be positive");
-            }
-        }
-        if !(self.sufficient_decrease > 0.0 && self.sufficient_decrease < 0.5) {
-            return fail("sufficient_decrease", self.sufficient_decrease, "it lies between 0 and 1/2");
-        }
-        for (name, value) in [
-            ("constraint_tolerance", self.constraint_tolerance),
-            ("gradient_tolerance", self.gradient_tolerance),
-            ("decrease_tolerance", self.decrease_tolerance),
-            ("smooth_below", self.smooth_below),
-            ("least_quality", self.least_quality),
-        ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return fail(name, value, "it must not be negative");
-            }
-        }
-        Ok(())
-    }
-}
-
 /// A descent.
 pub struct Descent<'a, P, const D: usize> {
     /// The problem to optimise.
     pub problem: &'a P,
-    /// The shape at the start; its cells, numbers and regions are those of all shapes.
+    /// The shape at the start; its cells, numbers and regions are those of all shapes until the mesh is made anew.
     pub initial: Arc<Mesh<D>>,
     /// The options.
     pub options: DescentOptions,
     /// The pattern that is kept, if any.
     pub pattern: Option<Rotations<D>>,
+    /// A boundary that must not go everywhere, if there is one.
+    pub wall: Option<Wall<'a, D>>,
+    /// New meshes where cells have suffered; without this the descent ends there.
+    pub remesh: Option<Remesh<'a, D>>,
 }
 
 /// A report after each step and at the end: the moment to write a [`super::Checkpoint`].
@@ -132,10 +63,10 @@ pub struct Optimised<S, const D: usize> {
 }
 
 /// A shape with its values.
-struct Shape<S, const D: usize> {
-    mesh: Arc<Mesh<D>>,
-    values: Values<S>,
-    quality: f64,
+pub(super) struct Shape<S, const D: usize> {
+    pub mesh: Arc<Mesh<D>>,
+    pub values: Values<S>,
+    pub quality: f64,
 }
 
 impl<P: ShapeProblem<D>, const D: usize> Descent<'_, P, D>
@@ -160,10 +91,11 @@ where
             Some(state) => state,
             None => {
                 let nodes = coordinates(&self.initial);
-                DescentState { nodes, step: None, history: vec![], finish: None }
+                DescentState { nodes, mesh: None, step: None, history: vec![], finish: None }
             }
         };
-        let mut shape = self.first(&state)?;
+        let mut base = Base::of(&state, &self.initial, self.pattern.as_ref())?;
+        let mut shape = self.first(&state, &base)?;
         let mut tell = |state: &DescentState, shape: &Shape<P::State, D>| {
             let report = Report { state, mesh: &shape.mesh, solved: &shape.values.state };
             let iteration = state.iterations();
@@ -178,7 +110,7 @@ where
         }
         let mut is_new = false;
         while state.finish.is_none() {
-            match self.step(&mut state, &mut shape)? {
+            match self.step(&mut state, &mut shape, &mut base)? {
                 Some(finish) => state.finish = Some(finish),
                 None => tell(&state, &shape)?,
             }
@@ -191,13 +123,17 @@ where
     }
 
     /// The shape of a state.
-    fn first(&self, state: &DescentState) -> Result<Shape<P::State, D>, ShapeOptimisationError> {
-        let (expected, found) = (self.initial.node_count() * D, state.nodes.len());
+    fn first(
+        &self,
+        state: &DescentState,
+        base: &Base<D>,
+    ) -> Result<Shape<P::State, D>, ShapeOptimisationError> {
+        let (expected, found) = (base.mesh.node_count() * D, state.nodes.len());
         if expected != found {
             return Err(ShapeOptimisationError::OtherMesh { expected, found });
         }
         let nodes = state.nodes.chunks(D).map(|node| std::array::from_fn(|k| node[k])).collect();
-        let mesh = Arc::new(self.initial.with_nodes(nodes)?);
+        let mesh = Arc::new(base.mesh.with_nodes(nodes)?);
         let iteration = state.iterations();
         let values = self
             .problem
@@ -219,12 +155,14 @@ where
         &self,
         state: &mut DescentState,
         shape: &mut Shape<P::State, D>,
+        base: &mut Base<D>,
     ) -> Result<Option<Finish>, ShapeOptimisationError> {
         let options = &self.options;
         let movements = Space::of_geometry(&shape.mesh)?;
         let start = state.history[0].criterion.abs();
         let scale = if start > 0.0 { start } else { 1.0 };
-        let direction = self.direction(state, &movements, &mut shape.values, options.penalty * scale)?;
+        let direction =
+            self.direction(state, &movements, &mut shape.values, options.penalty * scale, base)?;
         let first = state.history.get(1).and_then(|row| row.step.as_ref());
         let first_norm = first.map_or(direction.norm, |step| step.gradient_norm);
         let constraint = shape.values.constraint.unwrap_or(0.0).abs();
@@ -253,7 +191,7 @@ where
             if factor < smallest {
                 break;
             }
-            let movement = direction.movement(factor);
+            let movement = self.clear(&movements, direction.movement(factor))?;
             let allowed = before + options.sufficient_decrease * direction.slope(factor);
             is_quality = false;
             match self.attempt(&movements, &movement) {
@@ -268,7 +206,7 @@ where
                             multiplier: direction.multiplier,
                             gradient_norm: direction.norm,
                         };
-                        self.accept(state, shape, next, step)?;
+                        self.accept(state, shape, base, next, step)?;
                         return Ok(None);
                     }
                     why = format!("the augmented Lagrangian went from {before} to {after}");
@@ -277,52 +215,22 @@ where
             }
             factor *= 0.5;
         }
-        Ok(Some(if is_quality { Finish::MeshQuality } else { Finish::NoStep(why) }))
-    }
-
-    fn direction(
-        &self,
-        state: &DescentState,
-        movements: &Arc<Space<D>>,
-        values: &mut Values<P::State>,
-        penalty: f64,
-    ) -> Result<Direction, ShapeOptimisationError> {
-        let iteration = state.iterations();
-        let of_problem = |source| ShapeOptimisationError::Problem { iteration, source };
-        let mut derivatives = self.problem.derivatives(movements, &mut values.state).map_err(of_problem)?;
-        let unknowns = movements.unknowns();
-        check_length("the criterion", &derivatives.criterion, unknowns)?;
-        let mut held = Constraints::new(movements);
-        self.problem.fix(&mut held).map_err(of_problem)?;
-        if let Some(pattern) = &self.pattern {
-            pattern.average(&mut derivatives.criterion)?;
+        if !is_quality {
+            return Ok(Some(Finish::NoStep(why)));
         }
-        let mut functionals: Vec<&[f64]> = vec![&derivatives.criterion];
-        if let Some(constraint) = &mut derivatives.constraint {
-            check_length("the constraint", constraint, unknowns)?;
-            if let Some(pattern) = &self.pattern {
-                pattern.average(constraint)?;
+        let Some(remesh) = &self.remesh else { return Ok(Some(Finish::MeshQuality)) };
+        let is_new = state.history.last().is_some_and(|row| row.remeshed.is_some());
+        match self.remeshed(remesh, state, shape, base)? {
+            // A new mesh that helps no further would be made again and again.
+            Ok(remeshed) if !is_new => {
+                if let Some(last) = state.history.last_mut() {
+                    *last = Row { remeshed: Some(remeshed), ..row(shape, last.smoothed, last.step.clone()) };
+                }
+                Ok(None)
             }
-            functionals.push(constraint);
+            Ok(_) => Ok(Some(Finish::MeshQuality)),
+            Err(why) => Ok(Some(Finish::NoNewMesh(why))),
         }
-        let product = &self.options.inner_product;
-        let mut found = product.represent(&held, &functionals)?;
-        for movement in &mut found {
-            *movement = product.extend(movements, movement)?;
-        }
-        if let Some(pattern) = &self.pattern {
-            // The inner product keeps the pattern, but for rounding, which would add up.
-            found.iter_mut().try_for_each(|movement| pattern.average(movement))?;
-        }
-        let mut found = found.into_iter();
-        let movement = found.next().unwrap_or_default();
-        let gradient = found.next().unwrap_or_default();
-        let constraint = values
-            .constraint
-            .zip(derivatives.constraint.as_ref())
-            .map(|(value, derivative)| Constrained { value, derivative, movement: &gradient });
-        let longest_move = self.options.longest_move;
-        Ok(Direction::new(&derivatives.criterion, movement, constraint, penalty, longest_move, D))
     }
 
     /// The shape after a movement, or why it is none.
@@ -338,13 +246,14 @@ where
         &self,
         state: &mut DescentState,
         shape: &mut Shape<P::State, D>,
+        base: &mut Base<D>,
         next: Shape<P::State, D>,
         step: Step,
     ) -> Result<(), ShapeOptimisationError> {
         *shape = next;
         let mut is_smoothed = false;
         if shape.quality < self.options.smooth_below
-            && let Ok(mesh) = smoothed(&self.initial, &shape.mesh, &self.options.inner_product)
+            && let Ok(mesh) = smoothed(&base.mesh, &shape.mesh, &self.options.inner_product)
         {
             let quality = mesh.quality().scaled_jacobian()[0];
             // On cells that are hardly better nothing is gained, and on better ones the problem may still fail.
@@ -358,26 +267,34 @@ where
         let grows = if step.trials == 1 { 2.0 } else { 1.0 };
         state.step = Some(grows * step.factor);
         state.nodes = coordinates(&shape.mesh);
-        state.history.push(row(shape, is_smoothed, Some(step)));
+        let mut remeshed = None;
+        if let Some(remesh) = &self.remesh
+            && shape.quality < remesh.below
+        {
+            // Where there is no new mesh yet the descent goes on with this one as far as it will go.
+            remeshed = self.remeshed(remesh, state, shape, base)?.ok();
+        }
+        state.history.push(Row { remeshed, ..row(shape, is_smoothed, Some(step)) });
         Ok(())
     }
 }
 
 fn row<S, const D: usize>(shape: &Shape<S, D>, smoothed: bool, step: Option<Step>) -> Row {
     let Values { criterion, constraint, .. } = shape.values;
-    Row { criterion, constraint, quality: shape.quality, smoothed, step }
+    Row { criterion, constraint, quality: shape.quality, smoothed, remeshed: None, step }
 }
 
-fn coordinates<const D: usize>(mesh: &Mesh<D>) -> Vec<f64> {
+pub(super) fn coordinates<const D: usize>(mesh: &Mesh<D>) -> Vec<f64> {
     mesh.nodes().iter().flatten().copied().collect()
 }
 
-/// Whether the last steps together brought less than a decrease.
+/// Whether the last steps together brought less than a decrease. What a new mesh changes is no step's.
 fn stalled(history: &[Row], decrease: f64) -> bool {
-    match history {
-        [.., earlier, _, _, _, _, last] if history.len() > STALLED_STEPS => {
-            (earlier.criterion - last.criterion).abs() < decrease
-        }
-        _ => false,
+    if history.len() <= STALLED_STEPS {
+        return false;
     }
+    let last = &history[history.len() - STALLED_STEPS - 1..];
+    let after = |row: &Row| row.remeshed.as_ref().map_or(row.criterion, |before| before.criterion);
+    let sum: f64 = last.windows(2).map(|pair| pair[0].criterion - after(&pair[1])).sum();
+    sum.abs() < decrease
 }

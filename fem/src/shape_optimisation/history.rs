@@ -4,12 +4,18 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
+use super::remeshed::Remeshed;
+use super::stored_mesh::StoredMesh;
+
 /// A shape on the way, the next step's length, and the way so far. A descent that goes on from it is the one that would
 /// have gone on, to the last bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DescentState {
     /// Coordinates of the mesh's nodes, node after node \[length\].
     pub nodes: Vec<f64>,
+    /// The mesh whose nodes they are, once it is not that of the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<StoredMesh>,
     /// The factor of the next step that is tried; none before the first.
     pub step: Option<f64>,
     /// The start and each step.
@@ -29,6 +35,9 @@ pub struct Row {
     pub quality: f64,
     /// Whether the mesh was smoothed.
     pub smoothed: bool,
+    /// The values before the mesh was made anew, where it was; those above are the new mesh's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remeshed: Option<Remeshed>,
     /// The step that led here; none at the start.
     pub step: Option<Step>,
 }
@@ -61,6 +70,8 @@ pub enum Finish {
     NoStep(String),
     /// Every step would have spoilt the cells.
     MeshQuality,
+    /// Every step would have spoilt the cells, and no new mesh was made; why.
+    NoNewMesh(String),
 }
 
 impl DescentState {
@@ -73,7 +84,8 @@ impl DescentState {
     /// back as what they were; what does not exist is empty.
     pub fn csv(&self) -> String {
         let mut text = String::from(
-            "iteration,criterion,constraint,quality,smoothed,step,trials,longest move,multiplier,gradient norm\n",
+            "iteration,criterion,constraint,quality,smoothed,step,trials,longest move,multiplier,gradient norm,\
+             criterion before remeshing,cells\n",
         );
         for (iteration, row) in self.history.iter().enumerate() {
             let constraint = row.constraint.map_or_else(String::new, |value| value.to_string());
@@ -86,10 +98,14 @@ impl DescentState {
                 u8::from(row.smoothed)
             );
             let _ = match &row.step {
-                None => writeln!(text, ",,,,,"),
+                None => write!(text, ",,,,,"),
                 Some(Step { factor, trials, longest_move, multiplier, gradient_norm }) => {
-                    writeln!(text, ",{factor},{trials},{longest_move},{multiplier},{gradient_norm}")
+                    write!(text, ",{factor},{trials},{longest_move},{multiplier},{gradient_norm}")
                 }
+            };
+            let _ = match &row.remeshed {
+                None => writeln!(text, ",,"),
+                Some(Remeshed { criterion, cells, .. }) => writeln!(text, ",{criterion},{cells}"),
             };
         }
         text

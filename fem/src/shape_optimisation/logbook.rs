@@ -10,12 +10,13 @@ use super::checkpoint::{Checkpoint, CheckpointError};
 use super::descent::Report;
 use super::error::Failure;
 use super::history::DescentState;
+use super::stored_mesh::StoredMesh;
 use crate::field::Field;
 use crate::mesh::Mesh;
 use crate::output::{VtuFile, write_whole};
 
-/// A directory with `checkpoint.json`, `history.csv`, and `shape_0000.vtu` and so on with the coordinates of the nodes
-/// beside each, `shape_0000.json`. The checkpoint is written last, after the files that it refers to.
+/// A directory with `checkpoint.json`, `history.csv`, and `shape_0000.vtu` and so on with the coordinates of the nodes, and
+/// the mesh where it was made anew, beside each, `shape_0000.json`. The checkpoint is written last, after the files that it refers to.
 #[derive(Clone, Debug)]
 pub struct Logbook {
     directory: PathBuf,
@@ -94,7 +95,7 @@ impl Logbook {
                 file = file.point_data(name, field)?;
             }
             file.write(self.shape(iteration, "vtu"))?;
-            let text = serde_json::to_string(&state.nodes)?;
+            let text = serde_json::to_string(&(&state.nodes, &state.mesh))?;
             write_whole(self.shape(iteration, "json"), |file| writeln!(file, "{text}"))?;
             if let Err(place) = self.shapes.binary_search(&iteration) {
                 self.shapes.insert(place, iteration);
@@ -121,9 +122,14 @@ impl Logbook {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 text => text.map_err(|error| named(error.to_string()))?,
             };
-            let nodes: Vec<f64> = serde_json::from_str(&text).map_err(|error| named(error.to_string()))?;
+            let (nodes, stored): (Vec<f64>, Option<StoredMesh>) =
+                serde_json::from_str(&text).map_err(|error| named(error.to_string()))?;
             let nodes = nodes.chunks_exact(D).map(|node| std::array::from_fn(|k| node[k])).collect();
-            let mesh = initial.with_nodes(nodes).map_err(|error| named(error.to_string()))?;
+            let mesh = match stored {
+                Some(stored) => stored.mesh().and_then(|mesh| mesh.with_nodes(nodes)),
+                None => initial.with_nodes(nodes),
+            };
+            let mesh = mesh.map_err(|error| named(error.to_string()))?;
             shapes.push((number, Arc::new(mesh)));
         }
         Ok(shapes)

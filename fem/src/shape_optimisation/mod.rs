@@ -4,12 +4,15 @@
 //!
 //! A step: an [`InnerProduct`] turns derivatives into movements of the whole body, with parts of the boundary fixed;
 //! [`Rotations`] keep a pattern of cells the same around a ring; a `Direction` adds the return to the constraint to the
-//! descent of the criterion; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. A [`DescentState`] is
+//! descent of the criterion; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. A [`Wall`] keeps boundaries
+//! apart, [`Remesh`] goes on with other cells where these have suffered. A [`DescentState`] is
 //! all that a run needs to resume: a [`Checkpoint`] writes it to the last bit, with a checksum and the version, in the
 //! directory of a [`Logbook`] beside the history and every n-th shape.
 
 mod checkpoint;
 mod descent;
+mod descent_direction;
+mod descent_options;
 mod direction;
 mod distance;
 mod error;
@@ -20,14 +23,18 @@ mod perimeter;
 #[cfg(feature = "pictures")]
 mod pictures;
 mod problem;
+mod remeshed;
 mod rotations;
 mod smoothing;
+mod stored_mesh;
 #[cfg(test)]
 mod tests;
 mod volume;
+mod wall;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use descent::{Descent, DescentOptions, Optimised, Report};
+pub use descent::{Descent, Optimised, Report};
+pub use descent_options::DescentOptions;
 pub use distance::{BoundaryDistance, boundary_distance};
 pub use error::{Failure, ShapeOptimisationError};
 pub use history::{DescentState, Finish, Row, Step};
@@ -37,6 +44,9 @@ pub use perimeter::{perimeter, perimeter_derivative, perimeter_form};
 #[cfg(feature = "pictures")]
 pub use pictures::{history_picture, strip};
 pub use problem::{Derivatives, ShapeProblem, Values};
+pub use remeshed::{Remesh, Remeshed, Remesher};
 pub use rotations::Rotations;
 pub use smoothing::smoothed;
+pub use stored_mesh::StoredMesh;
 pub use volume::{Volume, measured_volume, volume_form};
+pub use wall::{Clearance, Wall};

@@ -15,6 +15,7 @@ pub struct Rotations<const D: usize> {
     images: Vec<u32>,
     /// Cosine and sine of each multiple.
     turns: Vec<[f64; 2]>,
+    centre: [f64; D],
 }
 
 impl<const D: usize> Rotations<D> {
@@ -49,7 +50,15 @@ impl<const D: usize> Rotations<D> {
             })?;
             images.push(found as u32);
         }
-        Ok(Rotations { images, turns })
+        Ok(Rotations { images, turns, centre })
+    }
+
+    /// The same rotations of another mesh.
+    ///
+    /// # Errors
+    /// As [`Rotations::new`].
+    pub fn on(&self, movements: &Space<D>) -> Result<Self, ShapeOptimisationError> {
+        Rotations::new(movements, self.centre, self.turns.len())
     }
 
     /// Replaces a vector per node, a movement or a derivative by movements, by its mean over the rotations.

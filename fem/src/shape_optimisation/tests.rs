@@ -71,7 +71,14 @@ fn options() -> DescentOptions {
 fn the_shortest_perimeter_is_the_regular_polygon() {
     let initial = plate();
     let problem = problem(&initial);
-    let descent = Descent { problem: &problem, initial: initial.clone(), options: options(), pattern: None };
+    let descent = Descent {
+        problem: &problem,
+        initial: initial.clone(),
+        options: options(),
+        pattern: None,
+        wall: None,
+        remesh: None,
+    };
     let mut reports = 0;
     let best = descent
         .run(None, &mut |_| {
@@ -110,7 +117,7 @@ fn every_step_keeps_armijos_promise() {
     let initial = plate();
     let problem = problem(&initial);
     let options = DescentOptions { iterations: 15, ..options() };
-    let descent = Descent { problem: &problem, initial, options, pattern: None };
+    let descent = Descent { problem: &problem, initial, options, pattern: None, wall: None, remesh: None };
     let best = descent.run(None, &mut |_| Ok(())).unwrap();
     assert_eq!(best.state.finish, Some(Finish::Iterations));
     let history = &best.state.history;
@@ -128,7 +135,7 @@ fn every_step_keeps_armijos_promise() {
     }
     let csv = best.state.csv();
     assert_eq!(csv.lines().count(), 17);
-    assert!(csv.lines().all(|line| line.split(',').count() == 10), "{csv}");
+    assert!(csv.lines().all(|line| line.split(',').count() == 12), "{csv}");
 }
 
 #[test]
@@ -136,7 +143,7 @@ fn a_descent_that_goes_on_is_the_one_that_was_not_interrupted() {
     let initial = plate();
     let problem = problem(&initial);
     let options = DescentOptions { iterations: 12, ..options() };
-    let descent = Descent { problem: &problem, initial, options, pattern: None };
+    let descent = Descent { problem: &problem, initial, options, pattern: None, wall: None, remesh: None };
     let mut written = Vec::new();
     let whole = descent
         .run(None, &mut |report| {
@@ -164,7 +171,8 @@ fn a_descent_that_goes_on_is_the_one_that_was_not_interrupted() {
 fn what_goes_wrong_is_told() {
     let initial = plate();
     let run = |problem: &Isoperimetric, options: DescentOptions, from| {
-        Descent { problem, initial: initial.clone(), options, pattern: None }.run(from, &mut |_| Ok(()))
+        Descent { problem, initial: initial.clone(), options, pattern: None, wall: None, remesh: None }
+            .run(from, &mut |_| Ok(()))
     };
     // A derivative of the wrong sign: no step decreases.
     let wrong = Isoperimetric { sign: -1.0, ..problem(&initial) };
@@ -184,7 +192,7 @@ fn what_goes_wrong_is_told() {
         message(run(&problem(&initial), meaningless, None)),
         "penalty = 0 is not possible: it must be positive"
     );
-    let other = DescentState { nodes: vec![0.0; 4], step: None, history: vec![], finish: None };
+    let other = DescentState { nodes: vec![0.0; 4], mesh: None, step: None, history: vec![], finish: None };
     let text = message(run(&problem(&initial), options(), Some(other)));
     assert!(text.starts_with("the state to go on from has 4 coordinates"), "{text}");
 }
@@ -206,4 +214,39 @@ fn cells_are_laid_out_anew_inside_the_same_boundary() {
         assert!((end[0] - 1.05 * start[0]).abs() < 1e-12 && (end[1] - 0.97 * start[1]).abs() < 1e-12);
     }
     assert!((measured_volume(&laid).unwrap() / measured_volume(&shaken).unwrap() - 1.0).abs() < 1e-14);
+}
+
+/// Below a wall that it would cross where it stands, the plate goes down until it is as round as without.
+#[test]
+fn nodes_slide_along_a_wall() {
+    let initial = plate();
+    let problem = problem(&initial);
+    let height = 1.75;
+    let clearance = |x: &[f64; 2]| Clearance { distance: height - x[1], away: [0.0, -1.0] };
+    let wall = Wall { region: "outer".into(), clearance: &clearance };
+    let options = DescentOptions { gradient_tolerance: 1e-4, ..options() };
+    let free = Descent {
+        problem: &problem,
+        initial: initial.clone(),
+        options,
+        pattern: None,
+        wall: None,
+        remesh: None,
+    };
+    let highest = |mesh: &Mesh<2>| mesh.nodes().iter().map(|x| x[1]).fold(f64::NEG_INFINITY, f64::max);
+    assert!(highest(&initial) < height);
+    let without = free.run(None, &mut |_| Ok(())).unwrap();
+    assert!(highest(&without.mesh) > height + 0.1, "{}", highest(&without.mesh));
+    let walled = Descent { wall: Some(wall), ..free };
+    let mut most = f64::NEG_INFINITY;
+    let best = walled
+        .run(None, &mut |report| {
+            most = most.max(highest(report.mesh));
+            Ok(())
+        })
+        .unwrap();
+    println!("{} with the wall, {} without", best.values.criterion, without.values.criterion);
+    assert!(most < height + 1e-9 && highest(&best.mesh) > height - 1e-3, "{most}");
+    assert!((best.values.criterion / without.values.criterion - 1.0).abs() < 1e-4);
+    assert!(best.values.constraint.unwrap().abs() < 1e-6);
 }

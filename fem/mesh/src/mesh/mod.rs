@@ -36,6 +36,8 @@ mod quality;
 mod random_markings;
 mod refine;
 mod regions;
+#[cfg(feature = "remeshing")]
+mod remeshing;
 mod rigid_surface;
 mod shared_facets;
 mod simplices;
@@ -68,6 +70,8 @@ pub use perforated::PerforatedAnnulus;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
 pub use refine::{Surface, onto_sphere};
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
+#[cfg(feature = "remeshing")]
+pub use remeshing::{Remeshing, RemeshingError, Sizes};
 #[doc(hidden)]
 pub use rigid_surface::CarriedSurface;
 pub use rigid_surface::{RigidSurface, RigidSurfaceError};
