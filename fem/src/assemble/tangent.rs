@@ -8,7 +8,7 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requ
 use super::batch::Cells;
 use super::binding::Binding;
 use super::block_finders::ChosenPairs;
-use super::group_nodes::{GroupNodes, places_on_facets};
+use super::group_nodes::{GroupNodes, Reading, seen_places};
 use super::kernel_calls::matrices::ElementMatrices;
 use super::outline::{Described, Outline};
 use super::scatter::MatrixScatter;
@@ -271,7 +271,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
             self.binding.name_of(Role::Unknown(integral.trial)),
         ];
         // Half of the pairs suffice when test and trial nodes are the same.
-        let reads = kernel.requirements;
+        let reading = Reading::of_arguments(kernel.requirements);
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, kernel.requirements)? {
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
@@ -280,12 +280,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
             // Element matrices that are asked for have all rows and columns.
             let seen = match self.target {
                 Target::Matrix { .. } => {
-                    [(0, test, reads.test_derivatives), (1, trial, reads.trial_derivatives)].map(
-                        |(k, space, derivatives)| match derivatives {
-                            true => None,
-                            false => places_on_facets(&group, sides[k], space),
-                        },
-                    )
+                    [(0, test), (1, trial)].map(|(k, space)| seen_places(&group, sides[k], space, reading[k]))
                 }
                 Target::Elements(_) => [None, None],
             };
