@@ -111,7 +111,7 @@ pub(super) fn write(rows: &[BodiesRow], text: &mut String) {
     let _ = write!(
         text,
         "## Contact of two bodies\n\nThe contact term of a block on a slab, quadratic displacements on simplices that do not match, points that \
-         slide along rays, µs per own facet (medians), search and insertion included. Both programs have the same meshes, rule, law \
+         slide along rays, µs of a processor per own facet (medians), search and insertion included. Both programs have the same meshes, rule, law \
          and iterate; the last column is the largest relative difference of the norms of residual and tangent.\n\n\
          | case | unknowns | own facets | search | residual | GetFEM | ratio | tangent | GetFEM | ratio | difference |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n"
@@ -143,7 +143,7 @@ pub(super) fn write(rows: &[BodiesRow], text: &mut String) {
     }
     let _ = write!(
         text,
-        "\nA whole solve: the block pressed onto the slab and drawn along, in seconds, from the constraints on. The last column is the relative \
+        "\nA whole solve: the block pressed onto the slab and drawn along, in seconds of a processor, from the constraints on. The last column is the relative \
          difference of the displacement's norm.\n\n\
          | case | unknowns | own facets | ours | Newton steps | GetFEM | Newton steps | ratio | difference |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|--:|\n"
