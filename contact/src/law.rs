@@ -1,4 +1,4 @@
-//! Contact laws: what the drivers ask of a forms module. The recipe for one of your own, "a new contact law", is in CONTRIBUTING.md, and
+//! Contact laws: what the drivers ask of a forms module. The steps to one of your own are in docs/new_contact_law.md, and
 //! `tests/contact_law` follows it.
 
 use forms_fem::prelude::*;

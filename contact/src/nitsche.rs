@@ -14,37 +14,17 @@ pub mod nitsche {
     use crate::operators::obstacle::{gamma, nitsche_test};
 
     /// Data of all forms. No load acts and no criterion weighs unless they are given.
+    #[includes(
+        crate::operators::linear_elastic::Data,
+        crate::operators::obstacle::Data,
+        crate::operators::loads::Data,
+        crate::operators::linear_criterion::Data
+    )]
     pub struct Data {
-        /// λ, first Lamé parameter \[stress\].
-        pub lambda: Param,
-        /// μ, shear modulus \[stress\].
-        pub mu: Param,
-        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
-        pub theta: Param,
-        /// γ₀ \[stress\]; γ = γ₀ / h_T.
-        pub gamma0: Param,
         /// C in ξ = C √h_T of the extended-Neumann adjoint (41); only `extended_adjoint` reads it.
         #[doc(alias = "C")]
         #[default(0)]
         pub extension: Param,
-        /// n_y, unit normal pointing into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, the initial gap \[length\].
-        #[doc(alias = "g")]
-        pub gap: Given<Scalar>,
-        /// f, force per volume.
-        #[doc(alias = "f")]
-        #[default(0)]
-        pub body_force: Given<Vector>,
-        /// g_N, force per area on Γ_N.
-        #[doc(alias = "g_N")]
-        #[default(0)]
-        pub traction: Given<Vector>,
-        /// F in the criterion's M(u) = F·u.
-        #[doc(alias = "F")]
-        #[default(0)]
-        pub criterion_force: Given<Vector>,
         /// c in the criterion's N(u) = ½ c |u|²; zero where N does not act.
         #[doc(alias = "c")]
         #[default(0)]

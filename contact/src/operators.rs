@@ -8,13 +8,8 @@
 //!     use forms_contact::operators::neo_hookean::energy_density;
 //!     use forms_contact::operators::obstacle::penalty_density;
 //!
-//!     pub struct Data {
-//!         lambda: Param,
-//!         mu: Param,
-//!         gamma0: Param,
-//!         obstacle_normal: Given<Vector>,
-//!         gap: Given<Scalar>,
-//!     }
+//!     #[includes(forms_contact::operators::linear_elastic::Data, forms_contact::operators::obstacle::Data)]
+//!     pub struct Data {}
 //!     #[cells]
 //!     pub struct Omega;
 //!     #[facets]
@@ -26,11 +21,17 @@
 //! }
 //! ```
 //!
-//! An operator reads the importing module's data by name: each module's `Data` says which. A material that varies
-//! declares `lambda: Given<Scalar>` instead of `Param`.
+//! An operator reads the importing module's data by name: each module's `Data` says which, and `#[includes(..)]` takes them in.
+//! A material that varies declares `lambda: Given<Scalar>` itself; that stands.
 
 mod interfaces;
 mod materials;
+mod parameters;
+mod two_sides;
+mod work;
 
 pub use interfaces::{cohesion, friction, obstacle, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
+pub use parameters::{penalty, variant};
+pub use two_sides::bodies;
+pub use work::{linear_criterion, loads, resultant};

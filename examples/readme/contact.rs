@@ -1,6 +1,5 @@
 //! Frictionless contact by Nitsche's method, and an adjoint state.
 
-use forms_contact::operators::obstacle;
 use forms_fem::prelude::*;
 
 #[forms]
@@ -8,11 +7,9 @@ mod nitsche {
     use forms_contact::operators::linear_elastic::stress;
     use forms_contact::operators::obstacle::{augmented_stress, gamma, nitsche_test, normal_component};
 
-    #[extends(forms_contact::operators::obstacle::Data)] // n_y, g, γ₀, θ
-    pub struct Data {
-        pub lambda: Param,
-        pub mu: Param,
-    }
+    /// λ, μ; n_y, g, γ₀, θ.
+    #[includes(forms_contact::operators::linear_elastic::Data, forms_contact::operators::obstacle::Data)]
+    pub struct Data {}
     #[cells]
     pub struct Omega;
     #[facets]
@@ -43,9 +40,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     constraints.fix("top", |_| [0.0, -0.1])?;
 
     let gap = Given::function(|x: &[f64; 2]| x[1] + 0.1 * (x[0] - 1.0).powi(2));
-    let base =
-        obstacle::Data { obstacle_normal: Given::constant([0.0, -1.0]), gap, gamma0: 20.0, theta: 1.0 };
-    let data = nitsche::Data { base, lambda: 1.0, mu: 1.0 };
+    let obstacle_normal = Given::constant([0.0, -1.0]);
+    let data = nitsche::Data { lambda: 1.0, mu: 1.0, obstacle_normal, gap, gamma0: 20.0, theta: 1.0 };
     let model = nitsche::Model { data, regions: nitsche::Regions::default().gamma_c("bottom") };
 
     // A kink is no polynomial: a higher degree than what would do for the polynomials beside it.

@@ -1,4 +1,5 @@
-//! Everything that emitted code and backends name. Emitted paths read `<crate>::contract::Name`, so a
+//! The contract between compiled forms and backends: everything that emitted code and backends name. What a form gives stands in
+//! `form.rs`, its integrands and the order in which a backend calls them in `kernel.rs`, the values of its fields in `source.rs`. Emitted paths read `<crate>::contract::Name`, so a
 //! crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).
 
 pub use crate::dimension::{Constants, Dim, Dimension, Integrals};

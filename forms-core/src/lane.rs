@@ -39,24 +39,10 @@ pub trait Lane:
     fn multiply_add(self, factor: Self, addend: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// Exponential.
-    fn exp(self) -> Self;
-    /// Natural logarithm.
-    fn ln(self) -> Self;
-    /// Sine (radian).
-    fn sin(self) -> Self;
-    /// Cosine (radian).
-    fn cos(self) -> Self;
-    /// Tangent (radian).
-    fn tan(self) -> Self;
-    /// Hyperbolic tangent.
-    fn tanh(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
     /// Integer power, by repeated multiplication; negative exponents divide.
     fn powi(self, exponent: i32) -> Self;
-    /// Real power of a non-negative base.
-    fn powf(self, exponent: Self) -> Self;
     /// The smaller of two values.
     fn minimum(self, other: Self) -> Self;
     /// The larger of two values.
@@ -84,6 +70,41 @@ pub trait Lane:
             *value = function(*value, other);
         }
         Self::load(&values)
+    }
+    /// Exponential.
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.each(f64::exp)
+    }
+    /// Natural logarithm.
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.each(f64::ln)
+    }
+    /// Sine (radian).
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.each(f64::sin)
+    }
+    /// Cosine (radian).
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.each(f64::cos)
+    }
+    /// Tangent (radian).
+    #[inline(always)]
+    fn tan(self) -> Self {
+        self.each(f64::tan)
+    }
+    /// Hyperbolic tangent.
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        self.each(f64::tanh)
+    }
+    /// Real power of a non-negative base.
+    #[inline(always)]
+    fn powf(self, exponent: Self) -> Self {
+        self.each_pair(exponent, f64::powf)
     }
     /// Arcsine (radian); a NaN outside [−1, 1].
     #[inline]
@@ -206,30 +227,6 @@ impl Lane for f64 {
         f64::sqrt(self)
     }
     #[inline(always)]
-    fn exp(self) -> Self {
-        f64::exp(self)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        f64::ln(self)
-    }
-    #[inline(always)]
-    fn sin(self) -> Self {
-        f64::sin(self)
-    }
-    #[inline(always)]
-    fn cos(self) -> Self {
-        f64::cos(self)
-    }
-    #[inline(always)]
-    fn tan(self) -> Self {
-        f64::tan(self)
-    }
-    #[inline(always)]
-    fn tanh(self) -> Self {
-        f64::tanh(self)
-    }
-    #[inline(always)]
     fn abs(self) -> Self {
         f64::abs(self)
     }
@@ -238,8 +235,12 @@ impl Lane for f64 {
         f64::powi(self, exponent)
     }
     #[inline(always)]
-    fn powf(self, exponent: Self) -> Self {
-        f64::powf(self, exponent)
+    fn each(self, function: impl Fn(f64) -> f64) -> Self {
+        function(self)
+    }
+    #[inline(always)]
+    fn each_pair(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        function(self, other)
     }
     #[inline(always)]
     fn minimum(self, other: Self) -> Self {

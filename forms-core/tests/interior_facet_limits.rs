@@ -4,10 +4,10 @@
 mod toy_backend;
 
 use forms_core::contract::*;
-use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, slope, value};
 use toy_backend::mesh::Mesh;
+use toy_backend::operator::operator_module;
 use toy_backend::plain::{Components, Matrix, assert_values, dot, matrix, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression};
@@ -103,38 +103,10 @@ macro_rules! operator {
         operator! { @ $name Tensor Vector { $($body)* } { inner(value(u, s), other(grad(v))) } $expected }
     };
     (@ $name:ident $rank:ident $test:ident { $($body:tt)* } { $($density:tt)* } $expected:expr) => {
-        mod $name {
-            use super::*;
-            #[forms(crate = forms_core)]
-            pub mod operator {
-                pub struct Data { a: Param }
-                #[interior_facets]
-                pub struct Skeleton;
-                pub fn value(u: Vector, s: Scalar) -> $rank { $($body)* }
-                pub fn form(u: Unknown<Vector>, s: Unknown<Scalar>, v: Test<$test>) -> Form {
-                    integral(Skeleton, $($density)*)
-                }
-            }
-            fn check<const D: usize>(seed: u64)
-            where
-                Dim: Dimension<D>,
-            {
-                let mut state = State::<D>::new(seed);
-                let data = operator::Data { a: A };
-                let [u, s] = &state.unknowns;
-                let value = operator::value(&data, u.source(), s.source());
-                state.check_value(&value, $expected);
-                let form = operator::form(&data, &operator::Skeleton::on("skeleton"));
-                differences::check_tangent(&state.mesh, &form, &state.unknowns, &mut state.random);
-            }
-            #[test]
-            fn in_2d() {
-                check::<2>(41);
-            }
-            #[test]
-            fn in_3d() {
-                check::<3>(42);
-            }
+        operator_module! {
+            $name: $rank tested by $test, on #[interior_facets] Skeleton "skeleton", seeds 41 42,
+            data { a: Param } = { a: A },
+            value { $($body)* } density { $($density)* } expected $expected
         }
     };
 }

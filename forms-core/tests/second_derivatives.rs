@@ -8,6 +8,7 @@ use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::{Mesh, determinant};
+use toy_backend::operator::operator_module;
 use toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression, residual, tangent};
@@ -96,38 +97,10 @@ macro_rules! operator {
         operator! { @ $name Tensor Scalar { $($body)* } { inner(value(u, s), hess(v)) } $expected }
     };
     (@ $name:ident $rank:ident $test:ident { $($body:tt)* } { $($density:tt)* } $expected:expr) => {
-        mod $name {
-            use super::*;
-            #[forms(crate = forms_core)]
-            pub mod operator {
-                pub struct Data { a: Param }
-                #[cells]
-                pub struct Omega;
-                pub fn value(u: Vector, s: Scalar) -> $rank { $($body)* }
-                pub fn form(u: Unknown<Vector>, s: Unknown<Scalar>, v: Test<$test>) -> Form {
-                    integral(Omega, $($density)*)
-                }
-            }
-            fn check<const D: usize>(seed: u64)
-            where
-                Dim: Dimension<D>,
-            {
-                let mut state = State::<D>::new(seed);
-                let data = operator::Data { a: A };
-                let [u, s] = &state.unknowns;
-                let value = operator::value(&data, u.source(), s.source());
-                state.check_value(&value, $expected);
-                let form = operator::form(&data, &operator::Omega::on("all"));
-                differences::check_tangent(&state.mesh, &form, &state.unknowns, &mut state.random);
-            }
-            #[test]
-            fn in_2d() {
-                check::<2>(31);
-            }
-            #[test]
-            fn in_3d() {
-                check::<3>(32);
-            }
+        operator_module! {
+            $name: $rank tested by $test, on #[cells] Omega "all", seeds 31 32,
+            data { a: Param } = { a: A },
+            value { $($body)* } density { $($density)* } expected $expected
         }
     };
 }

@@ -22,10 +22,11 @@ use crate::contact_law;
 /// |∇φ| ≠ 1 is divided by its slope there.
 #[forms]
 pub mod analytic_obstacle {
-    use super::super::frictional_nitsche::frictional_nitsche::{elasticity, loads};
+    use super::super::frictional_nitsche::frictional_nitsche::elasticity;
     use super::super::moving_obstacle::moving_obstacle::{in_own_axes, slip};
-    pub use super::super::two_bodies::two_bodies::criterion;
+    pub use crate::operators::linear_criterion::criterion;
     pub use crate::operators::linear_elastic::stress;
+    use crate::operators::loads::loads;
     use crate::operators::obstacle::gamma;
     use crate::operators::signed_distance::{
         nitsche_density, obstacle_traction as law, rounded_box_distance,
@@ -33,23 +34,13 @@ pub mod analytic_obstacle {
 
     /// Data of the body, the method, the obstacle's motion and its shape, and of the loads.
     #[extends(crate::laws::moving_obstacle::moving_obstacle::Data)]
+    #[includes(crate::operators::variant::Data, crate::operators::loads::Data)]
     pub struct Data {
-        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
-        #[default(0)]
-        pub theta: Param,
         /// Half the edges of the box \[length\]; zero for a disk or a ball.
         #[default(0)]
         pub half_sizes: Param<Vector>,
         /// The radius of its round edges \[length\].
         pub radius: Param,
-        /// f, force per volume.
-        #[doc(alias = "f")]
-        #[default(0)]
-        pub body_force: Given<Vector>,
-        /// g_N, force per area on Γ_N.
-        #[doc(alias = "g_N")]
-        #[default(0)]
-        pub traction: Given<Vector>,
     }
 
     /// Ω.

@@ -28,10 +28,9 @@ pub fn capsule_distance<R: Real, const D: usize>(y: [R; D], half_length: R, radi
 /// For an obstacle of another shape copy this module with another function φ: it needs |∇φ| = 1 for g to be a distance.
 #[forms]
 pub mod capsule {
-    use super::super::frictional_nitsche::frictional_nitsche::slip_limit;
     use super::super::moving_obstacle::moving_obstacle::{in_own_axes, slip};
-    pub use super::super::two_bodies::two_bodies::criterion;
-    use crate::operators::friction::{augmented_traction, contact_traction};
+    use crate::operators::friction::{augmented_traction, contact_traction, slip_limit};
+    pub use crate::operators::linear_criterion::criterion;
     pub use crate::operators::neo_hookean::first_piola;
 
     extern "Rust" {

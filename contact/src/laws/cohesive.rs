@@ -19,24 +19,22 @@ use crate::law::{ContactLaw, WithAdjoint};
 /// is less than the slope of the softening, separation jumps, and no small load step follows it.
 #[forms]
 pub mod cohesive {
-    use super::super::frictional_nitsche::frictional_nitsche::loads;
-    pub use super::super::two_bodies::two_bodies::{GammaN, Omega, Touch, criterion};
+    pub use super::super::two_bodies::two_bodies::{GammaN, Omega, Touch};
+    use crate::operators::bodies::{own_gamma, own_traction, present_gap};
     use crate::operators::cohesion::{
         bilinear_dissipation, bilinear_stiffness, opening, separation_traction,
     };
+    pub use crate::operators::linear_criterion::criterion;
     pub use crate::operators::linear_elastic::stress;
+    use crate::operators::loads::loads;
 
     /// Data of bodies and glue.
+    #[includes(
+        crate::operators::bodies::Data,
+        crate::operators::loads::Data,
+        crate::operators::linear_criterion::Data
+    )]
     pub struct Data {
-        /// λ, first Lamé parameter \[stress\].
-        pub lambda: Given<Scalar>,
-        /// μ, shear modulus \[stress\].
-        pub mu: Given<Scalar>,
-        /// γ₀ \[stress\]; γ = γ₀ / h_T, for what closes.
-        pub gamma0: Given<Scalar>,
-        /// Part of each surface's integral: ½ where both surfaces are integrated over, 1 where one of them is.
-        #[default(0.5)]
-        pub share: Param,
         /// K, stiffness before damage \[stress/length\]; above σ_c²/(2 G_c).
         #[doc(alias = "K")]
         pub stiffness: Param,
@@ -52,18 +50,6 @@ pub mod cohesive {
         pub shear_weight: Param,
         /// The largest effective opening of all steps before \[length\].
         pub largest_opening: History<Scalar>,
-        /// f, force per volume.
-        #[doc(alias = "f")]
-        #[default(0)]
-        pub body_force: Given<Vector>,
-        /// g_N, force per area on Γ_N.
-        #[doc(alias = "g_N")]
-        #[default(0)]
-        pub traction: Given<Vector>,
-        /// F in the criterion J(u) = ∫ F·u.
-        #[doc(alias = "F")]
-        #[default(0)]
-        pub criterion_force: Given<Vector>,
     }
 
     /// δ(u), the effective opening.
@@ -86,8 +72,7 @@ pub mod cohesive {
 
     /// \[P_n\]₋, the pressure where the bodies touch.
     pub fn contact_pressure(w: Vector) -> Scalar {
-        let present_gap = gap - dot(jump(w), toward);
-        neg_part(dot(this(stress(w) * n), toward) + this(gamma0) / this(h) * present_gap)
+        neg_part(dot(own_traction(w), toward) + own_gamma() * present_gap(w))
     }
 
     /// T(u), the traction of glue and contact on the body of X.

@@ -16,41 +16,17 @@ pub mod frictional_nitsche {
         Boundary, GammaC, GammaN, Omega, boundary_slope, contact_force, contact_indicator, contact_length,
         contact_pressure, criterion, current_gap, elasticity, stress,
     };
+    pub use crate::operators::friction::slip_limit;
     use crate::operators::friction::{
         augmented_traction, ball_potential, ball_projection, contact_traction, tangential,
     };
+    pub use crate::operators::loads::loads;
     use crate::operators::obstacle::gamma;
 
     /// Data of all laws of friction with a flat. The slip is counted from u = 0 unless `displacement_before` is given.
     #[extends(crate::nitsche::nitsche::Data)]
-    pub struct Data {
-        /// s₀, the bound of Tresca's law \[stress\].
-        #[doc(alias = "s₀")]
-        #[default(0)]
-        pub slip_stress: Param,
-        /// κ, the coefficient of Coulomb's law.
-        #[doc(alias = "κ")]
-        #[default(0)]
-        pub friction: Param,
-        /// u₀, the displacement from which the slip is counted: that of the last step that converged \[length\].
-        #[doc(alias = "u₀")]
-        #[default(0)]
-        pub displacement_before: Given<Vector>,
-        /// Unit vector along which `tangential_force` is measured.
-        #[doc(alias = "e")]
-        #[default(0)]
-        pub force_direction: Given<Vector>,
-    }
-
-    /// s = s₀ + κ p, the bound of friction at the pressure p.
-    pub fn slip_limit(pressure: Scalar) -> Scalar {
-        slip_stress + friction * pressure
-    }
-
-    /// ℓ(v), the work of the loads.
-    pub fn loads(v: Test<Vector>) -> Form {
-        integral(Omega, dot(body_force, v)) + integral(GammaN, dot(traction, v))
-    }
+    #[includes(crate::operators::friction::Data, crate::operators::resultant::Data)]
+    pub struct Data {}
 
     /// P of a traction on Γ_C at the displacement w.
     pub fn augmented(force: Vector, w: Vector) -> Vector {

@@ -8,25 +8,13 @@ use forms_fem::forms;
 #[forms]
 pub mod moving_obstacle {
     /// Data of the body, the method and the obstacle's motion.
+    #[includes(
+        crate::operators::linear_elastic::Data,
+        crate::operators::penalty::Data,
+        crate::operators::friction::Data,
+        crate::operators::linear_criterion::Data
+    )]
     pub struct Data {
-        /// λ \[stress\].
-        pub lambda: Param,
-        /// μ \[stress\].
-        pub mu: Param,
-        /// γ₀ \[stress\]; γ = γ₀/h_T.
-        pub gamma0: Param,
-        /// s₀, the bound of Tresca's law \[stress\].
-        #[doc(alias = "s₀")]
-        #[default(0)]
-        pub slip_stress: Param,
-        /// κ, the coefficient of Coulomb's law.
-        #[doc(alias = "κ")]
-        #[default(0)]
-        pub friction: Param,
-        /// u₀, the displacement of the last step that converged \[length\].
-        #[doc(alias = "u₀")]
-        #[default(0)]
-        pub displacement_before: Given<Vector>,
         /// c, the obstacle's centre \[length\].
         #[doc(alias = "c")]
         pub centre: Param<Vector>,
@@ -39,10 +27,6 @@ pub mod moving_obstacle {
         /// Q₀, the rotation at the last step.
         #[doc(alias = "Q₀")]
         pub rotation_before: Param<Tensor>,
-        /// F of the criterion J = ∫ F·u.
-        #[doc(alias = "F")]
-        #[default(0)]
-        pub criterion_force: Given<Vector>,
     }
 
     /// ŷ = Qᵀ(y − c), a point of space in the obstacle's own axes.

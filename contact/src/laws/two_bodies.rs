@@ -11,53 +11,23 @@ use crate::contact_law;
 /// [`Pairing`](forms_fem::prelude::Pairing), a constant pressure is reproduced to rounding, whatever the meshes.
 #[forms]
 pub mod two_bodies {
-    pub use super::super::frictional_nitsche::frictional_nitsche::{loads, slip_limit};
+    use crate::operators::bodies::{own_gamma, own_traction, present_gap};
+    pub use crate::operators::friction::slip_limit;
     use crate::operators::friction::{augmented_traction, contact_traction, tangential};
+    pub use crate::operators::linear_criterion::criterion;
     pub use crate::operators::linear_elastic::stress;
+    pub use crate::operators::loads::loads;
 
     /// Data of laws between two bodies. Materials may differ from cell to cell.
-    pub struct Data {
-        /// λ, first Lamé parameter \[stress\].
-        pub lambda: Given<Scalar>,
-        /// μ, shear modulus \[stress\].
-        pub mu: Given<Scalar>,
-        /// γ₀ \[stress\]; γ = γ₀ / h_T, of the order of ten times the own body's modulus.
-        pub gamma0: Given<Scalar>,
-        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
-        #[default(0)]
-        pub theta: Param,
-        /// Part of each surface's integral: ½ where both surfaces are integrated over, 1 where one of them is.
-        #[default(0.5)]
-        pub share: Param,
-        /// s₀, the bound of Tresca's law \[stress\].
-        #[doc(alias = "s₀")]
-        #[default(0)]
-        pub slip_stress: Param,
-        /// κ, the coefficient of Coulomb's law.
-        #[doc(alias = "κ")]
-        #[default(0)]
-        pub friction: Param,
-        /// u₀, the displacement from which the slip is counted \[length\].
-        #[doc(alias = "u₀")]
-        #[default(0)]
-        pub displacement_before: Given<Vector>,
-        /// f, force per volume.
-        #[doc(alias = "f")]
-        #[default(0)]
-        pub body_force: Given<Vector>,
-        /// g_N, force per area on Γ_N.
-        #[doc(alias = "g_N")]
-        #[default(0)]
-        pub traction: Given<Vector>,
-        /// F in the criterion J(u) = ∫ F·u.
-        #[doc(alias = "F")]
-        #[default(0)]
-        pub criterion_force: Given<Vector>,
-        /// Unit vector along which `contact_force` is measured.
-        #[doc(alias = "e")]
-        #[default(0)]
-        pub force_direction: Given<Vector>,
-    }
+    #[includes(
+        crate::operators::bodies::Data,
+        crate::operators::variant::Data,
+        crate::operators::friction::Data,
+        crate::operators::loads::Data,
+        crate::operators::linear_criterion::Data,
+        crate::operators::resultant::Data
+    )]
+    pub struct Data {}
 
     /// Ω, both bodies.
     #[cells]
@@ -69,18 +39,9 @@ pub mod two_bodies {
     #[pairs]
     pub struct Touch;
 
-    fn gamma() -> Scalar {
-        this(gamma0) / this(h)
-    }
-
-    /// σ(w)n at X.
-    fn own_traction(w: Vector) -> Vector {
-        this(stress(w) * n)
-    }
-
     fn augmented(w: Vector) -> Vector {
-        let present_gap = gap - dot(jump(w), toward);
-        augmented_traction(own_traction(w), present_gap, jump(w - displacement_before), gamma(), toward)
+        let slip = jump(w - displacement_before);
+        augmented_traction(own_traction(w), present_gap(w), slip, own_gamma(), toward)
     }
 
     /// T(u), the traction of the opposite body on this one.
@@ -101,14 +62,8 @@ pub mod two_bodies {
     /// The direct problem.
     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let T = opposite_traction(u);
-        let nitsche = theta / gamma() * dot(T - own_traction(u), own_traction(v)) - dot(T, jump(v));
+        let nitsche = theta / own_gamma() * dot(T - own_traction(u), own_traction(v)) - dot(T, jump(v));
         integral(Omega, inner(stress(u), eps(v))) - loads(v) + integral(Touch, share * nitsche)
-    }
-
-    /// J = ∫ F·u.
-    #[doc(alias = "J")]
-    pub fn criterion(u: State<Vector>) -> Functional {
-        integral(Omega, dot(criterion_force, u))
     }
 
     /// The adjoint of the discrete problem.

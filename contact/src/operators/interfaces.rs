@@ -8,14 +8,17 @@ use forms_fem::forms;
 /// Signs: n_y points into the obstacle; the gap is positive when apart; σ_n ≤ 0 presses.
 #[forms]
 pub mod obstacle {
+    pub use super::super::penalty::gamma;
+
     /// The obstacle, and the parameters of the method.
+    #[includes(super::super::penalty::Data)]
     pub struct Data {
         /// n_y, unit normal pointing into the obstacle.
+        #[doc(alias = "n_y")]
         pub obstacle_normal: Given<Vector>,
         /// g, the initial gap \[length\].
+        #[doc(alias = "g")]
         pub gap: Given<Scalar>,
-        /// γ₀ \[stress\]; γ = γ₀ / h_T.
-        pub gamma0: Param,
         /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
         pub theta: Param,
     }
@@ -39,11 +42,6 @@ pub mod obstacle {
     /// g − u_n: the gap of the deformed body.
     pub fn current_gap(w: Vector) -> Scalar {
         gap - normal_displacement(w)
-    }
-
-    /// γ = γ₀ / h_T.
-    pub fn gamma() -> Scalar {
-        gamma0 / h
     }
 
     /// P_γ = σ_n − γ (w_n − g), whose negative part in (15) is the pressure; −β_h of the paper.
@@ -76,10 +74,31 @@ pub mod obstacle {
     }
 }
 
-/// Friction with an obstacle of any kind, for any material: nothing is read from the module's data. n_y is the unit normal
+/// Friction with an obstacle of any kind, for any material: the operators read nothing from the module's data. n_y is the unit normal
 /// into the obstacle; P = σn − γ (slip + (u_n − g) n_y) is the augmented traction.
 #[forms]
 pub mod friction {
+    /// The bound of friction, and where the slip is counted from: for laws that import these operators.
+    pub struct Data {
+        /// s₀, the bound of Tresca's law \[stress\].
+        #[doc(alias = "s₀")]
+        #[default(0)]
+        pub slip_stress: Param,
+        /// κ, the coefficient of Coulomb's law.
+        #[doc(alias = "κ")]
+        #[default(0)]
+        pub friction: Param,
+        /// u₀, the displacement from which the slip is counted: that of the last step that converged \[length\].
+        #[doc(alias = "u₀")]
+        #[default(0)]
+        pub displacement_before: Given<Vector>,
+    }
+
+    /// s = s₀ + κ p, the bound of friction at the pressure p.
+    pub fn slip_limit(pressure: Scalar) -> Scalar {
+        slip_stress + friction * pressure
+    }
+
     /// Π_s(q), the vector of length s or less that is nearest to q: zero where s ≤ 0, q inside the ball of radius s, else
     /// s q/|q|. In this order: what does not press sticks nowhere, not even at q = 0.
     #[doc(alias = "Π_s")]

@@ -89,15 +89,6 @@ impl Neon {
         self.store(&mut values);
         values
     }
-    /// A function of one number, lane by lane.
-    #[inline(always)]
-    fn map(self, function: fn(f64) -> f64) -> Self {
-        let mut values = self.array();
-        for lane in 0..4 {
-            values[lane] = function(values[lane]);
-        }
-        Self::load(&values)
-    }
 }
 
 impl Lane for Neon {
@@ -130,30 +121,6 @@ impl Lane for Neon {
         Neon(each!(vsqrtq_f64, self.0))
     }
     #[inline(always)]
-    fn exp(self) -> Self {
-        self.map(f64::exp)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.map(f64::ln)
-    }
-    #[inline(always)]
-    fn sin(self) -> Self {
-        self.map(f64::sin)
-    }
-    #[inline(always)]
-    fn cos(self) -> Self {
-        self.map(f64::cos)
-    }
-    #[inline(always)]
-    fn tan(self) -> Self {
-        self.map(f64::tan)
-    }
-    #[inline(always)]
-    fn tanh(self) -> Self {
-        self.map(f64::tanh)
-    }
-    #[inline(always)]
     fn abs(self) -> Self {
         Neon(each!(vabsq_f64, self.0))
     }
@@ -162,10 +129,18 @@ impl Lane for Neon {
         power(self, exponent)
     }
     #[inline(always)]
-    fn powf(self, exponent: Self) -> Self {
-        let (mut values, exponents) = (self.array(), exponent.array());
+    fn each(self, function: impl Fn(f64) -> f64) -> Self {
+        let mut values = self.array();
         for lane in 0..4 {
-            values[lane] = values[lane].powf(exponents[lane]);
+            values[lane] = function(values[lane]);
+        }
+        Self::load(&values)
+    }
+    #[inline(always)]
+    fn each_pair(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        let (mut values, others) = (self.array(), other.array());
+        for lane in 0..4 {
+            values[lane] = function(values[lane], others[lane]);
         }
         Self::load(&values)
     }

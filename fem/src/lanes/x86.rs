@@ -124,15 +124,6 @@ macro_rules! lane {
             fn from_array(values: &[f64; $width]) -> Self {
                 simd!($lane($load(values.as_ptr())))
             }
-            /// A function of one number, lane by lane.
-            #[inline(always)]
-            fn map(self, function: fn(f64) -> f64) -> Self {
-                let mut values = self.array();
-                for lane in 0..$width {
-                    values[lane] = function(values[lane]);
-                }
-                Self::from_array(&values)
-            }
         }
 
         impl Lane for $lane {
@@ -177,28 +168,8 @@ macro_rules! lane {
                 simd!($lane($sqrt(self.0)))
             }
             #[inline(always)]
-            fn exp(self) -> Self {
-                self.map(f64::exp)
-            }
-            #[inline(always)]
             fn ln(self) -> Self {
                 logarithm::ln(self)
-            }
-            #[inline(always)]
-            fn sin(self) -> Self {
-                self.map(f64::sin)
-            }
-            #[inline(always)]
-            fn cos(self) -> Self {
-                self.map(f64::cos)
-            }
-            #[inline(always)]
-            fn tan(self) -> Self {
-                self.map(f64::tan)
-            }
-            #[inline(always)]
-            fn tanh(self) -> Self {
-                self.map(f64::tanh)
             }
             #[inline(always)]
             fn abs(self) -> Self {
@@ -209,10 +180,18 @@ macro_rules! lane {
                 power(self, exponent)
             }
             #[inline(always)]
-            fn powf(self, exponent: Self) -> Self {
-                let (mut values, exponents) = (self.array(), exponent.array());
+            fn each(self, function: impl Fn(f64) -> f64) -> Self {
+                let mut values = self.array();
                 for lane in 0..$width {
-                    values[lane] = values[lane].powf(exponents[lane]);
+                    values[lane] = function(values[lane]);
+                }
+                Self::from_array(&values)
+            }
+            #[inline(always)]
+            fn each_pair(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+                let (mut values, others) = (self.array(), other.array());
+                for lane in 0..$width {
+                    values[lane] = function(values[lane], others[lane]);
                 }
                 Self::from_array(&values)
             }
@@ -366,7 +345,7 @@ impl Split for Avx2 {
     }
     #[inline(always)]
     fn plain_ln(self) -> Self {
-        self.map(f64::ln)
+        self.each(f64::ln)
     }
 }
 
@@ -384,7 +363,7 @@ impl Split for Avx512 {
     }
     #[inline(always)]
     fn plain_ln(self) -> Self {
-        self.map(f64::ln)
+        self.each(f64::ln)
     }
 }
 

@@ -34,7 +34,6 @@ pub mod functions;
 pub mod geometry;
 pub mod kinks;
 pub mod laws;
-#[cfg(doc)]
 pub mod operators;
 pub mod products;
 pub mod reuse;

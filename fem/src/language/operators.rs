@@ -1,5 +1,6 @@
 //! The names of the language, one item each, so that a search finds them. They are documentation: forms are compiled by
-//! [`macro@crate::forms`], which knows more shapes than the signatures show, and no program calls these functions.
+//! [`macro@crate::forms`], which knows more shapes than the signatures show, and no program calls these functions. Editors find
+//! here what the bodies of forms name.
 
 #![allow(non_upper_case_globals, reason = "names as forms write them")]
 #![allow(unused_variables, reason = "signatures are all that there is")]
@@ -71,6 +72,7 @@ macro_rules! names {
         $($(
             #[doc = $of_function]
             #[doc = concat!("\n\nMore, with an example that runs: [`", $page, "`](super::", $page, ").")]
+            #[inline]
             pub fn $function $(<$($generic $(: $bound)?),+>)? ($($argument: $type),*) -> $result {
                 unreachable!("names of forms have no meaning outside of `#[forms]`")
             }
@@ -202,8 +204,8 @@ names! {
             fn acos(a: Scalar) -> Scalar;
             /// Inverse of the tangent.
             fn atan(a: Scalar) -> Scalar;
-            /// Angle of the point (x, y).
-            fn atan2(y: Scalar, x: Scalar) -> Scalar;
+            /// Angle of the point (first, second) with the first axis, in radians.
+            fn atan2(second: Scalar, first: Scalar) -> Scalar;
             /// Hyperbolic sine.
             fn sinh(a: Scalar) -> Scalar;
             /// Hyperbolic cosine.
@@ -293,3 +295,6 @@ names! {
         }
     }
 }
+
+#[doc(hidden)]
+pub mod editor;

@@ -8,6 +8,7 @@ pub use forms_core::contract::*;
 pub use forms_core::forms;
 
 pub use crate::toy_backend::mesh::{Mesh, determinant, inverse};
+pub(crate) use crate::toy_backend::operator::operator_module;
 pub use crate::toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace};
 pub use crate::toy_backend::random::Random;
 pub use crate::toy_backend::{Nodal, differences, expression, residual, tangent};
@@ -124,37 +125,10 @@ macro_rules! operator {
         operator! { @ $name Tensor Vector { $($body)* } { inner(value(u, s), grad(v)) } $expected }
     };
     (@ $name:ident $rank:ident $test:ident { $($body:tt)* } { $($density:tt)* } $expected:expr) => {
-        mod $name {
-            use super::*;
-            #[forms(crate = forms_core)]
-            pub mod operator {
-                pub struct Data { a: Param, b: Param<Vector>, C: Param<Tensor> }
-                #[cells]
-                pub struct Omega;
-                pub fn value(u: Vector, s: Scalar) -> $rank { $($body)* }
-                pub fn form(u: Unknown<Vector>, s: Unknown<Scalar>, v: Test<$test>) -> Form {
-                    integral(Omega, $($density)*)
-                }
-            }
-            fn check<const D: usize>(seed: u64)
-            where
-                forms_core::contract::Dim: forms_core::contract::Dimension<D>,
-            {
-                let mut state = State::<D>::new(seed);
-                let data = operator::Data { a: A, b: b(), C: c() };
-                let [u, s] = &state.unknowns;
-                let value = operator::value(&data, u.source(), s.source());
-                state.check_value(&value, $expected);
-                state.check_tangent(&operator::form(&data, &operator::Omega::on("all")));
-            }
-            #[test]
-            fn in_2d() {
-                check::<2>(11);
-            }
-            #[test]
-            fn in_3d() {
-                check::<3>(12);
-            }
+        operator_module! {
+            $name: $rank tested by $test, on #[cells] Omega "all", seeds 11 12,
+            data { a: Param, b: Param<Vector>, C: Param<Tensor> } = { a: A, b: b(), C: c() },
+            value { $($body)* } density { $($density)* } expected $expected
         }
     };
 }

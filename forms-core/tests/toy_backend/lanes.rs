@@ -63,32 +63,11 @@ impl Lane for Four {
     fn sqrt(self) -> Self {
         self.one(f64::sqrt)
     }
-    fn exp(self) -> Self {
-        self.one(f64::exp)
-    }
-    fn ln(self) -> Self {
-        self.one(f64::ln)
-    }
-    fn sin(self) -> Self {
-        self.one(f64::sin)
-    }
-    fn cos(self) -> Self {
-        self.one(f64::cos)
-    }
-    fn tan(self) -> Self {
-        self.one(f64::tan)
-    }
-    fn tanh(self) -> Self {
-        self.one(f64::tanh)
-    }
     fn abs(self) -> Self {
         self.one(f64::abs)
     }
     fn powi(self, exponent: i32) -> Self {
         self.one(|value| value.powi(exponent))
-    }
-    fn powf(self, exponent: Self) -> Self {
-        self.two(exponent, f64::powf)
     }
     fn minimum(self, other: Self) -> Self {
         self.two(other, |a, b| if b < a { b } else { a })

@@ -8,6 +8,7 @@ pub mod differences;
 pub mod interpolate;
 pub mod lanes;
 pub mod mesh;
+pub mod operator;
 pub mod plain;
 pub mod random;
 pub mod rays;

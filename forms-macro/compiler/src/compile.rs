@@ -3,6 +3,9 @@
 //! ```text
 //! syn::ItemMod ─parse→ Module ─check→ Checked ─differentiate→ Derived ─optimise→ Optimised ─emit→ Rust
 //! ```
+//!
+//! Beside the stages: `reuse` brings what the module imports before them, `dump` and `show` print what they made, `proof` and
+//! `reference` check them on random forms.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -13,8 +16,8 @@ use crate::check::check;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::differentiate::differentiate;
 use crate::dump::{self, Dump};
-use crate::emit::emit;
 use crate::emit::named_regions::regions_named;
+use crate::emit::{editor, emit};
 use crate::one_form::OneForm;
 use crate::optimise::{Failure, optimise};
 use crate::parse::attributes::outer;
@@ -266,6 +269,7 @@ impl Unit<'_> {
         let names: Vec<String> = module.functions.iter().map(|function| function.name.to_string()).collect();
         dump.emitted(&names, &options.dimensions, &code);
         let tracker = dump::tracker();
-        Compiled { code: quote! { #errors #tracker #code }, carrier, used }
+        let names = editor::is_editor().then(|| editor::bodies(&item, &module, &options.backend));
+        Compiled { code: quote! { #errors #tracker #code #names }, carrier, used }
     }
 }

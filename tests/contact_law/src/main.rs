@@ -5,7 +5,6 @@ mod tresca;
 use std::error::Error;
 
 use forms_contact::ContactProblem;
-use forms_contact::operators::obstacle;
 use forms_fem::prelude::*;
 use forms_fem::verification;
 
@@ -19,10 +18,9 @@ where
     let space = Space::vector(mesh, 1)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| along::<D>(0.4, -0.05))?;
-    let normal = Given::constant(along::<D>(0.0, -1.0));
-    let base =
-        obstacle::Data { obstacle_normal: normal, gap: Given::constant(0.0), gamma0: 20.0, theta: 0.0 };
-    let data = law::Data { base, lambda: 1.0, mu: 1.0, slip_stress };
+    let (obstacle_normal, gap) = (Given::constant(along::<D>(0.0, -1.0)), Given::constant(0.0));
+    let (lambda, mu, gamma0, theta) = (1.0, 1.0, 20.0, 0.0);
+    let data = law::Data { lambda, mu, obstacle_normal, gap, gamma0, theta, slip_stress };
     let model = law::Model { data, regions: law::Regions::default().gamma_c("bottom") };
     let problem = ContactProblem::new(Assembler::new(mesh), &space, model, constraints)?;
     let solved = problem.direct()?.solve()?;
@@ -71,7 +69,7 @@ where
 
     // A parameter out of its range is named.
     let mut problem = problem;
-    problem.law.data.base.gamma0 = -1.0;
+    problem.law.data.gamma0 = -1.0;
     let error = problem.direct().err().map(|error| error.to_string()).unwrap_or_default();
     assert!(error.contains("gamma0") && error.contains("positive"), "{error}");
     Ok(())

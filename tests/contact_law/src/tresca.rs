@@ -1,4 +1,4 @@
-//! Tresca friction on a rigid flat by Nitsche's method (Chouly 2014), written by the recipe of CONTRIBUTING.md.
+//! Tresca friction on a rigid flat by Nitsche's method (Chouly 2014), written by the steps of docs/new_contact_law.md.
 
 use forms_contact::contact_law;
 use forms_fem::forms;
@@ -10,8 +10,8 @@ pub mod tresca {
     use forms_contact::operators::linear_elastic::stress;
     use forms_contact::operators::obstacle::{current_gap, gamma};
 
-    #[extends(forms_contact::operators::obstacle::Data)]
-    pub struct Data { pub lambda: Param, pub mu: Param, pub slip_stress: Param }
+    #[includes(forms_contact::operators::linear_elastic::Data, forms_contact::operators::obstacle::Data)]
+    pub struct Data { pub slip_stress: Param }
     #[cells] pub struct Omega;
     #[facets] pub struct GammaC;
 
@@ -43,7 +43,7 @@ contact_law!(tresca {
     region: gamma_c,
     criterion: slip,
     adjoint: adjoint,
-    positive: base.gamma0,
+    positive: gamma0,
     non_negative: slip_stress,
     line_search: OnResidual
 });

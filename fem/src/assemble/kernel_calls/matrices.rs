@@ -1,4 +1,6 @@
-//! Element matrices of a bilinear integral: the loops over batches, points and pairs of basis functions.
+//! Element matrices of a bilinear integral on cells, facets and pairs: the loops over batches, points and pairs of basis functions,
+//! where the integral's kernel is called. Strategies for many basis functions stand in `reference_tensor` and `sum_factorisation`,
+//! loops of lengths that are known in `fixed`.
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.

@@ -3,6 +3,7 @@
 
 mod data;
 mod description;
+pub mod editor;
 mod external;
 mod form;
 mod formula;

@@ -7,8 +7,9 @@
 use quote::{ToTokens, quote};
 use syn::{Attribute, Fields, Ident, Item, ItemStruct, LitInt, Meta, Path, Visibility};
 
+use super::inclusion::is_includes;
 use super::payload::Payload;
-use super::uses::Import;
+use super::uses::{Asked, Import};
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::{Data, Member};
 
@@ -35,22 +36,39 @@ pub fn read(item: &ItemStruct, imports: &mut Vec<Import>, diagnostics: &mut Diag
         Meta::List(list) => list.parse_args_with(Path::parse_mod_style).ok(),
         _ => None,
     };
-    let keyword = |name: &Ident| ["self", "super", "crate"].iter().any(|keyword| name == keyword);
-    let path = path.filter(|path| path.segments.len() > 1);
-    let name = path.as_ref().and_then(|path| path.segments.last()).map(|last| &last.ident);
-    match (&path, name.filter(|name| !keyword(name))) {
-        (Some(path), Some(name)) => imports.push(Import {
-            path: path.to_token_stream(),
-            name: name.clone(),
-            local: item.ident.clone(),
-            visibility: Visibility::Inherited,
-            extends: true,
-        }),
-        _ => diagnostics.error_with_help(
+    match path.as_ref().and_then(DataPath::of) {
+        Some(path) => imports.push(path.import(item, Asked::Base)),
+        None => diagnostics.error_with_help(
             SourceSpan::of(attribute),
             "`#[extends(..)]` takes the path of another forms module's data",
             "write `#[extends(super::module::Data)]`",
         ),
+    }
+}
+
+/// The path of another module's data struct: more than its name, which is none of Rust's words for modules.
+pub struct DataPath<'a> {
+    path: &'a Path,
+    name: &'a Ident,
+}
+
+impl<'a> DataPath<'a> {
+    /// `None` if it cannot be one.
+    pub fn of(path: &'a Path) -> Option<Self> {
+        let name = &path.segments.last().filter(|_| path.segments.len() > 1)?.ident;
+        let keyword = ["self", "super", "crate"].iter().any(|keyword| name == keyword);
+        (!keyword).then_some(DataPath { path, name })
+    }
+
+    /// The import that a data struct asks for by it.
+    pub fn import(self, item: &ItemStruct, asked: Asked) -> Import {
+        Import {
+            path: self.path.to_token_stream(),
+            name: self.name.clone(),
+            local: item.ident.clone(),
+            visibility: Visibility::Inherited,
+            asked,
+        }
     }
 }
 
@@ -71,7 +89,7 @@ pub fn add(items: &mut [Item], import: &Import, payload: &Payload, diagnostics: 
     });
     fields.named = inherited.chain(std::mem::take(&mut fields.named)).collect();
     // Where the base's own base is not known, this one's is not either.
-    if !base.attrs.iter().any(is_extends) {
+    if !base.attrs.iter().any(|attribute| is_extends(attribute) || is_includes(attribute)) {
         attrs.retain(|attribute| !is_extends(attribute));
     }
     let path = &import.path;
@@ -79,7 +97,15 @@ pub fn add(items: &mut [Item], import: &Import, payload: &Payload, diagnostics: 
 }
 
 /// The data struct that an import names; what else it names is reported.
-fn data<'a>(import: &Import, payload: &'a Payload, diagnostics: &mut Diagnostics) -> Option<&'a ItemStruct> {
+pub fn data<'a>(
+    import: &Import,
+    payload: &'a Payload,
+    diagnostics: &mut Diagnostics,
+) -> Option<&'a ItemStruct> {
+    let done = match import.asked {
+        Asked::Members => "included",
+        _ => "extended",
+    };
     let (name, module) = (&import.name, &payload.item.ident);
     let structs = || {
         payload.items().filter_map(|item| match item {
@@ -93,10 +119,10 @@ fn data<'a>(import: &Import, payload: &'a Payload, diagnostics: &mut Diagnostics
     }
     let message = match named {
         Some(_) => {
-            format!("`{name}` is a region of the forms module `{module}`, and only data can be extended")
+            format!("`{name}` is a region of the forms module `{module}`, and only data can be {done}")
         }
         None if payload.functions().any(|item| item.sig.ident == *name) => {
-            format!("`{name}` is a function of the forms module `{module}`, and only data can be extended")
+            format!("`{name}` is a function of the forms module `{module}`, and only data can be {done}")
         }
         None => format!("the forms module `{module}` has no data struct `{name}`"),
     };
@@ -115,9 +141,11 @@ pub fn depth(attributes: &[Attribute]) -> usize {
     depth.and_then(|depth| depth.base10_parse().ok()).unwrap_or(0)
 }
 
-/// A member's attributes without `#[inherited(depth)]`.
+/// A member's attributes without those that say from where it came.
 pub fn of_member(attributes: Vec<Attribute>) -> Vec<Attribute> {
-    attributes.into_iter().filter(|attribute| !attribute.path().is_ident("inherited")).collect()
+    let told =
+        |attribute: &Attribute| ["inherited", "included"].iter().any(|word| attribute.path().is_ident(word));
+    attributes.into_iter().filter(|attribute| !told(attribute)).collect()
 }
 
 /// Base of a data struct.
@@ -141,7 +169,7 @@ pub fn base(attributes: Vec<Attribute>) -> (Vec<Attribute>, Base) {
     let mut others = Vec::new();
     for attribute in attributes {
         match &attribute.meta {
-            _ if is_extends(&attribute) => base.incomplete = true,
+            _ if is_extends(&attribute) || is_includes(&attribute) => base.incomplete = true,
             Meta::List(list) if attribute.path().is_ident("extended") => {
                 base.path = syn::parse2::<Path>(list.tokens.clone()).ok().map(|path| quote! { #path });
             }
@@ -153,12 +181,14 @@ pub fn base(attributes: Vec<Attribute>) -> (Vec<Attribute>, Base) {
 
 /// A region's attributes; it has no data that could extend others.
 pub fn of_region(name: &Ident, attributes: Vec<Attribute>, diagnostics: &mut Diagnostics) -> Vec<Attribute> {
-    let (extends, others): (Vec<_>, Vec<_>) = attributes.into_iter().partition(is_extends);
-    if let Some(attribute) = extends.first() {
+    let of_data = |attribute: &Attribute| is_extends(attribute) || is_includes(attribute);
+    let (of_data, others): (Vec<_>, Vec<_>) = attributes.into_iter().partition(of_data);
+    if let Some(attribute) = of_data.first() {
+        let word = if is_extends(attribute) { "extend" } else { "include" };
         diagnostics.error_with_help(
             SourceSpan::of(attribute),
-            format!("the region `{name}` has no data to extend"),
-            "`#[extends(..)]` stands before a struct with members: `pub struct Data { }`",
+            format!("the region `{name}` has no data to {word}"),
+            format!("`#[{word}s(..)]` stands before a struct with members: `pub struct Data {{ }}`"),
         );
     }
     others

@@ -17,7 +17,9 @@ pub fn nitsche() -> String {
         "nitsche",
         &[
             include_str!("../../../../contact/src/operators/materials.rs"),
+            include_str!("../../../../contact/src/operators/parameters.rs"),
             include_str!("../../../../contact/src/operators/interfaces.rs"),
+            include_str!("../../../../contact/src/operators/work.rs"),
         ],
     )
 }
@@ -82,6 +84,31 @@ fn arrive(item: &ItemMod, texts: &[(String, String)]) -> Vec<Arrived> {
     };
     let received: Vec<String> = imports.iter().map(|import| text(import.path.to_string())).collect();
     read(imports, &received, &mut diagnostics)
+}
+
+/// Included members are the module's own, with their defaults; what it declares itself stands.
+#[test]
+fn included_members_are_own_members() {
+    let library = "mod a { struct Data { /// λ\n lambda: Param, gap: Given<Scalar> } fn law(s: Scalar) -> Scalar { lambda * s } }
+        mod b { #[includes(super::a::Data)] struct Data { #[default(1)] share: Param, mu: Param }
+            pub fn both(s: Scalar) -> Scalar { lambda * share * s } }";
+    let text = flatten(
+        "mod c { use super::b::both;
+            #[includes(super::b::Data, super::a::Data)] struct Data { load: Param, mu: Given<Scalar> }
+            #[cells] struct Omega;
+            pub fn work(u: State<Scalar>) -> Functional { integral(Omega, load * mu * both(u)) } }",
+        "c",
+        &[library],
+    );
+    let item: ItemMod = syn::parse_str(&text).expect("a module");
+    let mut diagnostics = Diagnostics::default();
+    let module = parse(item, &mut diagnostics);
+    let members: Vec<_> =
+        module.members().map(|member| (member.name.to_string(), member.depth, member.default)).collect();
+    let expected = [("lambda", None), ("gap", None), ("share", Some(1.0)), ("load", None), ("mu", None)];
+    assert_eq!(members, expected.map(|(name, default)| (name.to_string(), 0, default)));
+    crate::check::check(&module, 2, &mut diagnostics);
+    assert!(diagnostics.is_empty(), "{diagnostics:?}");
 }
 
 /// A base's members, and its own base's, are as if they were declared in the module.

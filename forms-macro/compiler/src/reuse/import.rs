@@ -7,8 +7,8 @@ use quote::{ToTokens, format_ident};
 use syn::{Item, ItemFn, ItemMod, Visibility};
 
 use super::payload::{Payload, origin_of, rename_calls};
-use super::uses::Import;
-use super::{extension, needs};
+use super::uses::{Asked, Import};
+use super::{extension, inclusion, needs};
 use crate::check::builtins::nearest;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::read_function;
@@ -49,16 +49,23 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
 }
 
 /// Puts the data struct and the regions that are imported among the module's own, `#[imported(path)]` tells them apart; and
-/// the members of the base among those of the data struct.
+/// the members of its base, and of data that it includes, among those of the data struct.
 pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
     // Those of a module stand in the order in which it declares them, whatever that of the imports.
     let mut modules: Vec<String> = Vec::new();
     let mut declarations = Vec::new();
     arrived.retain(|Arrived { import, payload }| {
-        if import.extends {
-            extension::add(items, import, payload, diagnostics);
-            return false;
+        match import.asked {
+            Asked::Item => {}
+            Asked::Base => {
+                extension::add(items, import, payload, diagnostics);
+                return false;
+            }
+            Asked::Members => {
+                inclusion::add(items, import, payload, diagnostics);
+                return false;
+            }
         }
         let found = payload.items().enumerate().find_map(|(place, item)| match item {
             Item::Struct(item) if item.ident == import.name => Some((place, item)),
@@ -70,6 +77,10 @@ pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnost
         declaration.ident = import.local.clone();
         declaration.vis = import.visibility.clone();
         declaration.attrs.push(syn::parse_quote! { #[imported(#path)] });
+        for field in &mut declaration.fields {
+            // `Required` stands beside the struct that is imported.
+            field.attrs.retain(|attribute| !attribute.path().is_ident("default"));
+        }
         let module = modules.iter().position(|identity| *identity == payload.identity);
         let module = module.unwrap_or_else(|| {
             modules.push(payload.identity.clone());

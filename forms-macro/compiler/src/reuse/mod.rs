@@ -5,7 +5,7 @@
 //! module with imports expands, where it stands, to a call of the first import's path; the carrier found there calls
 //! [`resume`] with its text and the rest of the module; that calls the next import, until all texts are there and the module
 //! is compiled. rustc resolves the paths, so imports obey Rust's own rules, in any order of modules and across crates. The data
-//! that a module's extend come the same way ([`extension`]).
+//! that a module's extend or include come the same way ([`extension`], [`inclusion`]).
 //!
 //! ```text
 //! ItemMod ─uses→ [Import] ─resume, once per import→ [Payload] ─import→ functions of the Module
@@ -16,6 +16,7 @@ pub mod extension;
 #[cfg(test)]
 pub mod flatten;
 pub mod import;
+pub mod inclusion;
 mod needs;
 pub mod payload;
 pub mod uses;

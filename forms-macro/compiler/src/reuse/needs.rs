@@ -10,6 +10,7 @@ use quote::ToTokens;
 use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
 use super::extension::is_extends;
+use super::inclusion::is_includes;
 use super::payload::Payload;
 use super::uses::Import;
 use crate::diagnostics::{Diagnostics, SourceSpan};
@@ -64,7 +65,16 @@ pub fn check(
         let message =
             format!("`{}` reads {}, which the data of this module do not have", import.name, list.join(", "));
         let help = match &ours.data {
-            Some(data) => format!("add `{}` to `{data}`", lines.join(", ")),
+            Some(data) => {
+                let added = format!("add `{}` to `{data}`", lines.join(", "));
+                let path = import.path.to_string().replace(' ', "");
+                match (path.rsplit_once("::"), &theirs.data) {
+                    (Some((module, _)), Some(theirs)) => {
+                        format!("{added}, or write `#[includes({module}::{theirs})]` before it")
+                    }
+                    _ => added,
+                }
+            }
             None => format!("declare `pub struct Data {{ {} }}`", lines.join(", ")),
         };
         diagnostics.error_with_help(span, message, help);
@@ -115,7 +125,8 @@ impl Declarations {
             match &item.fields {
                 Fields::Named(fields) => {
                     found.data = Some(item.ident.to_string());
-                    found.incomplete = item.attrs.iter().any(is_extends);
+                    found.incomplete =
+                        item.attrs.iter().any(|attribute| is_extends(attribute) || is_includes(attribute));
                     found.members.extend(fields.named.iter().filter_map(|field| {
                         let ty = field.ty.to_token_stream().to_string().replace(' ', "");
                         Some((field.ident.as_ref()?.to_string(), ty.replace(',', ", ")))

@@ -22,6 +22,7 @@ use syn::{Attribute, Item, ItemFn, ItemMod, Visibility};
 
 use super::extension::is_extends;
 use super::import::Imported;
+use super::inclusion::is_includes;
 use super::needs::REGION_MARKERS;
 
 /// A module's text, and the number that tells it from others of its name.
@@ -44,12 +45,13 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
                     REGION_MARKERS.iter().any(|marker| attribute.path().is_ident(marker))
                         || attribute.path().is_ident("doc")
                         || is_extends(attribute)
+                        || is_includes(attribute)
                 });
                 item.vis = Visibility::Inherited;
                 for field in &mut item.fields {
-                    // What a member is called in formulas, and what is said of it there.
+                    // What a member is called in formulas, what is said of it there, and its value for who includes it.
                     field.attrs.retain(|attribute| {
-                        ["doc", "inherited"].iter().any(|kept| attribute.path().is_ident(kept))
+                        ["doc", "default", "inherited"].iter().any(|kept| attribute.path().is_ident(kept))
                     });
                     field.vis = Visibility::Inherited;
                 }

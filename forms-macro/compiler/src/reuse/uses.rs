@@ -1,10 +1,10 @@
-//! `use` declarations of a forms module, and `#[extends(..)]` → [`Import`]s.
+//! `use` declarations of a forms module, `#[extends(..)]` and `#[includes(..)]` → [`Import`]s.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::{Item, ItemUse, UseTree, Visibility};
 
-use super::extension;
+use super::{extension, inclusion};
 use crate::check::builtins::is_built_in;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 
@@ -18,11 +18,22 @@ pub struct Import {
     pub local: Ident,
     /// Private: the function is called here. Otherwise it is a function of this module, too.
     pub visibility: Visibility,
-    /// The data that this module's extend, from `#[extends(path)]`.
-    pub extends: bool,
+    /// What is taken from there.
+    pub asked: Asked,
 }
 
-/// The imports of a module in their order, that of the base of its data among them. Names of the vocabulary need none, and do
+/// What an import brings.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// A function, a region or the data struct, by a `use`.
+    Item,
+    /// The data that this module's extend, by `#[extends(path)]`.
+    Base,
+    /// The members of data that this module's include, by `#[includes(path)]`.
+    Members,
+}
+
+/// The imports of a module in their order, those of its data's base and members among them. Names of the vocabulary need none, and do
 /// no harm.
 pub fn read<'a>(items: impl Iterator<Item = &'a Item>, diagnostics: &mut Diagnostics) -> Vec<Import> {
     let mut imports = Vec::new();
@@ -35,7 +46,10 @@ pub fn read<'a>(items: impl Iterator<Item = &'a Item>, diagnostics: &mut Diagnos
                 };
                 read_tree(item, &item.tree, start, &mut imports, diagnostics);
             }
-            Item::Struct(item) => extension::read(item, &mut imports, diagnostics),
+            Item::Struct(item) => {
+                extension::read(item, &mut imports, diagnostics);
+                inclusion::read(item, &mut imports, diagnostics);
+            }
             _ => {}
         }
     }
@@ -62,7 +76,7 @@ fn read_tree(
                 name: name.clone(),
                 local: local.clone(),
                 visibility: item.vis.clone(),
-                extends: false,
+                asked: Asked::Item,
             });
         }
     };

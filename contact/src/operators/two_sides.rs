@@ -1,0 +1,41 @@
+//! Forms of deformable bodies that meet at contact pairs: what each of the two sides brings.
+
+use forms_fem::forms;
+
+/// Materials of bodies that touch, and the parameters of the method; each surface takes its own body's σ, h and γ.
+#[forms]
+pub mod bodies {
+    use super::super::linear_elastic::stress;
+
+    /// Materials may differ from cell to cell.
+    pub struct Data {
+        /// λ, first Lamé parameter \[stress\].
+        pub lambda: Given<Scalar>,
+        /// μ, shear modulus \[stress\].
+        pub mu: Given<Scalar>,
+        /// γ₀ \[stress\]; γ = γ₀ / h_T, of the order of ten times the own body's modulus.
+        pub gamma0: Given<Scalar>,
+        /// Part of each surface's integral: ½ where both surfaces are integrated over, 1 where one of them is.
+        #[default(0.5)]
+        pub share: Param,
+    }
+
+    /// The surfaces that may touch.
+    #[pairs]
+    pub struct Touch;
+
+    /// γ = γ₀ / h_T of the own side.
+    pub fn own_gamma() -> Scalar {
+        this(gamma0) / this(h)
+    }
+
+    /// σ(w)n at X.
+    pub fn own_traction(w: Vector) -> Vector {
+        this(stress(w) * n)
+    }
+
+    /// g − ⟦w⟧·n_y, the gap of the displaced surfaces.
+    pub fn present_gap(w: Vector) -> Scalar {
+        gap - dot(jump(w), toward)
+    }
+}
