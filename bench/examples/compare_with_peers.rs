@@ -1,6 +1,6 @@
-//! Element kernels and whole assembly beside FFCx, DOLFINx, GetFEM, FreeFEM and scikit-fem, in one run.
+//! Element kernels, whole assembly and contact of two bodies beside FFCx, DOLFINx, GetFEM, FreeFEM and scikit-fem, in one run.
 //!
-//! `cargo run --release --bin compare_with_peers -- [--quick] [--only kernels|assembly] [--out DIRECTORY]` writes
+//! `cargo run --release --bin compare_with_peers -- [--quick] [--only kernels|assembly|contact] [--out DIRECTORY]` writes
 //! `comparison.md`, `kernels.png`, `assembly.png` and `comparison.json`. Peers that are not installed are named
 //! there; `bench/README.md` says how to install them.
 
@@ -16,15 +16,16 @@ use forms_fem::output::{StandardOutput, program};
 enum Part {
     Kernels,
     Assembly,
+    Contact,
 }
 
-/// Compares element kernels and whole assembly with other programs, side by side.
+/// Compares element kernels, whole assembly and contact of two bodies with other programs, side by side.
 #[derive(Parser)]
 struct Arguments {
     /// Few samples, and small meshes.
     #[arg(long)]
     quick: bool,
-    /// Only one of the two parts.
+    /// Only one of the parts.
     #[arg(long)]
     only: Option<Part>,
     /// Only kernels with this in their name.
@@ -48,6 +49,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         quick: arguments.quick,
         kernels: wants(Part::Kernels),
         assembly: wants(Part::Assembly),
+        contact: wants(Part::Contact),
         directory: arguments.out,
         only_forms: arguments.forms,
     };

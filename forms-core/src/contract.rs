@@ -14,7 +14,7 @@ pub use crate::kernel::{
     Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Hessian, LinearKernel, Operations,
     OppositePoint, Order, PointGeometry, Requirements, Side,
 };
-pub use crate::lane::Lane;
+pub use crate::lane::{Lane, Parts};
 pub use crate::pairing::{Facing, PairQuadrature, Pairing, Projection};
 pub use crate::real::Real;
 pub use crate::source::{DiscreteField, FieldHandle, FieldValue, Given, Source};

@@ -160,6 +160,10 @@ pub struct Requirements {
     pub basis_value: bool,
     /// `test` or `trial` reads [`Basis::gradient`].
     pub basis_gradient: bool,
+    /// `test` reads derivatives; otherwise functions that vanish at a point contribute nothing there.
+    pub test_derivatives: bool,
+    /// The same of `trial`.
+    pub trial_derivatives: bool,
     /// Reads the second derivatives of test or trial functions.
     pub hessian: bool,
     /// The layout of the `fields` slice.
@@ -186,6 +190,8 @@ impl Requirements {
         opposite_shape_operator: false,
         basis_value: false,
         basis_gradient: false,
+        test_derivatives: false,
+        trial_derivatives: false,
         hessian: false,
         fields: &[],
         field_length: 0,

@@ -168,10 +168,10 @@ pub trait Lane:
     }
 
     /// A part of a long computation, in a function of its own that is compiled for the lane's instructions: compilers take more
-    /// than linear time over long functions. `work` is `#[inline(always)]`.
+    /// than linear time over long functions.
     #[inline(never)]
-    fn apart<S, A, R>(work: impl FnOnce(&S, A) -> R, this: &S, argument: A) -> R {
-        work(this, argument)
+    fn apart<K: Parts<Self, NUMBER>, const NUMBER: usize>(kernel: &K, argument: K::Argument<'_>) -> K::Kept {
+        kernel.part(argument)
     }
 
     /// `self < other`.
@@ -188,6 +188,17 @@ pub trait Lane:
     fn not(mask: Self::Mask) -> Self::Mask;
     /// `taken` where the mask holds, `otherwise` elsewhere.
     fn select(mask: Self::Mask, taken: Self, otherwise: Self) -> Self;
+}
+
+/// A kernel whose computation at a point is long and comes in parts, with the part of a number. A trait and no function that is handed
+/// over: what calls such a function is compiled for any machine, and the lane's instructions would be calls in it.
+pub trait Parts<L, const NUMBER: usize> {
+    /// What the part reads: geometry, fields, and what earlier parts kept.
+    type Argument<'a>;
+    /// What later parts read of it.
+    type Kept;
+    /// Computes the part; `#[inline(always)]`.
+    fn part(&self, argument: Self::Argument<'_>) -> Self::Kept;
 }
 
 impl Lane for f64 {

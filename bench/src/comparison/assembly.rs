@@ -1,7 +1,7 @@
 //! Whole assembly: ours and the peers', one process each.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use forms_fem::output::{StandardOutput, tell};
@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::process::{environment_python, output, peers, succeeds, system_python};
 use super::{ComparisonError, Options, Report};
 use crate::assembly::{Case, ContactUpdate, Measured};
+use crate::bodies::{Bodies, Law};
 
 /// The first argument with which the program that compares becomes one of its own workers.
 pub const WORKER: &str = "--measure";
@@ -96,7 +97,7 @@ fn on_path(program: &str) -> bool {
 }
 
 /// Runs this program again as a worker that prints what it measures.
-fn ours(arguments: &[&str]) -> Result<String, ComparisonError> {
+pub(super) fn ours(arguments: &[&str]) -> Result<String, ComparisonError> {
     let program =
         std::env::current_exe().map_err(|source| ComparisonError::File { path: PathBuf::new(), source })?;
     output("forms-fem", Command::new(program).arg(WORKER).args(arguments))
@@ -111,6 +112,14 @@ pub fn work(arguments: &[String], out: &mut StandardOutput) -> Result<(), Box<dy
         Ok(arguments.get(index).ok_or("a number is missing")?.parse()?)
     };
     let name = arguments.first().ok_or("the case is missing")?;
+    if name == "bodies" {
+        let word = |index: usize| arguments.get(index).map(String::as_str).unwrap_or_default();
+        let case = Bodies::named(word(1)).ok_or("no such case")?;
+        let law = Law::named(word(2)).ok_or("no such law")?;
+        let measured = crate::bodies::measure(case, law, number(3)?, number(4)?, Path::new(word(5)))?;
+        out.line(serde_json::to_string(&measured)?);
+        return Ok(());
+    }
     if name == "contact" {
         let measured = crate::assembly::measure_contact(number(1)?, number(2)?)?;
         out.line(serde_json::to_string(&measured)?);
@@ -122,7 +131,11 @@ pub fn work(arguments: &[String], out: &mut StandardOutput) -> Result<(), Box<dy
     Ok(())
 }
 
-fn read<T: serde::de::DeserializeOwned>(program: &str, text: &str) -> Result<Vec<T>, ComparisonError> {
+/// The rows of JSON that a program prints, one at least.
+pub(super) fn read<T: serde::de::DeserializeOwned>(
+    program: &str,
+    text: &str,
+) -> Result<Vec<T>, ComparisonError> {
     // Some programs print more than their report.
     let lines = text.lines().filter(|line| line.starts_with('{'));
     let parsed = lines.map(serde_json::from_str).collect::<Result<Vec<T>, _>>();

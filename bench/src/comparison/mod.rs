@@ -1,6 +1,7 @@
-//! One run that compares everything: element kernels beside FFCx, whole assembly beside other programs.
+//! One run that compares everything: element kernels beside FFCx, whole assembly beside other programs, contact beside GetFEM.
 
 mod assembly;
+mod bodies;
 mod kernels;
 mod machine;
 mod process;
@@ -12,6 +13,7 @@ use forms_fem::output::picture::PictureError;
 use thiserror::Error;
 
 pub use assembly::{AssemblyRow, ContactRow, WORKER, work};
+pub use bodies::BodiesRow;
 pub use kernels::{KernelRow, Timing, read_timings};
 pub use machine::Machine;
 pub use report::Report;
@@ -25,6 +27,8 @@ pub struct Options {
     pub kernels: bool,
     /// Compare whole assembly.
     pub assembly: bool,
+    /// Compare contact of two bodies.
+    pub contact: bool,
     /// Directory for the table, the pictures and the numbers.
     pub directory: PathBuf,
     /// Only kernels whose name has this in it.
@@ -74,6 +78,9 @@ pub fn compare(options: &Options) -> Result<Report, ComparisonError> {
     }
     if options.assembly {
         assembly::compare(options, &mut report)?;
+    }
+    if options.contact {
+        bodies::compare(options, &mut report)?;
     }
     report.write(&options.directory)?;
     Ok(report)

@@ -8,7 +8,8 @@ use forms_fem::output::picture::{BarChart, Picture};
 use forms_fem::output::write_whole;
 use serde::Serialize;
 
-use super::{AssemblyRow, ComparisonError, ContactRow, KernelRow, Machine};
+use super::bodies;
+use super::{AssemblyRow, BodiesRow, ComparisonError, ContactRow, KernelRow, Machine};
 use crate::assembly::Measured;
 
 /// Everything that was measured.
@@ -24,6 +25,8 @@ pub struct Report {
     pub assembly: Vec<AssemblyRow>,
     /// Updates of a contact tangent.
     pub contact: Vec<ContactRow>,
+    /// Contact of two bodies.
+    pub bodies: Vec<BodiesRow>,
     /// Peers that are not installed, and how to install them.
     pub missing: Vec<(String, String)>,
     /// Peers that failed.
@@ -62,6 +65,9 @@ impl Report {
         }
         if !self.contact.is_empty() {
             self.write_contact(&mut text);
+        }
+        if !self.bodies.is_empty() {
+            bodies::write(&self.bodies, &mut text);
         }
         text
     }

@@ -127,14 +127,19 @@ impl<const D: usize> BlockPattern<D> {
                 return Err(AssemblyError::OtherMesh { form: name, field: field.name });
             }
         }
-        let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
         search.slide_to(form, tests, unknowns, &form.couplings)?;
+        let mut found = Vec::new();
         for &coupling in &form.couplings {
-            let Coupling { test, trial, sides: [test_side, trial_side], .. } = coupling;
-            let (rows, columns) = (tests[test], trials[trial]);
-            let target = &mut coupled[test][trial];
             let entities = search.entities(form, tests, trials, &coupling)?;
             let entities = OwnedCells::among(owned.map(|owned| &**owned), entities);
+            let seen = coupling.seen_on_pairs(form, tests, trials, &entities);
+            found.push((coupling, entities, seen));
+        }
+        let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
+        for (coupling, entities, seen) in &found {
+            let Coupling { test, trial, sides: [test_side, trial_side], .. } = *coupling;
+            let (rows, columns) = (tests[test], trials[trial]);
+            let target = &mut coupled[test][trial];
             let cells = rows.mesh.cell_count();
             let on_cells = rows.facet_region().is_none() && columns.facet_region().is_none();
             if let Entities::Cells(region) = entities {
@@ -147,6 +152,10 @@ impl<const D: usize> BlockPattern<D> {
                 let (test, trial) = (at(test_side), at(trial_side));
                 if on_cells && test_side == trial_side {
                     target.add_cell(test.cell, cells);
+                } else if let Some([rows, columns]) = seen {
+                    // Solvers count on a pattern that is symmetric, and an adjoint problem has the transposed one.
+                    target.others.push((rows.at(index), columns.at(index)));
+                    target.others.push((columns.at(index), rows.at(index)));
                 } else {
                     let row_nodes = rows.nodes_at(test.cell, Some(test.local));
                     target.others.push((row_nodes, columns.nodes_at(trial.cell, Some(trial.local))));

@@ -10,7 +10,7 @@
 //! block_pattern, touched, sparsity, block_index   the positions of a matrix, and where element matrices go
 //! pair_groups   the points of contact pairs, which differ from entity to entity, as groups; pair_search those of a pattern
 //! owned_cells   the partial sums of an assembler of some of the cells
-//! partition, scatter   which thread adds what, in the order of one thread
+//! partition, scatter   which thread adds what, in the order of one thread; group_nodes, block_finders: to which rows and places
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
 //!
@@ -24,6 +24,7 @@ mod action;
 mod basis_in_lanes;
 mod batch;
 mod binding;
+mod block_finders;
 mod block_index;
 mod block_pattern;
 mod derived;
@@ -33,6 +34,7 @@ mod error;
 mod facet_groups;
 mod fixed;
 mod functional;
+mod group_nodes;
 mod kernel_calls;
 mod notices;
 mod outline;

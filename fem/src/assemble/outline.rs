@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 use std::ops::Deref;
+use std::sync::Arc;
 
 use forms_core::contract::{
     BilinearKernel, BilinearVisitor, Entity, FieldDescription, Form, Inputs, Integral, Region, Requirements,
@@ -9,7 +10,11 @@ use forms_core::contract::{
 };
 
 use super::Parts;
+use super::entities::Entities;
+use super::group_nodes::{Reading, SeenAtFacets};
 use super::pair_groups::DegreeEstimate;
+use crate::mesh::Facet;
+use crate::space::Space;
 
 /// A form's name, fields and data.
 #[derive(Clone, Copy)]
@@ -86,6 +91,31 @@ impl Coupling {
     fn is_like(&self, other: &Coupling) -> bool {
         let key = |coupling: &Coupling| (coupling.test, coupling.trial, coupling.region);
         key(self) == key(other) && self.sides == other.sides
+    }
+
+    /// Of contact pairs the nodes that the kernel sees, test and trial, at the sides on which the functions live: what its tangents write.
+    /// None elsewhere, and where the spaces differ, so that all nodes count.
+    pub fn seen_on_pairs<const D: usize>(
+        &self,
+        form: &Described<D>,
+        tests: &[&Arc<Space<D>>],
+        trials: &[&Arc<Space<D>>],
+        entities: &Entities,
+    ) -> Option<[SeenAtFacets; 2]> {
+        let spaces = [tests[self.test], trials[self.trial]];
+        let on_pairs = form.inputs().regions[self.region].entity == Entity::Pairs;
+        if !on_pairs || !Arc::ptr_eq(spaces[0], spaces[1]) {
+            return None;
+        }
+        let reading = Reading::of_arguments(&self.requirements);
+        Some([0, 1].map(|k| {
+            let of_side = |sides: &[Facet]| match self.sides[k] {
+                Side::This => sides[0],
+                Side::Other => sides[sides.len() - 1],
+            };
+            let facets = &mut (0..entities.count()).map(|index| of_side(entities.sides(index)));
+            SeenAtFacets::new(spaces[k], facets, reading[k])
+        }))
     }
 
     /// Whether it has the pairs of another one, up to the degree of the rule.

@@ -1,6 +1,7 @@
 //! Contact pairs as groups: a unit is the points of an own facet that face one opposite facet, an entity with two sides
 //! whose points lie elsewhere in both cells than those of the next unit.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use forms_core::contract::{Integral, Pairing, Requirements};
@@ -10,7 +11,7 @@ use super::binding::{Binding, pair_error};
 use super::walk::{Group, GroupSide, Places};
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
-use crate::element::Lagrange;
+use crate::element::{CellShape, Lagrange};
 use crate::field::{Field, FieldView};
 use crate::mesh::Mesh;
 use crate::pairs::{
@@ -79,6 +80,8 @@ pub(super) fn groups_of<const D: usize>(
     let mesh = binding.mesh;
     let form = binding.name;
     let mut groups = Vec::new();
+    // Groups that differ by the number of points have the same tables.
+    let mut known: HashMap<(usize, CellShape, u8), GroupSide<D>> = HashMap::new();
     for group in &pairs.groups {
         let group = match binding.owned {
             Some(owned) => Arc::new(group.filtered(|cell| owned.owns(cell))),
@@ -90,14 +93,19 @@ pub(super) fn groups_of<const D: usize>(
         let mut sides = Vec::new();
         for (side, (shape, local)) in group.sides.into_iter().enumerate() {
             let failed = |source| AssemblyError::Quadrature { form, source };
+            let cells: Vec<u32> = group.facets.iter().map(|facets| facets[side].cell).collect();
+            if let Some(known) = known.get(&(side, shape, local)) {
+                sides.push(GroupSide { cells, ..known.clone() });
+                continue;
+            }
             // One point, for what is the same at all of them: Jacobians of affine cells.
             let vertex = QuadratureRule { points: vec![[0.0; 2]], weights: vec![0.0] };
             let rule = map_to_facet::<D>(shape, usize::from(local), &vertex).map_err(failed)?;
             let places = Places { points: rule.points, facet: Some((local, rule.tangents)) };
-            let cells = group.facets.iter().map(|facets| facets[side].cell).collect();
-            sides.push(
-                GroupSide::new(mesh, &binding.elements, (shape, cells), &places, false).map_err(failed)?,
-            );
+            let made =
+                GroupSide::new(mesh, &binding.elements, (shape, vec![]), &places, false).map_err(failed)?;
+            sides.push(GroupSide { cells, ..made.clone() });
+            known.insert((side, shape, local), made);
         }
         let elements = group.sides.map(|(shape, local)| {
             let in_lanes = |element: &super::binding::Tabulated| {

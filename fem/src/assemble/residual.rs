@@ -7,8 +7,9 @@ use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirem
 
 use super::batch::Cells;
 use super::binding::Binding;
+use super::group_nodes::GroupNodes;
 use super::kernel_calls::vectors::ElementVectors;
-use super::scatter::{GroupNodes, VectorScatter};
+use super::scatter::VectorScatter;
 use super::sink::Deliver;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};

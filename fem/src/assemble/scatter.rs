@@ -2,39 +2,13 @@
 
 use std::ops::Range;
 
+use super::block_finders::{Chosen, ChosenPairs, Finder, Known, Search};
 use super::block_index::{BlockIndex, Slot, Slots};
+use super::group_nodes::GroupNodes;
 use super::partition::Partition;
-use super::walk::GroupSide;
-use crate::element::CellShape;
 use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
-use crate::space::Space;
 use crate::threads::Threads;
-
-/// The nodes of a space on a group's entities.
-pub(super) struct GroupNodes<'a, const D: usize> {
-    space: &'a Space<D>,
-    cells: &'a [u32],
-    shape: CellShape,
-    facet: Option<u8>,
-}
-
-impl<'a, const D: usize> GroupNodes<'a, D> {
-    pub fn new(space: &'a Space<D>, side: &'a GroupSide<D>) -> Self {
-        let facet = side.facet.map(|(local, _)| local);
-        GroupNodes { space, cells: &side.cells, shape: side.shape, facet }
-    }
-
-    fn of(&self, entity: usize) -> &'a [u32] {
-        self.space.nodes_at(self.cells[entity], self.facet)
-    }
-
-    /// The division of the group among threads.
-    pub fn partition(&self, threads: Threads) -> Partition {
-        let (count, rows) = (self.cells.len(), self.space.node_count());
-        Partition::new(count, threads, rows, |entity| self.of(entity))
-    }
-}
 
 /// Contributions to rows that belong to another thread: rows of element matrices or vectors.
 #[derive(Default)]
@@ -65,6 +39,8 @@ pub(super) struct MatrixScatter<'a, const D: usize> {
     pub map: Option<&'a BlockIndex>,
     /// Test and trial nodes of an entity.
     pub nodes: [usize; 2],
+    /// Where not all nodes of a cell are seen, the places of the pairs of those that are, among all of the cell's.
+    pub chosen: Option<ChosenPairs>,
 }
 
 impl<const D: usize> MatrixScatter<'_, D> {
@@ -114,22 +90,34 @@ impl<const D: usize> MatrixScatter<'_, D> {
     #[inline(always)]
     fn add_by<const BLOCK: usize>(&self, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
         let Some(map) = self.map else {
-            let search = Search { scatter: self, found: vec![0; self.nodes[0] * self.nodes[1]] };
-            return self.add_rows::<BLOCK>(first, matrices, part, search);
+            return self.add_rows::<BLOCK>(first, matrices, part, Search::new(self));
         };
         let start = map.start(self.tests.shape);
         match &map.places {
-            Slots::Bytes(places) => {
-                let places = &places[start..];
-                self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
+            Slots::Bytes(places) => self.add_known::<_, BLOCK>(first, matrices, part, map, &places[start..]),
+            Slots::Words(places) => self.add_known::<_, BLOCK>(first, matrices, part, map, &places[start..]),
+            Slots::Long(places) => self.add_known::<_, BLOCK>(first, matrices, part, map, &places[start..]),
+        }
+    }
+
+    #[inline(always)]
+    fn add_known<P: Slot, const BLOCK: usize>(
+        &self,
+        first: usize,
+        matrices: &[f64],
+        part: &mut OwnRows,
+        map: &BlockIndex,
+        places: &[P],
+    ) -> Option<()> {
+        match &self.chosen {
+            Some(pairs) => {
+                let known = Known::new(self, map, places, pairs.among);
+                let chosen = Chosen { known, pairs: &pairs.places, found: vec![] };
+                self.add_rows::<BLOCK>(first, matrices, part, chosen)
             }
-            Slots::Words(places) => {
-                let places = &places[start..];
-                self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
-            }
-            Slots::Long(places) => {
-                let places = &places[start..];
-                self.add_rows::<BLOCK>(first, matrices, part, Known { scatter: self, map, places })
+            None => {
+                let among = self.nodes[0] * self.nodes[1];
+                self.add_rows::<BLOCK>(first, matrices, part, Known::new(self, map, places, among))
             }
         }
     }
@@ -249,56 +237,6 @@ impl<const D: usize> LaneWork for Addition<'_, '_, D> {
             9 => scatter.add_by::<9>(first, matrices, part),
             _ => scatter.add_by::<0>(first, matrices, part),
         }
-    }
-}
-
-/// Finds the places of the blocks of an element matrix.
-trait Finder {
-    type Slot: Slot;
-    /// Those of an entity, test node after test node; `None`: one is not in the pattern.
-    fn find(&mut self, entity: usize) -> Option<&[Self::Slot]>;
-}
-
-/// Slots looked up before.
-struct Known<'a, P, const D: usize> {
-    scatter: &'a MatrixScatter<'a, D>,
-    map: &'a BlockIndex,
-    /// From the first cell of the group's shape on.
-    places: &'a [P],
-}
-
-impl<P: Slot, const D: usize> Finder for Known<'_, P, D> {
-    type Slot = P;
-
-    #[inline(always)]
-    fn find(&mut self, entity: usize) -> Option<&[P]> {
-        let size = self.scatter.nodes[0] * self.scatter.nodes[1];
-        let place = *self.map.walk.get(self.scatter.tests.cells[entity] as usize)?;
-        if place == BlockIndex::ABSENT {
-            return None;
-        }
-        Some(&self.places[place as usize * size..][..size])
-    }
-}
-
-/// Slots searched for in the matrix.
-struct Search<'a, const D: usize> {
-    scatter: &'a MatrixScatter<'a, D>,
-    found: Vec<u32>,
-}
-
-impl<const D: usize> Finder for Search<'_, D> {
-    type Slot = u32;
-
-    fn find(&mut self, entity: usize) -> Option<&[u32]> {
-        let MatrixScatter { tests, trials, blocks, nodes, .. } = self.scatter;
-        for (row, found) in tests.of(entity).iter().zip(self.found.chunks_exact_mut(nodes[1])) {
-            let known = blocks.row(*row as usize);
-            for (found, node) in found.iter_mut().zip(trials.of(entity)) {
-                *found = known.binary_search(node).ok()? as u32;
-            }
-        }
-        Some(&self.found)
     }
 }
 

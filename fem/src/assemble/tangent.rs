@@ -7,9 +7,11 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requ
 
 use super::batch::Cells;
 use super::binding::Binding;
+use super::block_finders::ChosenPairs;
+use super::group_nodes::{GroupNodes, Reading, seen_places};
 use super::kernel_calls::matrices::ElementMatrices;
 use super::outline::{Described, Outline};
-use super::scatter::{GroupNodes, MatrixScatter};
+use super::scatter::MatrixScatter;
 use super::sink::Deliver;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
@@ -269,18 +271,27 @@ impl<const D: usize> TangentVisitor<'_, D> {
             self.binding.name_of(Role::Unknown(integral.trial)),
         ];
         // Half of the pairs suffice when test and trial nodes are the same.
+        let reading = Reading::of_arguments(kernel.requirements);
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, kernel.requirements)? {
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
             group.check_support(form, names[0], test, sides[0])?;
             group.check_support(form, names[1], trial, sides[1])?;
+            // Element matrices that are asked for have all rows and columns.
+            let seen = match self.target {
+                Target::Matrix { .. } => {
+                    [(0, test), (1, trial)].map(|(k, space)| seen_places(&group, sides[k], space, reading[k]))
+                }
+                Target::Elements(_) => [None, None],
+            };
             let task = ElementMatrices {
                 binding: self.binding,
                 group: &group,
                 cells: Cells::Mesh(self.binding.mesh),
                 sides,
                 elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
-                symmetric: kernel.symmetric && same_nodes,
+                symmetric: kernel.symmetric && same_nodes && seen[0] == seen[1],
+                seen,
             };
             let nodes = task.nodes();
             let size = nodes[0] * nodes[1] * height * width;
@@ -292,17 +303,22 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     Ok(())
                 })?,
                 Target::Matrix { pattern, values, written } => {
-                    let at = |space, side: usize| GroupNodes::new(space, &group.sides[side]);
+                    let at = |space, k: usize| {
+                        let nodes = GroupNodes::new(space, &group.sides[sides[k]]);
+                        nodes.at_places(task.seen[k].as_deref())
+                    };
+                    let all = [0, 1].map(|k| group.sides[sides[k]].elements[task.elements[k]].nodes);
                     let blocks = pattern.sparsity().pair(integral.test, integral.trial);
                     let on_cells = test.facet_region().is_none() && trial.facet_region().is_none();
                     let one_sided = on_cells && integral.test_side == integral.trial_side;
                     let scatter = MatrixScatter {
-                        tests: at(test, sides[0]),
-                        trials: at(trial, sides[1]),
+                        tests: at(test, 0),
+                        trials: at(trial, 1),
                         blocks,
                         block: height * width,
                         map: pattern.map(integral.test, integral.trial).filter(|_| one_sided),
                         nodes,
+                        chosen: ChosenPairs::new(task.seen.each_ref().map(Option::as_deref), all),
                     };
                     let values = &mut values[blocks.values()];
                     let written = &mut written[integral.test * self.trials.len() + integral.trial];

@@ -92,6 +92,7 @@ impl<const D: usize> BlockPattern<D> {
                 continue;
             }
             let entities = OwnedCells::among(self.owned.as_deref(), entities);
+            let seen = coupling.seen_on_pairs(form, &tests, &trials, &entities);
             for index in 0..entities.count() {
                 let at = |side: Side| match (&entities, side) {
                     (Entities::Cells(cells), _) => (cells[index], None),
@@ -99,8 +100,14 @@ impl<const D: usize> BlockPattern<D> {
                     (_, Side::Other) => seen_from(entities.sides(index).last()),
                 };
                 let ((row_cell, row_facet), (column_cell, column_facet)) = (at(test_side), at(trial_side));
-                for &row in rows.nodes_at(row_cell, row_facet) {
-                    for &column in columns_of.nodes_at(column_cell, column_facet) {
+                let (row_nodes, column_nodes) = match &seen {
+                    Some([rows, columns]) => (rows.at(index), columns.at(index)),
+                    None => {
+                        (rows.nodes_at(row_cell, row_facet), columns_of.nodes_at(column_cell, column_facet))
+                    }
+                };
+                for &row in row_nodes {
+                    for &column in column_nodes {
                         let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
                             let name = |role| form.name_of(role);
                             let (test, trial) = (name(Role::Test(test)), name(Role::Unknown(trial)));

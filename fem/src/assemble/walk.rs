@@ -29,6 +29,7 @@ pub(super) struct Group<const D: usize> {
 }
 
 /// The cells on one side of a group's facets, or a group's cells, with their tables.
+#[derive(Clone)]
 pub(super) struct GroupSide<const D: usize> {
     /// Cells, or the cells that own the facets.
     pub cells: Vec<u32>,

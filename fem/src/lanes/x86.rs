@@ -16,7 +16,7 @@ mod gather_scatter;
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use forms_core::contract::Lane;
+use forms_core::contract::{Lane, Parts};
 
 use super::logarithm::{self, Split};
 use super::{LaneWork, WIDEST, power};
@@ -131,13 +131,19 @@ macro_rules! lane {
             type Mask = $mask;
 
             #[inline(always)]
-            fn apart<S, A, R>(work: impl FnOnce(&S, A) -> R, this: &S, argument: A) -> R {
+            fn apart<K: Parts<Self, NUMBER>, const NUMBER: usize>(
+                kernel: &K,
+                argument: K::Argument<'_>,
+            ) -> K::Kept {
                 #[target_feature(enable = $features)]
                 #[inline(never)]
-                fn enter<S, A, R>(work: impl FnOnce(&S, A) -> R, this: &S, argument: A) -> R {
-                    work(this, argument)
+                fn enter<K: Parts<$lane, NUMBER>, const NUMBER: usize>(
+                    kernel: &K,
+                    argument: K::Argument<'_>,
+                ) -> K::Kept {
+                    kernel.part(argument)
                 }
-                simd!(enter(work, this, argument))
+                simd!(enter::<K, NUMBER>(kernel, argument))
             }
             #[inline(always)]
             fn splat(value: f64) -> Self {

@@ -72,6 +72,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Run<'_, F, S, 
             cells: tables.cells(cells),
             sides: [0, 0],
             elements: [0, 0],
+            seen: [None, None],
             symmetric: K::SYMMETRIC,
         };
         let order = &tables.orders[usize::from(K::SYMMETRIC)];

@@ -32,6 +32,8 @@ pub(in crate::assemble) struct ElementMatrices<'a, const D: usize> {
     pub sides: [usize; 2],
     /// Their elements, by index into the binding's.
     pub elements: [usize; 2],
+    /// Places of the nodes whose functions are seen, where not all are.
+    pub seen: [Option<Vec<usize>>; 2],
     /// Only pairs of nodes i ≤ j are computed, and mirrored.
     pub symmetric: bool,
 }
@@ -69,8 +71,20 @@ impl<const D: usize> ElementMatrices<'_, D> {
     /// Number of test and of trial nodes.
     #[inline]
     pub fn nodes(&self) -> [usize; 2] {
-        let nodes = |k: usize| self.group.sides[self.sides[k]].elements[self.elements[k]].nodes;
+        let nodes = |k: usize| match &self.seen[k] {
+            Some(places) => places.len(),
+            None => self.group.sides[self.sides[k]].elements[self.elements[k]].nodes,
+        };
         [nodes(0), nodes(1)]
+    }
+
+    /// The place of a test (0) or trial (1) node among those of its element.
+    #[inline(always)]
+    fn place(&self, argument: usize, node: usize) -> usize {
+        match &self.seen[argument] {
+            Some(places) => places[node],
+            None => node,
+        }
     }
 
     /// Computes the element matrices of the group's entities in a range, and hands them over in their order:
@@ -125,18 +139,20 @@ impl<const D: usize> ElementMatrices<'_, D> {
                 }
                 (basis, hessians) = (&units[..asked], none);
             } else {
-                basis = &batch.basis(self.sides[0], self.elements[0])[..rows];
-                hessians = &batch.hessians(self.sides[0], self.elements[0])[..rows];
+                basis = batch.basis(self.sides[0], self.elements[0]);
+                hessians = batch.hessians(self.sides[0], self.elements[0]);
             }
             for i in 0..rows {
-                tests[i * points + q] = kernel.test(&point, &basis[i], &hessians[i]);
+                let place = self.place(0, i);
+                tests[i * points + q] = kernel.test(&point, &basis[place], &hessians[place]);
             }
             if factorised.is_none() {
-                basis = &batch.basis(self.sides[1], self.elements[1])[..columns];
-                hessians = &batch.hessians(self.sides[1], self.elements[1])[..columns];
+                basis = batch.basis(self.sides[1], self.elements[1]);
+                hessians = batch.hessians(self.sides[1], self.elements[1]);
             }
             for j in 0..columns {
-                trials[j * points + q] = kernel.trial(&point, &basis[j], &hessians[j]);
+                let place = self.place(1, j);
+                trials[j * points + q] = kernel.trial(&point, &basis[place], &hessians[place]);
             }
         }
         Ok(())

@@ -24,6 +24,8 @@ fn operations([point, test, trial, pair, finish]: [usize; 5]) -> TokenStream {
 struct PointFunction {
     /// Functions of its own for its parts, where it is long.
     parts: TokenStream,
+    /// How the lane enters them.
+    entries: TokenStream,
     statements: TokenStream,
     operations: usize,
 }
@@ -61,9 +63,10 @@ impl KernelWriter<'_> {
             from_point(&mut point, value)
         });
         let (test_statements, test_results) = (test_body.statements, test_body.results);
-        let point_function = self.point_function(&printer, &point.values, &layout, &mut form, &mut cell);
+        let point_function =
+            self.point_function(name, &printer, &point.values, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&printer, &cell, &mut form);
-        let structure = self.structure(name, &printer, &form, &point_function.parts);
+        let structure = self.structure(name, &printer, &form, &point_function);
         let point_statements = &point_function.statements;
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
@@ -123,9 +126,10 @@ impl KernelWriter<'_> {
                 demand.text(value, level)
             })
         };
-        let point_function = self.point_function(&printer, &point.values, &layout, &mut form, &mut cell);
+        let point_function =
+            self.point_function(name, &printer, &point.values, &layout, &mut form, &mut cell);
         let cell_function = self.cell_function(&printer, &cell, &mut form);
-        let structure = self.structure(name, &printer, &form, &point_function.parts);
+        let structure = self.structure(name, &printer, &form, &point_function);
         let point_statements = &point_function.statements;
         let pair_operations = sums.iter().map(Vec::len).sum();
         let operations = operations([
@@ -211,10 +215,10 @@ impl KernelWriter<'_> {
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let printer = Printer { code: &code, externals: self.externals };
         let (mut form, mut cell) = (Store::default(), Store::default());
-        let PointFunction { parts, statements, .. } =
-            self.point_function(&printer, &values, &layout, &mut form, &mut cell);
+        let point_function = self.point_function(name, &printer, &values, &layout, &mut form, &mut cell);
+        let statements = &point_function.statements;
         let cell_function = self.cell_function(&printer, &cell, &mut form);
-        let structure = self.structure(name, &printer, &form, &parts);
+        let structure = self.structure(name, &printer, &form, &point_function);
         let cell_count = cell.values.len();
         let requirements = &layout.requirements;
         quote! {
@@ -236,6 +240,7 @@ impl KernelWriter<'_> {
     /// The function at a point that gives these values.
     fn point_function(
         &self,
+        kernel: &Ident,
         printer: &Printer,
         values: &[Value],
         layout: &Layout,
@@ -250,7 +255,8 @@ impl KernelWriter<'_> {
             &mut |value, level| demand.text(value, level),
         );
         let (d, cell_count) = (self.dimension, demand.cell.values.len());
-        let (mut functions, mut calls) = (TokenStream::new(), TokenStream::new());
+        let (mut functions, mut entries, mut calls) =
+            (TokenStream::new(), TokenStream::new(), TokenStream::new());
         let (mut arrays, mut types) = (vec![], vec![]);
         for (number, PartBody { statements, results }) in parts.into_iter().enumerate() {
             let (name, array, count) = (format_ident!("part_{number}"), kept_name(number), results.len());
@@ -258,17 +264,27 @@ impl KernelWriter<'_> {
                 #[inline(always)]
                 fn #name<L: Lane>(
                     &self,
-                    (cell, geometry, fields, #(#arrays),*): (&[L; #cell_count], &contract::PointGeometry<L, #d>, &[L], #(#types),*),
+                    (cell, geometry, fields, #(#arrays),*): (&[L; #cell_count], &contract::PointGeometry<L, #d>, &[L], #(&#types),*),
                 ) -> [L; #count] {
                     #statements
                     [#(#results),*]
                 }
             });
+            entries.extend(quote! {
+                impl<L: Lane> contract::Parts<L, #number> for #kernel {
+                    type Argument<'a> = (&'a [L; #cell_count], &'a contract::PointGeometry<L, #d>, &'a [L], #(&'a #types),*);
+                    type Kept = [L; #count];
+                    #[inline(always)]
+                    fn part(&self, argument: Self::Argument<'_>) -> [L; #count] {
+                        self.#name(argument)
+                    }
+                }
+            });
             calls.extend(quote! {
-                let #array = L::apart(Self::#name::<L>, self, (cell, geometry, fields, #(&#arrays),*));
+                let #array = L::apart::<Self, #number>(self, (cell, geometry, fields, #(&#arrays),*));
             });
             arrays.push(array);
-            types.push(quote! { &[L; #count] });
+            types.push(quote! { [L; #count] });
         }
         let (last, results) = (body.statements, body.results);
         let statements = quote! {
@@ -276,7 +292,7 @@ impl KernelWriter<'_> {
             #last
             [#(#results),*]
         };
-        PointFunction { parts: functions, statements, operations: body.operations }
+        PointFunction { parts: functions, entries, statements, operations: body.operations }
     }
 
     fn cell_function(&self, printer: &Printer, cell: &Store, form: &mut Store) -> TokenStream {
@@ -303,7 +319,13 @@ impl KernelWriter<'_> {
     }
 
     /// The kernel's struct: what is known with the parameters.
-    fn structure(&self, name: &Ident, printer: &Printer, form: &Store, parts: &TokenStream) -> TokenStream {
+    fn structure(
+        &self,
+        name: &Ident,
+        printer: &Printer,
+        form: &Store,
+        PointFunction { parts, entries, .. }: &PointFunction,
+    ) -> TokenStream {
         let count = form.values.len();
         let terminal = |node: &Node| match node {
             Node::Parameter(index) => quote! { parameters[#index] },
@@ -331,6 +353,7 @@ impl KernelWriter<'_> {
                 }
                 #parts
             }
+            #entries
         }
     }
 

@@ -6,7 +6,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::description::name_of_side;
-use crate::optimise::scalar::{Derivative, Graph, Node, Scalar};
+use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use crate::tensor::{FieldInfo, Geometry, Side};
 
 /// The place of each derivative of a field in the `fields` slice: (field, side, order) → offset.
@@ -26,6 +26,10 @@ impl Layout {
         let opposite = |wanted: Geometry| reads(&|node| *node == Node::Opposite(wanted));
         let basis_value = reads(&|node| matches!(node, Node::Basis(_, Derivative::Value)));
         let basis_gradient = reads(&|node| matches!(node, Node::Basis(_, Derivative::First(_))));
+        let derivatives = |argument: Argument| {
+            let is_one = |node: &Node| matches!(node, Node::Basis(of, derivative) if *of == argument && *derivative != Derivative::Value);
+            reads(&is_one)
+        };
         let hessian = reads(&|node| matches!(node, Node::Basis(_, Derivative::Second(..))));
         let mut offsets: BTreeMap<(usize, Side, usize), usize> = BTreeMap::new();
         for scalar in &terminals {
@@ -72,6 +76,8 @@ impl Layout {
             ("opposite_shape_operator", has(Geometry::ShapeOperator)),
             ("basis_value", basis_value),
             ("basis_gradient", basis_gradient),
+            ("test_derivatives", derivatives(Argument::Test)),
+            ("trial_derivatives", derivatives(Argument::Trial)),
             ("hessian", hessian),
         ];
         let reads = reads.iter().filter(|(_, reads)| *reads).map(|(name, _)| format_ident!("{name}"));

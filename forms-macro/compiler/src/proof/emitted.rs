@@ -124,7 +124,7 @@ impl Kernel {
     }
 }
 
-/// `let kept_0 = L::apart(Self::part_0::<L>, self, (cell, geometry, fields));`
+/// `let kept_0 = L::apart::<Self, 0>(self, (cell, geometry, fields));`, with the part's number in the array's name.
 struct Part {
     name: String,
     method: String,
@@ -138,14 +138,12 @@ fn parts_of(block: &syn::Block) -> impl Iterator<Item = Part> {
         let (Pat::Ident(name), Expr::Call(call)) = (&local.pat, &*local.init.as_ref()?.expr) else {
             return None;
         };
-        if call.func.to_token_stream().to_string().replace(' ', "") != "L::apart" {
+        if !call.func.to_token_stream().to_string().replace(' ', "").starts_with("L::apart::<Self,") {
             return None;
         }
-        let (Expr::Path(method), Expr::Tuple(arguments)) = (&call.args[0], &call.args[2]) else {
-            panic!("a part is a function with a tuple");
-        };
-        let method = method.path.segments.last()?.ident.to_string();
-        Some(Part { name: name.ident.to_string(), method, arguments: arguments.clone() })
+        let Expr::Tuple(arguments) = &call.args[1] else { panic!("a part takes a tuple") };
+        let name = name.ident.to_string();
+        Some(Part { method: name.replace("kept_", "part_"), name, arguments: arguments.clone() })
     })
 }
 
