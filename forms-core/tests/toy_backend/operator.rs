@@ -2,6 +2,7 @@
 
 /// A module with an operator's value and a form that holds it, and the test of both in the plane and in space. The file has a
 /// `State` of a vector u and a scalar s, which checks values.
+#[allow(unused_macros, reason = "each test program uses a part of the backend")]
 macro_rules! operator_module {
     (
         $name:ident: $rank:ident tested by $test:ident,

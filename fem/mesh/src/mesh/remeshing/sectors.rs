@@ -37,7 +37,7 @@ impl Sectors {
 
     /// A point turned by so many sectors.
     pub fn turned(&self, x: &[f64; 2], sectors: usize) -> [f64; 2] {
-        if sectors % self.count == 0 {
+        if sectors.is_multiple_of(self.count) {
             return *x;
         }
         let (sine, cosine) = (TAU * (sectors % self.count) as f64 / self.count as f64).sin_cos();

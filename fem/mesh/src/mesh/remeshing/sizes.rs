@@ -7,6 +7,9 @@ const SAMPLES: usize = 3;
 /// The cosine of normals beyond which two sides face each other.
 const FACING: f64 = -0.5;
 
+/// A length by place \[length\].
+type SizeFunction<'a> = dyn Fn(&[f64; 2]) -> f64 + 'a;
+
 /// The lengths of edges that are asked for.
 #[derive(Clone, Copy)]
 pub struct Sizes<'a> {
@@ -14,7 +17,7 @@ pub struct Sizes<'a> {
     pub(super) smallest: f64,
     across: f64,
     growth: f64,
-    field: Option<&'a dyn Fn(&[f64; 2]) -> f64>,
+    field: Option<&'a SizeFunction<'a>>,
 }
 
 impl<'a> Sizes<'a> {
