@@ -1,7 +1,8 @@
 //! Adjoints of histories: gradients of steps of loads and of steps in time, by all kinds of controls; what does not fit is named.
 
 use forms_fem::inverse::{
-    ControlError, Controls, During, HistoryError, MotionHistory, Observations, ReducedProblem, taylor_test,
+    At, ControlError, Controls, During, HistoryError, LoadHistory, MotionHistory, Observations,
+    ReducedProblem, taylor_test,
 };
 use forms_fem::prelude::*;
 use forms_fem::time::{BackwardDifferences, CentralDifferences, GeneralisedAlpha, OneStepTheta, Scheme};
@@ -68,6 +69,48 @@ mod heated {
     pub fn untested(u: State<Scalar>, p: State<Scalar>, by_bent: Test<Scalar>) -> Form {
         derivative(balance(u, p), bent, by_bent)
     }
+}
+
+/// A spring that reads what was written at quadrature points.
+#[forms(dimension = 2)]
+mod remembering {
+    pub struct Data {
+        pub stiffness: Param,
+        pub rest: History<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+
+    pub fn balance(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, stiffness * (u - rest) * v)
+    }
+    pub fn size(u: Unknown<Scalar>) -> Energy {
+        integral(Omega, u * u / 2)
+    }
+    pub fn rates(u: State<Scalar>, p: State<Scalar>, by_stiffness: Test<Scalar>) -> Form {
+        derivative(balance(u, p), stiffness, by_stiffness)
+    }
+}
+
+#[test]
+fn values_at_quadrature_points_are_refused() {
+    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let space = Space::scalar(&mesh, 1).unwrap();
+    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
+    let rest = assembler.history(Entity::Cells, "all", 2, 1.0).unwrap();
+    let model = |at: &At<2>| -> Result<_, ControlError> {
+        Ok(remembering::Model::new(remembering::Data {
+            stiffness: at.number("stiffness")?,
+            rest: rest.clone(),
+        }))
+    };
+    let mut history = LoadHistory::new(&space, 2, Controls::new().number("stiffness", 2.0))
+        .step(|at| Ok(model(at)?.balance()))
+        .rates(|at, u, p| Ok(model(at)?.rates(u, p)))
+        .criterion(|at| Ok(model(at)?.size()))
+        .assembler(&assembler);
+    let error = history.gradient(&[2.0]).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("`balance` reads the history `rest`"), "{error}");
 }
 
 /// Order two along a direction of all controls.

@@ -47,34 +47,6 @@ pub mod loaded {
     }
 }
 
-/// Takes in what the library's contact extends and a declaration of its own beside.
-#[forms(crate = forms_core)]
-pub mod flat {
-    use crate::elasticity::stress;
-
-    #[includes(super::library::contact::Data, crate::elasticity::Data)]
-    pub struct Data {
-        pub gap: Param,
-    }
-    #[cells]
-    pub struct Omega;
-
-    pub fn work(u: State<Vector>) -> Functional {
-        integral(Omega, gap * inner(stress(u), eps(u)))
-    }
-}
-
-/// The same by a base.
-#[forms(crate = forms_core)]
-pub mod stretched {
-    use crate::elasticity::stress;
-    pub use crate::library::contact::{Data, Omega};
-
-    pub fn work(u: State<Vector>) -> Functional {
-        integral(Omega, gap * inner(stress(u), eps(u)))
-    }
-}
-
 mod library {
     use forms_core::forms;
 
@@ -335,23 +307,6 @@ where
 fn one_may_differentiate_by_a_bases_members() {
     check_derivatives::<2>();
     check_derivatives::<3>();
-}
-
-#[test]
-fn included_members_are_the_structs_own() {
-    let Body { mesh, u, .. } = Body::<3>::new();
-    let whole: flat::Data<3> = flat::Data { friction: Given::constant(0.5), ..flat_data(0.7).into() };
-    let data: flat::Data<3> = flat_data(0.7).into();
-    assert_eq!((whole.gap, data.mu, data.gamma0), (GAP, 0.7, GAMMA0));
-    let Source::Constant(default) = data.friction.source() else { panic!("no constant") };
-    assert_eq!(*default, [0.25]);
-    let mine = flat::work(&data, &flat::Omega::on("all"), u.source());
-    let theirs = stretched::work(&base(0.7, Given::constant(GAP)), &stretched::Omega::on("all"), u.source());
-    close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);
-}
-
-fn flat_data<const D: usize>(mu: f64) -> flat::Required<D> {
-    flat::Required { lambda: lambda(), mu, law: law(), gamma0: GAMMA0, gap: GAP }
 }
 
 #[test]

@@ -49,8 +49,7 @@ impl<const D: usize> Assembler<D> {
     /// A derived field at points, cell by cell as they are located.
     ///
     /// # Errors
-    /// A point outside the mesh, a function that needs a facet, a value that is not finite, or data that
-    /// do not fit.
+    /// A point outside the mesh, a function that needs a facet, a value that is not finite, data that do not fit.
     pub fn at_points<E: Expression<D>>(
         &self,
         expression: &E,

@@ -91,6 +91,16 @@ pub enum HistoryFailure {
         /// The form.
         form: &'static str,
     },
+    /// Values at quadrature points that steps would write.
+    #[error(
+        "`{form}` reads the history `{field}`: what a step writes at quadrature points has no adjoint here; let the past be a field"
+    )]
+    QuadratureValues {
+        /// The form.
+        form: &'static str,
+        /// Its history.
+        field: &'static str,
+    },
     /// A form that does not fit, or could not be assembled.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),

@@ -26,12 +26,10 @@ use crate::time::step::known;
 use crate::time::{Combination, Formulas, Scheme, SolvedFor, Step};
 use crate::verification::Sample;
 
-/// A form of motion followed by a scheme of one step over equal steps in time, with a criterion J(m) = Σ Jⁿ(uⁿ) over the values at
-/// the ends of the steps, of which it gives value and gradient by the controls m.
+/// A motion in equal steps by a scheme of one step, with a criterion J(m) = Σ Jⁿ(uⁿ) of which it gives value and gradient by m.
 ///
-/// The form is written with the operators of [`time`](crate::time), and reads the state before a step by them alone: then the
-/// derivatives by that state are tangents of the same form with other weights, and the form of rates, a function of the step's
-/// unknown and the adjoint state, has a test function `by_name` for each control `name`.
+/// The form is written with the operators of [`time`](crate::time) and reads the state before by them alone: derivatives by it are
+/// tangents with other weights. The form of rates, of the step's unknown and adjoint state, has a test `by_name` per control.
 pub struct MotionHistory<'a, const D: usize> {
     space: Arc<Space<D>>,
     steps: usize,

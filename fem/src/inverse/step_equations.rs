@@ -6,6 +6,7 @@ use super::error::HistoryFailure;
 use crate::assemble::{Assembler, BlockPattern, Parts};
 use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
+use crate::contract::Source;
 use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::any_form::AnyForm;
@@ -103,6 +104,11 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     ) -> Result<Field<D>, HistoryFailure> {
         if form.slides() {
             return Err(HistoryFailure::Sliding { form: form.name() });
+        }
+        let mut sources = form.inputs().sources.iter().zip(form.fields());
+        let history = sources.find(|(source, _)| matches!(source, Some(Source::History(_))));
+        if let Some((_, field)) = history {
+            return Err(HistoryFailure::QuadratureValues { form: form.name(), field: field.name });
         }
         let (affine, pattern) = (form.is_affine(), self.pattern(&*form)?);
         let (assembler, options) = (&self.assembler, self.options.clone());

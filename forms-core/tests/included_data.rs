@@ -1,0 +1,122 @@
+//! Data that include other modules' data: the members are the struct's own, in one flat literal, with their defaults.
+
+mod toy_backend;
+
+use forms_core::contract::*;
+use forms_core::forms;
+use toy_backend::mesh::Mesh;
+use toy_backend::random::Random;
+use toy_backend::{expression, functional};
+
+#[forms(crate = forms_core)]
+pub mod elasticity {
+    pub struct Data {
+        #[doc(alias = "λ")]
+        pub lambda: Given<Scalar>,
+        pub mu: Param,
+    }
+    pub fn stress(w: Vector) -> Tensor {
+        2 * mu * eps(w) + lambda * tr(eps(w)) * I
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod friction {
+    #[extends(crate::elasticity::Data)]
+    pub struct Data {
+        pub gap: Given<Scalar>,
+        #[default(0.25)]
+        pub coefficient: Given<Scalar>,
+        #[default(0)]
+        pub drift: Param<Vector>,
+    }
+    pub fn bound(pressure: Scalar) -> Scalar {
+        coefficient * pressure
+    }
+}
+
+/// What is declared here stands; `lambda` and `mu` come twice and are one.
+#[forms(crate = forms_core)]
+pub mod flat {
+    use crate::elasticity::stress;
+    use crate::friction::bound;
+
+    #[includes(crate::friction::Data, crate::elasticity::Data)]
+    pub struct Data {
+        pub gap: Param,
+    }
+    #[cells]
+    pub struct Omega;
+
+    pub fn work(u: State<Vector>) -> Functional {
+        integral(Omega, gap * bound(inner(stress(u), eps(u))) + dot(drift, u))
+    }
+    pub fn slope(u: State<Vector>) -> Scalar {
+        diff(gap * bound(mu * dot(u, u)), mu)
+    }
+}
+
+/// The same, typed out.
+#[forms(crate = forms_core)]
+pub mod typed_out {
+    use crate::elasticity::stress;
+
+    pub struct Data {
+        pub lambda: Given<Scalar>,
+        pub mu: Param,
+        pub gap: Param,
+        pub coefficient: Given<Scalar>,
+        pub drift: Param<Vector>,
+    }
+    #[cells]
+    pub struct Omega;
+
+    pub fn work(u: State<Vector>) -> Functional {
+        integral(Omega, gap * (coefficient * inner(stress(u), eps(u))) + dot(drift, u))
+    }
+}
+
+/// Extends what includes.
+#[forms(crate = forms_core)]
+pub mod loaded {
+    pub use crate::flat::{Omega, work};
+
+    #[extends(crate::flat::Data)]
+    pub struct Data {
+        pub load: Param,
+    }
+}
+
+fn lambda<const D: usize>() -> Given<f64, D> {
+    Given::function(|x: &[f64; D]| 1.0 + x[0])
+}
+
+fn required<const D: usize>() -> flat::Required<D> {
+    flat::Required { lambda: lambda(), mu: 0.7, gap: 1.5 }
+}
+
+#[test]
+fn members_are_the_structs_own() {
+    let mut random = Random(17);
+    let mesh = Mesh::<3>::cube(&mut random);
+    let u = random.field(mesh.nodes.len(), 3, 0.2, 0.3);
+    let data = flat::Data::<3> { drift: [0.1, -0.2, 0.3], ..required().into() };
+    let coefficient = Given::constant(0.25);
+    let whole = typed_out::Data { lambda: lambda(), mu: 0.7, gap: 1.5, coefficient, drift: data.drift };
+    let model = flat::Model::new(data.clone());
+    let mine = functional(&mesh, &model.work(u.source()), &[]);
+    let theirs = functional(&mesh, &typed_out::Model::new(whole).work(u.source()), &[]);
+    assert!(theirs.abs() > 1e-3 && (mine - theirs).abs() < 1e-14 * theirs.abs(), "{mine} {theirs}");
+    let onward = loaded::Model::new(loaded::Data { base: data.clone(), load: 1.0 });
+    assert_eq!(functional(&mesh, &onward.work(u.source()), &[]), mine);
+    // By an included parameter: gap coefficient u·u.
+    let slopes = expression(&mesh, &model.slope(u.source()), (Entity::Cells, "all"));
+    assert!(slopes.iter().all(|slope| slope[0] > 0.0));
+}
+
+#[test]
+fn defaults_come_along() {
+    let data: flat::Data<2> = required().into();
+    let Source::Constant(coefficient) = data.coefficient.source() else { panic!("no constant") };
+    assert_eq!((coefficient.as_slice(), data.drift), (&[0.25][..], [0.0; 2]));
+}
