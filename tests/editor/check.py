@@ -24,7 +24,8 @@ SOURCE = STARTER / "src" / "main.rs"
 class Server:
     """A language server, asked one thing after the other."""
 
-    def __init__(self, program):
+    def __init__(self, program, seconds):
+        self.seconds = seconds
         self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         self.number, self.answers, self.arrived = 0, {}, threading.Condition()
         self.quiescent = False
@@ -56,28 +57,28 @@ class Server:
     def tell(self, method, parameters):
         self.write({"method": method, "params": parameters})
 
-    def ask(self, method, parameters, seconds=120):
+    def ask(self, method, parameters):
         self.number += 1
         number = self.number
         self.write({"id": number, "method": method, "params": parameters})
         with self.arrived:
-            if not self.arrived.wait_for(lambda: number in self.answers, timeout=seconds):
+            if not self.arrived.wait_for(lambda: number in self.answers, timeout=self.seconds):
                 sys.exit(f"no answer to {method}")
             return self.answers.pop(number).get("result")
 
-    def wait_until_quiescent(self, seconds):
+    def wait_until_quiescent(self):
         with self.arrived:
-            if not self.arrived.wait_for(lambda: self.quiescent, timeout=seconds):
-                sys.exit(f"rust-analyzer was not ready after {seconds} s")
+            if not self.arrived.wait_for(lambda: self.quiescent, timeout=self.seconds):
+                sys.exit(f"rust-analyzer was not ready after {self.seconds} s")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", nargs="?", default="rust-analyzer")
-    parser.add_argument("--seconds", type=int, default=900, help="how long it may take to read the crates")
+    parser.add_argument("--seconds", type=int, default=900, help="the longest time for one answer")
     options = parser.parse_args()
     text = SOURCE.read_text()
-    server = Server(options.program)
+    server = Server(options.program, options.seconds)
     server.ask("initialize", {
         "processId": os.getpid(),
         "rootUri": STARTER.as_uri(),
@@ -96,7 +97,7 @@ def main():
         "textDocument": {"uri": uri, "languageId": "rust", "version": 1, "text": text},
     })
     start = time.monotonic()
-    server.wait_until_quiescent(options.seconds)
+    server.wait_until_quiescent()
     print(f"ready after {time.monotonic() - start:.0f} s")
 
     def place(around, word, source=text):
