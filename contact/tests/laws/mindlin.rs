@@ -86,7 +86,8 @@ fn a_ball_sticks_in_the_middle() {
     let finest = if std::env::var_os("FORMS_SWEEPS").is_some() { 4 } else { 3 };
     for cells in 3..=finest {
         let [largest, of_norm] = draw(cells);
-        // All but the kink at the end of stick.
-        assert!(largest < 0.01 && of_norm < 0.35 / cells as f64, "{largest} {of_norm}");
+        // All but the kinks at the ends of stick and of contact, which the rule of 16 points a piece does not resolve: with 25 points
+        // the norm is 0.336/cells at three cells, with 16 points 0.363/cells.
+        assert!(largest < 0.005 && of_norm < 0.37 / cells as f64, "{largest} {of_norm}");
     }
 }

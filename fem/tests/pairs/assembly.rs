@@ -295,12 +295,18 @@ fn the_pattern_couples_cells_that_face_each_other() {
         let nodes = space.cell_nodes(cell).iter().copied();
         nodes.filter(|node| space.positions()[*node as usize][0] == x).collect::<Vec<u32>>()
     };
-    // The left end below with the left and the right end above.
+    // The left end below with the left and the right end above, where both are on the surfaces: the form reads values, and those of
+    // other nodes vanish there.
     assert!(at(3, 0.0).len() == 2 && at(6, 0.0).len() == 2 && at(9, 1.0).len() == 2);
+    let touches = |node: u32| space.positions()[node as usize][1] == 1.0;
     for a in at(3, 0.0) {
-        assert!(at(6, 0.0).iter().all(|b| row(a).contains(b) && row(*b).contains(&a)));
+        for b in at(6, 0.0) {
+            let coupled = touches(a) && touches(b);
+            assert_eq!((row(a).contains(&b), row(b).contains(&a)), (coupled, coupled));
+        }
         assert!(at(9, 1.0).iter().all(|b| !row(a).contains(b)));
     }
+    assert_eq!(at(3, 0.0).into_iter().chain(at(6, 0.0)).filter(|node| touches(*node)).count(), 2);
 }
 
 /// Self contact: the arms of a C face each other, cells that share a vertex do not.

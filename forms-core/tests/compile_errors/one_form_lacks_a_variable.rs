@@ -3,8 +3,8 @@ use forms_core::form;
 
 fn main() {
     let laplace = form!(
-        |u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), k * dot(grad(u), grad(v)) - f * v),
-        k: Param,
+        |u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), conductivity * dot(grad(u), grad(v)) - f * v),
+        conductivity: Param,
         f: Given<Scalar> = "one",
         crate = forms_core,
         dimension = 2,
