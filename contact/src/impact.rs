@@ -20,25 +20,15 @@ pub mod impact {
     use crate::operators::obstacle::{augmented_stress, gamma, nitsche_test, normal_component};
 
     #[extends(forms_fem::time::operators::vector::Data)]
+    #[includes(
+        crate::operators::linear_elastic::Data,
+        crate::operators::obstacle::Data,
+        crate::operators::body_load::Data
+    )]
     pub struct Data {
         /// ρ, mass per volume.
         #[doc(alias = "ρ")]
         pub rho: Param,
-        /// λ, first Lamé parameter \[stress\].
-        pub lambda: Param,
-        /// μ, shear modulus \[stress\].
-        pub mu: Param,
-        /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
-        pub theta: Param,
-        /// γ₀ \[stress\]; γ = γ₀ / h_T.
-        pub gamma0: Param,
-        /// n_y, unit normal pointing into the obstacle.
-        pub obstacle_normal: Given<Vector>,
-        /// g, the initial gap \[length\].
-        pub gap: Given<Scalar>,
-        /// f, force per volume.
-        #[default(0)]
-        pub body_force: Given<Vector>,
     }
 
     /// Ω.

@@ -34,4 +34,4 @@ pub use interfaces::{cohesion, friction, obstacle, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
 pub use parameters::{penalty, variant};
 pub use two_sides::bodies;
-pub use work::{linear_criterion, loads, resultant};
+pub use work::{body_load, linear_criterion, loads, resultant};

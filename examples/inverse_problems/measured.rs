@@ -9,7 +9,7 @@ use forms_fem::output::StandardOutput;
 /// Steps of the differences.
 const STEPS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
-/// The heading of the lines of [`line`].
+/// The heading of the lines of [`line()`].
 pub const HEADING: &str = "| cells | unknowns | value | processor seconds of a value | of value and gradient | error by step 1e-1, 1e-2, … 1e-5 | peak memory [MB] |\n| --- | --: | --: | --: | --: | --- | --: |";
 
 /// Prints a line: sizes, J, seconds, the error of the gradient along a direction by central differences, relative to the slope.

@@ -2,15 +2,24 @@
 
 use forms_fem::forms;
 
-/// Dead loads.
+/// The dead load of a body.
 #[forms]
-pub mod loads {
+pub mod body_load {
     /// No load acts unless it is given.
     pub struct Data {
         /// f, force per volume.
         #[doc(alias = "f")]
         #[default(0)]
         pub body_force: Given<Vector>,
+    }
+}
+
+/// Dead loads of a body and its boundary.
+#[forms]
+pub mod loads {
+    /// No load acts unless it is given.
+    #[includes(super::body_load::Data)]
+    pub struct Data {
         /// g_N, force per area on Γ_N.
         #[doc(alias = "g_N")]
         #[default(0)]

@@ -122,7 +122,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         self
     }
 
-    /// Another linear solver than a [`TangentSolver`], for the steps and their adjoints.
+    /// Another linear solver than a [`TangentSolver`](crate::solve::TangentSolver), for the steps and their adjoints.
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
         self.equations.lend(solver);
         self
