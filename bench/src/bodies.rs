@@ -28,7 +28,7 @@ const CONSTANTS: [f64; 4] = [100.0, 80.0, 2e3, 0.3];
 /// The degree of the rule on facets: 3 points in the plane, 7 in space, GetFEM's too.
 const RULE: usize = 5;
 
-/// How far the block stands in the slab where the term alone is measured, in cells of the slab.
+/// Depth of the block in the slab where the term alone is measured, in cells of the slab.
 const OVERLAP: f64 = 0.2;
 
 /// Two blocks of quadratic simplices on meshes that do not match, a smaller one on a slab.
@@ -55,7 +55,7 @@ pub enum Law {
     Friction,
 }
 
-/// What was measured; times in seconds, processor time of one thread.
+/// Measured norms and times; seconds of processor time of one thread.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MeasuredBodies {
     /// The program.
@@ -210,7 +210,7 @@ impl Bodies {
 const PUSH: [f64; 2] = [0.002, -0.004];
 
 impl<const D: usize> Pair<'_, D> {
-    /// What the peer reads: nodes and cells of each body, constants, and what is prescribed.
+    /// Input of the peer: nodes and cells of each body, constants, prescribed values.
     fn write(&self, law: Law, file: &Path) -> Result<(), Box<dyn Error>> {
         #[derive(Serialize)]
         struct Body {

@@ -1,4 +1,4 @@
-//! What a value and a gradient cost, and how far the gradient is from differences.
+//! Time and memory of a value and of a gradient, and the gradient's error beside differences.
 
 use std::error::Error;
 use std::time::Instant;

@@ -55,7 +55,7 @@ const LEAST: f64 = 1e-3;
 /// Factor of (mean ρ − ½)².
 const PENALTY: f64 = 50.0;
 
-/// Where the force of one acts at the free end.
+/// Place at the free end where the force of one acts.
 #[derive(Clone, Copy)]
 enum Load {
     /// Down, evenly.

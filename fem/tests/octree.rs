@@ -273,7 +273,7 @@ fn octrees_on_any_number_of_threads() {
     assert_eq!(joined(1).values(), joined(3).values());
 }
 
-/// What knows whole facets only says so.
+/// Refusals by everything that knows whole facets only.
 #[test]
 fn spaces_on_facets_name_parts_of_larger_ones() {
     let mesh = squares(3);

@@ -193,9 +193,9 @@ pub trait Lane:
 /// A kernel whose computation at a point is long and comes in parts, with the part of a number. A trait and no function that is handed
 /// over: what calls such a function is compiled for any machine, and the lane's instructions would be calls in it.
 pub trait Parts<L, const NUMBER: usize> {
-    /// What the part reads: geometry, fields, and what earlier parts kept.
+    /// Input of the part: geometry, fields, values kept by earlier parts.
     type Argument<'a>;
-    /// What later parts read of it.
+    /// Values that later parts read of it.
     type Kept;
     /// Computes the part; `#[inline(always)]`.
     fn part(&self, argument: Self::Argument<'_>) -> Self::Kept;

@@ -35,7 +35,7 @@ pub mod friction {
     }
 }
 
-/// What is declared here stands; `lambda` and `mu` come twice and are one.
+/// Members of two structs, with an own declaration of `gap`, which stands; `lambda` and `mu` come twice and are one.
 #[forms(crate = forms_core)]
 pub mod flat {
     use crate::elasticity::stress;

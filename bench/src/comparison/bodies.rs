@@ -40,7 +40,7 @@ impl BodiesRow {
         Some(if same_counts { differences.fold(0.0, f64::max) } else { f64::NAN })
     }
 
-    /// Why the times say nothing, if the two programs did not do the same.
+    /// The reason to leave the times out: results of the two programs that differ.
     fn disagreement(&self) -> Option<String> {
         let difference = self.difference()?;
         (difference.is_nan() || difference > SAME).then(|| {

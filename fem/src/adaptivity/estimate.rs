@@ -140,7 +140,7 @@ fn weight<const D: usize>(p: &Field<D>, space: &Arc<Space<D>>) -> Result<Field<D
     Ok(Field::of_known(higher, difference))
 }
 
-/// What makes a continuous space continuous where facets are parts of larger ones; nothing for other spaces and meshes.
+/// Relations that make a space continuous where facets are parts of larger ones; none for other spaces and meshes.
 fn joined<const D: usize>(space: &Arc<Space<D>>) -> Result<Option<Constraints<D>>, EstimateError> {
     if *space.family() != Family::Continuous || space.mesh().facet_parts().next().is_none() {
         return Ok(None);

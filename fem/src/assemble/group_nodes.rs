@@ -58,7 +58,7 @@ impl<'a, const D: usize> GroupNodes<'a, D> {
     }
 }
 
-/// What a kernel reads of a test or trial function.
+/// The part of a test or trial function that a kernel reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reading {
     /// Values alone: functions that vanish on a facet are not seen there.

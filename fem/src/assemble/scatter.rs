@@ -39,7 +39,7 @@ pub(super) struct MatrixScatter<'a, const D: usize> {
     pub map: Option<&'a BlockIndex>,
     /// Test and trial nodes of an entity.
     pub nodes: [usize; 2],
-    /// Where not all nodes of a cell are seen, the places of the pairs of those that are, among all of the cell's.
+    /// Places of the pairs of seen nodes among all pairs of a cell's, if not all of its nodes are seen.
     pub chosen: Option<ChosenPairs>,
 }
 

@@ -1,4 +1,4 @@
-//! What an assembler does with histories: it makes them, writes what a function of the module gives, and reads them.
+//! Histories by an assembler: made, written with the values of a module's function, read.
 
 use std::sync::Arc;
 

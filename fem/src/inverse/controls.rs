@@ -25,7 +25,7 @@ struct Entry<const D: usize> {
     from: usize,
 }
 
-/// What the values of a control are.
+/// Kind of a control's values.
 #[derive(Clone, Debug)]
 enum Kind<const D: usize> {
     /// One number at all steps.
@@ -38,7 +38,7 @@ enum Kind<const D: usize> {
     Start(Start, Arc<Space<D>>),
 }
 
-/// What of the first state is a control.
+/// Part of the first state that is a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Start {
     Value,
@@ -277,7 +277,7 @@ impl<const D: usize> Controls<D> {
     }
 }
 
-/// What a form of a step is made of: the controls, the step's number, the state before it.
+/// Data of a step's form: the controls, the step's number, the state before it.
 #[derive(Clone, Copy, Debug)]
 pub struct At<'a, const D: usize> {
     controls: &'a Controls<D>,

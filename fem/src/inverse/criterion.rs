@@ -13,7 +13,7 @@ use crate::field::Field;
 use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
 
-/// What a history's criterion sums.
+/// Terms of a history's criterion.
 pub(super) struct Criterion<'a, const D: usize> {
     pub energy: Option<EnergyAt<'a, D>>,
     /// By the number of the step.
@@ -41,7 +41,7 @@ impl<const D: usize> Criterion<'_, D> {
         }
     }
 
-    /// What a step adds.
+    /// Contribution of a step.
     pub fn value(
         &self,
         at: &At<D>,
@@ -72,7 +72,7 @@ impl<const D: usize> Criterion<'_, D> {
         Ok(())
     }
 
-    /// What the controls add by themselves.
+    /// Contribution of the controls alone.
     pub fn cost_of_controls(&self, m: &[f64]) -> Result<f64, HistoryFailure> {
         let mut alone = Gradient { value: 0.0, gradient: vec![0.0; m.len()], work: Work::default() };
         self.add_cost_of_controls(m, &mut alone)?;

@@ -11,7 +11,7 @@ use crate::time::operators::{scalar, vector};
 use crate::time::step::known;
 use crate::time::{Combination, Formulas, State, Step};
 
-/// What a form of motion is made of in a step: `during.into()` is the `Data` of the operators of [`time`](crate::time).
+/// Data of a form of motion in a step: `during.into()` is the `Data` of the operators of [`time`](crate::time).
 #[derive(Clone, Copy, Debug)]
 pub struct During<'a, const D: usize> {
     pub(super) step: &'a Step<D>,
@@ -87,7 +87,7 @@ impl<'f> Interval<'f> {
         }
     }
 
-    /// What a form reads in the step from a state, given as a row of value, rate and second rate.
+    /// The step as a form reads it, from a state given as a row of value, rate and second rate.
     pub fn step_from<const D: usize>(
         &self,
         space: &Arc<Space<D>>,

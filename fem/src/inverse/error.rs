@@ -37,7 +37,7 @@ pub enum HistoryFailure {
         form: &'static str,
         /// The control.
         name: String,
-        /// What is missing.
+        /// Meaning of the missing test function.
         meaning: &'static str,
     },
     /// A test function of the rates that belongs to no control.

@@ -1,8 +1,8 @@
-//! What a history has to say of its steps, so that a sweep forward and back gives the gradient of its criterion.
+//! Steps of a history, forward and back, from which a sweep makes the gradient of its criterion.
 
 /// A row of steps from a state to the next, with a criterion J = Σ Jⁿ, n = 0, 1, …, over them.
 pub trait Evolution {
-    /// What can go wrong in a step.
+    /// Error of a step.
     type Error;
 
     /// The number of steps.

@@ -89,7 +89,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         self
     }
 
-    /// What is measured at the end of a step, numbered from 0, adds to the criterion.
+    /// Observations at the end of a step, numbered from 0, that add to the criterion.
     pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
         self.criterion.observations.entry(step).or_default().push(observations);
         self

@@ -64,7 +64,7 @@ pub struct Minimum {
     pub gradient: Vec<f64>,
     /// The start and each iterate.
     pub history: Vec<MinimisationStep>,
-    /// Why it ended.
+    /// Reason of the end.
     pub finish: Finish,
 }
 

@@ -111,7 +111,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self
     }
 
-    /// What is measured of the value at the end of a step, numbered from 0, adds to the criterion.
+    /// Observations of the value at the end of a step, numbered from 0, that add to the criterion.
     pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
         self.criterion.observations.entry(step).or_default().push(observations);
         self

@@ -11,7 +11,7 @@ use crate::space::Space;
 
 /// The test function of the derivative by the state before.
 const BEFORE: &str = "before";
-/// What the name of a test function of rates begins with.
+/// Prefix of the names of test functions of rates.
 const BY: &str = "by_";
 
 /// Assembles the rates of a step: adds those by the controls to the gradient, and gives that by the state before, on the space

@@ -4,7 +4,7 @@ use crate::verification::{Sample, TaylorReport, taylor};
 
 /// J(m) with its gradient.
 pub trait ReducedProblem {
-    /// What can go wrong on the way to a value.
+    /// Error of a value or a gradient.
     type Error: std::error::Error + 'static;
 
     /// The controls m to begin with.

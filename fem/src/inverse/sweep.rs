@@ -12,7 +12,7 @@ pub struct Gradient {
     pub value: f64,
     /// dJ/dm, an entry per control value.
     pub gradient: Vec<f64>,
-    /// What it took.
+    /// Work of the sweep.
     pub work: Work,
 }
 

@@ -22,7 +22,7 @@ pub struct StoredMesh {
 }
 
 impl StoredMesh {
-    /// What there is to store of a mesh without rigid surfaces.
+    /// Parts to store of a mesh without rigid surfaces.
     ///
     /// # Errors
     /// A region that cannot be read, which does not happen.
@@ -57,7 +57,7 @@ impl StoredMesh {
     /// The mesh.
     ///
     /// # Errors
-    /// What was changed so that it is none.
+    /// Lists that were changed since they were stored, and make no mesh.
     pub fn mesh<const D: usize>(&self) -> Result<Mesh<D>, MeshError> {
         let nodes = self.nodes.chunks_exact(D).map(|node| std::array::from_fn(|k| node[k])).collect();
         // A name that is none has no nodes, which is found below.

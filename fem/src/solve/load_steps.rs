@@ -38,7 +38,7 @@ pub struct LoadSteps {
     pub factors: Vec<f64>,
     /// A step whose increment, in amount, is at most this is not halved: it fails for good.
     pub smallest_increment: f64,
-    /// Where [`LoadSteps::advance`] begins each step.
+    /// Start of Newton's method in each step of [`LoadSteps::advance`].
     pub start_of_steps: StepStart,
 }
 

@@ -21,7 +21,7 @@ pub(super) struct FacetParts<const D: usize> {
     places: Vec<PartCorners<D>>,
 }
 
-/// How the two sides of an interior facet face each other.
+/// Relation of the two sides of an interior facet.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Facing {

@@ -137,7 +137,7 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// How the vertices of the two sides correspond.
+    /// Correspondence of the vertices of the two sides.
     #[doc(hidden)]
     pub fn facing(&self, sides: &[Facet; 2]) -> Result<Facing, MeshError> {
         if let Some(in_part) = self.facing_in_part(sides) {

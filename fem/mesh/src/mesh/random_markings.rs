@@ -21,7 +21,7 @@ impl Random {
     }
 }
 
-/// How many markings: all with FORMS_SWEEPS.
+/// Number of markings: all with FORMS_SWEEPS.
 pub(super) fn markings(in_sweeps: usize, as_a_rule: usize) -> usize {
     if std::env::var_os("FORMS_SWEEPS").is_some() { in_sweeps } else { as_a_rule }
 }

@@ -106,7 +106,7 @@ mod tests {
     use crate::diagnostics::Diagnostics;
     use crate::parse::parse;
 
-    /// What an editor reads is Rust, and holds each body as it was typed.
+    /// The text for an editor is Rust, and holds each body as it was typed.
     #[test]
     fn bodies_stand_as_they_were_typed() {
         let item: ItemMod = syn::parse_quote! {

@@ -24,7 +24,7 @@ fn operations([point, test, trial, pair, finish]: [usize; 5]) -> TokenStream {
 struct PointFunction {
     /// Functions of its own for its parts, where it is long.
     parts: TokenStream,
-    /// How the lane enters them.
+    /// Implementations by which a lane calls them with its own instructions.
     entries: TokenStream,
     statements: TokenStream,
     operations: usize,

@@ -90,7 +90,7 @@ fn came(field: &Field) -> bool {
         .any(|attribute| ["inherited", "included"].iter().any(|word| attribute.path().is_ident(word)))
 }
 
-/// What two declarations of one member must share: the type and the default.
+/// Type and default of a member, which two declarations of it must share.
 fn likeness(field: &Field) -> (String, Option<String>) {
     let default = field.attrs.iter().find(|attribute| attribute.path().is_ident("default"));
     (

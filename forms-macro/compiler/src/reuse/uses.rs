@@ -18,11 +18,11 @@ pub struct Import {
     pub local: Ident,
     /// Private: the function is called here. Otherwise it is a function of this module, too.
     pub visibility: Visibility,
-    /// What is taken from there.
+    /// Kind of import.
     pub asked: Asked,
 }
 
-/// What an import brings.
+/// Kinds of imports.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// A function, a region or the data struct, by a `use`.

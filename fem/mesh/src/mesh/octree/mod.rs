@@ -54,7 +54,7 @@ struct Origin {
 /// The cells that have been divided.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Divided {
-    /// What each of them is a part of; those come before it.
+    /// The cell of which each is a part; it comes before its parts.
     origins: Vec<Option<Origin>>,
     /// Their node numbers, cell after cell.
     nodes: Vec<u32>,

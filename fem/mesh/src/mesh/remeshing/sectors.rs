@@ -12,7 +12,7 @@ use super::sizes::SizeField;
 pub(super) struct Sectors {
     pub centre: [f64; 2],
     pub count: usize,
-    /// Where a sector begins \[rad\].
+    /// Angle at which a sector begins \[rad\].
     pub angle: f64,
 }
 
