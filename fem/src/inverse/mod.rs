@@ -66,6 +66,7 @@
 
 mod any_energy;
 pub mod bounds;
+mod choices;
 pub mod controls;
 mod criterion;
 mod during;

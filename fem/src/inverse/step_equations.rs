@@ -11,7 +11,7 @@ use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{
-    Elimination, LinearSolver, NewtonOptions, OwnedForm, TangentSolver, Transpose, solve_linear_transposed,
+    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Transpose, solve_linear_transposed,
     solve_owned,
 };
 use crate::space::Space;
@@ -21,7 +21,7 @@ pub(super) struct StepEquations<'a, const D: usize> {
     pub assembler: Assembler<D>,
     pub options: NewtonOptions,
     space: Arc<Space<D>>,
-    solver: Solver<'a>,
+    solver: LentSolver<'a>,
     pattern: Option<Arc<BlockPattern<D>>>,
     /// Constants, to test rates by numbers with.
     constants: Option<Arc<Space<D>>>,
@@ -38,21 +38,6 @@ pub(super) enum Solution {
     Step(usize),
 }
 
-/// The history's own linear solver, or one that is lent to it.
-enum Solver<'a> {
-    Own(Box<TangentSolver>),
-    Lent(&'a mut dyn LinearSolver),
-}
-
-impl Solver<'_> {
-    fn get(&mut self) -> &mut dyn LinearSolver {
-        match self {
-            Solver::Own(solver) => &mut **solver,
-            Solver::Lent(solver) => &mut **solver,
-        }
-    }
-}
-
 impl<'a, const D: usize> StepEquations<'a, D> {
     #[inline(never)]
     pub fn new(space: &Arc<Space<D>>) -> Self {
@@ -60,7 +45,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             assembler: Assembler::new(space.mesh()),
             options: NewtonOptions::default(),
             space: Arc::clone(space),
-            solver: Solver::Own(Box::default()),
+            solver: LentSolver::default(),
             pattern: None,
             constants: None,
             tangent_of: None,
@@ -68,7 +53,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     pub fn lend(&mut self, solver: &'a mut dyn LinearSolver) {
-        self.solver = Solver::Lent(solver);
+        self.solver = LentSolver::Lent(solver);
     }
 
     /// Forgets which tangent the solver has: data may be others now.

@@ -12,6 +12,7 @@ pub mod condensed_solver;
 #[cfg(test)]
 mod contrasts;
 pub mod elimination;
+mod lent_solver;
 mod linear_and_nonlinear;
 mod linear_part;
 pub mod linear_solver;
@@ -31,6 +32,7 @@ pub mod tangent_solver;
 pub use communicator::{CommunicationError, Communicator};
 pub use condensed_solver::CondensedSolver;
 pub use elimination::Elimination;
+pub(crate) use lent_solver::LentSolver;
 pub use linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
 pub use linear_system::{solve_linear, solve_linear_transposed};
 pub use load_steps::{

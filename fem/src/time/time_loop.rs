@@ -15,7 +15,7 @@ use crate::contract::Form;
 use crate::field::Field;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{
-    Elimination, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, TangentSolver, solve_owned,
+    Elimination, LentSolver, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, solve_owned,
 };
 
 /// A form of motion that is followed step by step, from a state, by a scheme.
@@ -27,7 +27,7 @@ pub struct TimeLoop<'a, const D: usize> {
     scheme: Box<dyn Scheme + 'a>,
     assembler: Assembler<D>,
     constraints: ConstraintsAt<'a, D>,
-    solver: Solver<'a>,
+    solver: LentSolver<'a>,
     options: NewtonOptions,
     mass: Mass,
     constant_coefficients: bool,
@@ -42,21 +42,6 @@ pub struct TimeLoop<'a, const D: usize> {
 
 type FormOfStep<'a, const D: usize> = Box<dyn Fn(&Step<D>) -> Box<dyn AnyForm<D> + 'a> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
-
-/// The loop's own linear solver, or one that is lent to it.
-enum Solver<'a> {
-    Own(Box<TangentSolver>),
-    Lent(&'a mut dyn LinearSolver),
-}
-
-impl Solver<'_> {
-    fn get(&mut self) -> &mut dyn LinearSolver {
-        match self {
-            Solver::Own(solver) => &mut **solver,
-            Solver::Lent(solver) => &mut **solver,
-        }
-    }
-}
 
 /// With coefficients that are promised to be constant, each so many steps the equations are assembled at the solution.
 const CHECKED_STEPS: usize = 32;
@@ -83,7 +68,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             scheme,
             assembler: Assembler::new(space.mesh()),
             constraints: Box::new(move |_| Ok(Constraints::new(&space))),
-            solver: Solver::Own(Box::default()),
+            solver: LentSolver::default(),
             options: NewtonOptions::default(),
             mass: Mass::Consistent,
             constant_coefficients: false,
@@ -116,9 +101,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self
     }
 
-    /// Another linear solver than a [`TangentSolver`].
+    /// Another linear solver than a [`TangentSolver`](crate::solve::TangentSolver).
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
-        self.solver = Solver::Lent(solver);
+        self.solver = LentSolver::Lent(solver);
         self
     }
 

@@ -1,0 +1,96 @@
+//! Choices that histories of loads and of motions share: observations, conditions, solver, storage; and the reduced problem that each
+//! of them is.
+
+/// Methods of a history with the members `controls`, `criterion`, `constraints`, `equations` and `stored`, and a method `begin`.
+/// Conditions are a function of a moment, which the text names.
+macro_rules! choices_of {
+    ($history:ident, constrained_at $moment:ty, $text:literal) => {
+        impl<'a, const D: usize> $history<'a, D> {
+            /// Observations of the value at the end of a step, numbered from 0, that add to the criterion.
+            pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
+                self.criterion.observations.entry(step).or_default().push(observations);
+                self
+            }
+
+            /// A function of the controls alone that adds to the criterion, with its gradient, as a regularisation.
+            pub fn with_cost_of_controls(mut self, cost: impl Fn(&[f64]) -> (f64, Vec<f64>) + 'a) -> Self {
+                self.criterion.of_controls = Some(Box::new(cost));
+                self
+            }
+
+            /// Conditions that do not change.
+            pub fn constrained(self, constraints: &Constraints<D>) -> Self {
+                let constraints = constraints.clone();
+                self.constrained_at(move |_| Ok(constraints.clone()))
+            }
+
+            #[doc = concat!("Conditions as a function of ", $text, ".")]
+            pub fn constrained_at(
+                mut self,
+                constraints: impl Fn($moment) -> Result<Constraints<D>, ConstraintsError> + 'a,
+            ) -> Self {
+                self.constraints = Box::new(constraints);
+                self
+            }
+
+            /// Another assembler than the default one: for its quadrature, its threads.
+            pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
+                self.equations.assembler = assembler.clone();
+                self
+            }
+
+            /// Another linear solver than a [`TangentSolver`](crate::solve::TangentSolver), for the steps and their adjoints.
+            pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
+                self.equations.lend(solver);
+                self
+            }
+
+            /// Tolerances of Newton's method in each step.
+            pub fn options(mut self, options: NewtonOptions) -> Self {
+                self.equations.options = options;
+                self
+            }
+
+            /// At most so many states are stored, and the others computed again on the way back; all are, unless this is said.
+            pub fn stored_states(mut self, most: usize) -> Self {
+                self.stored = most;
+                self
+            }
+
+            /// J with its gradient, and what it took.
+            ///
+            /// # Errors
+            /// [`HistoryError`], which names the step.
+            #[inline(never)]
+            pub fn gradient(&mut self, m: &[f64]) -> Result<Gradient, HistoryError> {
+                self.begin(m).map_err(|why| why.at(0))?;
+                let stored = self.stored;
+                let mut found = gradient_of(self, stored)?;
+                self.criterion.add_cost_of_controls(m, &mut found).map_err(|why| why.at(0))?;
+                Ok(found)
+            }
+        }
+
+        impl<const D: usize> ReducedProblem for $history<'_, D> {
+            type Error = HistoryError;
+
+            fn start(&self) -> Vec<f64> {
+                self.controls.values().to_vec()
+            }
+
+            fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {
+                self.begin(m).map_err(|why| why.at(0))?;
+                let mut found = value_of(self)?;
+                found.value[0] += self.criterion.cost_of_controls(m).map_err(|why| why.at(0))?;
+                Ok(found)
+            }
+
+            fn value_and_gradient(&mut self, m: &[f64]) -> Result<(f64, Vec<f64>), HistoryError> {
+                let found = self.gradient(m)?;
+                Ok((found.value, found.gradient))
+            }
+        }
+    };
+}
+
+pub(super) use choices_of;
