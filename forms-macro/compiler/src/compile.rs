@@ -269,7 +269,9 @@ impl Unit<'_> {
         let names: Vec<String> = module.functions.iter().map(|function| function.name.to_string()).collect();
         dump.emitted(&names, &options.dimensions, &code);
         let tracker = dump::tracker();
+        // First: rust-analyzer looks for the name that is being typed at the same offset with and without it, and all else
+        // changes with the first mistake.
         let names = editor::is_editor().then(|| editor::bodies(&item, &module, &options.backend));
-        Compiled { code: quote! { #errors #tracker #code #names }, carrier, used }
+        Compiled { code: quote! { #names #errors #tracker #code }, carrier, used }
     }
 }
