@@ -3,6 +3,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
+pub(super) mod basis_in_lanes;
 mod buffers;
 mod cell_map;
 mod checks;

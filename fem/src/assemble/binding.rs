@@ -1,14 +1,20 @@
 //! A form bound to a mesh: every field checked and resolved, every parameter finite.
 
+pub(super) mod entities;
+pub(super) mod notices;
+pub(super) mod outline;
+pub(super) mod owned_cells;
+pub(super) mod pair_histories;
+
 use std::ops::Deref;
 use std::sync::Arc;
 
 use forms_core::contract::{FieldDescription, Inputs, Region, Requirements, Role, Source};
 use forms_core::source::PositionFunction;
 
-use super::entities::Entities;
-use super::owned_cells::OwnedCells;
-use super::{Assembler, AssemblyError, notices};
+use self::entities::Entities;
+use self::owned_cells::OwnedCells;
+use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};

@@ -1,18 +1,22 @@
 //! Which matrix entries a form can touch: nodes that an integral couples, for each pair of test and trial
 //! space; and where element matrices go.
 
+pub(super) mod block_index;
+pub(super) mod sparsity;
+pub(super) mod touched;
+
 use std::sync::Arc;
 
 use forms_core::contract::{Form, Role, Side};
 
-use super::block_index::BlockIndex;
-use super::entities::Entities;
-use super::outline::{Coupling, Described, Outline};
-use super::owned_cells::OwnedCells;
-use super::pair_groups::without_coefficients;
-use super::pair_search::PairSearch;
-use super::sparsity::{Cliques, couple};
+use self::block_index::BlockIndex;
+use self::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
+use crate::assemble::binding::entities::Entities;
+use crate::assemble::binding::outline::{Coupling, Described, Outline};
+use crate::assemble::binding::owned_cells::OwnedCells;
+use crate::assemble::walk::pair_groups::without_coefficients;
+use crate::assemble::walk::pair_search::PairSearch;
 use crate::compiled_here::compiled_here;
 use crate::field::FieldView;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};

@@ -8,11 +8,11 @@ use forms_core::contract::{
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, pair_error};
-use super::entities::Entities;
-use super::facet_groups::facet_groups;
-use super::pair_groups::groups_of;
 use super::walk::{Group, Places};
 use super::{Assembler, AssemblyError};
+use crate::assemble::binding::entities::Entities;
+use crate::assemble::walk::facet_groups::facet_groups;
+use crate::assemble::walk::pair_groups::groups_of;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;

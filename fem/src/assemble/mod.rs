@@ -1,81 +1,59 @@
 //! Assembly: the loops over cells and facets that run compiled kernels.
 //!
 //! ```text
-//! binding   a form's data against a mesh: regions, fields, parameters checked; entities are a region's cells or facets
-//! walk      a region as groups of entities with common tables
+//! binding   a form's data against a mesh: regions, fields, parameters checked. Inside: entities (a region's cells or
+//!           facets), owned_cells (an assembler of some of the cells), outline (a form without its type), pair_histories
+//! walk      a region as groups of entities with common tables. Inside: facets, contact pairs (whose points differ from
+//!           entity to entity), facets that are split at zeros
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
 //! kernel_calls   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
 //!           sum_factorisation: three ways
-//! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
-//! block_pattern, touched, sparsity, block_index   the positions of a matrix, and where element matrices go
-//! pair_groups   the points of contact pairs, which differ from entity to entity, as groups; pair_search those of a pattern
-//! owned_cells   the partial sums of an assembler of some of the cells
-//! partition, scatter   which thread adds what, in the order of one thread; group_nodes, block_finders: to which rows and places
+//! element_kernel   the same on cells that the caller lists; fixed: loops whose lengths are known when compiled
+//! block_pattern   the positions of a matrix. Inside: sparsity, block_index (the slots of element matrices), touched entries
+//! scatter   from element matrices to the global one. Inside: partition (which thread adds what, in the order of one thread),
+//!           group_nodes, block_finders (to which rows and slots)
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
 //!
 //! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
 //! two sides. Who calls which function of a kernel, on cells and facets alike: of a tangent `cell` in `compute_in_lanes` and
 //! `point`, `test`, `trial` in `factors` of `kernel_calls/matrices.rs`, `pair` and `finish` in `kernel_calls/node_pairs.rs`; of a
-//! residual all in `kernel_calls/vectors.rs`; of functionals and derived fields in `functional.rs` and `derived.rs`. `fixed` and
-//! `reference_tensor` call them in the same order.
+//! residual all in `kernel_calls/vectors.rs`; of functionals and derived fields in `functional.rs` and `derived.rs`.
+//! `element_kernel::fixed` and `kernel_calls::reference_tensor` call them in the same order.
 
 mod action;
-mod basis_in_lanes;
 mod batch;
 mod binding;
-mod block_finders;
-mod block_index;
 mod block_pattern;
 mod derived;
 mod element_kernel;
-mod entities;
 mod error;
-mod facet_groups;
-mod fixed;
 mod functional;
-mod group_nodes;
 mod kernel_calls;
-mod notices;
-mod outline;
-mod owned_cells;
-mod pair_groups;
-mod pair_histories;
-mod pair_reports;
-mod pair_search;
-mod partition;
-mod positive_parts;
 pub(crate) mod projection;
-mod reference_tensor;
 mod residual;
 mod scatter;
-mod sink;
-mod sizes;
-mod sparsity;
-mod split_facets;
-mod sum_factorisation;
 mod tangent;
-mod touched;
 mod walk;
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use action::TangentAction;
+pub(crate) use binding::outline::Outline;
 pub use block_pattern::BlockPattern;
+pub(crate) use block_pattern::touched::TouchedEntries;
 pub use derived::{FacetSample, PointValues};
+pub use element_kernel::sizes::{Counted, Fixed, Sizes};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
-pub(crate) use outline::Outline;
-pub(crate) use pair_reports::FoundPairs;
-pub use pair_reports::RegionPairs;
-pub use positive_parts::PositivePart;
-pub use sizes::{Counted, Fixed, Sizes};
 pub use tangent::ElementMatrix;
-pub(crate) use touched::TouchedEntries;
+pub(crate) use walk::pair_reports::FoundPairs;
+pub use walk::pair_reports::RegionPairs;
+pub use walk::positive_parts::PositivePart;
 
-use self::owned_cells::OwnedCells;
+use self::binding::owned_cells::OwnedCells;
 use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
 use crate::pairs::KnownPairs;

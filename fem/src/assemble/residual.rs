@@ -7,12 +7,12 @@ use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirem
 
 use super::batch::Cells;
 use super::binding::Binding;
-use super::group_nodes::GroupNodes;
 use super::kernel_calls::vectors::ElementVectors;
 use super::scatter::VectorScatter;
-use super::sink::Deliver;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
+use crate::assemble::kernel_calls::sink::Deliver;
+use crate::assemble::scatter::group_nodes::GroupNodes;
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;

@@ -1,11 +1,15 @@
 //! Adding element matrices and vectors to the matrix and vector of all unknowns, from several threads.
 
+pub(super) mod block_finders;
+pub(super) mod group_nodes;
+pub(super) mod partition;
+
 use std::ops::Range;
 
-use super::block_finders::{Chosen, ChosenPairs, Finder, Known, Search};
-use super::block_index::{BlockIndex, Slot, Slots};
-use super::group_nodes::GroupNodes;
-use super::partition::Partition;
+use self::block_finders::{Chosen, ChosenPairs, Finder, Known, Search};
+use self::group_nodes::GroupNodes;
+use self::partition::Partition;
+use crate::assemble::block_pattern::block_index::{BlockIndex, Slot, Slots};
 use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 use crate::threads::Threads;

@@ -7,14 +7,14 @@ use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requ
 
 use super::batch::Cells;
 use super::binding::Binding;
-use super::block_finders::ChosenPairs;
-use super::group_nodes::{GroupNodes, Reading, seen_places};
 use super::kernel_calls::matrices::ElementMatrices;
-use super::outline::{Described, Outline};
 use super::scatter::MatrixScatter;
-use super::sink::Deliver;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
+use crate::assemble::binding::outline::{Described, Outline};
+use crate::assemble::kernel_calls::sink::Deliver;
+use crate::assemble::scatter::block_finders::ChosenPairs;
+use crate::assemble::scatter::group_nodes::{GroupNodes, Reading, seen_places};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;

@@ -2,14 +2,21 @@
 //! Cells group by their shape, facets by that and by their local number, because their points lie elsewhere in the reference cell; interior
 //! facets also by their local number on the other side, and by how the two sides are turned.
 
+pub(super) mod facet_groups;
+pub(super) mod pair_groups;
+pub(super) mod pair_reports;
+pub(super) mod pair_search;
+pub(super) mod positive_parts;
+pub(super) mod split_facets;
+
 use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
 
+use self::facet_groups::facet_groups;
+use self::pair_groups::{PairTables, degree_on_pairs, pair_groups};
 use super::AssemblyError;
 use super::binding::{Binding, Tabulated};
-use super::entities::Entities;
-use super::facet_groups::facet_groups;
-use super::pair_groups::{PairTables, degree_on_pairs, pair_groups};
-use super::sum_factorisation::ProductTables;
+use crate::assemble::binding::entities::Entities;
+use crate::assemble::kernel_calls::sum_factorisation::ProductTables;
 use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange, Tables};
 use crate::mesh::{Facet, Mesh};

@@ -7,7 +7,7 @@ use super::pairs::PairBuffers;
 use super::side::SideBuffers;
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::{Binding, Values};
-use crate::assemble::sum_factorisation::Stages;
+use crate::assemble::kernel_calls::sum_factorisation::Stages;
 use crate::assemble::walk::Group;
 use crate::compiled_here::compiled_here;
 use crate::lanes::SimdLane;

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
-use crate::assemble::pair_groups::PairTables;
+use crate::assemble::walk::pair_groups::PairTables;
 use crate::compiled_here::compiled_here;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::mesh::Mesh;

@@ -10,8 +10,8 @@ use super::Batch;
 use super::cell_map::{curvature, inverse_transposed, shape_operator, surface, tangential};
 use super::side::{SideBuffers, SideTables};
 use crate::assemble::AssemblyError;
-use crate::assemble::basis_in_lanes::{LaneBasis, LaneElement};
-use crate::assemble::pair_groups::PairTables;
+use crate::assemble::batch::basis_in_lanes::{LaneBasis, LaneElement};
+use crate::assemble::walk::pair_groups::PairTables;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::pairs::PairGroup;
 

@@ -5,10 +5,10 @@
 
 use forms_core::contract::{Basis, Hessian};
 
-use super::super::binding::Tabulated;
-use super::super::walk::GroupSide;
 use super::cell_map::{curvature, inverse_transposed, largest_distance, tangential};
 use super::{Cells, Reads};
+use crate::assemble::binding::Tabulated;
+use crate::assemble::walk::GroupSide;
 use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts, WIDEST};
 

@@ -1,9 +1,11 @@
 //! Element matrices and vectors of a form on cells that the caller lists, without a mesh: for those who have
 //! assembly of their own, and for comparisons of kernels.
 
+pub(super) mod fixed;
 mod layout;
 mod prepare;
 mod run;
+pub(super) mod sizes;
 mod tables;
 
 use std::marker::PhantomData;
@@ -15,11 +17,12 @@ pub use layout::{ElementCells, ElementLayout, FieldLayout};
 
 use self::prepare::{Prepare, Prepared, of_facet};
 use self::run::Run;
+use self::sizes::{Counted, Sizes};
 use self::tables::ElementTables;
+use super::AssemblyError;
+use super::binding::notices;
 use super::binding::{Binding, Tabulated};
 use super::kernel_calls::matrices::block_order;
-use super::sizes::{Counted, Sizes};
-use super::{AssemblyError, notices};
 use crate::element::CellShape;
 use crate::lanes::{InstructionSet, Order};
 use crate::mesh::Mesh;

@@ -9,9 +9,9 @@ use forms_core::contract::{
 
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
-use crate::assemble::fixed::{FixedIntegral, PrepareMatrices, PrepareVectors, fits};
+use crate::assemble::element_kernel::fixed::{FixedIntegral, PrepareMatrices, PrepareVectors, fits};
+use crate::assemble::element_kernel::sizes::Sizes;
 use crate::assemble::kernel_calls::matrices::{along_axes, scalar};
-use crate::assemble::sizes::Sizes;
 use crate::assemble::walk::{Group, groups};
 use crate::quadrature::Quadrature;
 

@@ -9,10 +9,10 @@ use super::ElementCells;
 use super::prepare::{Kept, Lengths, Prepared, of_facet};
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
+use crate::assemble::element_kernel::sizes::Sizes;
 use crate::assemble::kernel_calls::matrices::{ElementMatrices, MatrixBuffers};
+use crate::assemble::kernel_calls::sink::Direct;
 use crate::assemble::kernel_calls::vectors::{ElementVectors, VectorBuffers};
-use crate::assemble::sink::Direct;
-use crate::assemble::sizes::Sizes;
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, SimdLane};
 

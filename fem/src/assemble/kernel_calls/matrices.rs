@@ -14,9 +14,9 @@ use super::NodePairs;
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
-use crate::assemble::reference_tensor::{ReferenceTensor, contract, suits};
-use crate::assemble::sink::{Buffered, Deliver, Sink};
-use crate::assemble::sum_factorisation::{
+use crate::assemble::kernel_calls::reference_tensor::{ReferenceTensor, contract, suits};
+use crate::assemble::kernel_calls::sink::{Buffered, Deliver, Sink};
+use crate::assemble::kernel_calls::sum_factorisation::{
     Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit,
 };
 use crate::assemble::walk::Group;

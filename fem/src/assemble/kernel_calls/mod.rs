@@ -1,6 +1,9 @@
 //! The calls of a kernel on the entities of a region, cells and facets alike: element matrices and vectors.
 
 mod node_pairs;
+pub(super) mod reference_tensor;
+pub(super) mod sink;
+pub(super) mod sum_factorisation;
 
 pub(super) mod matrices;
 pub(super) mod vectors;

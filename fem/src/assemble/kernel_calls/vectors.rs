@@ -10,8 +10,8 @@ use forms_core::contract::{Basis, LinearKernel};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
-use crate::assemble::sink::{Buffered, Deliver, Sink};
-use crate::assemble::sum_factorisation::{
+use crate::assemble::kernel_calls::sink::{Buffered, Deliver, Sink};
+use crate::assemble::kernel_calls::sum_factorisation::{
     Derivatives, Integration, ProductTables, Stages, axis_operations, unit,
 };
 use crate::assemble::walk::Group;

@@ -3,7 +3,7 @@
 use crate::element::CellShape;
 
 /// A place in a row of blocks.
-pub(super) trait Slot: Copy + Send + Sync + 'static {
+pub(in crate::assemble) trait Slot: Copy + Send + Sync + 'static {
     /// No row of more blocks can be described.
     const LONGEST_ROW: usize;
     /// A place below [`Slot::LONGEST_ROW`].
@@ -49,7 +49,7 @@ impl Slot for u32 {
 
 /// Slots in the smallest type that holds those of the longest row.
 #[derive(Clone, Debug)]
-pub(super) enum Slots {
+pub(in crate::assemble) enum Slots {
     Bytes(Vec<u8>),
     Words(Vec<u16>),
     Long(Vec<u32>),
@@ -74,7 +74,7 @@ impl Slots {
 /// For cells that take part, walked in some order, and each of their pairs of a test and a trial node: the place of
 /// the pair's block in the row of the test node.
 #[derive(Clone, Debug)]
-pub(super) struct BlockIndex {
+pub(in crate::assemble) struct BlockIndex {
     /// Shape after shape, `[cell in the walk of those of its shape][test node][trial node]`.
     pub places: Slots,
     /// Starts of the places of each shape's cells.

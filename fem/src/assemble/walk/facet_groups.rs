@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use super::AssemblyError;
-use super::binding::Binding;
-use super::entities::Entities;
-use super::walk::{Group, GroupSide, Places};
+use super::{Group, GroupSide, Places};
+use crate::assemble::AssemblyError;
+use crate::assemble::binding::Binding;
+use crate::assemble::binding::entities::Entities;
 use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
 use crate::mesh::{Facet, Facing};
@@ -50,7 +50,7 @@ impl<const D: usize> NumberedSide<D> {
 /// The groups of exterior or interior facets at the points of a rule on the facet's own reference cell, that of the smaller cell's facet,
 /// and the places of each group's facets in the region.
 #[inline(never)]
-pub(super) fn facet_groups<const D: usize>(
+pub(in crate::assemble) fn facet_groups<const D: usize>(
     binding: &Binding<D>,
     place: &str,
     facets: &Entities,

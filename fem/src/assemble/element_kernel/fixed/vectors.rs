@@ -14,7 +14,7 @@ use super::batch::{FieldBuffers, FixedBatch};
 use super::tables::MOST_COMPONENTS;
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
-use crate::assemble::sizes::{Array, Sizes};
+use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 
 /// Makes an integral of a residual ready for a lane type.

@@ -2,8 +2,8 @@
 
 use forms_core::contract::{Pairing, Requirements};
 
-use super::AssemblyError;
-use super::binding::{Binding, Values};
+use super::{Binding, Values};
+use crate::assemble::AssemblyError;
 use crate::compiled_here::compiled_here;
 
 impl<const D: usize> Binding<'_, D> {

@@ -1,17 +1,17 @@
 //! The places of an element matrix's blocks in their rows: looked up before, or searched for in the matrix.
 
-use super::block_index::{BlockIndex, Slot};
-use super::scatter::MatrixScatter;
+use super::MatrixScatter;
+use crate::assemble::block_pattern::block_index::{BlockIndex, Slot};
 
 /// Finds the places of the blocks of an element matrix.
-pub(super) trait Finder {
+pub(in crate::assemble) trait Finder {
     type Slot: Slot;
     /// Those of an entity, test node after test node; `None`: one is not in the pattern.
     fn find(&mut self, entity: usize) -> Option<&[Self::Slot]>;
 }
 
 /// Slots looked up before.
-pub(super) struct Known<'a, P> {
+pub(in crate::assemble) struct Known<'a, P> {
     cells: &'a [u32],
     map: &'a BlockIndex,
     /// From the first cell of the group's shape on.
@@ -50,7 +50,7 @@ impl<P: Slot> Finder for Known<'_, P> {
 }
 
 /// Some pairs of the nodes of a cell.
-pub(super) struct ChosenPairs {
+pub(in crate::assemble) struct ChosenPairs {
     /// Their places among all pairs of the cell, test node after test node.
     pub places: Vec<u32>,
     /// The number of all.
@@ -71,7 +71,7 @@ impl ChosenPairs {
 }
 
 /// Some of the slots looked up before.
-pub(super) struct Chosen<'a, P> {
+pub(in crate::assemble) struct Chosen<'a, P> {
     pub known: Known<'a, P>,
     pub pairs: &'a [u32],
     pub found: Vec<P>,
@@ -90,7 +90,7 @@ impl<P: Slot> Finder for Chosen<'_, P> {
 }
 
 /// Slots searched for in the matrix.
-pub(super) struct Search<'a, const D: usize> {
+pub(in crate::assemble) struct Search<'a, const D: usize> {
     scatter: &'a MatrixScatter<'a, D>,
     found: Vec<u32>,
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use forms_core::contract::Expression;
 
-use super::{Assembler, AssemblyError};
+use crate::assemble::{Assembler, AssemblyError};
 use crate::quadrature::{Piece, Quadrature, SplitFacets};
 
 /// Pieces shorter than this part of their facet hold nothing.

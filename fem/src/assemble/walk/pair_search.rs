@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use forms_core::contract::{Entity, Pairing};
 
-use super::binding::{Binding, pair_error};
-use super::entities::Entities;
-use super::outline::{Coupling, Described};
 use super::pair_groups::{degree_on_pairs, without_coefficients};
-use super::{Assembler, AssemblyError};
+use crate::assemble::binding::entities::Entities;
+use crate::assemble::binding::outline::{Coupling, Described};
+use crate::assemble::binding::{Binding, pair_error};
+use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::FieldView;
 use crate::mesh::{Facet, Mesh};
@@ -20,7 +20,7 @@ use crate::threads::Threads;
 
 /// Source of the contact pairs of a matrix pattern.
 #[derive(Debug)]
-pub(super) struct PairSearch<const D: usize> {
+pub(in crate::assemble) struct PairSearch<const D: usize> {
     known: Arc<KnownPairs<D>>,
     quadrature: Quadrature<D>,
     threads: Threads,

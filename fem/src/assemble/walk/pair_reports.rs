@@ -7,9 +7,9 @@ use forms_core::contract::{
     Entity, FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Pairing, Requirements, Role,
 };
 
-use super::binding::Binding;
 use super::pair_groups::degree_on_pairs;
-use super::{Assembler, AssemblyError};
+use crate::assemble::binding::Binding;
+use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::pairs::{FollowedMotion, Follower, PairError, PairReport};

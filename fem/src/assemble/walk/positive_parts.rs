@@ -3,7 +3,7 @@
 
 use forms_core::contract::Expression;
 
-use super::{Assembler, AssemblyError, FacetSample};
+use crate::assemble::{Assembler, AssemblyError, FacetSample};
 use crate::mesh::Facet;
 use crate::quadrature::sign_changes::{Polynomial, samples};
 
@@ -60,7 +60,7 @@ impl Assembler<2> {
 }
 
 /// The zeros of a scalar along a facet.
-pub(super) struct FacetZeros {
+pub(in crate::assemble) struct FacetZeros {
     pub facet: Facet,
     /// Ascending, inside (0, 1).
     pub zeros: Vec<f64>,
@@ -70,7 +70,7 @@ pub(super) struct FacetZeros {
 
 impl<const D: usize> Assembler<D> {
     /// The zeros of a scalar along each facet of a plane mesh's region.
-    pub(super) fn facet_zeros<E: Expression<D>>(
+    pub(in crate::assemble) fn facet_zeros<E: Expression<D>>(
         &self,
         expression: &E,
         region: &str,
@@ -107,7 +107,10 @@ impl<const D: usize> Assembler<D> {
         Ok(facets)
     }
 
-    pub(super) fn expect_scalar<E: Expression<D>>(&self, expression: &E) -> Result<(), AssemblyError> {
+    pub(in crate::assemble) fn expect_scalar<E: Expression<D>>(
+        &self,
+        expression: &E,
+    ) -> Result<(), AssemblyError> {
         match expression.shape().iter().product() {
             1 => Ok(()),
             found => {

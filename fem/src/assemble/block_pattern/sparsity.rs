@@ -11,7 +11,7 @@ use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 
 /// Sets of test and trial nodes that are all coupled with each other.
-pub(super) struct Cliques<'a> {
+pub(in crate::assemble) struct Cliques<'a> {
     /// Test nodes, set after set.
     pub rows: Vec<&'a [u32]>,
     /// Trial nodes of each set.
@@ -54,7 +54,7 @@ impl Around {
 
 /// The blocks of the pairs in the cliques; and for the first `mapped` cliques the places of their pairs, clique after
 /// clique.
-pub(super) fn couple(
+pub(in crate::assemble) fn couple(
     cliques: &Cliques,
     (row_nodes, column_nodes): (usize, usize),
     mapped: usize,

@@ -29,7 +29,7 @@ impl<T: Copy + Send + 'static, const LENGTH: usize> Array<T> for [T; LENGTH] {
     }
 }
 
-/// The lengths of the loops over nodes and points of an [`super::ElementKernel`].
+/// The lengths of the loops over nodes and points of an [`crate::assemble::ElementKernel`].
 pub trait Sizes: Copy + Send + Sync + 'static {
     /// Whether the lengths are those of the arrays; if not, they are counted.
     const FIXED: bool;

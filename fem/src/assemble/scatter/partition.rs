@@ -16,7 +16,7 @@ const ALIGNMENT: usize = 64;
 const SMALLEST: usize = 256;
 
 /// The entities and the rows of each thread.
-pub(super) struct Partition {
+pub(in crate::assemble) struct Partition {
     pub entities: Vec<Range<usize>>,
     /// Ascending, without gaps: no thread before the k-th touches a row of `rows[k]`.
     pub rows: Vec<Range<usize>>,
@@ -68,7 +68,7 @@ fn ends<'n>(
 }
 
 /// Runs of entities for at most so many threads; at least one.
-pub(super) fn runs(count: usize, threads: usize) -> Vec<Range<usize>> {
+pub(in crate::assemble) fn runs(count: usize, threads: usize) -> Vec<Range<usize>> {
     let parts = threads.min(count / SMALLEST).max(1);
     let start = |part: usize| match part == parts {
         true => count,

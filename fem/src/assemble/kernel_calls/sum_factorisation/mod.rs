@@ -11,7 +11,7 @@ mod matrices;
 mod product_tables;
 mod vectors;
 
-pub(super) use derivatives::{Derivatives, unit};
-pub(super) use matrices::{MatrixStages, PairSums, matrix_operations};
-pub(super) use product_tables::ProductTables;
-pub(super) use vectors::{Integration, Interpolation, Stages, axis_operations};
+pub(in crate::assemble) use derivatives::{Derivatives, unit};
+pub(in crate::assemble) use matrices::{MatrixStages, PairSums, matrix_operations};
+pub(in crate::assemble) use product_tables::ProductTables;
+pub(in crate::assemble) use vectors::{Integration, Interpolation, Stages, axis_operations};

@@ -5,14 +5,14 @@ use std::sync::Once;
 
 use forms_core::contract::Inputs;
 
-use super::AssemblyError;
+use crate::assemble::AssemblyError;
 use crate::lanes::InstructionSet;
 
 /// Set to anything, it silences the notice.
 const SILENT: &str = "FORMS_QUIET";
 
 /// A word on standard error, once per process, where the kernels of a form were compiled without optimisation.
-pub(super) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) {
+pub(in crate::assemble) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) {
     static TOLD: Once = Once::new();
     if inputs.optimised {
         return;
@@ -28,7 +28,10 @@ pub(super) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) {
 }
 
 /// Refuses a form whose kernels were compiled for no set of instructions that this machine has; `best` is the best that it has.
-pub(super) fn check_instructions(form: &'static str, best: InstructionSet) -> Result<(), AssemblyError> {
+pub(in crate::assemble) fn check_instructions(
+    form: &'static str,
+    best: InstructionSet,
+) -> Result<(), AssemblyError> {
     if best.is_available() {
         return Ok(());
     }

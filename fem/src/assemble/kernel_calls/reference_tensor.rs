@@ -12,20 +12,20 @@ mod scalars;
 use forms_core::contract::BilinearKernel;
 
 use self::blocks::Terms;
-use super::kernel_calls::matrices::scalar;
-use super::walk::GroupSide;
+use super::matrices::scalar;
+use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;
 
 /// Entries of a block, at most, for which sums are kept in registers.
 const LARGEST_BLOCK: usize = 16;
 
 /// Whether a kernel allows for a reference tensor on some cell.
-pub(super) const fn suits<K: BilinearKernel<D>, const D: usize>() -> bool {
+pub(in crate::assemble) const fn suits<K: BilinearKernel<D>, const D: usize>() -> bool {
     K::CELL_CONSTANT && !K::REQUIREMENTS.hessian && K::TEST_COMPONENTS * K::TRIAL_COMPONENTS <= LARGEST_BLOCK
 }
 
 /// R, for the pairs of nodes that are computed.
-pub(super) enum ReferenceTensor {
+pub(in crate::assemble) enum ReferenceTensor {
     /// Of forms whose block is a number: all coefficients, zeros included.
     Numbers(Vec<f64>),
     /// Of others.
@@ -69,7 +69,7 @@ impl ReferenceTensor {
 
 /// The blocks of all pairs by a reference tensor. `directions` is memory that is kept.
 #[inline(always)]
-pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+pub(in crate::assemble) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
     kernel: &K,
     cell: &K::Cell<L>,
     tensor: &ReferenceTensor,

@@ -4,14 +4,14 @@ use std::borrow::Cow;
 
 use forms_core::contract::{Entity, Region};
 
-use super::AssemblyError;
-use super::binding::pair_error;
+use super::pair_error;
+use crate::assemble::AssemblyError;
 use crate::compiled_here::compiled_here;
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::pairs::PairError;
 
 /// The cells or facets of a region.
-pub(super) enum Entities<'a> {
+pub(in crate::assemble) enum Entities<'a> {
     Cells(Cow<'a, [u32]>),
     Facets(Cow<'a, [Facet]>),
     InteriorFacets(Cow<'a, [[Facet; 2]]>),

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use forms_core::contract::{Integral, Pairing, Requirements};
 
-use super::basis_in_lanes::LaneElement;
-use super::binding::{Binding, pair_error};
-use super::walk::{Group, GroupSide, Places};
-use super::{Assembler, AssemblyError};
+use super::{Group, GroupSide, Places};
+use crate::assemble::batch::basis_in_lanes::LaneElement;
+use crate::assemble::binding::{Binding, pair_error};
+use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange};
 use crate::field::{Field, FieldView};
@@ -21,7 +21,7 @@ use crate::quadrature::{Quadrature, QuadratureRule, map_to_facet};
 use crate::space::Space;
 
 /// The points of a group's units, with the elements that are evaluated there.
-pub(super) struct PairTables<const D: usize> {
+pub(in crate::assemble) struct PairTables<const D: usize> {
     pub group: Arc<PairGroup<D>>,
     /// The geometry map on each side.
     pub geometry: [LaneElement; 2],
@@ -34,7 +34,7 @@ pub(crate) type DegreeEstimate = fn(&[usize], usize, bool) -> usize;
 
 /// The degree of a rule on pairs, whose cells may have several shapes: the highest of the estimates.
 #[inline(never)]
-pub(super) fn degree_on_pairs<const D: usize>(
+pub(in crate::assemble) fn degree_on_pairs<const D: usize>(
     mesh: &Mesh<D>,
     estimate: &dyn Fn(usize, bool) -> usize,
 ) -> usize {
@@ -43,7 +43,7 @@ pub(super) fn degree_on_pairs<const D: usize>(
 
 /// Unknowns of which nothing but their spaces is asked.
 #[inline(never)]
-pub(super) fn without_coefficients<'a, const D: usize>(
+pub(in crate::assemble) fn without_coefficients<'a, const D: usize>(
     spaces: &[&'a Arc<Space<D>>],
 ) -> Vec<FieldView<'a, D>> {
     spaces.iter().map(|space| FieldView { space, values: &[], finite: true }).collect()
@@ -51,7 +51,7 @@ pub(super) fn without_coefficients<'a, const D: usize>(
 
 /// The groups of a region of contact pairs.
 #[inline(never)]
-pub(super) fn pair_groups<const D: usize>(
+pub(in crate::assemble) fn pair_groups<const D: usize>(
     binding: &Binding<D>,
     integral: &Integral,
     quadrature: &Quadrature<D>,
@@ -72,7 +72,7 @@ pub(super) fn pair_groups<const D: usize>(
 
 /// The groups of some pairs.
 #[inline(never)]
-pub(super) fn groups_of<const D: usize>(
+pub(in crate::assemble) fn groups_of<const D: usize>(
     binding: &Binding<D>,
     place: &str,
     pairs: &Pairs<D>,
@@ -108,7 +108,7 @@ pub(super) fn groups_of<const D: usize>(
             known.insert((side, shape, local), made);
         }
         let elements = group.sides.map(|(shape, local)| {
-            let in_lanes = |element: &super::binding::Tabulated| {
+            let in_lanes = |element: &crate::assemble::binding::Tabulated| {
                 let lagrange = Lagrange { shape, degree: element.degree };
                 let kept = lagrange.facet_nodes(usize::from(local));
                 let kept = (element.on_facets && element.degree > 0).then_some(&kept[..]);
@@ -177,7 +177,7 @@ impl<const D: usize> Assembler<D> {
         Ok(pairs.report)
     }
 
-    pub(super) fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
+    pub(in crate::assemble) fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
         let space = displacement.space();
         match space.facet_region().is_none()
             && space.components() == D

@@ -8,9 +8,9 @@ use forms_core::contract::{Basis, BilinearKernel};
 use super::batch::{FieldBuffers, FixedBatch};
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
+use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::assemble::kernel_calls::NodePairs;
-use crate::assemble::reference_tensor::{ReferenceTensor, contract, suits};
-use crate::assemble::sizes::{Array, Sizes};
+use crate::assemble::kernel_calls::reference_tensor::{ReferenceTensor, contract, suits};
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 

@@ -3,14 +3,14 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::Assembler;
 use super::entities::Entities;
+use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
 use crate::mesh::{Mesh, MeshError};
 
 /// Which cells of a mesh are owned.
 #[derive(Clone, Debug)]
-pub(super) struct OwnedCells {
+pub(in crate::assemble) struct OwnedCells {
     owned: Vec<bool>,
 }
 
@@ -99,7 +99,7 @@ impl<const D: usize> Assembler<D> {
 
     /// The same on all cells.
     #[inline(never)]
-    pub(super) fn on_all_cells(&self) -> Self {
+    pub(in crate::assemble) fn on_all_cells(&self) -> Self {
         Assembler { owned: None, ..self.clone() }
     }
 }

@@ -7,15 +7,15 @@ mod matrices;
 mod tables;
 mod vectors;
 
-pub(super) use matrices::PrepareMatrices;
-pub(super) use tables::{FixedTables, fits};
-pub(super) use vectors::PrepareVectors;
+pub(in crate::assemble) use matrices::PrepareMatrices;
+pub(in crate::assemble) use tables::{FixedTables, fits};
+pub(in crate::assemble) use vectors::PrepareVectors;
 
-use super::element_kernel::ElementCells;
+use super::ElementCells;
 use crate::lanes::{Ordered, SimdLane};
 
 /// An integral with all that its loops need, for one lane type.
-pub(super) trait FixedIntegral: Send {
+pub(in crate::assemble) trait FixedIntegral: Send {
     /// Computes the results of the cells and writes them to `target`, one after the other, or adds them to what is there.
     ///
     /// # Panics

@@ -1,9 +1,9 @@
 //! Sinks for element matrices and vectors, batch by batch.
 
-use super::AssemblyError;
+use crate::assemble::AssemblyError;
 
 /// Takes the results of a batch.
-pub(super) trait Sink {
+pub(in crate::assemble) trait Sink {
     /// Memory for `count` results of `size` numbers each, that of entity `first` first.
     fn room(&mut self, first: usize, count: usize, size: usize) -> &mut [f64];
     /// The memory that was given last has been filled.
@@ -11,10 +11,10 @@ pub(super) trait Sink {
 }
 
 /// Callback for element matrices or vectors: the first entity, and those of it and its successors.
-pub(super) type Deliver<'a> = &'a mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>;
+pub(in crate::assemble) type Deliver<'a> = &'a mut dyn FnMut(usize, &[f64]) -> Result<(), AssemblyError>;
 
 /// Hands over each batch from a buffer.
-pub(super) struct Buffered<'a> {
+pub(in crate::assemble) struct Buffered<'a> {
     buffer: Vec<f64>,
     deliver: Deliver<'a>,
 }
@@ -41,7 +41,7 @@ impl Sink for Buffered<'_> {
 }
 
 /// Writes to memory of the caller, over what is there or in addition to it.
-pub(super) struct Direct<'a> {
+pub(in crate::assemble) struct Direct<'a> {
     pub target: &'a mut [f64],
     /// Room for results before they are added; `None`: they are not added.
     pub addend: Option<&'a mut Vec<f64>>,

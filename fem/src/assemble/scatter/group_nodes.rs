@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use forms_core::contract::Requirements;
 
 use super::partition::Partition;
-use super::walk::{Group, GroupSide};
+use crate::assemble::walk::{Group, GroupSide};
 use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange};
 use crate::mesh::Facet;
@@ -13,7 +13,7 @@ use crate::space::Space;
 use crate::threads::Threads;
 
 /// The nodes of a space on a group's entities.
-pub(super) struct GroupNodes<'a, const D: usize> {
+pub(in crate::assemble) struct GroupNodes<'a, const D: usize> {
     space: &'a Space<D>,
     pub cells: &'a [u32],
     pub shape: CellShape,
@@ -60,7 +60,7 @@ impl<'a, const D: usize> GroupNodes<'a, D> {
 
 /// The part of a test or trial function that a kernel reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Reading {
+pub(in crate::assemble) enum Reading {
     /// Values alone: functions that vanish on a facet are not seen there.
     Values,
     Derivatives,
@@ -77,7 +77,7 @@ impl Reading {
 /// The places, among a cell's nodes, of those that a kernel sees on the facets of contact pairs. None where all count: also on other
 /// entities, whose rows are known cell by cell, and on rigid surfaces, which lie anywhere in a cell.
 #[inline(never)]
-pub(super) fn seen_places<const D: usize>(
+pub(in crate::assemble) fn seen_places<const D: usize>(
     group: &Group<D>,
     side: usize,
     space: &Space<D>,
@@ -93,7 +93,7 @@ pub(super) fn seen_places<const D: usize>(
 }
 
 /// The nodes of a space that a kernel sees at some facets of contact pairs, one list per facet.
-pub(super) struct SeenAtFacets {
+pub(in crate::assemble) struct SeenAtFacets {
     starts: Vec<usize>,
     nodes: Vec<u32>,
 }

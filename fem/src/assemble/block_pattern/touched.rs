@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use forms_core::contract::{Entity, Role, Side};
 
-use super::AssemblyError;
-use super::block_pattern::BlockPattern;
-use super::entities::Entities;
-use super::outline::{Coupling, Outline};
-use super::owned_cells::OwnedCells;
+use super::BlockPattern;
+use crate::assemble::AssemblyError;
+use crate::assemble::binding::entities::Entities;
+use crate::assemble::binding::outline::{Coupling, Outline};
+use crate::assemble::binding::owned_cells::OwnedCells;
 use crate::compiled_here::compiled_here;
 use crate::mesh::Facet;
 use crate::space::Space;

@@ -11,7 +11,7 @@ use forms_core::contract::{
 use super::tables::{FieldTables, FixedTables};
 use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
 use crate::assemble::element_kernel::ElementCells;
-use crate::assemble::sizes::{Array, Sizes};
+use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts};
 

@@ -9,10 +9,10 @@ use forms_core::contract::{
     Role, Side,
 };
 
-use super::Parts;
 use super::entities::Entities;
-use super::group_nodes::{Reading, SeenAtFacets};
-use super::pair_groups::DegreeEstimate;
+use crate::assemble::Parts;
+use crate::assemble::scatter::group_nodes::{Reading, SeenAtFacets};
+use crate::assemble::walk::pair_groups::DegreeEstimate;
 use crate::mesh::Facet;
 use crate::space::Space;
 
@@ -50,7 +50,7 @@ impl<'a, const D: usize> Described<'a, D> {
 /// The same with what the tangents of some of its integrals couple.
 pub(crate) struct Outline<'a, const D: usize> {
     described: Described<'a, D>,
-    pub(super) couplings: Vec<Coupling>,
+    pub(in crate::assemble) couplings: Vec<Coupling>,
 }
 
 impl<'a, const D: usize> Outline<'a, D> {
