@@ -67,6 +67,7 @@ int main(void) {
         return 2;
     }
     printf("error %s\n", level_last_error());
+    m[2] = 0.02;
     if (level_value(NULL, m, inputs, &kept, 1) == 0 || level_value(beam, m, inputs, &kept, 2) == 0) {
         return 2;
     }
