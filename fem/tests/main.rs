@@ -15,6 +15,7 @@ mod high_degrees;
 mod history;
 mod interior_facets;
 mod inverse;
+mod inverse_maps;
 mod kept_candidates;
 mod language_names;
 mod mixed;

@@ -63,11 +63,33 @@ macro_rules! choices_of {
             /// [`HistoryError`], which names the step.
             #[inline(never)]
             pub fn gradient(&mut self, m: &[f64]) -> Result<Gradient, HistoryError> {
-                self.begin(m).map_err(|why| why.at(0))?;
+                self.begin(m).and_then(|()| self.criterion.exists()).map_err(|why| why.at(0))?;
                 let stored = self.stored;
                 let mut found = gradient_of(self, stored)?;
                 self.criterion.add_cost_of_controls(m, &mut found).map_err(|why| why.at(0))?;
                 Ok(found)
+            }
+        }
+
+        impl<const D: usize> ControlledEvolution<D> for $history<'_, D> {
+            fn controls(&self) -> &Controls<D> {
+                &self.controls
+            }
+
+            fn space(&self) -> &Arc<Space<D>> {
+                &self.space
+            }
+
+            fn begin(&mut self, m: &[f64]) -> Result<(), HistoryError> {
+                self.begin(m).map_err(|why| why.at(0))
+            }
+
+            fn has_criterion(&self) -> bool {
+                self.criterion.exists().is_ok() || self.criterion.of_controls.is_some()
+            }
+
+            fn most_stored(&self) -> usize {
+                self.stored
             }
         }
 
@@ -78,8 +100,12 @@ macro_rules! choices_of {
                 self.controls.values().to_vec()
             }
 
+            fn parts(&self) -> Vec<Part> {
+                self.controls.parts()
+            }
+
             fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {
-                self.begin(m).map_err(|why| why.at(0))?;
+                self.begin(m).and_then(|()| self.criterion.exists()).map_err(|why| why.at(0))?;
                 let mut found = value_of(self)?;
                 found.value[0] += self.criterion.cost_of_controls(m).map_err(|why| why.at(0))?;
                 Ok(found)

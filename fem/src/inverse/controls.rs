@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::differentiable_map::Part;
 use crate::field::{Field, FieldError};
 use crate::space::Space;
 
@@ -159,6 +160,11 @@ impl<const D: usize> Controls<D> {
     /// The rate of that, of motions.
     pub fn start_rate(self, name: &str, rate: &Field<D>) -> Self {
         self.with(name, Kind::Start(Start::Rate, Arc::clone(rate.space())), rate.values())
+    }
+
+    /// The names, each with its number of values, in the order in which they stand in m.
+    pub fn parts(&self) -> Vec<Part> {
+        self.entries.iter().map(|entry| Part::new(entry.name.as_str(), entry.count())).collect()
     }
 
     /// m.

@@ -26,11 +26,16 @@ pub(super) type EnergyAt<'a, const D: usize> =
 pub(super) type OfControls<'a> = Box<dyn Fn(&[f64]) -> (f64, Vec<f64>) + 'a>;
 
 impl<const D: usize> Criterion<'_, D> {
-    /// Whether there is a criterion, of states on the space of a history with so many steps.
-    pub fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), HistoryFailure> {
+    /// Whether there is something of a history's states in it.
+    pub fn exists(&self) -> Result<(), HistoryFailure> {
         if self.energy.is_none() && self.observations.is_empty() {
             return Err(HistoryFailure::Missing("criterion"));
         }
+        Ok(())
+    }
+
+    /// Whether it is one of states on the space of a history with so many steps.
+    pub fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), HistoryFailure> {
         if let Some(step) = self.observations.keys().find(|step| **step >= steps) {
             return Err(HistoryFailure::ObservedLater { step: *step, steps });
         }

@@ -30,6 +30,9 @@ pub enum HistoryFailure {
     /// A history without a form of its steps, of their rates, or without a criterion.
     #[error("the history has no {0}: give it with `.{0}(..)`")]
     Missing(&'static str),
+    /// A history with a criterion of its own, where its states are wanted.
+    #[error("the history has a criterion of its own; readings are of a history without one")]
+    OwnCriterion,
     /// Rates that lack the test function of a control, or of the state before.
     #[error("`{form}` has no test function `by_{name}`: {meaning}")]
     NotTested {

@@ -1,5 +1,11 @@
 //! Steps of a history, forward and back, from which a sweep makes the gradient of its criterion.
 
+use std::sync::Arc;
+
+use super::controls::Controls;
+use super::error::HistoryError;
+use crate::space::Space;
+
 /// A row of steps from a state to the next, with a criterion J = Σ Jⁿ, n = 0, 1, …, over them.
 pub trait Evolution {
     /// Error of a step.
@@ -66,4 +72,25 @@ pub trait Evolution {
     ) -> Result<Option<Vec<u32>>, Self::Error> {
         Ok(None)
     }
+}
+
+/// An evolution of states on a space, of controls by name.
+pub trait ControlledEvolution<const D: usize>: Evolution<Error = HistoryError> {
+    /// The controls with their last values.
+    fn controls(&self) -> &Controls<D>;
+
+    /// The space of the states.
+    fn space(&self) -> &Arc<Space<D>>;
+
+    /// Takes controls, before steps are asked for.
+    ///
+    /// # Errors
+    /// Controls or data that do not fit.
+    fn begin(&mut self, m: &[f64]) -> Result<(), HistoryError>;
+
+    /// Whether anything adds to its criterion.
+    fn has_criterion(&self) -> bool;
+
+    /// The most states that are to be stored.
+    fn most_stored(&self) -> usize;
 }

@@ -6,6 +6,8 @@
 //! MotionHistory   steps in time of one form by a scheme, the same
 //! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with few stored states
 //! ReducedProblem  J(m) with its gradient: Taylor tests, and `minimise` with bounds
+//! DifferentiableMap  controls to outputs over plain arrays, with products of Jacobian and vector: a criterion (`CriterionMap`), or
+//!                 readings of states (`ReadingsMap`); what other languages call
 //! ```
 //!
 //! A history's gradient is that of the discrete problem: backwards over the steps R_uᵀ pⁿ = −Jⁿ_u − (∂Rⁿ⁺¹/∂uⁿ)ᵀ pⁿ⁺¹, and dJ/dm is
@@ -69,6 +71,8 @@ pub mod bounds;
 mod choices;
 pub mod controls;
 mod criterion;
+pub mod criterion_map;
+pub mod differentiable_map;
 mod during;
 mod error;
 pub mod evolution;
@@ -78,18 +82,24 @@ pub mod motion_history;
 pub mod observations;
 mod quasi_newton;
 mod rates;
+pub mod readings;
+pub mod readings_map;
 pub mod reduced_problem;
 mod step_equations;
 mod sweep;
 
 pub use bounds::{Bounds, BoundsMismatch};
 pub use controls::{At, ControlError, Controls};
+pub use criterion_map::CriterionMap;
+pub use differentiable_map::{DifferentiableMap, MapError, Part};
 pub use during::During;
 pub use error::{HistoryError, HistoryFailure};
-pub use evolution::Evolution;
+pub use evolution::{ControlledEvolution, Evolution};
 pub use load_history::LoadHistory;
 pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
 pub use motion_history::MotionHistory;
 pub use observations::Observations;
+pub use readings::Readings;
+pub use readings_map::ReadingsMap;
 pub use reduced_problem::{ReducedProblem, taylor_test};
 pub use sweep::{Gradient, Work, gradient_of, largest_repetition, value_of};

@@ -1,5 +1,6 @@
 //! Reduced problems: a criterion as a function of the controls alone, the states being solved for on the way.
 
+use super::differentiable_map::Part;
 use crate::verification::{Sample, TaylorReport, taylor};
 
 /// J(m) with its gradient.
@@ -9,6 +10,11 @@ pub trait ReducedProblem {
 
     /// The controls m to begin with.
     fn start(&self) -> Vec<f64>;
+
+    /// The names of the controls, each with its number of values: one name for all, unless the problem tells others.
+    fn parts(&self) -> Vec<Part> {
+        vec![Part::new("controls", self.start().len())]
+    }
 
     /// J(m), with the switches that are on: where they change, J has a kink.
     ///

@@ -1,0 +1,82 @@
+//! Readings: numbers read off a state, its components at points or nodes.
+
+use std::sync::Arc;
+
+use crate::compiled_here::compiled_here;
+use crate::element::MAXIMUM_NODES;
+use crate::field::FieldError;
+use crate::space::Space;
+
+/// Components u_c(x) of a state at points x or at nodes, in the order in which they were asked for.
+#[derive(Clone, Debug)]
+pub struct Readings<const D: usize> {
+    space: Arc<Space<D>>,
+    /// Of each reading the unknowns, each with its part in it.
+    rows: Vec<Vec<(usize, f64)>>,
+}
+
+impl<const D: usize> Readings<D> {
+    /// Nothing read yet, of states on a space.
+    pub fn new(space: &Arc<Space<D>>) -> Self {
+        Readings { space: Arc::clone(space), rows: vec![] }
+    }
+
+    /// All components at a point.
+    ///
+    /// # Errors
+    /// [`FieldError::Outside`], [`FieldError::OnFacets`].
+    pub fn at_point(mut self, point: &[f64; D]) -> Result<Self, FieldError> {
+        if let Some(region) = self.space.facet_region() {
+            return Err(FieldError::OnFacets { region: region.to_owned() });
+        }
+        let found = self.space.locator().find(point);
+        let (cell, reference) = found.ok_or_else(|| FieldError::Outside { point: point.to_vec() })?;
+        let (mut values, mut slopes) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
+        self.space.cell_element(cell).evaluate(&reference, &mut values, &mut slopes);
+        let components = self.space.components();
+        for component in 0..components {
+            let nodes = self.space.cell_nodes(cell).iter().zip(values);
+            let row = nodes.map(|(node, part)| (*node as usize * components + component, part)).collect();
+            self.rows.push(row);
+        }
+        Ok(self)
+    }
+
+    /// All components at all nodes, as the coefficients of a field.
+    pub fn at_nodes(mut self) -> Self {
+        self.rows.extend((0..self.space.unknowns()).map(|unknown| vec![(unknown, 1.0)]));
+        self
+    }
+
+    /// The number of readings.
+    pub fn count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether they are of states on a space.
+    pub(super) fn fit(&self, space: &Arc<Space<D>>) -> bool {
+        self.space.numbers_as(space)
+    }
+
+    /// The space of the states.
+    pub(super) fn space(&self) -> &Arc<Space<D>> {
+        &self.space
+    }
+
+    /// The readings of a state, given by its coefficients.
+    #[inline(never)]
+    pub(super) fn of(&self, state: &[f64]) -> Vec<f64> {
+        let read = |row: &Vec<(usize, f64)>| row.iter().map(|(unknown, part)| part * state[*unknown]).sum();
+        self.rows.iter().map(read).collect()
+    }
+
+    /// Adds the slope by the state of the readings' sum, each with a weight.
+    #[inline(never)]
+    pub(super) fn add_slope(&self, weights: &[f64], slope: &mut [f64]) {
+        for (row, weight) in self.rows.iter().zip(weights) {
+            row.iter().for_each(|(unknown, part)| slope[*unknown] += weight * part);
+        }
+    }
+}
+
+compiled_here!(Readings::<D>::of, Readings::<D>::add_slope);
