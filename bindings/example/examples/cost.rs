@@ -33,6 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked = microseconds(|| {
         thread.value_and_gradient(m.clone()).expect("it has been solved before");
     });
-    println!("value and gradient: {solved:.1} µs; of the last controls {known:.2} µs, through the thread {asked:.2} µs");
+    println!(
+        "value and gradient: {solved:.1} µs; of the last controls {known:.2} µs, through the thread {asked:.2} µs"
+    );
     Ok(())
 }

@@ -18,11 +18,12 @@ def for_jax(problem):
 
     @jax.custom_vjp
     def f(m):
-        return jax.pure_callback(lambda m: problem.value(np.asarray(m)), jax.ShapeDtypeStruct((count,), float), m)
+        like_f = jax.ShapeDtypeStruct((count,), float)
+        return jax.pure_callback(lambda m: problem.value(np.asarray(m)), like_f, m, vmap_method="sequential")
 
     def backward(m, w):
-        like_m = jax.ShapeDtypeStruct(m.shape, float)
-        return (jax.pure_callback(lambda m, w: problem.vjp(np.asarray(m), np.asarray(w)), like_m, m, w),)
+        like_m, product = jax.ShapeDtypeStruct(m.shape, float), lambda m, w: problem.vjp(np.asarray(m), np.asarray(w))
+        return (jax.pure_callback(product, like_m, m, w, vmap_method="sequential"),)
 
     f.defvjp(lambda m: (f(m), m), backward)
     return f
@@ -62,7 +63,12 @@ class Criterion(unittest.TestCase):
         found = minimize(self.beam.value_and_gradient, self.beam.start, jac=True, bounds=bounds,
                          options={"ftol": 1e-15, "gtol": 1e-10})
         self.assertTrue(found.success, found)
-        self.assertLess(found.fun, 1e-3 * self.beam.value(self.beam.start)[0])
+        self.assertLess(found.fun, 1e-2 * self.beam.value(self.beam.start)[0])
+        # First order: between its bounds no control would go on.
+        value, gradient = self.beam.value_and_gradient(found.x)
+        self.assertAlmostEqual(value / found.fun, 1, places=12)
+        there = np.abs(np.clip(found.x - gradient, -0.1, 0.1) - found.x).max()
+        self.assertLess(there, 1e-4 * np.abs(self.beam.value_and_gradient(self.beam.start)[1]).max())
 
     def test_several_threads(self):
         m = [elsewhere(self.beam) * (1 + k / 10) for k in range(4)]
@@ -76,7 +82,8 @@ class Criterion(unittest.TestCase):
             thread.start()
         for thread in threads:
             thread.join()
-        np.testing.assert_array_equal(found, expected)
+        # Solvers remember: the order of calls shows in the last digits.
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
 class Readings(unittest.TestCase):
@@ -89,8 +96,9 @@ class Readings(unittest.TestCase):
         jacobian = self.beam.jacobian(m)
         steps = [t * max(abs(one), 1e-2) for one in m]
         columns = [(self.beam.value(m + h * e) - self.beam.value(m - h * e)) / (2 * h) for h, e in zip(steps, np.eye(m.size))]
+        # Displacements by gaps have the size one, also where a gap is not felt.
         for computed, expected in zip(jacobian.T, columns):
-            self.assertLess(np.abs(computed - expected).max(), 1e-6 * np.abs(expected).max())
+            self.assertLess(np.abs(computed - expected).max(), 1e-6 * max(1, np.abs(expected).max()))
         direction, w = np.cos(np.arange(m.size)), np.arange(1.0, 7.0)
         np.testing.assert_allclose(self.beam.jvp(m, direction), jacobian @ direction, rtol=1e-12)
         np.testing.assert_allclose(self.beam.vjp(m, w), jacobian.T @ w, rtol=1e-10, atol=1e-12 * np.abs(jacobian).max())
