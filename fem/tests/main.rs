@@ -31,6 +31,7 @@ mod related_unknowns;
 mod rigid_surfaces;
 mod rotated_relations;
 mod second_derivatives;
+mod second_order;
 mod several_shapes;
 mod shape_derivatives;
 mod sliding_linear_bodies;

@@ -6,6 +6,7 @@
 //! MotionHistory   steps in time of one form by a scheme, the same
 //! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with few stored states
 //! ReducedProblem  J(m) with its gradient: Taylor tests, and `minimise` with bounds
+//! TwiceDifferentiable  with its Hessian along a direction, and Taylor tests of both orders
 //! ```
 //!
 //! A history's gradient is that of the discrete problem: backwards over the steps R_uᵀ pⁿ = −Jⁿ_u − (∂Rⁿ⁺¹/∂uⁿ)ᵀ pⁿ⁺¹, and dJ/dm is
@@ -79,6 +80,8 @@ pub mod observations;
 mod quasi_newton;
 mod rates;
 pub mod reduced_problem;
+pub mod second_order;
+mod shelf;
 mod step_equations;
 mod sweep;
 
@@ -87,9 +90,10 @@ pub use controls::{At, ControlError, Controls};
 pub use during::During;
 pub use error::{HistoryError, HistoryFailure};
 pub use evolution::Evolution;
-pub use load_history::LoadHistory;
+pub use load_history::{Hessian, LoadHistory, SecondOrderState};
 pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
 pub use motion_history::MotionHistory;
 pub use observations::Observations;
 pub use reduced_problem::{ReducedProblem, taylor_test};
-pub use sweep::{Gradient, Work, gradient_of, largest_repetition, value_of};
+pub use second_order::{SecondOrder, TwiceDifferentiable, second_order_taylor_test};
+pub use sweep::{Gradient, SweepFailure, Work, gradient_of, gradient_on_disk, largest_repetition, value_of};
