@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 16] = [
+const MAKERS: [Maker; 17] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -72,6 +72,13 @@ const MAKERS: [Maker; 16] = [
         pictures: &[
             ("out/membrane_modes.png", "membrane_modes.png"),
             ("out/buckled_column.png", "buckled_column.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "topology"],
+        pictures: &[
+            ("out/topology.png", "topology.png"),
+            ("out/topology_compliance.png", "topology_compliance.png"),
         ],
     },
     Maker {

@@ -19,6 +19,7 @@ mod inverse;
 mod kept_candidates;
 mod language_names;
 mod mixed;
+mod moving_asymptotes;
 mod multipliers;
 mod newton_criterion;
 mod octree;

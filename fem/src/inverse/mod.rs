@@ -5,7 +5,7 @@
 //! LoadHistory     steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 of one form with a criterion J = Σ Jⁿ(uⁿ): J(m) and its gradient
 //! MotionHistory   steps in time of one form by a scheme, the same
 //! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with few stored states
-//! ReducedProblem  J(m) with its gradient: Taylor tests, and `minimise` with bounds
+//! ReducedProblem  J(m) with its gradient: Taylor tests, `minimise` with bounds, `moving_asymptotes` under constraints
 //! TwiceDifferentiable  with its Hessian along a direction, and Taylor tests of both orders
 //! ```
 //!
@@ -76,6 +76,7 @@ pub mod evolution;
 pub mod load_history;
 pub mod minimise;
 pub mod motion_history;
+pub mod moving_asymptotes;
 pub mod observations;
 mod quasi_newton;
 mod rates;
@@ -93,6 +94,9 @@ pub use evolution::Evolution;
 pub use load_history::{Hessian, LoadHistory, SecondOrderState};
 pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
 pub use motion_history::MotionHistory;
+pub use moving_asymptotes::{
+    ConstrainedError, ConstrainedMinimum, ConstrainedStep, Inequality, MovingAsymptotes,
+};
 pub use observations::Observations;
 pub use reduced_problem::{ReducedProblem, taylor_test};
 pub use second_order::{SecondOrder, TwiceDifferentiable, second_order_taylor_test};
