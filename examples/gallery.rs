@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 15] = [
+const MAKERS: [Maker; 17] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -65,6 +65,20 @@ const MAKERS: [Maker; 15] = [
         pictures: &[
             ("out/bar_impact_energy.png", "bar_impact_energy.png"),
             ("out/bar_impact_force.png", "bar_impact_force.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "eigenmodes"],
+        pictures: &[
+            ("out/membrane_modes.png", "membrane_modes.png"),
+            ("out/buckled_column.png", "buckled_column.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "topology"],
+        pictures: &[
+            ("out/topology.png", "topology.png"),
+            ("out/topology_compliance.png", "topology_compliance.png"),
         ],
     },
     Maker {

@@ -127,9 +127,9 @@ pub mod prelude {
     pub use crate::norms;
     pub use crate::quadrature::{Quadrature, QuadratureRule};
     pub use crate::solve::{
-        CondensedSolver, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,
-        MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError, Solved,
-        TangentSolver, TangentSolverOptions,
+        CondensedSolver, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver,
+        MultigridSolver, MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError,
+        Solved, TangentSolver, TangentSolverOptions,
     };
     pub use crate::space::{Family, Space};
     pub use crate::threads::Threads;

@@ -27,6 +27,7 @@ pub struct SymmetricFactor {
     /// None for LLᵀ.
     pivoting: Option<Pivoting>,
     smallest_pivot_ratio: f64,
+    negative_eigenvalues: usize,
     seconds: f64,
 }
 
@@ -84,6 +85,7 @@ impl SymmetricFactor {
             values,
             pivoting: None,
             smallest_pivot_ratio: smallest.ratio,
+            negative_eigenvalues: 0,
             seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -133,6 +135,7 @@ impl SymmetricFactor {
             SupernodalIntranodeLbltRef::new(supernodes, &values, &pivoting.below_diagonal, permutation);
         let unknown_at = |place: usize| analysis.order[pivoting.forward[place] as usize] as usize;
         let scale = |unknown: usize| largest(matrix.row(unknown).1);
+        let mut negative_eigenvalues = 0;
         for s in 0..supernodes.n_supernodes() {
             let node = factor.supernode(s);
             let mut j = 0;
@@ -142,12 +145,18 @@ impl SymmetricFactor {
                 let (a, b) = (node.val()[(j, j)], pivoting.below_diagonal[place]);
                 if b == 0.0 {
                     smallest.visit(unknown, a.abs(), scale(unknown))?;
+                    negative_eigenvalues += usize::from(a < 0.0);
                     j += 1;
                 } else {
                     // A 2 × 2 pivot [a b; b c]: its smaller eigenvalue is about |det| / (largest entry).
                     let c = node.val()[(j + 1, j + 1)];
                     let pivot = (a * c - b * b).abs() / largest(&[a, b, c]);
                     smallest.visit(unknown, pivot, scale(unknown).max(scale(unknown_at(place + 1))))?;
+                    // One of two signs where the determinant is negative, else both of one.
+                    negative_eigenvalues += match a * c > b * b {
+                        false => 1,
+                        true => 2 * usize::from(a < 0.0),
+                    };
                     j += 2;
                 }
             }
@@ -157,6 +166,7 @@ impl SymmetricFactor {
             values,
             pivoting: Some(pivoting),
             smallest_pivot_ratio: smallest.ratio,
+            negative_eigenvalues,
             seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -201,6 +211,12 @@ impl SymmetricFactor {
     /// Smallest pivot divided by its diagonal's scale, over all unknowns.
     pub fn smallest_pivot_ratio(&self) -> f64 {
         self.smallest_pivot_ratio
+    }
+
+    /// The number of negative eigenvalues of the matrix, by Sylvester's law of inertia: that of its pivots. It is that of a matrix nearby
+    /// as far as [`SymmetricFactor::solve_refined`] finds accurate solutions.
+    pub fn negative_eigenvalues(&self) -> usize {
+        self.negative_eigenvalues
     }
 
     /// Seconds that the factorisation took.

@@ -20,6 +20,7 @@ pub mod cg;
 pub mod cholesky;
 pub mod condition;
 pub mod csr;
+pub mod eigenpairs;
 #[doc(hidden)]
 pub mod equations;
 #[doc(hidden)]
@@ -56,6 +57,7 @@ pub use cg::cg;
 pub use cholesky::{Refined, SymmetricFactor};
 pub use condition::{ConditionEstimate, condition_estimate};
 pub use csr::CsrMatrix;
+pub use eigenpairs::{EigenError, Eigenpair, Positive, SymmetricPencil};
 pub use error::LinearAlgebraError;
 pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};
 pub use krylov::{KrylovError, KrylovOptions, KrylovReport};

@@ -61,7 +61,12 @@ pub fn spectrum(
 
 /// Numbers between −1 and 1 without a pattern, the same in every run.
 pub(super) fn irregular(size: usize) -> impl Iterator<Item = f64> {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    irregular_from(0x9e37_79b9_7f4a_7c15, size)
+}
+
+/// The same from a seed other than zero.
+pub(super) fn irregular_from(seed: u64, size: usize) -> impl Iterator<Item = f64> {
+    let mut state = seed;
     (0..size).map(move |_| {
         state ^= state << 13;
         state ^= state >> 7;

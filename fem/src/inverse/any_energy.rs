@@ -10,6 +10,13 @@ pub(super) trait AnyEnergy<const D: usize> {
     fn value(&self, assembler: &Assembler<D>, state: &Field<D>) -> Result<f64, AssemblyError>;
     /// Its first variation at a state, an entry per unknown.
     fn slope(&self, assembler: &Assembler<D>, state: &Field<D>) -> Result<Vec<f64>, AssemblyError>;
+    /// Its second variation at a state along a change, an entry per unknown.
+    fn curvature(
+        &self,
+        assembler: &Assembler<D>,
+        state: &Field<D>,
+        change: &Field<D>,
+    ) -> Result<Vec<f64>, AssemblyError>;
 }
 
 impl<F: Form<D> + Functional<D>, const D: usize> AnyEnergy<D> for F {
@@ -19,5 +26,14 @@ impl<F: Form<D> + Functional<D>, const D: usize> AnyEnergy<D> for F {
 
     fn slope(&self, assembler: &Assembler<D>, state: &Field<D>) -> Result<Vec<f64>, AssemblyError> {
         assembler.residual(self, &[state], &[state.space()])
+    }
+
+    fn curvature(
+        &self,
+        assembler: &Assembler<D>,
+        state: &Field<D>,
+        change: &Field<D>,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        assembler.action(self, &[state], &[change], &[state.space()])
     }
 }

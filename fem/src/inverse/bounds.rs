@@ -27,6 +27,17 @@ impl Bounds {
         Bounds { lower, upper }
     }
 
+    /// The lower and the upper bounds.
+    pub(super) fn both(&self) -> (&[f64], &[f64]) {
+        (&self.lower, &self.upper)
+    }
+
+    /// The first control of which a bound is not finite.
+    pub(super) fn first_infinite(&self) -> Option<usize> {
+        let finite = |(lower, upper): (&f64, &f64)| lower.is_finite() && upper.is_finite();
+        self.lower.iter().zip(&self.upper).position(|pair| !finite(pair))
+    }
+
     /// The nearest point between the bounds.
     pub(super) fn project(&self, m: &mut [f64]) {
         for ((m, lower), upper) in m.iter_mut().zip(&self.lower).zip(&self.upper) {

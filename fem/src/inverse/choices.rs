@@ -1,7 +1,7 @@
 //! Choices that histories of loads and of motions share: observations, conditions, solver, storage; and the reduced problem that each
 //! of them is.
 
-/// Methods of a history with the members `controls`, `criterion`, `constraints`, `equations` and `stored`, and a method `begin`.
+/// Methods of a history with the members `controls`, `criterion`, `constraints`, `equations` and `storage`, and a method `begin`.
 /// Conditions are a function of a moment, which the text names.
 macro_rules! choices_of {
     ($history:ident, constrained_at $moment:ty, $text:literal) => {
@@ -53,7 +53,14 @@ macro_rules! choices_of {
 
             /// At most so many states are stored, and the others computed again on the way back; all are, unless this is said.
             pub fn stored_states(mut self, most: usize) -> Self {
-                self.stored = most;
+                self.storage.most = most;
+                self
+            }
+
+            /// Stored states are files in a directory, but for the last one, and memory holds a few states however many steps there
+            /// are. The files are gone when a gradient has been computed.
+            pub fn states_on_disk(mut self, directory: impl Into<std::path::PathBuf>) -> Self {
+                self.storage.directory = Some(directory.into());
                 self
             }
 
@@ -64,8 +71,8 @@ macro_rules! choices_of {
             #[inline(never)]
             pub fn gradient(&mut self, m: &[f64]) -> Result<Gradient, HistoryError> {
                 self.begin(m).and_then(|()| self.criterion.exists()).map_err(|why| why.at(0))?;
-                let stored = self.stored;
-                let mut found = gradient_of(self, stored)?;
+                let storage = self.storage.clone();
+                let mut found = gradient_stored(self, &storage)?;
                 self.criterion.add_cost_of_controls(m, &mut found).map_err(|why| why.at(0))?;
                 Ok(found)
             }
@@ -89,7 +96,7 @@ macro_rules! choices_of {
             }
 
             fn most_stored(&self) -> usize {
-                self.stored
+                self.storage.most
             }
         }
 

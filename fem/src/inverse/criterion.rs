@@ -19,13 +19,26 @@ pub(super) struct Criterion<'a, const D: usize> {
     /// By the number of the step.
     pub observations: BTreeMap<usize, Vec<Observations<D>>>,
     pub of_controls: Option<OfControls<'a>>,
+    /// The second derivative of that along a direction.
+    pub curvature_of_controls: Option<CurvatureOfControls<'a>>,
 }
 
 pub(super) type EnergyAt<'a, const D: usize> =
     Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyEnergy<D> + 'a>, ControlError> + 'a>;
 pub(super) type OfControls<'a> = Box<dyn Fn(&[f64]) -> (f64, Vec<f64>) + 'a>;
+pub(super) type CurvatureOfControls<'a> = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64> + 'a>;
 
-impl<const D: usize> Criterion<'_, D> {
+impl<'a, const D: usize> Criterion<'a, D> {
+    /// No criterion yet.
+    pub fn none() -> Criterion<'a, D> {
+        Criterion {
+            energy: None,
+            observations: BTreeMap::new(),
+            of_controls: None,
+            curvature_of_controls: None,
+        }
+    }
+
     /// Whether there is something of a history's states in it.
     pub fn exists(&self) -> Result<(), HistoryFailure> {
         if self.energy.is_none() && self.observations.is_empty() {
@@ -74,6 +87,42 @@ impl<const D: usize> Criterion<'_, D> {
         }
         let observed = self.observations.get(&at.step()).into_iter().flatten();
         observed.for_each(|observations| observations.add_slope(after.values(), slope));
+        Ok(())
+    }
+
+    /// Adds the second derivative of that by the state along a change of it.
+    pub fn add_curvature(
+        &self,
+        at: &At<D>,
+        assembler: &Assembler<D>,
+        [after, change]: [&Field<D>; 2],
+        curvature: &mut [f64],
+    ) -> Result<(), HistoryFailure> {
+        if let Some(energy) = &self.energy {
+            add_scaled(curvature, 1.0, &energy(at)?.curvature(assembler, after, change)?);
+        }
+        let observed = self.observations.get(&at.step()).into_iter().flatten();
+        observed.for_each(|observations| observations.add_curvature(change.values(), curvature));
+        Ok(())
+    }
+
+    /// Adds the second derivative of the cost of the controls along a direction.
+    pub fn add_curvature_of_controls(
+        &self,
+        m: &[f64],
+        direction: &[f64],
+        action: &mut [f64],
+    ) -> Result<(), HistoryFailure> {
+        let curvature = match (&self.of_controls, &self.curvature_of_controls) {
+            (None, None) => return Ok(()),
+            (_, Some(curvature)) => curvature(m, direction),
+            (Some(_), None) => return Err(HistoryFailure::Missing("with_curvature_of_controls")),
+        };
+        if curvature.len() != m.len() {
+            let (expected, found) = (m.len(), curvature.len());
+            return Err(ControlError::Length { expected, found }.into());
+        }
+        add_scaled(action, 1.0, &curvature);
         Ok(())
     }
 

@@ -122,6 +122,9 @@ pub enum HistoryFailure {
     /// A state that is not finite.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// A state that was not written to the directory of stored states, or not read from it.
+    #[error("stored states: {0}")]
+    Storage(#[source] std::io::Error),
     /// No space of constants on the mesh.
     #[error(transparent)]
     Space(#[from] SpaceError),

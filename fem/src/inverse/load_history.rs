@@ -1,8 +1,11 @@
 //! Load histories: quasi-static steps of one form, each from the state before, with a criterion and its discrete adjoint.
 
-use std::collections::BTreeMap;
+mod second_order;
+
 use std::sync::Arc;
 
+use self::second_order::SecondRatesAt;
+pub use self::second_order::{Hessian, SecondOrderState};
 use super::choices::choices_of;
 use super::controls::{At, ControlError, Controls, Start};
 use super::criterion::Criterion;
@@ -12,8 +15,9 @@ use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
 use super::rates::add_rates;
 use super::reduced_problem::ReducedProblem;
+use super::shelf::Storage;
 use super::step_equations::{Solution, StepEquations};
-use super::sweep::{Gradient, gradient_of, value_of};
+use super::sweep::{Gradient, gradient_stored, value_of};
 use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
@@ -37,10 +41,11 @@ pub struct LoadHistory<'a, const D: usize> {
     controls: Controls<D>,
     step: Option<FormAt<'a, D>>,
     rates: Option<RatesAt<'a, D>>,
+    second_rates: Option<SecondRatesAt<'a, D>>,
     criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
     equations: StepEquations<'a, D>,
-    stored: usize,
+    storage: Storage,
 }
 
 type FormAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
@@ -59,10 +64,11 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             controls,
             step: None,
             rates: None,
-            criterion: Criterion { energy: None, observations: BTreeMap::new(), of_controls: None },
+            second_rates: None,
+            criterion: Criterion::none(),
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             equations: StepEquations::new(space),
-            stored: usize::MAX,
+            storage: Storage::ALL,
         }
     }
 
@@ -123,6 +129,11 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         Ok(self.controls.set_values(m)?)
     }
 
+    /// Whether a step may depend on the state before it.
+    fn remembers(&self) -> bool {
+        self.steps > 1 || self.controls.start_name(Start::Value).is_some()
+    }
+
     /// The form of a step from a state.
     fn form(&self, at: &At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, HistoryFailure> {
         Ok(self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?)
@@ -156,9 +167,8 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         let (form, constraints) = (self.form(&at)?, (self.constraints)(step)?);
         let adjoint = self.equations.adjoint(Solution::Step(step), &*form, &constraints, &after, &slope)?;
         let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &after, &adjoint)?;
-        let remembers = self.steps > 1 || self.controls.start_name(Start::Value).is_some();
         let spaces = [&self.space, &self.equations.constants()?];
-        let controls = (&self.controls, remembers);
+        let controls = (&self.controls, self.remembers());
         add_rates(&*rates, step, controls, spaces, &self.equations.assembler, gradient)
     }
 }

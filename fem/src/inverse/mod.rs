@@ -5,7 +5,8 @@
 //! LoadHistory     steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 of one form with a criterion J = Σ Jⁿ(uⁿ): J(m) and its gradient
 //! MotionHistory   steps in time of one form by a scheme, the same
 //! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with few stored states
-//! ReducedProblem  J(m) with its gradient: Taylor tests, and `minimise` with bounds
+//! ReducedProblem  J(m) with its gradient: Taylor tests, `minimise` with bounds, `moving_asymptotes` under constraints
+//! TwiceDifferentiable  with its Hessian along a direction, and Taylor tests of both orders
 //! DifferentiableMap  controls to outputs over plain arrays, with products of Jacobian and vector: a criterion (`CriterionMap`), or
 //!                 readings of states (`ReadingsMap`); what other languages call
 //! ```
@@ -79,12 +80,15 @@ pub mod evolution;
 pub mod load_history;
 pub mod minimise;
 pub mod motion_history;
+pub mod moving_asymptotes;
 pub mod observations;
 mod quasi_newton;
 mod rates;
 pub mod readings;
 pub mod readings_map;
 pub mod reduced_problem;
+pub mod second_order;
+mod shelf;
 mod step_equations;
 mod sweep;
 
@@ -95,11 +99,15 @@ pub use differentiable_map::{DifferentiableMap, MapError, Part};
 pub use during::During;
 pub use error::{HistoryError, HistoryFailure};
 pub use evolution::{ControlledEvolution, Evolution};
-pub use load_history::LoadHistory;
+pub use load_history::{Hessian, LoadHistory, SecondOrderState};
 pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
 pub use motion_history::MotionHistory;
+pub use moving_asymptotes::{
+    ConstrainedError, ConstrainedMinimum, ConstrainedStep, Inequality, MovingAsymptotes,
+};
 pub use observations::Observations;
 pub use readings::Readings;
 pub use readings_map::ReadingsMap;
 pub use reduced_problem::{ReducedProblem, taylor_test};
-pub use sweep::{Gradient, Work, gradient_of, largest_repetition, value_of};
+pub use second_order::{SecondOrder, TwiceDifferentiable, second_order_taylor_test};
+pub use sweep::{Gradient, SweepFailure, Work, gradient_of, gradient_on_disk, largest_repetition, value_of};

@@ -1,6 +1,5 @@
 //! Motions: steps in time of one form by a scheme, with a criterion and its discrete adjoint.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::choices::choices_of;
@@ -13,8 +12,9 @@ use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
 use super::rates::add_rates;
 use super::reduced_problem::ReducedProblem;
+use super::shelf::Storage;
 use super::step_equations::{Solution, StepEquations};
-use super::sweep::{Gradient, gradient_of, value_of};
+use super::sweep::{Gradient, gradient_stored, value_of};
 use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
@@ -43,7 +43,7 @@ pub struct MotionHistory<'a, const D: usize> {
     criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
     equations: StepEquations<'a, D>,
-    stored: usize,
+    storage: Storage,
 }
 
 type FormAt<'a, const D: usize> =
@@ -79,10 +79,10 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             controls,
             motion: None,
             rates: None,
-            criterion: Criterion { energy: None, observations: BTreeMap::new(), of_controls: None },
+            criterion: Criterion::none(),
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             equations: StepEquations::new(space),
-            stored: usize::MAX,
+            storage: Storage::ALL,
         }
     }
 

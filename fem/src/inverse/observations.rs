@@ -69,6 +69,16 @@ impl<const D: usize> Observations<D> {
             read.map(|(read, (measured, factor))| 2.0 * factor * (read - measured)).collect();
         self.readings.add_slope(&weights, slope);
     }
+
+    /// Adds its second derivative along a change of the state.
+    #[inline(never)]
+    pub(super) fn add_curvature(&self, change: &[f64], curvature: &mut [f64]) {
+        for reading in &self.readings {
+            let moved: f64 = reading.of.iter().map(|(unknown, part)| part * change[*unknown]).sum();
+            let rate = 2.0 * reading.factor * moved;
+            reading.of.iter().for_each(|(unknown, part)| curvature[*unknown] += rate * part);
+        }
+    }
 }
 
-compiled_here!(Observations::<D>::value, Observations::<D>::add_slope);
+compiled_here!(Observations::<D>::value, Observations::<D>::add_slope, Observations::<D>::add_curvature);

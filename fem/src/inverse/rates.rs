@@ -10,7 +10,9 @@ use crate::solve::any_form::AnyForm;
 use crate::space::Space;
 
 /// The test function of the derivative by the state before.
-const BEFORE: &str = "before";
+pub(super) const BEFORE: &str = "before";
+/// Reason why it is wanted.
+pub(super) const OF_BEFORE: &str = "each step may depend on the state before it";
 /// Prefix of the names of test functions of rates.
 const BY: &str = "by_";
 
@@ -20,44 +22,71 @@ pub(super) fn add_rates<const D: usize>(
     rates: &dyn AnyForm<D>,
     step: usize,
     (controls, remembers): (&Controls<D>, bool),
-    [states, constants]: [&Arc<Space<D>>; 2],
+    spaces: [&Arc<Space<D>>; 2],
     assembler: &Assembler<D>,
     gradient: &mut [f64],
 ) -> Result<Vec<f64>, HistoryFailure> {
-    let tests = tests(rates, controls, remembers)?;
-    let space_of = |name: &&'static str| match *name {
-        BEFORE => Some(states),
-        name => controls.space_of_test(name, constants),
+    let own = [Own { name: BEFORE, meaning: OF_BEFORE, wanted: remembers }];
+    let [by_before] = rows(rates, &own, step, controls, spaces, assembler, gradient)?;
+    Ok(by_before)
+}
+
+/// A test function of a form of rates that belongs to no control, and why it is wanted, if it is.
+pub(super) struct Own {
+    pub name: &'static str,
+    pub meaning: &'static str,
+    pub wanted: bool,
+}
+
+/// Assembles a form of rates: adds the rows by the controls to the gradient, and gives those of its own test functions on the space of
+/// the states, zero where a test function is not wanted and not there.
+pub(super) fn rows<const D: usize, const N: usize>(
+    rates: &dyn AnyForm<D>,
+    own: &[Own; N],
+    step: usize,
+    controls: &Controls<D>,
+    [states, constants]: [&Arc<Space<D>>; 2],
+    assembler: &Assembler<D>,
+    gradient: &mut [f64],
+) -> Result<[Vec<f64>; N], HistoryFailure> {
+    let tests = tests(rates, controls, own)?;
+    let place = |name: &str| own.iter().position(|own| own.name == name);
+    let space_of = |name: &&'static str| match place(name) {
+        Some(_) => Some(states),
+        None => controls.space_of_test(name, constants),
     };
     let spaces: Vec<&Arc<Space<D>>> = tests.iter().filter_map(space_of).collect();
     let rows = rates.residual(assembler, &[], &spaces, Parts::ALL)?;
     let mut rest = &rows[..];
-    let mut by_before = vec![0.0; states.unknowns()];
+    let mut own_rows = [(); N].map(|()| vec![0.0; states.unknowns()]);
     for (name, space) in tests.iter().zip(&spaces) {
         let (row, others) = rest.split_at(space.unknowns());
-        match *name {
-            BEFORE => by_before.copy_from_slice(row),
-            name => controls.add_rate(name, step, row, gradient),
+        match place(name) {
+            Some(place) => own_rows[place].copy_from_slice(row),
+            None => controls.add_rate(name, step, row, gradient),
         }
         rest = others;
     }
-    Ok(by_before)
+    Ok(own_rows)
 }
 
-/// The names of the controls, or [`BEFORE`], that the test functions of the rates belong to.
+/// The names of the controls, or of what else is tested, that the test functions of the rates belong to.
 fn tests<const D: usize>(
     rates: &dyn AnyForm<D>,
     controls: &Controls<D>,
-    remembers: bool,
+    own: &[Own],
 ) -> Result<Vec<&'static str>, HistoryFailure> {
     let mut tests = vec![];
+    let known = |name: &str| {
+        own.iter().any(|own| own.name == name) || controls.tested().any(|control| control == name)
+    };
     for field in rates.fields() {
         let name = field.name.strip_prefix(BY).unwrap_or("");
         match field.role {
             Role::Unknown(_) => {
                 return Err(HistoryFailure::RateOfUnknown { form: rates.name(), unknown: field.name });
             }
-            Role::Test(_) if name != BEFORE && !controls.tested().any(|own| own == name) => {
+            Role::Test(_) if !known(name) => {
                 return Err(HistoryFailure::UnknownTest { form: rates.name(), test: field.name });
             }
             Role::Test(_) => tests.push(name),
@@ -72,8 +101,8 @@ fn tests<const D: usize>(
     if let Some(name) = controls.tested().find(|name| !tests.contains(name)) {
         return Err(missing(name, "the derivative by this control is wanted"));
     }
-    if remembers && !tests.contains(&BEFORE) {
-        return Err(missing(BEFORE, "each step may depend on the state before it"));
+    match own.iter().find(|own| own.wanted && !tests.contains(&own.name)) {
+        Some(own) => Err(missing(own.name, own.meaning)),
+        None => Ok(tests),
     }
-    Ok(tests)
 }

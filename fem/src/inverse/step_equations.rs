@@ -11,8 +11,8 @@ use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{
-    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Transpose, solve_linear_transposed,
-    solve_owned,
+    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Transpose, solve_linear,
+    solve_linear_transposed, solve_owned,
 };
 use crate::space::Space;
 
@@ -123,17 +123,37 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         solution: &Field<D>,
         slope: &[f64],
     ) -> Result<Field<D>, HistoryFailure> {
-        let load: Vec<f64> = slope.iter().map(|slope| -slope).collect();
+        self.linearised(number, form, constraints, solution, slope, Transpose::Yes)
+    }
+
+    /// x with R_u x = −load, or R_uᵀ x = −load, zero where the solution is prescribed. The factor stays for further ones.
+    #[inline(never)]
+    pub fn linearised(
+        &mut self,
+        number: Solution,
+        form: &dyn AnyForm<D>,
+        constraints: &Constraints<D>,
+        solution: &Field<D>,
+        load: &[f64],
+        transpose: Transpose,
+    ) -> Result<Field<D>, HistoryFailure> {
+        let load: Vec<f64> = load.iter().map(|load| -load).collect();
         let mut elimination = Elimination::of(&[&constraints.homogeneous()])?;
-        let adjoint = if self.tangent_of == Some(number) && self.solver.get().judges_equations() {
-            let found = self.solver.get().solve_with(&elimination.reduce(&load)?, 0.0, Transpose::Yes)?;
+        let found = if self.tangent_of == Some(number) && self.solver.get().judges_equations() {
+            let found = self.solver.get().solve_with(&elimination.reduce(&load)?, 0.0, transpose)?;
             elimination.extend_by_zero(&found.solution)?
         } else {
             let matrix = self.tangent(form, solution)?;
             self.tangent_of = None;
-            solve_linear_transposed(&matrix, &load, &mut elimination, self.solver.get())?.solution
+            let solve = match transpose {
+                Transpose::No => solve_linear,
+                Transpose::Yes => solve_linear_transposed,
+            };
+            let found = solve(&matrix, &load, &mut elimination, self.solver.get())?.solution;
+            self.tangent_of = Some(number);
+            found
         };
-        Ok(Field::from_values(&self.space, adjoint)?)
+        Ok(Field::from_values(&self.space, found)?)
     }
 
     /// Kᵀ p with the tangent K of a form at a solution.
@@ -152,5 +172,6 @@ compiled_here!(
     StepEquations::<D>::new,
     StepEquations::<D>::solve,
     StepEquations::<D>::adjoint,
+    StepEquations::<D>::linearised,
     StepEquations::<D>::transposed,
 );

@@ -2,7 +2,14 @@
 //! others are computed again, by the binomial schedule that needs the fewest steps (Griewank & Walther 2000, Algorithm 799: revolve,
 //! ACM Trans. Math. Softw. 26).
 
+use std::io;
+use std::path::Path;
+
+use thiserror::Error;
+
+use super::error::{HistoryError, HistoryFailure};
 use super::evolution::Evolution;
+use super::shelf::{InMemory, OnDisk, Shelf, Storage};
 use crate::verification::Sample;
 
 /// The value of a history's criterion with its gradient.
@@ -51,7 +58,56 @@ pub fn value_of<V: Evolution + ?Sized>(evolution: &mut V) -> Result<Sample, V::E
 /// # Errors
 /// Those of the steps.
 pub fn gradient_of<V: Evolution + ?Sized>(evolution: &mut V, stored: usize) -> Result<Gradient, V::Error> {
-    let start = evolution.start()?;
+    sweep(evolution, stored, InMemory::default()).map_err(|failure| match failure {
+        SweepFailure::Step(error) => error,
+        SweepFailure::Shelf(never) => match never {},
+    })
+}
+
+/// The same with the states on disk, but for the last one, and as many as are allowed.
+///
+/// # Errors
+/// [`SweepFailure`]: those of the steps, and of the files.
+pub fn gradient_on_disk<V: Evolution + ?Sized>(
+    evolution: &mut V,
+    stored: usize,
+    directory: &Path,
+) -> Result<Gradient, SweepFailure<V::Error, io::Error>> {
+    sweep(evolution, stored, OnDisk::new(directory))
+}
+
+/// The same, of histories.
+pub(super) fn gradient_stored<V: Evolution<Error = HistoryError> + ?Sized>(
+    evolution: &mut V,
+    storage: &Storage,
+) -> Result<Gradient, HistoryError> {
+    let Some(directory) = &storage.directory else { return gradient_of(evolution, storage.most) };
+    gradient_on_disk(evolution, storage.most, directory).map_err(|failure| match failure {
+        SweepFailure::Step(error) => error,
+        SweepFailure::Shelf(why) => HistoryFailure::Storage(why).at(0),
+    })
+}
+
+/// A sweep that failed in a step, or where its states are kept.
+#[derive(Debug, Error)]
+pub enum SweepFailure<E, S> {
+    /// A step was not solved.
+    #[error("{0}")]
+    Step(E),
+    /// A state was not kept or fetched.
+    #[error("{0}")]
+    Shelf(S),
+}
+
+/// Failures of steps of one evolution with states on one shelf.
+type FailureOf<V, S> = SweepFailure<<V as Evolution>::Error, <S as Shelf>::Error>;
+
+fn sweep<V: Evolution + ?Sized, S: Shelf>(
+    evolution: &mut V,
+    stored: usize,
+    shelf: S,
+) -> Result<Gradient, FailureOf<V, S>> {
+    let start = evolution.start().map_err(SweepFailure::Step)?;
     let steps = evolution.steps();
     let mut sweep = Sweep {
         slope: vec![0.0; start.len()],
@@ -63,10 +119,10 @@ pub fn gradient_of<V: Evolution + ?Sized>(evolution: &mut V, stored: usize) -> R
     };
     let start = match steps {
         0 => start,
-        _ => sweep.reverse(start, steps, stored.clamp(1, steps))?,
+        _ => sweep.reverse(start, steps, stored.clamp(1, steps), shelf)?,
     };
     let Sweep { evolution, slope, mut gradient, value, work, .. } = sweep;
-    evolution.reverse_start(&start, &slope, &mut gradient)?;
+    evolution.reverse_start(&start, &slope, &mut gradient).map_err(SweepFailure::Step)?;
     Ok(Gradient { value, gradient, work })
 }
 
@@ -93,36 +149,48 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
         Ok(after)
     }
 
-    /// Reverses all steps, with at most so many states on the stack of those from which steps are computed again, and gives the
+    /// The state after some steps from another.
+    fn advance_to(&mut self, from: usize, to: usize, first: &[f64]) -> Result<Vec<f64>, V::Error> {
+        let mut state = self.advance(from, first)?;
+        for step in from + 1..to {
+            state = self.advance(step, &state)?;
+        }
+        Ok(state)
+    }
+
+    /// Reverses all steps, with at most so many states on the shelf of those from which steps are computed again, and gives the
     /// first state back.
-    fn reverse(&mut self, start: Vec<f64>, steps: usize, stored: usize) -> Result<Vec<f64>, V::Error> {
-        let mut states = vec![(0, start)];
+    fn reverse<S: Shelf>(
+        &mut self,
+        start: Vec<f64>,
+        steps: usize,
+        stored: usize,
+        mut states: S,
+    ) -> Result<Vec<f64>, FailureOf<V, S>> {
+        states.push(0, start).map_err(SweepFailure::Shelf)?;
         let (mut to, mut last) = (steps, None);
-        while let Some((from, first)) = states.last() {
-            let from = *from;
+        while let Some((from, first)) = states.top() {
             if to - from > 1 {
                 let middle =
-                    from + before_the_next_state(to - from, stored.saturating_sub(states.len() - 1).max(1));
-                let mut state = self.advance(from, first)?;
-                for step in from + 1..middle {
-                    state = self.advance(step, &state)?;
-                }
-                states.push((middle, state));
+                    from + before_the_next_state(to - from, stored.saturating_sub(states.count() - 1).max(1));
+                let state = self.advance_to(from, middle, first).map_err(SweepFailure::Step)?;
+                states.push(middle, state).map_err(SweepFailure::Shelf)?;
                 // A state at the near end of the one step that is reversed next is not stored: that step is at hand.
-                let stored = states.len() - usize::from(to - middle == 1);
+                let stored = states.count() - usize::from(to - middle == 1);
                 self.work.most_stored = self.work.most_stored.max(stored);
                 continue;
             }
             let after = match last.take() {
                 Some(last) => last,
-                None => self.advance(from, first)?,
+                None => self.advance(from, first).map_err(SweepFailure::Step)?,
             };
             let slope = std::mem::take(&mut self.slope);
-            self.slope = self.evolution.reverse(from, first, &after, slope, &mut self.gradient)?;
+            let reversed = self.evolution.reverse(from, first, &after, slope, &mut self.gradient);
+            self.slope = reversed.map_err(SweepFailure::Step)?;
             self.work.steps_reversed += 1;
             // Where this step began is where the one before it ends.
             to = from;
-            last = states.pop().map(|(_, state)| state);
+            last = states.pop().map_err(SweepFailure::Shelf)?;
         }
         Ok(last.unwrap_or_default())
     }

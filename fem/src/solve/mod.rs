@@ -3,7 +3,7 @@
 //! [`newton()`] asks a [`NonlinearProblem`] for residuals and tangents, an [`Elimination`] takes the
 //! prescribed unknowns out, and a [`LinearSolver`] (the [`TangentSolver`] unless another is given) solves.
 //! A [`Problem`] makes such a problem of a compiled form with one or several unknowns, and solves itself.
-//! A [`MultigridSolver`] takes large systems in space.
+//! A [`MultigridSolver`] takes large systems in space. An [`Eigenproblem`] of two forms gives vibrations and buckling loads.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 pub(crate) mod any_form;
@@ -11,6 +11,7 @@ pub mod communicator;
 pub mod condensed_solver;
 #[cfg(test)]
 mod contrasts;
+pub mod eigenproblem;
 pub mod elimination;
 mod lent_solver;
 mod linear_and_nonlinear;
@@ -31,6 +32,7 @@ pub mod tangent_solver;
 
 pub use communicator::{CommunicationError, Communicator};
 pub use condensed_solver::CondensedSolver;
+pub use eigenproblem::{Eigenmode, Eigenproblem, EigenproblemError};
 pub use elimination::Elimination;
 pub(crate) use lent_solver::LentSolver;
 pub use linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};

@@ -16,7 +16,8 @@ use std::sync::Arc;
 
 use forms_core::contract::Form;
 
-use self::untyped::{Solver, UntypedProblem};
+use self::untyped::Solver;
+pub(super) use self::untyped::UntypedProblem;
 use super::any_form::{AnyForm, Held};
 use super::communicator::Communicator;
 use super::{

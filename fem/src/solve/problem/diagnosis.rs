@@ -7,7 +7,7 @@ use crate::solve::{Elimination, NonlinearProblem, SolverError};
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
     /// that does not hold with those of its unknown.
-    pub(super) fn named(&self, error: SolverError, elimination: &Elimination) -> SolverError {
+    pub(in crate::solve) fn named(&self, error: SolverError, elimination: &Elimination) -> SolverError {
         let unknown = match error {
             SolverError::LinearAlgebra(
                 LinearAlgebraError::Singular { unknown, .. }

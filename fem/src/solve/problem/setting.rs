@@ -37,7 +37,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
     }
 
     /// The constraints of each unknown: given, or none.
-    pub(super) fn all_constraints(&self) -> Result<[Cow<'a, Constraints<D>>; N], AssemblyError> {
+    pub(in crate::solve) fn all_constraints(&self) -> Result<[Cow<'a, Constraints<D>>; N], AssemblyError> {
         let mut given: [Option<Cow<'a, Constraints<D>>>; N] = [const { None }; N];
         for constraints in &self.constraints {
             let fits = |number: &usize| {
@@ -56,7 +56,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         }))
     }
 
-    pub(super) fn check_spaces(
+    pub(in crate::solve) fn check_spaces(
         &self,
         what: &'static str,
         given: [&Arc<Space<D>>; N],

@@ -22,7 +22,7 @@ use crate::solve::{
 use crate::space::Space;
 
 /// The data of a [`Problem`](super::Problem), and what is known of it.
-pub(super) struct UntypedProblem<'a, const D: usize, const N: usize> {
+pub(in crate::solve) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub system: System<'a, D, N>,
     pub constraints: Vec<Cow<'a, Constraints<D>>>,
     pub start: Option<[&'a Field<D>; N]>,
@@ -40,7 +40,7 @@ pub(super) struct UntypedProblem<'a, const D: usize, const N: usize> {
 }
 
 /// The problem's own linear solver, or one that is lent to it.
-pub(super) enum Solver<'a> {
+pub(in crate::solve) enum Solver<'a> {
     Own(Box<TangentSolver>),
     Lent(&'a mut dyn LinearSolver),
 }
@@ -55,7 +55,7 @@ impl Solver<'_> {
 }
 
 /// Is called with the start and each iterate.
-pub(super) type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
+pub(in crate::solve) type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
 
 impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
     #[inline(never)]
