@@ -84,8 +84,8 @@ pub mod consistent_adjoint {
 /// [`ErrorEstimate::dual_weighted`](forms_fem::adaptivity::ErrorEstimate::dual_weighted) takes for a goal of contact.
 #[forms]
 pub mod dual_weighted {
-    pub use crate::nitsche::nitsche::{Data, GammaC, GammaN, Omega};
     use crate::nitsche::nitsche::direct;
+    pub use crate::nitsche::nitsche::{Data, GammaC, GammaN, Omega};
 
     /// R(u; q z).
     pub fn localised(u: State<Vector>, z: State<Vector>, q: Test<Scalar>) -> Form {

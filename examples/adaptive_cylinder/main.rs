@@ -67,7 +67,8 @@ fn table(out: &mut StandardOutput, name: &str, rows: &[Row]) {
             last = row.unknowns;
         }
     }
-    let orders = [0, 1, 2, 3].map(|quantity| order(rows, quantity).map_or(String::new(), |s| format!("N^{s:.2}")));
+    let orders =
+        [0, 1, 2, 3].map(|quantity| order(rows, quantity).map_or(String::new(), |s| format!("N^{s:.2}")));
     out.line(format!("| {name} | order | {} |", orders.join(" | ")));
 }
 
@@ -118,7 +119,9 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         let name = QUANTITIES[quantity];
         plot = plot
             .curve(curve(&format!("{name}, adaptive"), adaptive, quantity).fitted_order(adaptive.len() / 2))
-            .curve(curve(&format!("{name}, uniform"), uniform, quantity).dashed().fitted_order(uniform.len()));
+            .curve(
+                curve(&format!("{name}, uniform"), uniform, quantity).dashed().fitted_order(uniform.len()),
+            );
     }
     plot.write_png(options.out.join("adaptive_cylinder.png"))?;
     Ok(())
@@ -126,9 +129,10 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
 
 fn goal(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     out.line("\n| meshes | unknowns | J | η / J | s |\n| --- | --- | --- | --- | --- |");
-    let row = |out: &mut StandardOutput, name: &str, unknowns: usize, goal: f64, estimate: f64, seconds: f64| {
-        out.line(format!("| {name} | {unknowns} | {goal:.8} | {:.2e} | {seconds:.2} |", estimate / goal));
-    };
+    let row =
+        |out: &mut StandardOutput, name: &str, unknowns: usize, goal: f64, estimate: f64, seconds: f64| {
+            out.line(format!("| {name} | {unknowns} | {goal:.8} | {:.2e} | {seconds:.2} |", estimate / goal));
+        };
     let solve = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
         Direct::solve(mesh, options.theta, before)?.goal()
     };

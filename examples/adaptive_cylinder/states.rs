@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use forms_contact::hollow_cylinder::{
-    CONTACT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on,
-};
+use forms_contact::hollow_cylinder::{CONTACT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on};
 use forms_contact::residual_estimator::{consistent_adjoint, dual_weighted, frictionless};
 use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::adaptivity::{AdaptiveSolution, ErrorEstimate};
@@ -94,7 +92,7 @@ impl Direct {
         let mut held = Constraints::new(&higher);
         held.fix("inner", |_| [0.0; 2])?;
         let form = problem.law.discrete_adjoint(&u);
-        let adjoint = Problem::new(&form, &higher).assembler(&problem.assembler).vanishing(&held);
+        let mut adjoint = Problem::new(&form, &higher).assembler(&problem.assembler).vanishing(&held);
         let p = adjoint.solve()?.into_field();
         let regions = dual_weighted::Regions::default().gamma_n(FREE).gamma_c(CONTACT);
         let model = dual_weighted::Model { data: problem.law.data.clone(), regions };

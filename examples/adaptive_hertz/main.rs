@@ -46,7 +46,7 @@ struct Options {
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     unknowns: usize,
     /// Most cells each way of the uniform meshes, which have 4, 8, 16 and so on
-    #[arg(long, value_name = "N", default_value_t = 64)]
+    #[arg(long, value_name = "N", default_value_t = 128)]
     uniform: usize,
     /// Directory of the pictures; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_hertz")]
@@ -76,7 +76,7 @@ fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
         let estimate = estimate(&problem, &u)?;
         Ok(AdaptiveSolution::new(u, estimate))
     };
-    let surfaces = onto_body();
+    let surfaces = onto_body::<2>();
     let cycle = Adaptation::to_unknowns(options.unknowns);
     let found = cycle.onto(&[("bottom", &surfaces)]).run(cylinder_mesh(FIRST)?, on_mesh, |_| ())?;
     Ok(([uniform, adaptive], found.mesh.mesh().clone()))
@@ -95,7 +95,7 @@ fn ball(options: &Options) -> Outcome<Series> {
         let estimate = estimate(&problem, &u)?;
         Ok(AdaptiveSolution::new(u, estimate))
     };
-    let surfaces = onto_body();
+    let surfaces = onto_body::<3>();
     let cycle = Adaptation::to_unknowns(options.unknowns);
     cycle.onto(&[("bottom", &surfaces)]).run(quarter_mesh(Body::Ball, FIRST)?, on_mesh, |_| ())?;
     Ok([uniform, adaptive])
@@ -116,8 +116,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         }
         Contact::Ball => (ball(options)?, "ball"),
     };
-    out.line("| meshes | unknowns | P | a | p0 | profile | smallest cell | s |");
-    out.line("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    out.line("| meshes | unknowns | P | a | p0 | p0 on the axis | profile | smallest cell | s |");
+    out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut plot = LinePlot::new()
         .title(&format!("Hertz, {name}"))
         .x_axis("unknowns", Scale::Logarithmic)

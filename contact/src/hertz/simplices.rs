@@ -90,6 +90,8 @@ pub struct Measured {
     pub reach: f64,
     /// The contact pressure on the axis \[MPa\].
     pub peak: f64,
+    /// p0 \[MPa\] by the pressure within half of the reach: its integral over that of √(1 − r²/a²), a the reach.
+    pub middle: f64,
 }
 
 impl Measured {
@@ -109,16 +111,29 @@ impl Measured {
         let samples = assembler.along_facets(&law.contact_pressure(u), CONTACT, corners)?;
         let from_axis = |x: &[f64; D]| x[..D - 1].iter().map(|x| x * x).sum::<f64>().sqrt();
         let on_axis = samples.iter().filter(|sample| from_axis(&sample.position) < 1e-9 * RADIUS);
-        let (sum, count) = on_axis.fold((0.0, 0.0), |(sum, count), sample| (sum + sample.value[0], count + 1.0));
+        let (sum, count) =
+            on_axis.fold((0.0, 0.0), |(sum, count), sample| (sum + sample.value[0], count + 1.0));
+        let reach = if D == 2 { size / 2.0 } else { (size / PI).sqrt() };
+        let points = assembler.at_quadrature_points(&law.contact_pressure(u), Entity::Facets, CONTACT, 8)?;
+        let shape = Hertz { reach, peak: 1.0 };
+        let (mut pressed, mut shaped) = (0.0, 0.0);
+        for ((x, weight), value) in points.positions.iter().zip(&points.weights).zip(&points.values) {
+            let distance = from_axis(x);
+            if distance < 0.5 * reach {
+                pressed += weight * value[0];
+                shaped += weight * shape.pressure(distance);
+            }
+        }
         Ok(Measured {
             force: parts * split.functional(&law.contact_force(u))?,
-            reach: if D == 2 { size / 2.0 } else { (size / PI).sqrt() },
+            reach,
             peak: sum / count,
+            middle: pressed / shaped,
         })
     }
 
-    /// The relative errors of reach and peak beside Hertz's answer for this force.
-    pub fn errors(&self, hertz: &Hertz) -> [f64; 2] {
-        [self.reach / hertz.reach - 1.0, self.peak / hertz.peak - 1.0]
+    /// The relative errors of reach, peak and middle beside Hertz's answer for this force.
+    pub fn errors(&self, hertz: &Hertz) -> [f64; 3] {
+        [self.reach / hertz.reach, self.peak / hertz.peak, self.middle / hertz.peak].map(|ratio| ratio - 1.0)
     }
 }

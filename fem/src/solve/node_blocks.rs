@@ -82,7 +82,8 @@ impl NodeBlocks {
         let places = unknowns.map(|place| place as u32).collect();
         let own_near_null_space = near_null_space(&space, &fine);
         let relations = constraints.relations().iter();
-        let mut given: Given = relations.map(|(unknown, relation)| (*unknown, relation.terms.clone())).collect();
+        let mut given: Given =
+            relations.map(|(unknown, relation)| (*unknown, relation.terms.clone())).collect();
         let mut nodes = fine.clone();
         let mut transfers = Vec::new();
         while *space.family() == Family::Continuous && space.degree() > 1 {

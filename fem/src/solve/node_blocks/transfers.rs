@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{DROPPED, FreeNodes};
-use crate::linear_algebra::{
-    BlockMatrix, BlockRows, BlockSparsity, CsrMatrix, LinearAlgebraError, NodeSet,
-};
+use crate::linear_algebra::{BlockMatrix, BlockRows, BlockSparsity, CsrMatrix, LinearAlgebraError, NodeSet};
 
 /// Coefficients below this are rounding.
 const ROUNDING: f64 = 1e-14;
