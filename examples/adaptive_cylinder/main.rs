@@ -30,9 +30,12 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 #[derive(Clone, Debug, Parser)]
 #[command(version, name = "adaptive_cylinder")]
 struct Options {
-    /// Unknowns at which the series end; the reference has at least six times as many
-    #[arg(long, value_name = "N", default_value_t = 30_000)]
+    /// Unknowns at which the series end
+    #[arg(long, value_name = "N", default_value_t = 18_000)]
     unknowns: usize,
+    /// Unknowns of the reference, at least
+    #[arg(long, value_name = "N", default_value_t = 72_000)]
+    reference: usize,
     /// θ of Nitsche's method
     #[arg(long, allow_negative_numbers = true, default_value_t = -1.0)]
     theta: f64,
@@ -75,7 +78,7 @@ fn table(out: &mut StandardOutput, name: &str, rows: &[Row]) {
 fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     // Two references: their difference says how far the last one can be trusted.
     let (mut earlier, mut fine) = (None, None);
-    let shown = series(Meshes::ForBoth, options.theta, 6 * options.unknowns, |states| {
+    let shown = series(Meshes::ForBoth, options.theta, options.reference, |states| {
         earlier = fine.take();
         fine = Some(states);
         Ok(())

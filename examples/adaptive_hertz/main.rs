@@ -43,11 +43,11 @@ struct Options {
     /// The contact
     contact: Contact,
     /// Unknowns at which the adaptive meshes end
-    #[arg(long, value_name = "N", default_value_t = 20_000)]
+    #[arg(long, value_name = "N", default_value_t = 12_000)]
     unknowns: usize,
-    /// Most cells each way of the uniform meshes, which have 4, 8, 16 and so on
-    #[arg(long, value_name = "N", default_value_t = 128)]
-    uniform: usize,
+    /// Most cells each way of the uniform meshes, which have 4, 8, 16 and so on; 64 in the plane and 8 in space where nothing is said
+    #[arg(long, value_name = "N")]
+    uniform: Option<usize>,
     /// Directory of the pictures; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_hertz")]
     out: PathBuf,
@@ -55,7 +55,8 @@ struct Options {
 
 impl Options {
     fn divisions(&self) -> impl Iterator<Item = usize> {
-        let most = self.uniform;
+        let usual = if self.contact == Contact::Ball { 8 } else { 64 };
+        let most = self.uniform.unwrap_or(usual);
         std::iter::successors(Some(FIRST), |n| Some(2 * n)).take_while(move |n| *n <= most)
     }
 }
@@ -110,7 +111,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
             let (series, mesh) = cylinder(options)?;
             MeshDrawing::new(&mesh)
                 .title(&format!("Cylinder, {} cells: where it touches", mesh.cell_count()))
-                .window([0.0, 1.5], [-8.0, -6.9])
+                .window([0.0, 1.4], [-8.0, -7.0])
                 .write_png(options.out.join("adaptive_hertz_mesh.png"))?;
             (series, "cylinder")
         }
