@@ -31,10 +31,10 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 #[command(version, name = "adaptive_cylinder")]
 struct Options {
     /// Unknowns at which the series end
-    #[arg(long, value_name = "N", default_value_t = 18_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
     unknowns: usize,
     /// Unknowns of the reference, at least
-    #[arg(long, value_name = "N", default_value_t = 72_000)]
+    #[arg(long, value_name = "N", default_value_t = 45_000)]
     reference: usize,
     /// θ of Nitsche's method
     #[arg(long, allow_negative_numbers = true, default_value_t = -1.0)]

@@ -68,9 +68,7 @@ pub fn series(
         let states = direct.states()?;
         before = Some(states.fields[0].clone());
         each(states)?;
-        // Each uniform refinement has about four times the unknowns.
-        let last = if meshes == Meshes::Uniform { 2 * count >= unknowns } else { count >= unknowns };
-        if last {
+        if count >= unknowns {
             return Ok(current);
         }
         match meshes {
