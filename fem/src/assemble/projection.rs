@@ -10,13 +10,9 @@ use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
-use crate::linear_algebra::{
-    Analysis, CsrMatrix, Entry, Identity, KrylovOptions, LinearAlgebraError, OnThreads, Ordering,
-    SymmetricFactor, cg,
-};
+use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
 use crate::solve::Elimination;
 use crate::space::Space;
-use crate::threads::Threads;
 
 /// Values of a function at the quadrature points of all cells of bodies, cell by cell.
 pub(crate) struct ValuesAtPoints<'a> {
@@ -130,14 +126,14 @@ impl<const D: usize> Assembler<D> {
         if let Some(elimination) = &mut elimination {
             mass = elimination.reduce_matrix(&mass.into()).map_err(linear_algebra)?;
         }
-        let mut solver = MassSolver::new(mass, self.threads);
+        let factor = factor(&mass).map_err(linear_algebra)?;
         let mut coefficients = vec![0.0; space.unknowns()];
         for (component, load) in load.into_iter().enumerate() {
-            let load = match &elimination {
+            let mut values = match &elimination {
                 Some(elimination) => elimination.reduce(&load).map_err(linear_algebra)?,
                 None => load,
             };
-            let mut values = solver.solve(load).map_err(linear_algebra)?;
+            factor.solve_in_place(&mut values).map_err(linear_algebra)?;
             if let Some(elimination) = &elimination {
                 values = elimination.extend_by_zero(&values).map_err(linear_algebra)?;
             }
@@ -162,63 +158,8 @@ fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTree
     relations.map(of_nodes).collect()
 }
 
-/// Solves with a mass matrix: by conjugate gradients, since scaled to a unit diagonal it is well conditioned whatever the mesh, or by a factor
-/// where these do not end.
-struct MassSolver {
-    /// M_ij / √(M_ii M_jj).
-    scaled: CsrMatrix,
-    /// 1 / √M_ii.
-    scaling: Vec<f64>,
-    factor: Option<SymmetricFactor>,
-    threads: Threads,
-}
-
-/// Relative residual of a projection: above rounding, which the bound of the condition multiplies.
-const TOLERANCE: f64 = 1e-14;
-/// Iterations after which a factor is cheaper.
-const MOST_ITERATIONS: usize = 200;
-
-impl MassSolver {
-    fn new(mut mass: CsrMatrix, threads: Threads) -> Self {
-        // What is not positive is left to the factorisation, which names it.
-        let scale = |entry: f64| if entry > 0.0 { 1.0 / entry.sqrt() } else { 1.0 };
-        let scaling: Vec<f64> = mass.diagonal().into_iter().map(scale).collect();
-        let pattern = mass.pattern().clone();
-        for row in 0..mass.rows() {
-            let range = pattern.row_pointers()[row]..pattern.row_pointers()[row + 1];
-            for (value, &column) in mass.values_mut()[range].iter_mut().zip(pattern.row(row)) {
-                *value *= scaling[row] * scaling[column as usize];
-            }
-        }
-        MassSolver { scaled: mass, scaling, factor: None, threads }
-    }
-
-    fn solve(&mut self, mut load: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
-        let scale = |values: &mut [f64], scaling: &[f64]| {
-            values.iter_mut().zip(scaling).for_each(|(value, scale)| *value *= scale);
-        };
-        scale(&mut load, &self.scaling);
-        let options = KrylovOptions {
-            tolerance: TOLERANCE,
-            max_iterations: MOST_ITERATIONS,
-            threads: self.threads,
-            ..KrylovOptions::default()
-        };
-        let mut values = vec![0.0; load.len()];
-        let operator = OnThreads(&self.scaled, self.threads);
-        if cg(&operator, &mut Identity, &load, &mut values, &options).is_err() {
-            let factor = match self.factor.take() {
-                Some(factor) => factor,
-                None => {
-                    let analysis = Arc::new(Analysis::new(self.scaled.pattern(), &Ordering::default())?);
-                    SymmetricFactor::cholesky(&analysis, &self.scaled, Vec::new())?
-                }
-            };
-            values = load;
-            factor.solve_in_place(&mut values)?;
-            self.factor = Some(factor);
-        }
-        scale(&mut values, &self.scaling);
-        Ok(values)
-    }
+/// One factorisation for one use.
+fn factor(matrix: &CsrMatrix) -> Result<SymmetricFactor, LinearAlgebraError> {
+    let analysis = Arc::new(Analysis::new(matrix.pattern(), &Ordering::default())?);
+    SymmetricFactor::cholesky(&analysis, matrix, Vec::new())
 }
