@@ -98,6 +98,14 @@ const MAKERS: [Maker; 17] = [
         ],
     },
     Maker {
+        arguments: &["--bin", "adaptive_hertz", "--", "cylinder"],
+        pictures: &[("out/adaptive_hertz/adaptive_hertz_cylinder.png", "adaptive_hertz_cylinder.png")],
+    },
+    Maker {
+        arguments: &["--bin", "adaptive_cylinder"],
+        pictures: &[("out/adaptive_cylinder/adaptive_cylinder_mesh.png", "adaptive_cylinder_mesh.png")],
+    },
+    Maker {
         arguments: &["--bin", "shallow_ironing"],
         pictures: &[
             ("out/shallow_ironing.png", "shallow_ironing.png"),

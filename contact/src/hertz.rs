@@ -7,6 +7,8 @@
 //! Hertz's answer is that of a half-space with a paraboloid's boundary: bodies nine (cylinder) and six times as wide as
 //! their contact leave differences of percents.
 
+mod simplices;
+
 use std::f64::consts::PI;
 
 use forms_fem::constraints::ConstraintsError;
@@ -17,6 +19,7 @@ use thiserror::Error;
 
 use crate::contact_problem::ContactProblem;
 use crate::forms;
+pub use simplices::{FREE, Measured, cylinder_mesh, estimate, onto_body, quarter_mesh};
 
 /// R, radius of cylinder and ball \[mm\].
 pub const RADIUS: f64 = 8.0;
@@ -144,8 +147,18 @@ pub fn cylinder_on_flat(divisions: usize) -> Result<ContactProblem<2>, HertzErro
     };
     let mut mesh = structured([divisions; 2], CellShape::Quadrilateral, 2, place)?;
     mesh.name_facets(CONTACT, "bottom", |centre| centre[0] < CYLINDER_REACH)?;
+    mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
+    cylinder_on(&Arc::new(mesh), "right")
+}
+
+/// Half a cylinder's section on a flat, on a given mesh of it, as [`cylinder_mesh`] or its refinements; `free` is the region
+/// of its boundary that is neither held nor able to touch.
+///
+/// # Errors
+/// A region that the mesh lacks.
+pub fn cylinder_on(mesh: &Arc<Mesh<2>>, free: &str) -> Result<ContactProblem<2>, HertzError> {
     let flat = (Given::constant([0.0, -1.0]), Given::function(|x: &[f64; 2]| x[1] + RADIUS));
-    pressed(mesh, &["left"], CYLINDER_PRESSED, flat, 8)
+    pressed(mesh, free, &["left"], CYLINDER_PRESSED, flat, 8)
 }
 
 /// A quarter of ball or block on its obstacle, with `divisions` cells each way; θ = −1, γ₀ = 10 E.
@@ -155,12 +168,22 @@ pub fn cylinder_on_flat(divisions: usize) -> Result<ContactProblem<2>, HertzErro
 pub fn in_space(body: Body, divisions: usize) -> Result<ContactProblem<3>, HertzError> {
     let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, |t| body.place(t))?;
     mesh.name_facets(CONTACT, "bottom", |centre| centre[0].max(centre[1]) < QUARTER_REACH)?;
-    pressed(mesh, &["left", "front"], QUARTER_PRESSED, body.obstacle(), 6)
+    mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
+    body_on(body, &Arc::new(mesh), "right")
+}
+
+/// A quarter of ball or block on its obstacle, on a given mesh of it, as [`quarter_mesh`] or its refinements.
+///
+/// # Errors
+/// As [`cylinder_on`].
+pub fn body_on(body: Body, mesh: &Arc<Mesh<3>>, free: &str) -> Result<ContactProblem<3>, HertzError> {
+    pressed(mesh, free, &["left", "front"], QUARTER_PRESSED, body.obstacle(), 6)
 }
 
 /// The body on its obstacle: plane `i` of `symmetric` holds component i, the top moves down.
 fn pressed<const D: usize>(
-    mut mesh: Mesh<D>,
+    mesh: &Arc<Mesh<D>>,
+    free: &str,
     symmetric: &[&str],
     way: f64,
     (obstacle_normal, gap): (Given<[f64; D], D>, Given<f64, D>),
@@ -169,9 +192,7 @@ fn pressed<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    let mesh = Arc::new(mesh);
-    let space = Space::vector(&mesh, 2)?;
+    let space = Space::vector(mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     for (component, plane) in symmetric.iter().enumerate() {
         constraints.fix_component(plane, component, |_| 0.0)?;
@@ -185,8 +206,8 @@ where
         obstacle_normal,
         gap,
     });
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(degree));
-    let regions = forms::Regions::default().gamma_n("right").gamma_c(CONTACT);
+    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(degree));
+    let regions = forms::Regions::default().gamma_n(free).gamma_c(CONTACT);
     Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)
 }
 

@@ -56,3 +56,39 @@ pub mod frictional {
         equilibrium(u, q) + integral(GammaC, h * dot(rest, rest) * q)
     }
 }
+
+/// Of the consistent adjoint state (22) without N: η_T² = h²‖div σ(p) − F‖² + h‖½⟦σ(p)n⟧‖² + h‖σ(p)n‖² on Γ_N + h‖σ(p)n − T‖² on Γ_C, with
+/// T = (σ_n(p) − γp_n) n_y where u is in contact and 0 elsewhere.
+#[forms]
+pub mod consistent_adjoint {
+    pub use super::frictionless::{GammaC, GammaN, Interior, Omega};
+    pub use crate::nitsche::nitsche::Data;
+    use crate::nitsche::nitsche::{contact_indicator, normal_stress, stress};
+    use crate::operators::obstacle::{gamma, normal_displacement};
+
+    /// η_T².
+    pub fn squared(u: State<Vector>, p: State<Vector>, q: Test<Scalar>) -> Form {
+        let rest = div(stress(p)) - criterion_force;
+        let jumped = jump(stress(p)) * n;
+        let free = stress(p) * n;
+        let pressed = heaviside(contact_indicator(u)) * (normal_stress(p) - gamma() * normal_displacement(p));
+        let touched = free - pressed * obstacle_normal;
+        integral(Omega, sqr(h) * dot(rest, rest) * q)
+            + integral(Interior, avg(h) * dot(jumped, jumped) / 2 * avg(q))
+            + integral(GammaN, h * dot(free, free) * q)
+            + integral(GammaC, h * dot(touched, touched) * q)
+    }
+}
+
+/// The residual of (14) weighted with an adjoint state, part by part: what
+/// [`ErrorEstimate::dual_weighted`](forms_fem::adaptivity::ErrorEstimate::dual_weighted) takes for a goal of contact.
+#[forms]
+pub mod dual_weighted {
+    use crate::nitsche::nitsche::direct;
+    pub use crate::nitsche::nitsche::{Data, GammaC, GammaN, Omega};
+
+    /// R(u; q z).
+    pub fn localised(u: State<Vector>, z: State<Vector>, q: Test<Scalar>) -> Form {
+        direct(u, q * z)
+    }
+}

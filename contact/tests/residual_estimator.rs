@@ -3,7 +3,7 @@
 
 use forms_contact::forms;
 use forms_contact::laws::frictional_nitsche::frictional_nitsche;
-use forms_contact::residual_estimator::{frictional, frictionless};
+use forms_contact::residual_estimator::{consistent_adjoint, frictional, frictionless};
 use forms_fem::adaptivity::{ErrorEstimate, EstimateError};
 use forms_fem::prelude::*;
 
@@ -166,6 +166,26 @@ fn penetration_counts() -> Outcome {
     let depth = 1e-3;
     let u = Field::interpolate(&space, |_| [0.0, -depth])?;
     close(squares(data(), &u)?.iter().sum(), H * (50.0 / H * depth).powi(2) * 2.0);
+    Ok(())
+}
+
+/// An adjoint state with a uniform stress: F and the top's traction are not balanced, and at the bottom the shear stress, or all
+/// of the traction where u does not touch.
+#[test]
+fn an_adjoint_state() -> Outcome {
+    let mesh = block();
+    let p = sheared(&mesh);
+    let touching = sheared(&mesh);
+    let apart = Field::interpolate(touching.space(), |_| [0.0, 0.1])?;
+    let data = forms::Data { criterion_force: Given::constant([0.3, -0.4]), ..data() };
+    let regions = consistent_adjoint::Regions::default().gamma_n("top").gamma_c("bottom");
+    let model = consistent_adjoint::Model { data, regions };
+    let (shear, traction) = ((MU * SHEAR).powi(2), ((2.0 * MU + LAMBDA) * PRESS).powi(2));
+    for (u, below) in [(touching, shear), (apart, shear + traction)] {
+        let found = ErrorEstimate::residual(&Assembler::new(&mesh), &model.squared(&u, &p))?;
+        let expected = H * H * 0.25 * 2.0 + H * (shear + traction) * 2.0 + H * below * 2.0;
+        close(found.indicators().iter().sum(), expected);
+    }
     Ok(())
 }
 

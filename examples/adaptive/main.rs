@@ -67,6 +67,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     table(out, &displacement);
     let adjoint = transition::adjoint(options.unknowns)?;
     table(out, &adjoint);
+    let discrete = transition::discrete_adjoint(options.unknowns)?;
+    table(out, &discrete);
     for theta in [-1.0, 0.0, 1.0] {
         table(out, &transition::goal(options.unknowns, theta)?);
     }
@@ -76,7 +78,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         figures::errors(
             "Scalar Signorini, degree 2, θ = −1",
             "error in H^{1}",
-            &[("u", &displacement), ("p (22)", &adjoint)],
+            &[("u", &displacement), ("p (22)", &adjoint), ("p (21)", &discrete)],
             &file("adaptive_contact.png"),
         )?,
         figures::mesh("Scalar Signorini, for u", &displacement, &file("adaptive_contact_mesh.png"))?,

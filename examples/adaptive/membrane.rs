@@ -92,6 +92,18 @@ pub mod signorini {
         balance(p, q, linear_reaction(p))
     }
 
+    /// The adjoint (21) of the same criterion and zone: the transposed of `direct`'s tangent, which is consistent for θ = 1 only.
+    pub fn discrete_adjoint(p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
+        integral(Omega, dot(grad(p), grad(q)))
+            - integral(Loaded, dot(flux, n) * q)
+            - integral(Obstacle, theta / gamma() * slope(p) * slope(q))
+            + integral(Obstacle, linear_reaction(q) / gamma() * (theta * slope(p) - gamma() * p))
+    }
+    /// ‖∇w − flux‖² on each cell: the true error, where the flux is that of the exact solution's gradient.
+    pub fn true_error(w: State<Scalar>, q: Test<Scalar>) -> Form {
+        integral(Omega, dot(grad(w) - flux, grad(w) - flux) * q)
+    }
+
     /// η_T² = h²‖Δw‖² + h‖½⟦∂w/∂n⟧‖² + h‖∂w/∂n − flux·n‖² + h‖∂w/∂n − r‖².
     fn squared(w: Scalar, q: Scalar, r: Scalar) -> Form {
         integral(Omega, sqr(h) * sqr(tr(hess(w))) * q)

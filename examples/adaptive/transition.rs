@@ -107,6 +107,18 @@ pub fn adjoint(unknowns: usize) -> Outcome<Study> {
     })
 }
 
+/// p̃ of (21) of degree 2 in H¹, θ = −1, marked by its true error.
+pub fn discrete_adjoint(unknowns: usize) -> Outcome<Study> {
+    let model = model(-1.0, 0.5);
+    Study::new("p by (21) in H1", &mesh()?, unknowns, |mesh, _| {
+        let (space, assembler) = (Space::scalar(mesh, 2)?, assembler(mesh));
+        let form = model.discrete_adjoint();
+        let p = Problem::new(&form, &space).assembler(&assembler).solve()?.into_field();
+        let error = ErrorEstimate::residual(&assembler, &model.true_error(&p))?;
+        with_error(p, error, 0.5)
+    })
+}
+
 /// J = ∫u by degree 1, its error by the adjoint state (21) of degree 2.
 pub fn goal(unknowns: usize, theta: f64) -> Outcome<Study> {
     let model = model(theta, 1.5);

@@ -127,6 +127,40 @@ fn polynomials_on_octrees_of_the_plane_and_space() {
     }
 }
 
+/// The projection of a field to a continuous space is continuous where nodes hang, and what is left is orthogonal to that space.
+fn projects<const D: usize>(mesh: &Arc<Mesh<D>>, other: &Arc<Mesh<D>>, degree: usize)
+where
+    Dim: Dimension<D>,
+{
+    let source = Space::vector(other, degree).unwrap();
+    let wave = |x: &[f64; D]| std::array::from_fn::<f64, D, _>(|k| (3.0 * x[0] + k as f64).sin() + x[1]);
+    let field = Field::interpolate(&source, wave).unwrap();
+    let space = Space::vector(mesh, degree).unwrap();
+    let mut joined = Constraints::new(&space);
+    joined.join_hanging_nodes().unwrap();
+    let (projected, conserved) =
+        (field.onto(&space).projected().unwrap(), field.onto(&space).conserved().unwrap());
+    for found in [&projected, &conserved] {
+        let mut values = found.values().to_vec();
+        joined.apply(&mut values);
+        let off = values.iter().zip(found.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "degree {degree}: {off:e}");
+    }
+    // Projected to a discontinuous space first, nothing is lost on the way.
+    let broken = Space::discontinuous_vector(mesh, degree).unwrap();
+    let by_way = field.onto(&broken).projected().unwrap().onto(&space).projected().unwrap();
+    let off = by_way.values().iter().zip(projected.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-11, "degree {degree}: {off:e}");
+}
+
+#[test]
+fn projections_are_continuous_where_nodes_hang() {
+    for degree in 1..=3 {
+        projects(&squares(12), &squares(7), degree);
+    }
+    projects(&cubes([2, 1, 1], 1), &cubes([1, 2, 1], 2), 2);
+}
+
 /// The interior penalty method solves polynomials of its degree exactly, where a cell has several neighbours on one side.
 fn penalised<const D: usize>(mesh: &Arc<Mesh<D>>, degrees: std::ops::RangeInclusive<usize>)
 where

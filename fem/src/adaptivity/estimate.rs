@@ -10,7 +10,7 @@ use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::field::{Field, TransferError};
 use crate::mesh::Mesh;
-use crate::space::{Family, Space, SpaceError};
+use crate::space::{Space, SpaceError};
 
 /// An estimated error and the indicators of the cells: which of them it comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,7 +130,7 @@ fn weight<const D: usize>(p: &Field<D>, space: &Arc<Space<D>>) -> Result<Field<D
         return Err(EstimateError::Degree { adjoint: higher.degree(), primal: space.degree() });
     }
     let mut interpolated = p.onto(space).interpolated()?;
-    if let Some(joined) = joined(space)? {
+    if let Some(joined) = Constraints::joining(space)? {
         let mut values = interpolated.values().to_vec();
         joined.apply(&mut values);
         interpolated = Field::of_known(space, values);
@@ -140,23 +140,13 @@ fn weight<const D: usize>(p: &Field<D>, space: &Arc<Space<D>>) -> Result<Field<D
     Ok(Field::of_known(higher, difference))
 }
 
-/// Relations that make a space continuous where facets are parts of larger ones; none for other spaces and meshes.
-fn joined<const D: usize>(space: &Arc<Space<D>>) -> Result<Option<Constraints<D>>, EstimateError> {
-    if *space.family() != Family::Continuous || space.mesh().facet_parts().next().is_none() {
-        return Ok(None);
-    }
-    let mut constraints = Constraints::new(space);
-    constraints.join_hanging_nodes()?;
-    Ok(Some(constraints))
-}
-
 /// Gives the shares of hanging nodes to the nodes that they hang on: the hat functions of these are continuous then.
 #[inline(never)]
 fn hand_over_hanging_shares<const D: usize>(
     hats: &Arc<Space<D>>,
     shares: &mut [f64],
 ) -> Result<(), EstimateError> {
-    if let Some(joined) = joined(hats)? {
+    if let Some(joined) = Constraints::joining(hats)? {
         for (&hanging, relation) in joined.relations() {
             let share = std::mem::take(&mut shares[hanging]);
             relation.terms.iter().for_each(|(free, a)| shares[*free] += a * share);

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::constraints::ConstraintsError;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::mesh::MeshError;
@@ -17,6 +18,14 @@ pub enum AssemblyError {
     Constraints {
         /// The form.
         form: &'static str,
+    },
+    /// Hanging nodes at which a space cannot be made continuous.
+    #[error("form `{form}`: {source}")]
+    Hanging {
+        /// The form.
+        form: &'static str,
+        /// The reason.
+        source: Box<ConstraintsError>,
     },
     /// A failed exchange between processes, or an error on another one.
     #[error("form `{form}`: {source}")]

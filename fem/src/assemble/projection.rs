@@ -1,14 +1,17 @@
 //! The L² projection of derived fields, and of what is known at quadrature points, to a space.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use forms_core::contract::{Entity, Expression};
 
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
+use crate::constraints::{Constraints, Relation};
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
+use crate::solve::Elimination;
 use crate::space::Space;
 
 /// Values of a function at the quadrature points of all cells of bodies, cell by cell.
@@ -24,7 +27,8 @@ pub(crate) struct ValuesAtPoints<'a> {
 }
 
 impl<const D: usize> Assembler<D> {
-    /// The L² projection of a derived field to a space. Facet quantities cannot be projected.
+    /// The L² projection of a derived field to a space. Facet quantities cannot be projected. Where nodes hang in a mesh of
+    /// trees, it is the nearest of the continuous fields.
     ///
     /// # Errors
     /// A wrong number of components, a function that needs a facet, a value that is not finite, data
@@ -109,11 +113,31 @@ impl<const D: usize> Assembler<D> {
         if !entries.is_empty() {
             mass = mass.plus(&entries).map_err(linear_algebra)?;
         }
+        // Where nodes hang, the nearest of the continuous fields is asked for.
+        let hanging = |source| AssemblyError::Hanging { form, source: Box::new(source) };
+        let mut elimination = match Constraints::joining(space).map_err(hanging)? {
+            Some(joined) => {
+                let found = Elimination::new(space.node_count(), &BTreeMap::new())
+                    .and_then(|all| all.with_relations(of_nodes(&joined, components)));
+                Some(found.map_err(linear_algebra)?)
+            }
+            None => None,
+        };
+        if let Some(elimination) = &mut elimination {
+            mass = elimination.reduce_matrix(&mass.into()).map_err(linear_algebra)?;
+        }
         let factor = factor(&mass).map_err(linear_algebra)?;
         let mut coefficients = vec![0.0; space.unknowns()];
-        for (component, mut load) in load.into_iter().enumerate() {
-            factor.solve_in_place(&mut load).map_err(linear_algebra)?;
-            for (node, value) in load.into_iter().enumerate() {
+        for (component, load) in load.into_iter().enumerate() {
+            let mut values = match &elimination {
+                Some(elimination) => elimination.reduce(&load).map_err(linear_algebra)?,
+                None => load,
+            };
+            factor.solve_in_place(&mut values).map_err(linear_algebra)?;
+            if let Some(elimination) = &elimination {
+                values = elimination.extend_by_zero(&values).map_err(linear_algebra)?;
+            }
+            for (node, value) in values.into_iter().enumerate() {
                 coefficients[node * components + component] = value;
             }
         }
@@ -122,6 +146,17 @@ impl<const D: usize> Assembler<D> {
 }
 
 compiled_here!(Assembler::<D>::project_with_mass);
+
+/// The relations of a space's first component between nodes, which are those of all components.
+fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTreeMap<usize, Relation> {
+    let relations = joined.relations().iter().filter(|(unknown, _)| *unknown % components == 0);
+    let of_nodes = |(unknown, relation): (&usize, &Relation)| {
+        let mut relation = relation.clone();
+        relation.terms.iter_mut().for_each(|term| term.0 /= components);
+        (unknown / components, relation)
+    };
+    relations.map(of_nodes).collect()
+}
 
 /// One factorisation for one use.
 fn factor(matrix: &CsrMatrix) -> Result<SymmetricFactor, LinearAlgebraError> {

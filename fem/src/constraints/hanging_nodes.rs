@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Constraints, ConstraintsError};
 use crate::compiled_here::compiled_here;
 use crate::mesh::{Facet, MeshError};
-use crate::space::Family;
+use crate::space::{Family, Space};
 
 /// Basis functions below this are zero but for rounding.
 const NOTHING: f64 = 1e-13;
@@ -39,6 +39,20 @@ impl<const D: usize> Constraints<D> {
         }
         *self = changed;
         Ok(())
+    }
+
+    /// Relations that make a space continuous on a mesh of trees in which nodes hang; none for other spaces and meshes: bodies that
+    /// touch are not joined.
+    ///
+    /// # Errors
+    /// As [`Constraints::join_hanging_nodes`].
+    pub(crate) fn joining(space: &Arc<Space<D>>) -> Result<Option<Self>, ConstraintsError> {
+        if *space.family() != Family::Continuous || space.mesh().facet_parts().next().is_none() {
+            return Ok(None);
+        }
+        let mut constraints = Constraints::new(space);
+        constraints.join_hanging_nodes()?;
+        Ok(Some(constraints))
     }
 
     /// Gives the unknowns on a facet by those on a larger one.

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
 use crate::linear_algebra::error::check_size;
-use crate::linear_algebra::{BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction};
+use crate::linear_algebra::{
+    BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction, SparsityPattern,
+};
 
 /// The free unknowns y of a problem whose other unknowns are prescribed or given by free ones, u = C y + d, and the
 /// passage between full and reduced vectors and matrices: Cᵀ r and Cᵀ K C. The map between matrices is computed at the first one.
@@ -201,26 +204,51 @@ impl Elimination {
         }
         check_size("the set of rows", self.size, matrix.rows())?;
         check_size("the set of columns", self.size, matrix.columns())?;
-        // Of each unknown the free ones that it depends on, by their reduced numbers.
-        let mut places = vec![usize::MAX; self.size];
-        self.free.iter().enumerate().for_each(|(place, &unknown)| places[unknown] = place);
-        let terms = |unknown: usize| -> Vec<(usize, f64)> {
-            match self.relations.get(&unknown) {
-                Some(relation) => relation.terms.iter().map(|(free, a)| (places[*free], *a)).collect(),
-                None if places[unknown] == usize::MAX => vec![],
-                None => vec![(places[unknown], 1.0)],
-            }
-        };
-        let terms: Vec<Vec<(usize, f64)>> = (0..self.size).map(terms).collect();
-        let mut triplets = Vec::with_capacity(matrix.values().len());
-        for (row, given) in terms.iter().enumerate() {
-            for (column, value) in matrix.row(row).filter(|_| !given.is_empty()) {
-                for &(column, b) in &terms[column] {
-                    triplets.extend(given.iter().map(|&(row, a)| (row, column, a * value * b)));
+        // Of each unknown the free ones that it depends on, and of each free one the unknowns that depend on it, by reduced numbers.
+        let mut numbers = vec![usize::MAX; self.size];
+        let mut dependent: Vec<Vec<(usize, f64)>> = vec![vec![]; self.free.len()];
+        for (number, &unknown) in self.free.iter().enumerate() {
+            numbers[unknown] = number;
+            dependent[number].push((unknown, 1.0));
+        }
+        let mut terms: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+        for (&unknown, relation) in &self.relations {
+            let own: Vec<_> = relation.terms.iter().map(|(free, a)| (numbers[*free], *a)).collect();
+            own.iter().for_each(|(number, a)| dependent[*number].push((unknown, *a)));
+            terms.insert(unknown, own);
+        }
+        let count = self.free.len();
+        let (mut pointers, mut indices, mut values) = (vec![0_usize], Vec::<u32>::new(), Vec::<f64>::new());
+        // The place of each column in the row, for the row that it was met in last.
+        let mut places = vec![(usize::MAX, 0_usize); count];
+        let mut entries: Vec<(u32, f64)> = vec![];
+        for (row, unknowns) in dependent.iter().enumerate() {
+            entries.clear();
+            let mut add = |column: usize, value: f64| match places[column] {
+                (known, place) if known == row => entries[place].1 += value,
+                _ => {
+                    places[column] = (row, entries.len());
+                    entries.push((column as u32, value));
+                }
+            };
+            for &(unknown, a) in unknowns {
+                for (column, value) in matrix.row(unknown) {
+                    match numbers[column] {
+                        usize::MAX => {
+                            let others = terms.get(&column).into_iter().flatten();
+                            others.for_each(|(column, b)| add(*column, a * value * b));
+                        }
+                        number => add(number, a * value),
+                    }
                 }
             }
+            entries.sort_unstable_by_key(|entry| entry.0);
+            indices.extend(entries.iter().map(|entry| entry.0));
+            values.extend(entries.iter().map(|entry| entry.1));
+            pointers.push(indices.len());
         }
-        CsrMatrix::from_triplets(self.free.len(), self.free.len(), &triplets)
+        let pattern = SparsityPattern::new(count, count, pointers, indices)?;
+        CsrMatrix::from_pattern(&Arc::new(pattern), values)
     }
 
     /// The entries of the reduced matrix whose values stand at some places of the full one, as ranges of whole

@@ -1,5 +1,7 @@
 //! Properties of a space that multigrid needs: blocks by nodes, transfers to lower degrees, and the near-null space.
 
+mod transfers;
+
 use std::sync::Arc;
 
 use super::linear_solver::SolverError;
@@ -11,6 +13,7 @@ use crate::linear_algebra::{
     BlockMatrix, BlockRows, BlockSparsity, CsrMatrix, LinearAlgebraError, NodeSet, rigid_motions,
 };
 use crate::space::{Family, Space, SpaceError};
+use transfers::{Given, coarse_level, transfer};
 
 /// Forces of a motion, relative to the sizes of their terms, that are rounding.
 const NOTHING: f64 = 1e-11;
@@ -43,10 +46,16 @@ impl FreeNodes {
         }
         result
     }
+
+    /// Whether a component of a node of the space is free.
+    fn is_free(&self, node: usize, component: usize) -> bool {
+        let number = self.number[node];
+        number != DROPPED && self.free[number as usize * self.components + component]
+    }
 }
 
-/// The way from reduced systems of a space to systems over nodes. Components that are prescribed at a node with free ones
-/// get a row of their own with 1 on the diagonal; nodes without free components are left out.
+/// The way from reduced systems of a space to systems over nodes. Components that are prescribed, or given by free unknowns, at a node
+/// with free ones get a row of their own with 1 on the diagonal; nodes without free components are left out.
 #[derive(Debug)]
 pub(super) struct NodeBlocks {
     nodes: FreeNodes,
@@ -62,28 +71,28 @@ pub(super) struct NodeBlocks {
 impl NodeBlocks {
     /// Prepares a space with its constraints.
     pub(super) fn new<const D: usize>(constraints: &Constraints<D>) -> Result<Self, SpaceError> {
-        if !constraints.relations().is_empty() {
-            return Err(SpaceError::Relations);
-        }
         let mut space = constraints.space().clone();
         let components = space.components();
         let mut is_free = vec![true; space.unknowns()];
-        for unknown in constraints.prescribed().keys() {
+        for unknown in constraints.prescribed().keys().chain(constraints.relations().keys()) {
             is_free[*unknown] = false;
         }
         let fine = FreeNodes::new(components, &is_free);
         let unknowns = (0..fine.kept.len() * components).filter(|place| fine.free[*place]);
         let places = unknowns.map(|place| place as u32).collect();
         let own_near_null_space = near_null_space(&space, &fine);
+        let relations = constraints.relations().iter();
+        let mut given: Given =
+            relations.map(|(unknown, relation)| (*unknown, relation.terms.clone())).collect();
         let mut nodes = fine.clone();
         let mut transfers = Vec::new();
         while *space.family() == Family::Continuous && space.degree() > 1 {
             let coarse = Space::new(space.mesh(), Family::Continuous, space.degree() / 2, space.shape())?;
             let embedding = space.embedding(&coarse)?;
-            let coarse_nodes = coarse_nodes(&nodes, &embedding);
-            let transfer = transfer(&nodes, &coarse_nodes, &embedding);
+            let (coarse_nodes, coarse_given) = coarse_level(&nodes, &given, &embedding);
+            let transfer = transfer(&nodes, (&coarse_nodes, &coarse_given), &embedding);
             transfers.push(transfer.map_err(|_| SpaceError::TooLarge { unknowns: space.unknowns() })?);
-            (space, nodes) = (coarse, coarse_nodes);
+            (space, nodes, given) = (coarse, coarse_nodes, coarse_given);
         }
         let near_null_space = near_null_space(&space, &nodes);
         Ok(NodeBlocks {
@@ -211,51 +220,6 @@ trait NextIf: Iterator {
 }
 
 impl NextIf for std::ops::Range<usize> {}
-
-/// A component of a coarse node is free if it is at the fine node of the same place.
-fn coarse_nodes(fine: &FreeNodes, embedding: &CsrMatrix) -> FreeNodes {
-    let components = fine.components;
-    let mut is_free = vec![false; embedding.columns() * components];
-    for (place, &node) in fine.kept.iter().enumerate() {
-        if let ([column], [_]) = embedding.row(node as usize) {
-            let own = &fine.free[place * components..(place + 1) * components];
-            is_free[*column as usize * components..][..components].copy_from_slice(own);
-        }
-    }
-    FreeNodes::new(components, &is_free)
-}
-
-/// The embedding on free components.
-fn transfer(
-    fine: &FreeNodes,
-    coarse: &FreeNodes,
-    embedding: &CsrMatrix,
-) -> Result<BlockMatrix, LinearAlgebraError> {
-    let components = fine.components;
-    let (mut pointers, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
-    for (place, &node) in fine.kept.iter().enumerate() {
-        let (columns, entries) = embedding.row(node as usize);
-        for (&column, value) in columns.iter().zip(entries) {
-            let number = coarse.number[column as usize];
-            if number == DROPPED {
-                continue;
-            }
-            indices.push(number);
-            for i in 0..components {
-                for j in 0..components {
-                    let free =
-                        fine.free[place * components + i] && coarse.free[number as usize * components + i];
-                    values.push(if i == j && free { *value } else { 0.0 });
-                }
-            }
-        }
-        pointers.push(indices.len());
-    }
-    let sets = |nodes: &FreeNodes| NodeSet::in_a_row([(nodes.kept.len(), components)]);
-    let rows = BlockRows::new(pointers, indices);
-    let sparsity = BlockSparsity::new(sets(fine), sets(coarse), vec![vec![rows]])?;
-    BlockMatrix::from_values(&Arc::new(sparsity), values)
-}
 
 /// Rigid motions where there are as many components as dimensions, otherwise one constant per component.
 fn near_null_space<const D: usize>(space: &Space<D>, nodes: &FreeNodes) -> Vec<Vec<f64>> {

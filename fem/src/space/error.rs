@@ -26,9 +26,6 @@ pub enum SpaceError {
     /// Spaces that must live on the cells of one mesh do not.
     #[error("the two spaces are not both on the cells of one mesh")]
     OtherMesh,
-    /// A solver that takes prescribed values alone was given more.
-    #[error("multigrid takes prescribed values; sliding or periodic conditions need another solver")]
-    Relations,
     /// A value without components.
     #[error("a value of shape {shape:?} has no components")]
     Shape {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::locate::Locator;
+use crate::locate::{INSIDE, Locator};
 use crate::mesh::Mesh;
 use crate::threads::Threads;
 
@@ -23,6 +23,24 @@ pub(crate) fn place<const D: usize>(
         let nearest = locator.find_nearest(point, reach)?;
         Some((nearest.cell as u32, nearest.reference))
     })
+}
+
+/// [`place`] of a point that is likely to lie in a given cell; the same answer.
+pub(crate) fn place_near<const D: usize>(
+    locator: &Locator<D>,
+    guess: Option<u32>,
+    point: &[f64; D],
+    reach: f64,
+) -> Option<(u32, [f64; D])> {
+    if let Some(guess) = guess {
+        let cell = guess as usize;
+        // On a boundary between cells the lowest has to be looked for.
+        let within = |reference: &[f64; D]| locator.mesh().cell_shape(cell).contains(reference, -INSIDE);
+        if let Some(reference) = locator.reference_in(cell, point).filter(within) {
+            return Some((guess, reference));
+        }
+    }
+    place(locator, point, reach)
 }
 
 /// Cuts a loop into one part per thread, whose results stand in the order of the loop.

@@ -1,6 +1,6 @@
 //! Projections: the field of a space that is nearest in L², and the nearest of those with the same integral.
 
-use super::places::{in_parts, place};
+use super::places::{in_parts, place_near};
 use super::{Transfer, TransferError};
 use crate::assemble::Assembler;
 use crate::assemble::projection::ValuesAtPoints;
@@ -16,7 +16,8 @@ const NAME: &str = "projection between meshes";
 
 impl<const D: usize> Transfer<'_, D> {
     /// The field of the space that is nearest in L², integrated by the quadrature of the target's cells, of the degree of both
-    /// fields together: exact where each cell of the target lies in one cell of the field's mesh, as after refinement.
+    /// fields together: exact where each cell of the target lies in one cell of the field's mesh, as after refinement. Where nodes
+    /// hang in a mesh of trees, it is the nearest of the continuous fields.
     ///
     /// # Errors
     /// [`TransferError`]: spaces on facets or of different components, a quadrature point too far from the field's mesh
@@ -71,10 +72,12 @@ impl<const D: usize> Transfer<'_, D> {
                 let cells = block.cells.start + range.start..block.cells.start + range.end;
                 let points =
                     cells.flat_map(|cell| rule.points.iter().zip(&rule.weights).map(move |p| (cell, p)));
+                let mut last = None;
                 for ((cell, (point, weight)), value) in points.zip(values.chunks_mut(components)) {
                     let (position, jacobian) = mesh.map(cell, point);
-                    let (found, reference) = place(locator, &position, reach)
+                    let (found, reference) = place_near(locator, last, &position, reach)
                         .ok_or_else(|| TransferError::Outside { point: position.to_vec(), reach })?;
+                    last = Some(found);
                     self.field.add_value_in(found as usize, &reference, value);
                     if value.iter().any(|value| !value.is_finite()) {
                         return Err(TransferError::NotFinite { point: position.to_vec() });

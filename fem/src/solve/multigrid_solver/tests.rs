@@ -1,7 +1,9 @@
 //! Elasticity in space against the direct solution, on meshes of three sizes.
 
 use super::*;
+use crate::constraints::RigidMap;
 use crate::linear_algebra::LinearAlgebraError;
+use crate::mesh::OctreeMesh;
 use crate::prelude::*;
 use crate::solve::{Elimination, NonlinearProblem};
 
@@ -25,15 +27,90 @@ fn system(n: usize, degree: usize, drift: f64) -> (Constraints<3>, CsrMatrix, Ve
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_: &[f64; 3]| [0.0; 3]).unwrap();
     constraints.fix_component("bottom", 2, |_: &[f64; 3]| 0.0).unwrap();
+    let (matrix, load) = reduced(&constraints, drift);
+    (constraints, matrix, load)
+}
+
+/// The reduced matrix and load of any constraints.
+fn reduced(constraints: &Constraints<3>, drift: f64) -> (CsrMatrix, Vec<f64>) {
+    let space = constraints.space();
     let form = body::balance(&body::Data { drift }, &body::Omega::on("all"));
-    let assembler = Assembler::new(&mesh);
-    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let assembler = Assembler::new(space.mesh());
+    let mut problem = Problem::new(&form, space).assembler(&assembler);
     let zero = vec![0.0; space.unknowns()];
-    let mut elimination = Elimination::of(&[&constraints]).unwrap();
+    let mut elimination = Elimination::of(&[constraints]).unwrap();
     let residual = problem.residual(&zero).unwrap();
     let load = elimination.reduce(&residual).unwrap().iter().map(|value| -value).collect();
     let matrix = elimination.reduce_matrix(&problem.tangent(&zero).unwrap().matrix).unwrap();
-    (constraints, matrix, load)
+    (matrix, load)
+}
+
+/// Iterations of multigrid, whose solution is the direct one.
+fn iterations(constraints: &Constraints<3>) -> usize {
+    let (matrix, load) = reduced(constraints, 0.0);
+    let mut solver = MultigridSolver::new(constraints, options()).unwrap();
+    solver.set_matrix(matrix.clone()).unwrap();
+    let found = solver.solve(&load, 0.0).unwrap();
+    assert!(solver.report().levels.len() > 1, "{:?}", solver.report().levels);
+    let mut direct = TangentSolver::default();
+    direct.set_matrix(matrix).unwrap();
+    let exact = direct.solve(&load, 0.0).unwrap().solution;
+    assert!(distance(&found.solution, &exact) < 1e-8);
+    found.iterations
+}
+
+fn clamped(mesh: &Arc<Mesh<3>>, degree: usize) -> Constraints<3> {
+    let mut constraints = Constraints::new(&Space::vector(mesh, degree).unwrap());
+    constraints.fix("bottom", |_: &[f64; 3]| [0.0; 3]).unwrap();
+    constraints
+}
+
+#[test]
+fn hanging_nodes_cost_few_iterations() {
+    for (degree, divisions, steps) in [(1, 6, 3), (2, 3, 3), (4, 2, 1)] {
+        let first = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1).unwrap();
+        let plain = iterations(&clamped(&Arc::new(first.clone()), degree));
+        let mut mesh = OctreeMesh::new(first).unwrap();
+        for step in 0..steps {
+            // The cells at an edge, so that nodes hang on faces and edges.
+            let reach = 0.55 / f64::from(1 << step);
+            let near = |cell: &u32| {
+                let x = mesh.mesh().map(*cell as usize, &[0.5; 3]).0;
+                x[0] + x[2] < reach
+            };
+            let marked: Vec<u32> = (0..mesh.mesh().cell_count() as u32).filter(near).collect();
+            mesh = mesh.refined(&marked).unwrap().0;
+        }
+        let space = Space::vector(mesh.mesh(), degree).unwrap();
+        let mut constraints = Constraints::new(&space);
+        constraints.join_hanging_nodes().unwrap();
+        constraints.fix("bottom", |_: &[f64; 3]| [0.0; 3]).unwrap();
+        let adapted = iterations(&constraints);
+        println!(
+            "degree {degree}: {plain} iterations, {adapted} with {} given",
+            constraints.relations().len()
+        );
+        assert!(!constraints.relations().is_empty() && 2 * adapted <= 3 * plain + 4);
+    }
+}
+
+#[test]
+fn periodic_and_sliding_conditions_cost_few_iterations() {
+    for (shape, degree, n) in
+        [(CellShape::Tetrahedron, 1, 8), (CellShape::Tetrahedron, 2, 4), (CellShape::Hexahedron, 2, 4)]
+    {
+        let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [n; 3], shape, 1).unwrap());
+        let plain = iterations(&clamped(&mesh, degree));
+        let mut periodic = clamped(&mesh, degree);
+        periodic.periodic("left", "right", &RigidMap::translation([1.0, 0.0, 0.0])).unwrap();
+        let mut sliding = clamped(&mesh, degree);
+        sliding.slide("right", |_| [1.0, 0.5, -0.25], |_| 0.0).unwrap();
+        for (name, constraints) in [("periodic", periodic), ("sliding", sliding)] {
+            let found = iterations(&constraints);
+            println!("{shape:?} {degree}: {plain} iterations, {name} {found}");
+            assert!(!constraints.relations().is_empty() && 2 * found <= 3 * plain + 4);
+        }
+    }
 }
 
 fn options() -> MultigridSolverOptions {

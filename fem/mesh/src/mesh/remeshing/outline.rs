@@ -12,6 +12,10 @@ const PIECES: usize = 8;
 /// The cosine of the turn of an outline, 30°, beyond which a node is a corner, which stays.
 const CORNER: f64 = 0.866;
 
+/// The same between straight facets, 10°: an outline of degree 1 is a polygon, off which a chord across a corner would cut a part. Below it the
+/// outline stands for a smooth curve, off which it is itself as far.
+const CORNER_OF_POLYGON: f64 = 0.985;
+
 /// A facet of the boundary as a parabola.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {
@@ -44,6 +48,13 @@ impl Arc {
         let d: [f64; 2] = std::array::from_fn(|k| slope[0] * a[k] + slope[1] * m[k] + slope[2] * b[k]);
         let length = d[0].hypot(d[1]);
         d.map(|x| x / length)
+    }
+
+    /// Whether the middle node lies in the middle of a straight line.
+    fn is_straight(&self) -> bool {
+        let [a, m, b] = self.nodes;
+        let off = (0..2).map(|k| (0.5 * (a[k] + b[k]) - m[k]).abs()).fold(0.0, f64::max);
+        off <= 1e-9 * (b[0] - a[0]).hypot(b[1] - a[1])
     }
 
     /// The distance of a point.
@@ -132,7 +143,9 @@ impl Outline {
 /// Whether a node between two arcs must stay: the outline turns there, or its name changes.
 pub(super) fn is_corner(before: &Arc, after: &Arc) -> bool {
     let (a, b) = (before.direction(1.0), after.direction(0.0));
-    before.regions != after.regions || a[0] * b[0] + a[1] * b[1] < CORNER
+    let polygon = before.is_straight() && after.is_straight();
+    let least = if polygon { CORNER_OF_POLYGON } else { CORNER };
+    before.regions != after.regions || a[0] * b[0] + a[1] * b[1] < least
 }
 
 fn from_a_corner(mut arcs: Vec<Arc>) -> Vec<Arc> {

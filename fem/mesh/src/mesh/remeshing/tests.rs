@@ -41,6 +41,22 @@ fn a_rectangle_keeps_its_corners_and_names() {
     }
 }
 
+/// Turns of 27.7° and 12°: a polygon keeps its area and perimeter. One of 9° stands for a circle.
+#[test]
+fn a_polygon_keeps_its_corners() {
+    for around in [13, 30] {
+        let old = annulus(1.0, 2.0, 2, around, CellShape::Triangle, 1).unwrap();
+        let new = Remeshing::new(Sizes::between(0.05, 0.5)).remesh(&old).unwrap();
+        close(volume(&new), volume(&old), 1e-12);
+        for region in ["inner", "outer"] {
+            close(surface(&new, region).unwrap().0, surface(&old, region).unwrap().0, 1e-12);
+        }
+    }
+    let old = annulus(1.0, 2.0, 2, 40, CellShape::Triangle, 1).unwrap();
+    let new = Remeshing::new(Sizes::between(0.05, 0.5)).remesh(&old).unwrap();
+    close(volume(&new) / (3.0 * PI), 1.0, 0.02);
+}
+
 #[test]
 fn a_ring_in_sectors_has_the_pattern() {
     let mut old = RING.mesh().unwrap();

@@ -1,0 +1,180 @@
+//! The paper's hollow cylinder on meshes that follow the error: Figures 3 and 5 continued, and J to a tolerance.
+//!
+//! `cargo run --release --bin adaptive_cylinder`
+
+mod states;
+mod study;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser;
+use forms_examples::command_line::program_with_options;
+use forms_fem::adaptivity::Adaptation;
+use forms_fem::mesh::onto_sphere;
+use forms_fem::output::picture::{Curve, LinePlot, MeshDrawing, Picture, Scale};
+use forms_fem::output::{StandardOutput, tell};
+use forms_fem::prelude::*;
+
+use forms_contact::hollow_cylinder::{INNER_RADIUS, OUTER_RADIUS};
+use states::{Direct, FIRST, mesh};
+use study::{Meshes, Reference, Row, series};
+
+/// Errors of writing files have no common type.
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// The paper's cylinder on adaptive meshes beside uniform ones: errors of u and of the three adjoint states against a reference on a
+/// finer adaptive mesh, and J to a tolerance.
+#[derive(Clone, Debug, Parser)]
+#[command(version, name = "adaptive_cylinder")]
+struct Options {
+    /// Unknowns at which the series end
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    unknowns: usize,
+    /// Unknowns of the reference, at least
+    #[arg(long, value_name = "N", default_value_t = 45_000)]
+    reference: usize,
+    /// θ of Nitsche's method
+    #[arg(long, allow_negative_numbers = true, default_value_t = -1.0)]
+    theta: f64,
+    /// |η| within this part of J ends the adaptive meshes for J
+    #[arg(long, default_value_t = 1e-6)]
+    tolerance: f64,
+    /// Directory of the pictures; made where it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out/adaptive_cylinder")]
+    out: PathBuf,
+}
+
+const QUANTITIES: [&str; 4] = ["u (14)", "p (22)", "p (21)", "p (41)"];
+
+/// s in error ~ Nˢ over the rows with at least a twentieth of the last one's unknowns.
+fn order(rows: &[Row], quantity: usize) -> Option<f64> {
+    let least = rows.last()?.unknowns / 20;
+    let used = rows.iter().filter(|row| row.unknowns >= least);
+    let (x, y): (Vec<f64>, Vec<f64>) = used.map(|row| (row.unknowns as f64, row.errors[quantity])).unzip();
+    Curve::new("", &x, &y).order(x.len())
+}
+
+/// Prints the errors on meshes of one kind: about one row per doubling of the unknowns, and the last.
+fn table(out: &mut StandardOutput, name: &str, rows: &[Row]) {
+    let print = |out: &mut StandardOutput, row: &Row| {
+        let errors = row.errors.map(|error| format!("{error:.3e}")).join(" | ");
+        out.line(format!("| {name} | {} | {errors} |", row.unknowns));
+    };
+    let mut last = 0;
+    for (index, row) in rows.iter().enumerate() {
+        if row.unknowns >= 2 * last || index + 1 == rows.len() {
+            print(out, row);
+            last = row.unknowns;
+        }
+    }
+    let orders =
+        [0, 1, 2, 3].map(|quantity| order(rows, quantity).map_or(String::new(), |s| format!("N^{s:.2}")));
+    out.line(format!("| {name} | order | {} |", orders.join(" | ")));
+}
+
+fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
+    // Two references: their difference says how far the last one can be trusted.
+    let (mut earlier, mut fine) = (None, None);
+    let shown = series(Meshes::ForBoth, options.theta, options.reference, |states| {
+        earlier = fine.take();
+        fine = Some(states);
+        Ok(())
+    })?;
+    let reference = Reference::new(fine.ok_or("no reference")?)?;
+    out.line(format!("reference: {} unknowns, {} cells", reference.unknowns(), shown.cell_count()));
+    if let Some(earlier) = earlier {
+        let Row { unknowns, errors } = reference.errors(&earlier)?;
+        out.line(format!(
+            "the mesh before it, {unknowns} unknowns, differs by {:.3e} in u and {:.3e} in p",
+            errors[0], errors[1]
+        ));
+    }
+    out.line(format!("\n| meshes | unknowns | {} |", QUANTITIES.join(" | ")));
+    out.line("| --- | --- | --- | --- | --- | --- |");
+    let mut all: Vec<(&str, Vec<Row>)> = vec![];
+    for (name, meshes) in
+        [("uniform", Meshes::Uniform), ("for u", Meshes::ForDisplacement), ("for p", Meshes::ForAdjoint)]
+    {
+        let mut rows = vec![];
+        series(meshes, options.theta, options.unknowns, |states| {
+            rows.push(reference.errors(&states)?);
+            Ok(())
+        })?;
+        table(out, name, &rows);
+        all.push((name, rows));
+    }
+    let curve = |title: &str, rows: &[Row], quantity: usize| {
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            rows.iter().map(|row| (row.unknowns as f64, row.errors[quantity])).unzip();
+        Curve::new(title, &x, &y)
+    };
+    let mut plot = LinePlot::new()
+        .title("Hollow cylinder, degree 2")
+        .x_axis("unknowns", Scale::Logarithmic)
+        .y_axis("relative error in H^{1}", Scale::Logarithmic)
+        .grid()
+        .size(400.0, 320.0);
+    for (quantity, adapted) in [(0, 1), (1, 2), (2, 2), (3, 2)] {
+        let (adaptive, uniform) = (&all[adapted].1, &all[0].1);
+        let name = QUANTITIES[quantity];
+        plot = plot
+            .curve(curve(&format!("{name}, adaptive"), adaptive, quantity).fitted_order(adaptive.len() / 2))
+            .curve(
+                curve(&format!("{name}, uniform"), uniform, quantity).dashed().fitted_order(uniform.len()),
+            );
+    }
+    plot.write_png(options.out.join("adaptive_cylinder.png"))?;
+    Ok(())
+}
+
+fn goal(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
+    out.line("\n| meshes | unknowns | J | η / J | s |\n| --- | --- | --- | --- | --- |");
+    let row =
+        |out: &mut StandardOutput, name: &str, unknowns: usize, goal: f64, estimate: f64, seconds: f64| {
+            out.line(format!("| {name} | {unknowns} | {goal:.8} | {:.2e} | {seconds:.2} |", estimate / goal));
+        };
+    let solve = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
+        Direct::solve(mesh, options.theta, before)?.goal()
+    };
+    let coarse = solve(&Arc::new(mesh(FIRST)?), None)?;
+    let scale = coarse.goal.ok_or("no goal")?.abs();
+    let (inner, outer) = (onto_sphere([0.0; 2], INNER_RADIUS), onto_sphere([0.0; 2], OUTER_RADIUS));
+    let start = Instant::now();
+    let surfaces: [forms_fem::mesh::Surface<'_, 2>; 2] = [("inner", &inner), ("outer", &outer)];
+    let cycle = Adaptation::to_tolerance(options.tolerance * scale).onto(&surfaces);
+    let mut seconds = vec![];
+    let mut timed = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| {
+        let solution = solve(mesh, before);
+        seconds.push(start.elapsed().as_secs_f64());
+        solution
+    };
+    let adapted = cycle.run(mesh(FIRST)?, &mut timed, |step| tell(step.to_string()))?;
+    for (step, seconds) in adapted.steps.iter().zip(&seconds) {
+        row(out, "for J", step.unknowns, step.goal.unwrap_or(f64::NAN), step.estimate, *seconds);
+    }
+    for radial in [1, 2, 4, 8].map(|factor| factor * FIRST) {
+        let start = Instant::now();
+        let found = solve(&Arc::new(mesh(radial)?), None)?;
+        let (unknowns, goal) = (found.field.space().unknowns(), found.goal.unwrap_or(f64::NAN));
+        row(out, "uniform", unknowns, goal, found.estimate.value(), start.elapsed().as_secs_f64());
+    }
+    let drawn = adapted.mesh.mesh();
+    let title = format!("For J, {} cells", drawn.cell_count());
+    MeshDrawing::new(drawn).title(&title).write_png(options.out.join("adaptive_cylinder_mesh.png"))?;
+    Ok(())
+}
+
+fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
+    // A long computation must not end with nowhere to put its result.
+    std::fs::create_dir_all(&options.out)
+        .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
+    goal(options, out)?;
+    study(options, out)
+}
+
+fn main() -> ExitCode {
+    program_with_options(run)
+}

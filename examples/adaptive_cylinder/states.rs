@@ -1,0 +1,104 @@
+//! The states of the paper's cylinder on one mesh of triangles, and by what it is refined.
+
+use std::sync::Arc;
+
+use forms_contact::hollow_cylinder::{CONTACT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on};
+use forms_contact::residual_estimator::{consistent_adjoint, dual_weighted, frictionless};
+use forms_contact::{Adjoint, ContactProblem};
+use forms_fem::adaptivity::{AdaptiveSolution, ErrorEstimate};
+use forms_fem::mesh::{AdaptiveMesh, onto_sphere};
+use forms_fem::prelude::*;
+
+use crate::Outcome;
+
+/// The free part of the outer circle.
+const FREE: &str = "free";
+/// Cells across the thickness of the first mesh; sixteen times as many around. Where meshes stay as coarse, their boundary is 6·10⁻⁶ cm
+/// off the circles.
+pub const FIRST: usize = 4;
+
+/// A mesh of the ring with so many cells across.
+pub fn mesh(radial: usize) -> Outcome<Mesh<2>> {
+    let mut mesh = annulus(INNER_RADIUS, OUTER_RADIUS, radial, 16 * radial, CellShape::Triangle, 2)?;
+    mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0)?;
+    mesh.name_facets(FREE, "outer", |centre| centre[1] >= 0.0)?;
+    Ok(mesh)
+}
+
+/// Refines some cells, with new nodes on the circles.
+pub fn refined(mesh: &AdaptiveMesh<2>, marked: &[u32]) -> Outcome<AdaptiveMesh<2>> {
+    let (inner, outer) = (onto_sphere([0.0; 2], INNER_RADIUS), onto_sphere([0.0; 2], OUTER_RADIUS));
+    Ok(mesh.refined_onto(marked, &[("inner", &inner), ("outer", &outer)])?.0)
+}
+
+/// The displacement on a mesh.
+pub struct Direct {
+    /// The problem.
+    pub problem: ContactProblem<2>,
+    /// u_h of (14).
+    pub u: Field<2>,
+    solver: CondensedSolver,
+}
+
+/// The states whose errors are measured, in the order of the tables.
+pub struct States {
+    /// u_h, p_h of (22), p̃_h of (21), p_h of (41).
+    pub fields: [Field<2>; 4],
+}
+
+impl Direct {
+    /// Solves (14), from the displacement on the mesh before where there is one.
+    pub fn solve(mesh: &Arc<Mesh<2>>, theta: f64, before: Option<&Field<2>>) -> Outcome<Direct> {
+        let problem = hollow_cylinder_on(mesh, &Settings { theta, ..Settings::default() })?;
+        let mut solver = CondensedSolver::default();
+        let start = match before {
+            Some(before) => before.onto(&problem.space).interpolated()?,
+            None => Field::zero(&problem.space),
+        };
+        let u = problem.direct()?.start(&start).solver(&mut solver).solve()?.into_field();
+        Ok(Direct { problem, u, solver })
+    }
+
+    /// Solves for an adjoint state.
+    pub fn adjoint(&mut self, which: Adjoint) -> Outcome<Field<2>> {
+        Ok(self.problem.solve_adjoint(which, &self.u, &mut self.solver)?.into_field())
+    }
+
+    /// All states.
+    pub fn states(mut self) -> Outcome<States> {
+        let [consistent, discrete, extended] =
+            [Adjoint::Consistent, Adjoint::Discrete, Adjoint::Extended].map(|which| self.adjoint(which));
+        Ok(States { fields: [self.u, consistent?, discrete?, extended?] })
+    }
+
+    /// The estimated error of u.
+    pub fn error(&self) -> Outcome<ErrorEstimate> {
+        let regions = frictionless::Regions::default().gamma_n(FREE).gamma_c(CONTACT);
+        let model = frictionless::Model { data: self.problem.law.data.clone(), regions };
+        Ok(ErrorEstimate::residual(&self.problem.assembler, &model.squared(&self.u))?)
+    }
+
+    /// The estimated error of p of (22).
+    pub fn adjoint_error(&self, p: &Field<2>) -> Outcome<ErrorEstimate> {
+        let regions = consistent_adjoint::Regions::default().gamma_n(FREE).gamma_c(CONTACT);
+        let model = consistent_adjoint::Model { data: self.problem.law.data.clone(), regions };
+        Ok(ErrorEstimate::residual(&self.problem.assembler, &model.squared(&self.u, p))?)
+    }
+
+    /// J, and its error by p of (21) in degree 3.
+    pub fn goal(self) -> Outcome<AdaptiveSolution<2>> {
+        let Direct { problem, u, .. } = self;
+        let higher = Space::vector(u.space().mesh(), 3)?;
+        let mut held = Constraints::new(&higher);
+        held.fix("inner", |_| [0.0; 2])?;
+        let form = problem.law.discrete_adjoint(&u);
+        let mut adjoint = Problem::new(&form, &higher).assembler(&problem.assembler).vanishing(&held);
+        let p = adjoint.solve()?.into_field();
+        let regions = dual_weighted::Regions::default().gamma_n(FREE).gamma_c(CONTACT);
+        let model = dual_weighted::Model { data: problem.law.data.clone(), regions };
+        let localised = |z: &Field<2>| model.localised(&u, z);
+        let estimate = ErrorEstimate::dual_weighted(&problem.assembler, &p, &problem.space, localised)?;
+        let goal = problem.criterion(&u)?;
+        Ok(AdaptiveSolution::new(u.clone(), estimate).with_goal(goal))
+    }
+}

@@ -1,0 +1,113 @@
+//! Errors of the states on adaptive and on uniform meshes, beside a reference on a finer mesh of the same first one.
+
+use std::sync::Arc;
+
+use forms_contact::Adjoint;
+use forms_fem::mesh::{AdaptiveMesh, doerfler};
+use forms_fem::norms::{Comparison, Norms, norms};
+use forms_fem::output::tell;
+use forms_fem::prelude::*;
+
+use crate::Outcome;
+use crate::states::{Direct, FIRST, States, mesh, refined};
+
+/// Degree of the rule on the reference mesh.
+const DEGREE: usize = 5;
+
+/// How meshes are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Meshes {
+    /// All cells are divided.
+    Uniform,
+    /// Cells are marked by the estimated error of u.
+    ForDisplacement,
+    /// Cells are marked by the estimated error of p of (22).
+    ForAdjoint,
+    /// Cells are marked by both, each relative to its sum.
+    ForBoth,
+}
+
+/// Relative errors in H¹ on a mesh: of u, and of p of (22), (21) and (41) beside p of (22).
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Unknowns.
+    pub unknowns: usize,
+    /// The errors.
+    pub errors: [f64; 4],
+}
+
+/// Solves on a series of meshes up to a number of unknowns, and hands over the states on each.
+pub fn series(
+    meshes: Meshes,
+    theta: f64,
+    unknowns: usize,
+    mut each: impl FnMut(States) -> Outcome<()>,
+) -> Outcome<Arc<Mesh<2>>> {
+    let mut adaptive = AdaptiveMesh::new(mesh(FIRST)?)?;
+    let (mut radial, mut before) = (FIRST, None);
+    loop {
+        let current = match meshes {
+            Meshes::Uniform => Arc::new(mesh(radial)?),
+            _ => adaptive.mesh().clone(),
+        };
+        let mut direct = Direct::solve(&current, theta, before.as_ref())?;
+        let count = direct.u.space().unknowns();
+        tell(format!("{meshes:?}, theta = {theta}: {count} unknowns"));
+        let mut relative = vec![0.0; current.cell_count()];
+        let mut add = |estimate: &forms_fem::adaptivity::ErrorEstimate| {
+            let sum: f64 = estimate.indicators().iter().sum();
+            relative.iter_mut().zip(estimate.indicators()).for_each(|(all, one)| *all += one / sum);
+        };
+        if matches!(meshes, Meshes::ForDisplacement | Meshes::ForBoth) {
+            add(&direct.error()?);
+        }
+        if matches!(meshes, Meshes::ForAdjoint | Meshes::ForBoth) {
+            let p = direct.adjoint(Adjoint::Consistent)?;
+            add(&direct.adjoint_error(&p)?);
+        }
+        let states = direct.states()?;
+        before = Some(states.fields[0].clone());
+        each(states)?;
+        if count >= unknowns {
+            return Ok(current);
+        }
+        match meshes {
+            Meshes::Uniform => radial *= 2,
+            _ => adaptive = refined(&adaptive, &doerfler(&relative, 0.5)?)?,
+        }
+    }
+}
+
+/// u and p of (22) on a fine mesh.
+pub struct Reference {
+    assembler: Assembler<2>,
+    u: Field<2>,
+    p: Field<2>,
+    norms: [Norms; 2],
+}
+
+impl Reference {
+    /// From the states on its mesh.
+    pub fn new(states: States) -> Outcome<Reference> {
+        let [u, p, ..] = states.fields;
+        let assembler = Assembler::new(u.space().mesh()).with_quadrature(Quadrature::Degree(DEGREE));
+        let norms = [norms(&assembler, &u)?, norms(&assembler, &p)?];
+        Ok(Reference { assembler, u, p, norms })
+    }
+
+    /// The errors of the states on another mesh.
+    pub fn errors(&self, states: &States) -> Outcome<Row> {
+        let [u, adjoints @ ..] = &states.fields;
+        let comparison = Comparison::new(&self.assembler, u.space(), DEGREE)?;
+        let mut errors = [comparison.errors(&self.u, u)?.h1 / self.norms[0].h1, 0.0, 0.0, 0.0];
+        for (error, p) in errors[1..].iter_mut().zip(adjoints) {
+            *error = comparison.errors(&self.p, p)?.h1 / self.norms[1].h1;
+        }
+        Ok(Row { unknowns: u.space().unknowns(), errors })
+    }
+
+    /// Unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.u.space().unknowns()
+    }
+}

@@ -1,0 +1,149 @@
+//! Hertz's contacts on meshes that follow the error beside meshes refined everywhere: the tables of docs/adaptivity.md.
+//!
+//! `cargo run --release --bin adaptive_hertz -- cylinder` or `-- ball`
+
+mod measurements;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use clap::{Parser, ValueEnum};
+use forms_contact::hertz::{
+    Body, FREE, Hertz, body_on, cylinder_mesh, cylinder_on, estimate, onto_body, quarter_mesh,
+};
+use forms_examples::command_line::program_with_options;
+use forms_fem::adaptivity::{Adaptation, AdaptiveSolution};
+use forms_fem::output::StandardOutput;
+use forms_fem::output::picture::{Curve, LinePlot, MeshDrawing, Picture, Scale};
+use forms_fem::prelude::*;
+
+use measurements::{Row, TOLERANCE, settled, solve};
+
+/// Errors of writing files have no common type.
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// Cells each way of the first mesh.
+const FIRST: usize = 4;
+
+/// The contact.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Contact {
+    /// A cylinder on a rigid flat, in the plane
+    Cylinder,
+    /// A ball on a rigid flat
+    Ball,
+}
+
+/// Presses an elastic cylinder or ball onto a rigid flat, on adaptive meshes and on uniform ones, and compares with Hertz.
+#[derive(Clone, Debug, Parser)]
+#[command(version, name = "adaptive_hertz")]
+struct Options {
+    /// The contact
+    contact: Contact,
+    /// Unknowns at which the adaptive meshes end
+    #[arg(long, value_name = "N", default_value_t = 12_000)]
+    unknowns: usize,
+    /// Most cells each way of the uniform meshes, which have 4, 8, 16 and so on; 64 in the plane and 8 in space where nothing is said
+    #[arg(long, value_name = "N")]
+    uniform: Option<usize>,
+    /// Directory of the pictures; made where it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out/adaptive_hertz")]
+    out: PathBuf,
+}
+
+impl Options {
+    fn divisions(&self) -> impl Iterator<Item = usize> {
+        let usual = if self.contact == Contact::Ball { 8 } else { 64 };
+        let most = self.uniform.unwrap_or(usual);
+        std::iter::successors(Some(FIRST), |n| Some(2 * n)).take_while(move |n| *n <= most)
+    }
+}
+
+/// The rows of uniform meshes and of adaptive ones.
+type Series = [Vec<Row>; 2];
+
+fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
+    let (mut uniform, mut adaptive) = (vec![], vec![]);
+    for divisions in options.divisions() {
+        let problem = cylinder_on(&Arc::new(cylinder_mesh(divisions)?), FREE)?;
+        uniform.push(solve(&problem, None, Hertz::of_line)?.1);
+    }
+    let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
+        let problem = cylinder_on(mesh, FREE)?;
+        let (u, row) = solve(&problem, before, Hertz::of_line)?;
+        adaptive.push(row);
+        let estimate = estimate(&problem, &u)?;
+        Ok(AdaptiveSolution::new(u, estimate))
+    };
+    let surfaces = onto_body::<2>();
+    let cycle = Adaptation::to_unknowns(options.unknowns);
+    let found = cycle.onto(&[("bottom", &surfaces)]).run(cylinder_mesh(FIRST)?, on_mesh, |_| ())?;
+    Ok(([uniform, adaptive], found.mesh.mesh().clone()))
+}
+
+fn ball(options: &Options) -> Outcome<Series> {
+    let (mut uniform, mut adaptive) = (vec![], vec![]);
+    for divisions in options.divisions() {
+        let problem = body_on(Body::Ball, &Arc::new(quarter_mesh(Body::Ball, divisions)?), FREE)?;
+        uniform.push(solve(&problem, None, Hertz::of_point)?.1);
+    }
+    let on_mesh = |mesh: &Arc<Mesh<3>>, before: Option<&Field<3>>| -> Outcome<_> {
+        let problem = body_on(Body::Ball, mesh, FREE)?;
+        let (u, row) = solve(&problem, before, Hertz::of_point)?;
+        adaptive.push(row);
+        let estimate = estimate(&problem, &u)?;
+        Ok(AdaptiveSolution::new(u, estimate))
+    };
+    let surfaces = onto_body::<3>();
+    let cycle = Adaptation::to_unknowns(options.unknowns);
+    cycle.onto(&[("bottom", &surfaces)]).run(quarter_mesh(Body::Ball, FIRST)?, on_mesh, |_| ())?;
+    Ok([uniform, adaptive])
+}
+
+fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
+    // A long computation must not end with nowhere to put its result.
+    std::fs::create_dir_all(&options.out)
+        .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
+    let (series, name) = match options.contact {
+        Contact::Cylinder => {
+            let (series, mesh) = cylinder(options)?;
+            MeshDrawing::new(&mesh)
+                .title(&format!("Cylinder, {} cells: where it touches", mesh.cell_count()))
+                .window([0.0, 1.4], [-8.0, -7.0])
+                .write_png(options.out.join("adaptive_hertz_mesh.png"))?;
+            (series, "cylinder")
+        }
+        Contact::Ball => (ball(options)?, "ball"),
+    };
+    out.line("| meshes | unknowns | P | a | p0 | p0 on the axis | profile | smallest cell | s |");
+    out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    let mut plot = LinePlot::new()
+        .title(&format!("Hertz, {name}"))
+        .x_axis("unknowns", Scale::Logarithmic)
+        .y_axis("larger error of a and p0", Scale::Logarithmic)
+        .grid()
+        .size(360.0, 280.0);
+    for (meshes, rows) in ["uniform", "adaptive"].into_iter().zip(&series) {
+        for row in rows {
+            out.line(format!("| {meshes} | {row} |"));
+        }
+        let (x, y): (Vec<f64>, Vec<f64>) = rows.iter().map(|row| (row.unknowns as f64, row.larger())).unzip();
+        plot = plot.curve(Curve::new(meshes, &x, &y));
+    }
+    out.line("");
+    for (meshes, rows) in ["uniform", "adaptive"].into_iter().zip(&series) {
+        let limit = 100.0 * TOLERANCE;
+        out.line(match settled(rows) {
+            Some(unknowns) => format!("{meshes}: a and p0 within {limit} % from {unknowns} unknowns on"),
+            None => format!("{meshes}: a and p0 not within {limit} %"),
+        });
+    }
+    plot.write_png(options.out.join(format!("adaptive_hertz_{name}.png")))?;
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    program_with_options(run)
+}
