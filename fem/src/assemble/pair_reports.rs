@@ -12,7 +12,7 @@ use super::pair_groups::degree_on_pairs;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
-use crate::pairs::{FollowedMotion, Follower, PairError, PairReport};
+use crate::pairs::{FollowedMotion, Follower, PairError, PairReport, Pairs};
 use crate::space::Space;
 
 /// The contact pairs of a form's region in numbers. It displays as a sentence about points without a partner.
@@ -52,6 +52,7 @@ pub(crate) struct FoundPairs<const D: usize> {
     pairing: Option<Pairing>,
     /// The rule's.
     degree: usize,
+    pub pairs: Arc<Pairs<D>>,
     pub report: RegionPairs<D>,
 }
 
@@ -87,7 +88,7 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
             report: pairs.report,
         };
         let pairing = region.pairing.clone();
-        self.found.push(FoundPairs { region: number, displacement, pairing, degree, report });
+        self.found.push(FoundPairs { region: number, displacement, pairing, degree, pairs, report });
         Ok(())
     }
 }

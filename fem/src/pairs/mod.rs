@@ -174,6 +174,20 @@ impl<const D: usize> Pairs<D> {
         facets.dedup();
         facets
     }
+
+    /// Numbers that tell which facets face each other at how many points, rigid ones by their normals. Where they change, a point has
+    /// crossed an edge of the opposite surface, or lost or found it: what is assembled has a kink there.
+    pub fn meetings(&self) -> Vec<u32> {
+        let mut numbers = vec![];
+        for group in &self.groups {
+            let facets = group.facets.iter().flatten();
+            numbers.push(group.count as u32);
+            numbers.extend(facets.flat_map(|facet| [facet.cell, u32::from(facet.local)]));
+            let bits = group.rigid_normals.iter().map(|normal| normal.to_bits());
+            numbers.extend(bits.flat_map(|bits| [bits as u32, (bits >> 32) as u32]));
+        }
+        numbers
+    }
 }
 
 /// Units with like sides and numbers of points together, in the order of the walk.
