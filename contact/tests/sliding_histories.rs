@@ -1,12 +1,14 @@
 //! Gradients of histories in which bodies slide on each other: pairs of the state of a step, and of the state before it, beside
-//! differences, with friction, materials and loads as controls.
+//! differences, with friction, materials and loads as controls; motions refuse such pairs.
 
 use std::f64::consts::TAU;
 
-use forms_contact::laws::two_bodies::two_bodies::Data;
-use forms_contact::laws::two_bodies::two_bodies::Required;
-use forms_fem::inverse::{At, ControlError, Controls, LoadHistory, ReducedProblem, taylor_test};
+use forms_contact::laws::two_bodies::two_bodies::{Data, Required};
+use forms_fem::inverse::{
+    At, ControlError, Controls, LoadHistory, MotionHistory, Observations, ReducedProblem, taylor_test,
+};
 use forms_fem::prelude::*;
+use forms_fem::time::OneStepTheta;
 
 /// Large sliding with friction by Nitsche's method, with a criterion of bodies and contact.
 #[forms(dimension = 2)]
@@ -14,8 +16,8 @@ mod drawn {
     pub use forms_contact::laws::sliding_bodies::sliding_bodies::{
         Data, GammaN, Omega, Touch, contact_pressure, direct, first_piola, loads,
     };
-    use forms_contact::operators::friction::{augmented_traction, contact_traction};
     use forms_contact::laws::two_bodies::two_bodies::slip_limit;
+    use forms_contact::operators::friction::{augmented_traction, contact_traction};
 
     pub fn criterion(u: Unknown<Vector>) -> Energy {
         integral(Omega, dot(u, u) / 2 + dot(criterion_force, u))
@@ -99,7 +101,7 @@ impl Bodies {
 
     /// The slab held, the block's top moved down and along.
     fn held(&self, step: usize) -> Constraints<2> {
-        let along = 1.2 * (step + 1) as f64 / self.steps as f64;
+        let along = 0.15 * (step + 1) as f64;
         let mut held = Constraints::new(&self.space);
         held.fix("slab bottom", |_| [0.0; 2]).unwrap();
         held.fix("block top", |_| [along, -0.07]).unwrap();
@@ -114,21 +116,26 @@ impl Bodies {
     }
 
     fn model(&self, at: &At<2>, before: Given<[f64; 2], 2>) -> Result<drawn::Model<2>, ControlError> {
-        let load = at.number("load")?;
+        let (friction, load) = (at.number("friction")?, at.number("load")?);
+        Ok(self.model_of(friction, load, at.field("shear_modulus")?, before))
+    }
+
+    fn model_of(
+        &self,
+        friction: f64,
+        load: f64,
+        shear_modulus: Field<2>,
+        before: Given<[f64; 2], 2>,
+    ) -> drawn::Model<2> {
         let data = Data {
-            friction: at.number("friction")?,
+            friction,
             displacement_before: before,
             traction: Given::constant(PULL.map(|pull| load * pull)),
             criterion_force: Given::function(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]),
-            ..Required {
-                lambda: 15.0.into(),
-                mu: Given::field(at.field("shear_modulus")?),
-                gamma0: 300.0.into(),
-            }
-            .into()
+            ..Required { lambda: 15.0.into(), mu: Given::field(shear_modulus), gamma0: 300.0.into() }.into()
         };
         let touch = Pairing::between("slab top", "block bottom");
-        Ok(drawn::Model { data, regions: drawn::Regions::default().touch(touch).gamma_n("block right") })
+        drawn::Model { data, regions: drawn::Regions::default().touch(touch).gamma_n("block right") }
     }
 
     fn options() -> NewtonOptions {
@@ -188,7 +195,7 @@ fn check(label: &str, mut history: LoadHistory<'_, 2>) {
     assert!(error < 1e-7, "{label}: {error:e}");
 }
 
-/// FORMS_SWEEPS=1: in twice as many steps.
+/// Over two facets of the slab; FORMS_SWEEPS=1: over five.
 fn bodies() -> Bodies {
     Bodies::new(if std::env::var_os("FORMS_SWEEPS").is_some() { 8 } else { 4 })
 }
@@ -211,4 +218,27 @@ fn pairs_of_the_state_of_the_step() {
 #[test]
 fn pairs_of_the_state_before() {
     check("lagged", bodies().lagged());
+}
+
+/// What displaces the surfaces of a motion is no weight times its unknown.
+#[test]
+fn motions_refuse_displaced_surfaces() {
+    let bodies = bodies();
+    let mut history = MotionHistory::new(
+        &bodies.space,
+        (bodies.steps, 0.1),
+        OneStepTheta::implicit_euler(),
+        bodies.controls(),
+    )
+    .motion(|during| {
+        let (friction, load) = (during.number("friction")?, during.number("load")?);
+        Ok(bodies
+            .model_of(friction, load, during.field("shear_modulus")?, Given::constant([0.0; 2]))
+            .direct())
+    })
+    .observed(1, Observations::new(&bodies.space).at_nodes(&Field::zero(&bodies.space), 1.0).unwrap());
+    let m = history.start();
+    let told = history.value(&m).unwrap_err().to_string();
+    let expected = "step 0 of the history: `direct` has pairs of displaced surfaces";
+    assert!(told.starts_with(expected), "{told}");
 }

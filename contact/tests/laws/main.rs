@@ -4,6 +4,7 @@
 mod analytic_obstacle;
 mod augmented_lagrangian;
 mod bad_input;
+mod bad_parameters;
 mod block;
 mod capsule;
 mod cattaneo;

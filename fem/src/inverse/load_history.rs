@@ -223,7 +223,8 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
             if form.is_on_displaced_surfaces() {
                 // Where a point crosses an edge of the opposite surface the normal there jumps.
                 let pairs = form.pairs(assembler, &at, &[&self.space])?;
-                let met = pairs.iter().filter(|pairs| pairs.report.displaced).flat_map(|all| all.pairs.meetings());
+                let met =
+                    pairs.iter().filter(|pairs| pairs.report.displaced).flat_map(|all| all.pairs.meetings());
                 switches.get_or_insert_default().extend(met);
             }
             Ok(switches)
