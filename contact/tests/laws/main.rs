@@ -21,6 +21,7 @@ mod mindlin;
 mod random_loads;
 mod rigid_layers;
 mod rigid_tools;
+mod rolling;
 mod self_contact;
 mod setting;
 mod shape;
