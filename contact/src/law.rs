@@ -3,13 +3,15 @@
 
 use forms_fem::prelude::*;
 
+use crate::parameter_ranges::ParameterRanges;
+
 /// A forms module with its data and regions bound, that states a contact problem: [`contact_law!`](crate::contact_law) writes
 /// this for a module's `Model`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no contact law in {D} dimensions",
     note = "name what the drivers need of its forms module: `contact_law!(module {{ direct: direct, region: gamma_c }})`"
 )]
-pub trait ContactLaw<const D: usize>: Clone {
+pub trait ContactLaw<const D: usize>: Clone + ParameterRanges {
     /// The direct problem R(u; v) = 0.
     type Direct: Form<D> + Clone;
 
@@ -18,12 +20,6 @@ pub trait ContactLaw<const D: usize>: Clone {
 
     /// Name in the mesh of Γ_C, the potential contact boundary.
     fn contact_region(&self) -> &str;
-
-    /// Whether the law's parameters are in their range.
-    ///
-    /// # Errors
-    /// [`AssemblyError::ParameterRange`] in the name of the form that was to be solved.
-    fn check(&self, form: &'static str) -> Result<(), AssemblyError>;
 
     /// The line search of Newton's method for the direct problem, unless its builder is given options. Whole steps go back
     /// and forth between stick and slip: laws with friction shorten them by the residual.
@@ -164,7 +160,7 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `theta: parameter`, for
 /// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` beside it
 /// ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
-/// of extended data) that has to be positive; `non_negative: parameter`; `coefficient: parameter`, that of
+/// of extended data) that has to be positive, and `non_negative: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
 /// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
@@ -196,32 +192,16 @@ macro_rules! contact_law {
                 &self.regions.$region.0.name
             }
 
-            fn check(&self, form: &'static str) -> Result<(), $crate::fem::AssemblyError> {
-                let _ = form;
-                $(
-                    let value = self.data.$($positive).+;
-                    // A value that is not finite is named when the form is bound to its data.
-                    if value <= 0.0 {
-                        let (range, parameter) = ("positive", stringify!($($positive).+));
-                        return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
-                    }
-                )*
-                $(
-                    let value = self.data.$($non_negative).+;
-                    if value < 0.0 {
-                        let (range, parameter) = ("zero or positive", stringify!($($non_negative).+));
-                        return Err($crate::fem::AssemblyError::ParameterRange { form, parameter, value, range });
-                    }
-                )*
-                Ok(())
-            }
-
             $(
                 fn line_search(&self) -> $crate::fem::LineSearch {
                     $crate::fem::LineSearch::$line_search
                 }
             )?
         }
+        $crate::parameter_ranges!($module {
+            $(positive: $($positive).+,)*
+            $(non_negative: $($non_negative).+,)*
+        });
         $(
             impl<const D: usize> $crate::law::WithFriction<D> for $module::Model<D>
             where

@@ -7,6 +7,7 @@ use forms_contact::ContactProblem;
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{Settings, solve};
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
+use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::hanging_block::HangingBlock;
 use forms_distributed::cases::report::read;
 use forms_fem::prelude::*;
@@ -101,6 +102,36 @@ fn a_ball_on_a_flat_is_the_same_by_a_direct_solver() {
 fn a_ball_on_a_flat_is_the_same_by_conjugate_gradients() {
     let expected = ball(&ball_on_flat(4, 1.0).unwrap());
     check(env!("CARGO_BIN_EXE_ball"), &["4", "1", "cg"], &expected);
+}
+
+/// Pairs of bodies that slide on each other: which facets are opposite, and with them the positions of the matrix, change from iterate
+/// to iterate, on each process.
+#[test]
+fn a_block_that_is_drawn_along_a_slab_is_the_same() {
+    let block = DrawnBlock::new(4).unwrap();
+    let (mut steps, mut before) = (vec![], None);
+    let path = block.draw(|problem, step| {
+        let solved = problem.direct()?.increment(step).solve()?;
+        steps.push(solved.iterations() as f64);
+        before = Some(step.before.clone());
+        Ok(solved)
+    });
+    let (u, before) = (path.unwrap().state, before.unwrap());
+    let problem = block.step(1.0, &before).unwrap();
+    let adjoint = problem.adjoint(&u).unwrap().solve().unwrap().into_field();
+    let force = block.of_block(&before).unwrap().contact_force(&u);
+    let force = block.assembler().functional(&force).unwrap();
+    assert!(force < -0.05, "friction holds the block back: {force}");
+    let expected = BTreeMap::from([
+        ("J", vec![problem.criterion(&u).unwrap()]),
+        ("force", vec![force]),
+        ("steps", steps),
+        ("u", u.values().to_vec()),
+        ("adjoint", adjoint.values().to_vec()),
+    ]);
+    check(env!("CARGO_BIN_EXE_drawn_block"), &["4"], &expected);
+    let patterns = |processes| read(&told(processes, env!("CARGO_BIN_EXE_drawn_block"), &["4"]))["patterns"][0];
+    assert!(patterns(2) > 2.0, "points leave the facets that the first pattern holds");
 }
 
 #[test]

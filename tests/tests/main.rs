@@ -29,6 +29,7 @@ mod form_discrete_adjoint;
 mod form_elasticity;
 mod form_extended_adjoint;
 mod form_lengths;
+mod frictional_block_against_getfem;
 mod frictional_cylinder_against_getfem;
 mod gamma0_sweep;
 mod half_plane;

@@ -2,13 +2,17 @@
 //! facets of Γ_C.
 
 use forms_fem::forms;
+use forms_fem::prelude::*;
+
+use crate::parameter_ranges;
+use crate::parameter_ranges::ParameterRanges;
 
 /// The multiplier λ is the traction of the obstacle on the body, T(λ) = −\[P_n\]₋ n_y + Π_s(P_t) with
 /// P = λ − γ ((u_n − g) n_y + (u − u₀)_t). Where the equation λ = T(λ) holds the conditions of contact and friction do, for any
 /// γ = γ₀/h_T. θ is not read.
 ///
-/// It has two unknowns, u and λ on a space on facets (`Space::vector_on_facets(&mesh, region, degree)`): solve it as
-/// `Problem::new(&model.direct(), [&displacements, &multipliers])` with a line search on the residual.
+/// It has two unknowns, u and λ on a space on facets (`Space::vector_on_facets(&mesh, region, degree)`): [`multiplier_problem`] solves
+/// it, on `[&displacements, &multipliers]`.
 #[forms]
 pub mod augmented_lagrangian {
     pub use super::super::frictional_nitsche::frictional_nitsche::{
@@ -34,4 +38,29 @@ pub mod augmented_lagrangian {
     pub fn along(multiplier: State<Vector>) -> Functional {
         integral(GammaC, dot(multiplier, force_direction))
     }
+}
+
+parameter_ranges!(augmented_lagrangian {
+    positive: base.mu,
+    positive: base.gamma0,
+    non_negative: slip_stress,
+    non_negative: friction,
+});
+
+/// The direct problem on the spaces of displacements and multipliers, with a line search on the residual unless it is given other
+/// options.
+///
+/// # Errors
+/// A parameter out of its range.
+pub fn multiplier_problem<'a, const D: usize>(
+    model: &augmented_lagrangian::Model<D>,
+    spaces: [&Arc<Space<D>>; 2],
+) -> Result<Problem<'a, augmented_lagrangian::direct::Compiled<D>, D, 2>, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let form = model.direct();
+    model.check(form.name())?;
+    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
+    Ok(Problem::owning(form, spaces).options(options))
 }

@@ -103,6 +103,7 @@ contact_law!(capsule {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    positive: base.mu,
     positive: base.gamma0,
     positive: radius,
     non_negative: base.slip_stress,

@@ -4,6 +4,7 @@ use forms_fem::forms;
 use forms_fem::prelude::*;
 
 use crate::law::{ContactLaw, WithAdjoint};
+use crate::parameter_ranges::{ParameterRanges, Range};
 
 /// Bodies that are glued together by a bilinear law of traction and separation (after Camacho and Ortiz 1996, Alfano and
 /// Crisfield 2001). With Δ = u(Y) − u(X), Δ_n = Δ·n_y and the effective opening δ = √(\[Δ_n\]₊² + β² |Δ_t|²),
@@ -106,6 +107,28 @@ pub mod cohesive {
     }
 }
 
+impl<const D: usize> ParameterRanges for cohesive::Model<D>
+where
+    Dim: Dimension<D>,
+{
+    fn check(&self, form: &'static str) -> Result<(), AssemblyError> {
+        let data = &self.data;
+        Range::Positive.check(form, "mu", &data.mu)?;
+        Range::Positive.check(form, "gamma0", &data.gamma0)?;
+        Range::Positive.check(form, "share", &data.share)?;
+        Range::Positive.check(form, "strength", &data.strength)?;
+        Range::Positive.check(form, "fracture_energy", &data.fracture_energy)?;
+        Range::NonNegative.check(form, "shear_weight", &data.shear_weight)?;
+        // The stiffness at which the line of softening would be upright.
+        if data.stiffness <= data.strength * data.strength / (2.0 * data.fracture_energy) {
+            let (parameter, value) = ("stiffness", data.stiffness);
+            let range = "above strength²/(2 fracture_energy)";
+            return Err(AssemblyError::ParameterRange { form, parameter, value, range });
+        }
+        Ok(())
+    }
+}
+
 impl<const D: usize> ContactLaw<D> for cohesive::Model<D>
 where
     Dim: Dimension<D>,
@@ -118,23 +141,6 @@ where
 
     fn contact_region(&self) -> &str {
         &self.regions.touch.0.name
-    }
-
-    fn check(&self, form: &'static str) -> Result<(), AssemblyError> {
-        let data = &self.data;
-        let out =
-            |parameter, value, range| Err(AssemblyError::ParameterRange { form, parameter, value, range });
-        // What is not finite is named when the form is bound to its data.
-        if data.strength <= 0.0 {
-            return out("strength", data.strength, "positive");
-        }
-        if data.fracture_energy <= 0.0 {
-            return out("fracture_energy", data.fracture_energy, "positive");
-        }
-        if data.stiffness <= data.strength * data.strength / (2.0 * data.fracture_energy) {
-            return out("stiffness", data.stiffness, "above strength²/(2 fracture_energy)");
-        }
-        Ok(())
     }
 
     fn line_search(&self) -> LineSearch {

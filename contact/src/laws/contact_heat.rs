@@ -1,6 +1,10 @@
 //! Heat across the contact of two bodies: conduction by pressure, and the work of friction as a source.
 
 use forms_fem::forms;
+use forms_fem::prelude::*;
+
+use crate::parameter_ranges;
+use crate::parameter_ranges::ParameterRanges;
 
 /// Conduction in two bodies whose displacement u is known, ϑ the temperature:
 ///
@@ -11,7 +15,7 @@ use forms_fem::forms;
 /// the part of its effusivity e = √(k ρ c), r = e(X)/(e(X) + e(Y)). What leaves one body enters the other in one integral, so that
 /// heat balances at any quadrature.
 ///
-/// It is linear in ϑ: solve it as a [`Problem`](forms_fem::prelude::Problem) after each step of the mechanical law.
+/// It is linear in ϑ: [`heat_problem`] solves it, after each step of the mechanical law.
 #[forms]
 pub mod contact_heat {
     pub use super::super::two_bodies::two_bodies::{
@@ -89,4 +93,35 @@ pub mod contact_heat {
     pub fn flow_across(temperature: State<Scalar>, u: State<Vector>) -> Functional {
         integral(Touch, contact_conductance(u) * jump(temperature))
     }
+}
+
+parameter_ranges!(contact_heat {
+    positive: base.mu,
+    positive: base.gamma0,
+    positive: base.share,
+    positive: conductivity,
+    positive: effusivity,
+    positive: hardness,
+    positive: duration,
+    non_negative: base.slip_stress,
+    non_negative: base.friction,
+    non_negative: conductance,
+    non_negative: exponent,
+});
+
+/// The heat problem at a displacement, on the space of temperatures.
+///
+/// # Errors
+/// A parameter out of its range.
+pub fn heat_problem<'a, const D: usize>(
+    model: &contact_heat::Model<D>,
+    temperatures: &Arc<Space<D>>,
+    displacement: &Field<D>,
+) -> Result<Problem<'a, contact_heat::heat::Compiled<D>, D>, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let form = model.heat(displacement);
+    model.check(form.name())?;
+    Ok(Problem::owning(form, temperatures))
 }

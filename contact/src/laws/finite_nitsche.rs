@@ -43,6 +43,7 @@ contact_law!(finite_nitsche {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    positive: base.mu,
     positive: base.gamma0,
     non_negative: slip_stress,
     non_negative: friction,

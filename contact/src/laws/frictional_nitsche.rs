@@ -161,6 +161,7 @@ contact_law!(frictional_nitsche {
     diameter_gradient: diameter_gradient,
     theta: base.theta,
     threshold: traction_product(elasticity, base.gamma0),
+    positive: base.mu,
     positive: base.gamma0,
     non_negative: slip_stress,
     non_negative: friction,

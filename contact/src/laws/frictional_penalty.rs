@@ -39,6 +39,7 @@ contact_law!(frictional_penalty {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    positive: base.mu,
     positive: base.gamma0,
     non_negative: slip_stress,
     non_negative: friction,

@@ -42,6 +42,7 @@ pub mod uzawa {
 contact_law!(uzawa {
     direct: direct,
     region: gamma_c,
+    positive: base.base.mu,
     positive: base.base.gamma0,
     non_negative: base.slip_stress,
     non_negative: base.friction,

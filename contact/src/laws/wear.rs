@@ -92,6 +92,7 @@ contact_law!(wear {
     criterion: criterion,
     adjoint: discrete_adjoint,
     theta: base.base.theta,
+    positive: base.base.mu,
     positive: base.base.gamma0,
     non_negative: base.slip_stress,
     non_negative: base.friction,

@@ -1,6 +1,6 @@
 //! The augmented Lagrangian with friction: layers with known answers, the tangent, and the method of multipliers by steps.
 
-use forms_contact::laws::augmented_lagrangian::augmented_lagrangian as law;
+use forms_contact::laws::augmented_lagrangian::{augmented_lagrangian as law, multiplier_problem};
 use forms_fem::prelude::*;
 
 use crate::block::{Block, plane_block, solid_block};
@@ -24,14 +24,13 @@ where
         let sticks = Answer { pressure, shear: 0.01 * MU, slip: 0.0 };
         let slips = Answer { pressure, shear: bound, slip: 0.02 - bound / MU };
         for (aside, answer) in [(0.01, sticks), (0.02, slips)] {
-            let form = model(data(friction, 0.0, YOUNG)).direct();
+            let model = model(data(friction, 0.0, YOUNG));
             let constraints = layer.constraints(aside, 0.01);
             let assembler = Assembler::new(&layer.mesh).with_quadrature(Quadrature::Degree(4));
-            let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
-            let solved = Problem::new(&form, [&layer.space, &multipliers])
+            let solved = multiplier_problem(&model, [&layer.space, &multipliers])
+                .unwrap()
                 .assembler(&assembler)
                 .constrained(&constraints)
-                .options(options)
                 .solve()
                 .unwrap_or_else(|error| panic!("{label}: {error}"));
             let reaction = solved.reaction_of(0, "top").unwrap();

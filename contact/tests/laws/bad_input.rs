@@ -1,23 +1,17 @@
-//! Bad input of contact between bodies, named: surfaces that overlap, a tool that begins inside a body, a partner that is missing, a
-//! coefficient out of its range; and faces that are driven so far in one step that cells are turned inside out.
+//! Bad input of contact between bodies, named: surfaces that overlap, a tool that begins inside a body, a partner that is missing;
+//! and faces that are driven so far in one step that cells are turned inside out.
 
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
-use forms_contact::laws::analytic_obstacle::analytic_obstacle;
-use forms_contact::laws::capsule::capsule;
 use forms_contact::laws::finite_nitsche::finite_nitsche;
-use forms_contact::laws::frictional_penalty::frictional_penalty;
-use forms_contact::laws::moving_obstacle::moving_obstacle;
 use forms_contact::laws::sliding_bodies::sliding_bodies as sliding;
 use forms_contact::laws::two_bodies::two_bodies as law;
-use forms_contact::laws::uzawa::uzawa;
-use forms_contact::laws::wear::wear;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
 use forms_fem::prelude::*;
 
 use crate::layer::{Inside, plane_layers};
-use crate::setting::{Friction, LAMBDA, MU, YOUNG, along, close, data};
+use crate::setting::{Friction, LAMBDA, MU, YOUNG, close, data};
 use crate::two_bodies::{constraints, layers};
 
 fn between(friction: f64) -> law::Data<2> {
@@ -102,53 +96,27 @@ fn a_tool_inside_a_body() {
 }
 
 #[test]
-fn a_negative_coefficient_by_each_law() {
-    fn told<L: ContactLaw<2>>(law: &L) -> String {
-        law.check("direct").unwrap_err().to_string()
-    }
-    let layer = plane_layers(Inside::Alike).remove(0);
-    let assembler = Assembler::new(&layer.mesh).with_quadrature(Quadrature::Degree(4));
-    let flat = || data::<2>(Friction::Coulomb(-0.1), 0.0, YOUNG);
-    let still = [along(0, 1.0), along(1, 1.0)];
-    let moving = || moving_obstacle::Data {
-        friction: -0.1,
-        ..moving_obstacle::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            gamma0: YOUNG,
-            centre: [0.0; 2],
-            rotation: still,
-            centre_before: [0.0; 2],
-            rotation_before: still,
-        }
-        .into()
+fn sliding_surfaces_that_face_each_other_nowhere() {
+    let mesh = layers::<2>(CellShape::Quadrilateral, [3, 4], 0.0);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let solved = |touch: Pairing| {
+        let regions = sliding::Regions::default().touch(touch).gamma_n("upper top");
+        let law = sliding::Model { data: between(0.3), regions };
+        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
+        let problem = ContactProblem::new(assembler, &space, law, constraints(&space, 0.0, 0.01)).unwrap();
+        problem.direct().unwrap().solve().unwrap()
     };
-    let worn = assembler.history(Entity::Facets, "bottom", 4, 0.0).unwrap();
-    let multiplier = assembler.history(Entity::Facets, "bottom", 4, [0.0; 2]).unwrap();
-    let wear_data = wear::Required { base: flat(), wear_rate: 1e-3, worn }.into();
-    let errors = [
-        told(&law::Model { data: between(-0.1), regions: law::Regions::default() }),
-        told(&sliding::Model { data: between(-0.1), regions: sliding::Regions::default() }),
-        told(&frictional_penalty::Model { data: flat(), regions: frictional_penalty::Regions::default() }),
-        told(&finite_nitsche::Model { data: flat(), regions: finite_nitsche::Regions::default() }),
-        told(&wear::Model { data: wear_data, regions: wear::Regions::default() }),
-        told(&uzawa::Model {
-            data: uzawa::Data { base: flat(), multiplier },
-            regions: uzawa::Regions::default(),
-        }),
-        told(&capsule::Model {
-            data: capsule::Data { base: moving(), half_length: 0.1, radius: 1.0 },
-            regions: capsule::Regions::default(),
-        }),
-        told(&analytic_obstacle::Model {
-            data: analytic_obstacle::Required { base: moving(), radius: 1.0 }.into(),
-            regions: analytic_obstacle::Regions::default(),
-        }),
-    ];
-    for told in errors {
-        let ends = "friction` is -0.1; it must be zero or positive";
-        assert!(told.starts_with("form `direct`: the parameter `") && told.ends_with(ends), "{told}");
-    }
+    // The one pressed down passes through the other: its solution says so.
+    let turned_away = solved(Pairing::onto("lower top", "upper top")).notes();
+    let expected =
+        "`Touch`: no point of \"lower top\" faces \"upper top\" within reach, so that nothing touches there";
+    assert!(turned_away.len() == 1 && turned_away[0].starts_with(expected), "{turned_away:?}");
+    // One of several pairs of surfaces, among which others touch.
+    let both = Pairing::between("lower top", "upper bottom").and(Pairing::onto("lower top", "upper top"));
+    let one = solved(both).notes();
+    assert!(one.len() == 1 && one[0].starts_with(expected), "{one:?}");
+    let touching = solved(Pairing::between("lower top", "upper bottom"));
+    assert!(touching.notes().is_empty() && touching.pairs[0].report.open == 0);
 }
 
 /// F = diag(1, J): p = μ (1/J − J) − λ ln J/J. With all else at rest the cells beside the top would be turned inside out from

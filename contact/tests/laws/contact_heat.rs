@@ -2,7 +2,7 @@
 //! heat of friction and its parts, balances, surfaces that are apart.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::contact_heat::contact_heat as law;
+use forms_contact::laws::contact_heat::{contact_heat as law, heat_problem};
 use forms_contact::laws::two_bodies::two_bodies as mechanics;
 use forms_fem::prelude::*;
 
@@ -96,9 +96,8 @@ where
     let mut held = Constraints::new(&temperatures);
     held.fix("lower bottom", |_| ends[0]).unwrap();
     held.fix("upper top", |_| ends[1]).unwrap();
-    let form = model.heat(&u);
-    let mut problem = Problem::new(&form, &temperatures).assembler(&assembler).constrained(&held);
-    let solved = problem.solve().unwrap();
+    let problem = heat_problem(&model, &temperatures, &u).unwrap();
+    let solved = problem.assembler(&assembler).constrained(&held).solve().unwrap();
     let area = WIDTH.powi(D as i32 - 1);
     let flow = |region| solved.reaction(region).unwrap()[0] / area;
     let side = |region| {

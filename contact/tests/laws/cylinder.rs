@@ -1,6 +1,9 @@
 //! The hollow cylinder with friction: load steps converge, forces and lengths are what they must be.
 
-use forms_contact::hollow_cylinder::{Friction, Settings, solve};
+use forms_contact::hollow_cylinder::{CylinderSolution, Friction, Settings, solve};
+use forms_contact::law::ContactLaw;
+use forms_contact::laws::frictional_nitsche::frictional_nitsche;
+use forms_fem::prelude::*;
 
 /// All load steps of all settings converge, and friction stays in its bounds. FORMS_SWEEPS=1: three meshes, two γ₀, more
 /// coefficients and paths, 360 runs.
@@ -78,6 +81,95 @@ fn friction_opposes_the_push() {
     assert_eq!(dragged.stick_length, 0.0);
     let (left, back) = run(vec![[0.0, -1.0], [-3.0, -1.0]]);
     assert!((left / right - 1.0).abs() < 1e-9 && (back.tangential_force - 0.2 * left).abs() < 1e-9 * left);
+}
+
+/// The force of the inner circle on the body after the last load step, with that of the step before as the start of the slip.
+fn held(settings: &Settings, solution: &CylinderSolution) -> [f64; 2] {
+    let problem = &solution.problem;
+    let (slip_stress, friction) = match settings.friction {
+        Friction::Tresca(bound) => (bound, 0.0),
+        Friction::Coulomb(coefficient) => (0.0, coefficient),
+        Friction::None => (0.0, 0.0),
+    };
+    let earlier = settings.pushes[..settings.pushes.len() - 1].to_vec();
+    let before = match earlier.is_empty() {
+        true => Field::zero(&problem.space),
+        false => {
+            let earlier = solve(&Settings { pushes: earlier, ..settings.clone() }).unwrap();
+            Field::from_values(&problem.space, earlier.u.values().to_vec()).unwrap()
+        }
+    };
+    let residual = if settings.friction == Friction::None {
+        problem.assembler.residual(&problem.law.direct(), &[&solution.u], &[&problem.space])
+    } else {
+        let data = frictional_nitsche::Data {
+            slip_stress,
+            friction,
+            displacement_before: Given::field(&before),
+            ..frictional_nitsche::Required { base: problem.law.data.clone() }.into()
+        };
+        let regions =
+            frictional_nitsche::Regions::default().gamma_n("outer").gamma_c(problem.law.contact_region());
+        let law = frictional_nitsche::Model { data, regions };
+        problem.assembler.residual(&law.direct(), &[&solution.u], &[&problem.space])
+    };
+    let residual = residual.unwrap();
+    let inner = problem.space.nodes_on("inner").unwrap();
+    [0, 1].map(|axis| inner.iter().map(|node| residual[2 * *node as usize + axis]).sum())
+}
+
+/// What holds the body balances what the obstacle does to it; Coulomb's bound holds for the whole force. Without a bound, by either law, θ = 0
+/// is the problem without friction. Lifted off, nothing touches, sticks or slips.
+#[test]
+fn forces_balance_by_odd_combinations() {
+    let paths = [
+        vec![[0.0, -1.0]],
+        vec![[0.3, -1.0]],
+        vec![[0.0, -1.0], [0.2, -1.0], [-0.4, -1.2]],
+        vec![[0.0, -1.0], [0.5, -1.0], [0.5, 0.4]],
+        vec![[0.5, 0.0]],
+    ];
+    let laws = [Friction::Coulomb(0.3), Friction::Coulomb(0.0), Friction::Tresca(0.5), Friction::Tresca(0.0)];
+    for pushes in paths {
+        let run = |friction: Friction, theta: f64| {
+            let settings =
+                Settings { radial: 2, theta, friction, pushes: pushes.clone(), ..Settings::default() };
+            let solution = solve(&settings).unwrap_or_else(|error| panic!("{settings:?}: {error}"));
+            (settings, solution)
+        };
+        let (settings, free) = run(Friction::None, 0.0);
+        let scale = free.contact_force.max(1.0);
+        let [_, up] = held(&settings, &free);
+        assert!((up + free.contact_force).abs() < 1e-9 * scale, "{up}, {}", free.contact_force);
+        let lifted = pushes.last().is_some_and(|push| push[1] > 0.0);
+        assert!(!lifted || free.contact_force == 0.0, "{pushes:?}: {}", free.contact_force);
+        for friction in laws {
+            let (settings, solution) = run(friction, 0.0);
+            let found = solution.friction.unwrap();
+            let (label, [along, up]) = (format!("{friction:?}, {pushes:?}"), held(&settings, &solution));
+            println!("{label}: {along:.3e} {up:.6} and {found:?}, {}", solution.contact_force);
+            assert!((along + found.tangential_force).abs() < 1e-9 * scale, "{label}: {along}, {found:?}");
+            assert!((up + solution.contact_force).abs() < 1e-9 * scale, "{label}: {up}");
+            let lengths = found.stick_length + found.slip_length;
+            assert!((lengths - solution.contact_length).abs() < 1e-9, "{label}: {found:?}");
+            match friction {
+                Friction::Coulomb(0.0) | Friction::Tresca(0.0) => {
+                    assert_eq!(found.tangential_force, 0.0, "{label}");
+                    let apart = solution.u.values().iter().zip(free.u.values());
+                    let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                    assert!(apart < 1e-9, "{label}: {apart:e} from the problem without friction");
+                }
+                Friction::Coulomb(coefficient) => {
+                    let most = coefficient * solution.contact_force;
+                    assert!(found.tangential_force.abs() <= most * (1.0 + 1e-9), "{label}: {found:?}");
+                }
+                _ => {}
+            }
+            if lifted {
+                assert_eq!((solution.contact_force, lengths), (0.0, 0.0), "{label}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 mod analytic_obstacle;
 mod augmented_lagrangian;
 mod bad_input;
+mod bad_parameters;
 mod block;
 mod capsule;
 mod cattaneo;
@@ -20,6 +21,7 @@ mod mindlin;
 mod random_loads;
 mod rigid_layers;
 mod rigid_tools;
+mod rolling;
 mod self_contact;
 mod setting;
 mod shape;

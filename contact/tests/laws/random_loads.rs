@@ -1,7 +1,8 @@
 //! Random starts, loads and parameters: each run converges to a state that an independent look finds in order, or says why it
-//! does not. Ten runs per law; FORMS_SWEEPS=1: 200. (`contact_heat` is one linear system, without a start.)
+//! does not. Ten runs per law; FORMS_SWEEPS=1: 200. (`contact_heat` is one linear system without a start: `heat`.)
 
 mod bodies;
+mod heat;
 mod layers;
 mod obstacles;
 

@@ -117,12 +117,14 @@ fn turning_the_whole_changes_nothing() {
             Assembler::new(space.mesh()).residual(&law.direct(), &[at], &[&space]).unwrap()
         });
         let size = still.iter().fold(0.0_f64, |size, force| size.max(force.abs()));
+        let mut largest = 0.0_f64;
         for (still, moved) in still.chunks(2).zip(moved.chunks(2)) {
             let still = turn([still[0], still[1]]);
             for axis in 0..2 {
-                let off = (still[axis] - moved[axis]).abs();
-                assert!(off < 1e-11 * size, "friction {friction}: {off:.1e} of {size}");
+                largest = largest.max((still[axis] - moved[axis]).abs());
             }
         }
+        println!("friction {friction}: turned, forces differ by {:.1e} of the largest", largest / size);
+        assert!(largest < 3e-13 * size, "friction {friction}: {largest:.1e} of {size}");
     }
 }

@@ -9,7 +9,7 @@ use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 use forms_fem::verification;
 
-use crate::setting::{LAMBDA, MU, THETAS, YOUNG, along};
+use crate::setting::{LAMBDA, MU, POISSON, THETAS, YOUNG, along};
 
 /// Width \[length\].
 pub const WIDTH: f64 = 1.5;
@@ -168,5 +168,47 @@ where
 fn layers_of_rubber_in_two_bodies() {
     for (pairing, share) in pairings() {
         finite_layer::<2>(pairing, share);
+    }
+}
+
+/// A sloped interface of meshes that do not match, sticking: one uniform stress in both bodies, for all variants, by either surface or both.
+#[test]
+fn a_uniform_stress_goes_through_a_sloped_interface() {
+    let body = |cells: [usize; 2], [low, high]: [fn(f64) -> f64; 2]| {
+        structured(cells, CellShape::Quadrilateral, 1, |[s, t]: [f64; 2]| {
+            let x = WIDTH * s;
+            [x, low(x) * (1.0 - t) + high(x) * t]
+        })
+        .unwrap()
+    };
+    let interface: fn(f64) -> f64 = |x| 0.25 * (x - 0.5 * WIDTH);
+    let (lower, upper) = (body([3, 2], [|_| -0.5, interface]), body([4, 2], [interface, |_| 0.5]));
+    let mesh = Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap());
+    let space = Space::vector(&mesh, 1).unwrap();
+    let down = 0.01;
+    let mut held = Constraints::new(&space);
+    held.fix_component("lower bottom", 1, |_| 0.0).unwrap();
+    held.fix_component("upper top", 1, |_| -down).unwrap();
+    held.fix_component("lower left", 0, |_| 0.0).unwrap();
+    held.fix_component("upper left", 0, |_| 0.0).unwrap();
+    // Plane strain with free sides, height 1.
+    let pressure = YOUNG / (1.0 - POISSON * POISSON) * down;
+    for (pairing, share) in pairings() {
+        for theta in THETAS {
+            let sticks = law::Data { slip_stress: 1e6, ..data::<2>(0.0, theta, share) };
+            let regions = law::Regions::default().touch(pairing.clone()).gamma_n("upper right");
+            let model = law::Model { data: sticks, regions };
+            let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held.clone()).unwrap();
+            let u = problem.direct().unwrap().solve().unwrap().into_field();
+            let stress =
+                problem.assembler.at_quadrature_points(&problem.law.stress(&u), Entity::Cells, "all", 2);
+            let worst = stress.unwrap().values.iter().fold(0.0_f64, |worst, value| {
+                let errors =
+                    value.iter().zip([0.0, 0.0, 0.0, -pressure]).map(|(found, exact)| (found - exact).abs());
+                errors.fold(worst, f64::max)
+            });
+            println!("theta {theta} {pairing}: {:.1e}", worst / pressure);
+            assert!(worst < 1e-11 * pressure, "theta {theta} {pairing}: {worst:e} of {pressure}");
+        }
     }
 }

@@ -86,9 +86,9 @@ pub enum HistoryFailure {
     /// Steps that do not go on.
     #[error("the step size {0} is no positive number")]
     StepSize(f64),
-    /// Contact pairs whose points slide with the unknown.
+    /// Contact pairs of displaced surfaces in a motion: what displaces them is no weight times the step's unknown.
     #[error(
-        "`{form}` has pairs of surfaces that its unknown displaces; adjoints of such histories are not available"
+        "`{form}` has pairs of displaced surfaces; adjoints of such motions are not available (those of load histories are)"
     )]
     Sliding {
         /// The form.

@@ -34,7 +34,11 @@ use crate::verification::Sample;
 /// The rates are a form without unknowns, a function of state, adjoint state and state before: the derivative of R(u, before, m; p), and
 /// of what the criterion reads of the controls, by the state before, tested with `by_before`, and by each control `name`, tested with
 /// `by_name`. The gradient is exact for the equations as they are discretised, to the accuracy to which they are solved. Where a
-/// switch of the form changes (contact opens, friction begins to slip) J has a kink, and this is its slope on one side.
+/// switch of the form changes (contact opens, friction begins to slip) J has a kink, and this is its slope on one side. So it is where
+/// a point of a sliding pair comes to another facet, finds an opposite surface or loses it.
+///
+/// Pairs of displaced surfaces may depend on the state of the step, on the state before, or on both: their motion is in the tangent
+/// and in the rates that `derivative` makes.
 pub struct LoadHistory<'a, const D: usize> {
     space: Arc<Space<D>>,
     steps: usize,
@@ -225,7 +229,16 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
         let found = || -> Result<Option<Vec<u32>>, HistoryFailure> {
             let (before, after) = (self.field(before)?, self.field(after)?);
             let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
-            Ok(form.active_set(&self.equations.assembler, &[after.view()])?)
+            let (assembler, at) = (&self.equations.assembler, [after.view()]);
+            let mut switches = form.active_set(assembler, &at)?;
+            if form.is_on_displaced_surfaces() {
+                // Where a point crosses an edge of the opposite surface the normal there jumps.
+                let pairs = form.pairs(assembler, &at, &[&self.space])?;
+                let met =
+                    pairs.iter().filter(|pairs| pairs.report.displaced).flat_map(|all| all.pairs.meetings());
+                switches.get_or_insert_default().extend(met);
+            }
+            Ok(switches)
         };
         found().map_err(|why| why.at(step))
     }

@@ -151,6 +151,9 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     fn advance_by(&mut self, interval: &Interval, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let step = interval.step_from(&self.space, before)?;
         let form = self.form(interval, &step)?;
+        if form.is_on_displaced_surfaces() {
+            return Err(HistoryFailure::Sliding { form: form.name() });
+        }
         let guess = if interval.to > interval.from { &step.before.value } else { &step.before.second_rate };
         let conditions = self.conditions(interval)?;
         let unknown = self.equations.solve(interval.solution, form, &conditions, guess)?;

@@ -69,12 +69,19 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         Ok(Arc::clone(self.constants.insert(Space::discontinuous_scalar(self.space.mesh(), 0)?)))
     }
 
-    fn pattern(&mut self, form: &dyn AnyForm<D>) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
-        if let Some(known) = &self.pattern {
+    /// The places of a tangent's entries at a state: those that are known, unless pairs of displaced surfaces have left them.
+    fn pattern(
+        &mut self,
+        form: &dyn AnyForm<D>,
+        at: &Field<D>,
+    ) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
+        let (outline, at) = (form.outline(Parts::ALL), [at.view()]);
+        if let Some(known) = &self.pattern
+            && known.covers(&outline, &at)?
+        {
             return Ok(Arc::clone(known));
         }
-        let outline = form.outline(Parts::ALL);
-        let pattern = BlockPattern::for_cells_of(&outline, &[&self.space], &[&self.space], &self.assembler)?;
+        let pattern = BlockPattern::at_iterate(&outline, &[&self.space], &at, &self.assembler)?;
         Ok(Arc::clone(self.pattern.insert(Arc::new(pattern))))
     }
 
@@ -87,15 +94,12 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         constraints: &Constraints<D>,
         start: &Field<D>,
     ) -> Result<Field<D>, HistoryFailure> {
-        if form.slides() {
-            return Err(HistoryFailure::Sliding { form: form.name() });
-        }
         let mut sources = form.inputs().sources.iter().zip(form.fields());
         let history = sources.find(|(source, _)| matches!(source, Some(Source::History(_))));
         if let Some((_, field)) = history {
             return Err(HistoryFailure::QuadratureValues { form: form.name(), field: field.name });
         }
-        let (affine, pattern) = (form.is_affine(), self.pattern(&*form)?);
+        let (affine, pattern) = (form.is_affine(), self.pattern(&*form, start)?);
         let (assembler, options) = (&self.assembler, self.options.clone());
         let owned = OwnedForm { form, assembler, pattern: &pattern, constraints, start, options };
         self.tangent_of = None;
@@ -106,7 +110,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     fn tangent(&mut self, form: &dyn AnyForm<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
-        let pattern = self.pattern(form)?;
+        let pattern = self.pattern(form, at)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         let arguments = (&[at.view()][..], &[&self.space][..]);
         form.assemble_tangent(&self.assembler, arguments, Parts::ALL, &pattern, &mut matrix)?;

@@ -110,6 +110,8 @@ pub(crate) struct Pairs<const D: usize> {
     /// In an order that follows from the mesh alone; in each group units stand in the order of the walk.
     pub groups: Vec<Arc<PairGroup<D>>>,
     pub report: PairReport<D>,
+    /// The places in the pairing of surfaces of which no point has an opposite one.
+    pub alone: Vec<usize>,
 }
 
 /// Own facets that a thread searches for at a time.
@@ -134,7 +136,7 @@ impl<const D: usize> Pairs<D> {
             return Err(PairError::Reach { reach });
         }
         let surfaces = Surfaces::new(mesh, pairing, displacement, threads)?;
-        let (mut all, mut kept) = (Vec::new(), Vec::new());
+        let (mut all, mut kept, mut alone) = (Vec::new(), Vec::new(), Vec::new());
         let mut counts = Counts::default();
         for (number, facing) in pairing.surfaces.iter().enumerate() {
             let search = Search::new(mesh, pairing, facing, rule, &surfaces, earlier.get(number))?;
@@ -161,10 +163,13 @@ impl<const D: usize> Pairs<D> {
                 let (own_name, opposite) = (facing.own.clone(), facing.opposite.clone());
                 return Err(PairError::NoPartners { own: own_name, opposite, met: own.rejected });
             }
+            if own.points == 0 {
+                alone.push(number);
+            }
             counts.add(&own);
             kept.push(search.candidates.keep(remade));
         }
-        Ok((Pairs { groups: grouped(mesh, &all), report: PairReport::of(&counts) }, kept))
+        Ok((Pairs { groups: grouped(mesh, &all), report: PairReport::of(&counts), alone }, kept))
     }
 
     /// The own and opposite facets of all units, each pair of them once.
@@ -173,6 +178,20 @@ impl<const D: usize> Pairs<D> {
         facets.sort_unstable();
         facets.dedup();
         facets
+    }
+
+    /// Numbers that tell which facets face each other at how many points, rigid ones by their normals. Where they change, a point has
+    /// crossed an edge of the opposite surface, or lost or found it: what is assembled has a kink there.
+    pub fn meetings(&self) -> Vec<u32> {
+        let mut numbers = vec![];
+        for group in &self.groups {
+            let facets = group.facets.iter().flatten();
+            numbers.push(group.count as u32);
+            numbers.extend(facets.flat_map(|facet| [facet.cell, u32::from(facet.local)]));
+            let bits = group.rigid_normals.iter().map(|normal| normal.to_bits());
+            numbers.extend(bits.flat_map(|bits| [bits as u32, (bits >> 32) as u32]));
+        }
+        numbers
     }
 }
 

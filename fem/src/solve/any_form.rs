@@ -27,6 +27,8 @@ pub(crate) trait AnyForm<const D: usize> {
     fn is_affine(&self) -> bool;
     /// Whether there are pairs of surfaces that an unknown displaces.
     fn slides(&self) -> bool;
+    /// Whether there are pairs of surfaces that any field displaces.
+    fn is_on_displaced_surfaces(&self) -> bool;
     /// See [`Assembler::pairs_of_form`].
     fn pairs(
         &self,
@@ -97,6 +99,10 @@ impl<F: Form<D>, const D: usize> AnyForm<D> for F {
     }
 
     fn slides(&self) -> bool {
+        seen_in(self).slides
+    }
+
+    fn is_on_displaced_surfaces(&self) -> bool {
         seen_in(self).displaced
     }
 
@@ -162,6 +168,7 @@ impl<F: Form<D>, const D: usize> AnyForm<D> for F {
 /// Properties of a form that its integrals tell.
 struct Seen {
     nonlinear: bool,
+    slides: bool,
     displaced: bool,
     fields: &'static [FieldDescription],
 }
@@ -170,7 +177,8 @@ impl Seen {
     fn add(&mut self, integral: &Integral) {
         let unknown = |field: &usize| matches!(self.fields[*field].role, Role::Unknown(_));
         self.nonlinear |= integral.dependence == Dependence::Nonlinear;
-        self.displaced |= integral.displacement.is_some_and(|fields| fields.iter().any(unknown));
+        self.slides |= integral.displacement.is_some_and(|fields| fields.iter().any(unknown));
+        self.displaced |= integral.displacement.is_some();
     }
 }
 
@@ -184,7 +192,7 @@ impl<const D: usize> LinearVisitor<D> for Seen {
 }
 
 fn seen_in<F: Form<D>, const D: usize>(form: &F) -> Seen {
-    let mut seen = Seen { nonlinear: false, displaced: false, fields: form.fields() };
+    let mut seen = Seen { nonlinear: false, slides: false, displaced: false, fields: form.fields() };
     let Ok(()) = form.residual(&mut seen);
     seen
 }

@@ -28,7 +28,8 @@ pub struct Solved<const D: usize, const N: usize = 1> {
     pub assembly_seconds: f64,
     /// Seconds of this solution in all.
     pub seconds: f64,
-    /// The contact pairs at the solution, in numbers: open points, gaps, overlaps.
+    /// The contact pairs at the solution, in numbers: open points, gaps, overlaps; and surfaces that face each other nowhere, which
+    /// [`Solved::notes`] puts into words.
     pub pairs: Vec<RegionPairs<D>>,
     pub(super) assembler: Assembler<D>,
 }
@@ -59,6 +60,12 @@ impl<const D: usize, const N: usize> Solved<D, N> {
     /// Number of Newton steps; 1 of an affine problem.
     pub fn iterations(&self) -> usize {
         self.history.len().saturating_sub(1)
+    }
+
+    /// Remarks on the solution: surfaces that may touch, and of which no point has an opposite one. Bodies that come together later
+    /// begin so; a surface that is turned away, or beyond the reach, would stay so, and the bodies pass through each other.
+    pub fn notes(&self) -> Vec<String> {
+        self.pairs.iter().filter_map(RegionPairs::note).collect()
     }
 
     /// The value of a functional, with the quadrature that the problem was solved with.

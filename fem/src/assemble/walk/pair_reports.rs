@@ -12,7 +12,7 @@ use crate::assemble::binding::Binding;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
-use crate::pairs::{FollowedMotion, Follower, PairError, PairReport};
+use crate::pairs::{FollowedMotion, Follower, PairError, PairReport, Pairs};
 use crate::space::Space;
 
 /// The contact pairs of a form's region in numbers. It displays as a sentence about points without a partner.
@@ -26,6 +26,28 @@ pub struct RegionPairs<const D: usize> {
     pub displaced: bool,
     /// The numbers; of several rules those of the first integral.
     pub report: PairReport<D>,
+    /// The own and the opposite surface where none of the own one's points has an opposite point.
+    pub alone: Vec<[String; 2]>,
+}
+
+impl<const D: usize> RegionPairs<D> {
+    /// A word on surfaces that face each other nowhere, where there are such: no contact was possible between them.
+    pub fn note(&self) -> Option<String> {
+        if self.alone.is_empty() {
+            return None;
+        }
+        let faces = |[own, opposite]: &[String; 2]| format!("no point of \"{own}\" faces \"{opposite}\"");
+        let told: Vec<String> = self.alone.iter().map(faces).collect();
+        let met = match self.report.rejected {
+            0 => String::new(),
+            met => format!(" ({met} points met a surface from behind or beyond the reach)"),
+        };
+        Some(format!(
+            "`{}`: {} within reach, so that nothing touches there{met}",
+            self.symbol,
+            told.join(", ")
+        ))
+    }
 }
 
 impl<const D: usize> fmt::Display for RegionPairs<D> {
@@ -52,6 +74,7 @@ pub(crate) struct FoundPairs<const D: usize> {
     pairing: Option<Pairing>,
     /// The rule's.
     degree: usize,
+    pub pairs: Arc<Pairs<D>>,
     pub report: RegionPairs<D>,
 }
 
@@ -85,9 +108,18 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
             surfaces: region.name.clone(),
             displaced: displacement.is_some(),
             report: pairs.report,
+            alone: match &region.pairing {
+                Some(pairing) => pairs
+                    .alone
+                    .iter()
+                    .map(|number| &pairing.surfaces[*number])
+                    .map(|facing| [facing.own.clone(), facing.opposite.clone()])
+                    .collect(),
+                None => vec![],
+            },
         };
         let pairing = region.pairing.clone();
-        self.found.push(FoundPairs { region: number, displacement, pairing, degree, report });
+        self.found.push(FoundPairs { region: number, displacement, pairing, degree, pairs, report });
         Ok(())
     }
 }

@@ -76,7 +76,7 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
         // What cannot be said is left out: the failure is reported in any case.
         let pairs = self.system.pairs(u).unwrap_or_default();
         let lost = pairs.iter().filter(|pairs| pairs.displaced && pairs.report.open > 0);
-        lost.map(|pairs| pairs.to_string()).collect()
+        lost.flat_map(|pairs| [Some(pairs.to_string()), pairs.note()]).flatten().collect()
     }
 
     /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.

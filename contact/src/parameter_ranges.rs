@@ -1,0 +1,130 @@
+//! Ranges of a law's parameters: which have to be positive, which may be zero too.
+
+use forms_fem::contract::Source;
+use forms_fem::prelude::*;
+
+/// A forms module with its data bound, whose parameters have ranges: [`parameter_ranges!`](crate::parameter_ranges) writes this for a
+/// module's `Model`, and [`contact_law!`](crate::contact_law) does so on the way.
+pub trait ParameterRanges {
+    /// Whether the parameters are in their ranges. What is not finite is named when a form is bound to its data.
+    ///
+    /// # Errors
+    /// [`AssemblyError::ParameterRange`] in the name of the form that was to be solved.
+    fn check(&self, form: &'static str) -> Result<(), AssemblyError>;
+}
+
+/// Values that a parameter may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// Above zero.
+    Positive,
+    /// Zero or above.
+    NonNegative,
+}
+
+impl Range {
+    /// Whether a member of the data lies in it; what varies in space and is no constant is not looked at.
+    ///
+    /// # Errors
+    /// [`AssemblyError::ParameterRange`].
+    pub fn check(
+        self,
+        form: &'static str,
+        parameter: &'static str,
+        member: &impl Bounded,
+    ) -> Result<(), AssemblyError> {
+        let (outside, range): (fn(f64) -> bool, _) = match self {
+            Range::Positive => (|value| value <= 0.0, "positive"),
+            Range::NonNegative => (|value| value < 0.0, "zero or positive"),
+        };
+        match member.least() {
+            Some(value) if outside(value) => {
+                Err(AssemblyError::ParameterRange { form, parameter, value, range })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A member of a law's data of which the least value is known.
+pub trait Bounded {
+    /// The least of its values, of its components if it is a vector; none where it varies in space.
+    fn least(&self) -> Option<f64>;
+}
+
+impl Bounded for f64 {
+    fn least(&self) -> Option<f64> {
+        Some(*self)
+    }
+}
+
+impl<const D: usize> Bounded for [f64; D] {
+    fn least(&self) -> Option<f64> {
+        self.iter().copied().reduce(f64::min)
+    }
+}
+
+impl<const D: usize> Bounded for Given<f64, D> {
+    fn least(&self) -> Option<f64> {
+        match self.source() {
+            Source::Constant(values) => values.iter().copied().reduce(f64::min),
+            _ => None,
+        }
+    }
+}
+
+/// Says which members of a forms module's `Data` have to be positive, and which may be zero too: `base.parameter` of extended data.
+/// A constant coefficient is looked at as a parameter is.
+///
+/// ```
+/// # use forms_fem::prelude::*;
+/// use forms_contact::parameter_ranges;
+/// use forms_contact::parameter_ranges::ParameterRanges;
+///
+/// /// A layer that conducts.
+/// #[forms]
+/// pub mod layer {
+///     pub struct Data {
+///         conductivity: Param,
+///         source: Param,
+///     }
+///     #[cells]
+///     pub struct Omega;
+///
+///     pub fn heat(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+///         integral(Omega, conductivity * dot(grad(u), grad(v)) - source * v)
+///     }
+/// }
+/// parameter_ranges!(layer { positive: conductivity, non_negative: source, });
+///
+/// let model: layer::Model<2> = layer::Model::new(layer::Data { conductivity: -2.0, source: 0.0 });
+/// let told = model.check("heat").unwrap_err().to_string();
+/// assert_eq!(told, "form `heat`: the parameter `conductivity` is -2; it must be positive");
+/// ```
+#[macro_export]
+macro_rules! parameter_ranges {
+    ($module:ident {
+        $(positive: $($positive:ident).+,)*
+        $(non_negative: $($non_negative:ident).+,)*
+    }) => {
+        impl<const D: usize> $crate::parameter_ranges::ParameterRanges for $module::Model<D>
+        where
+            $crate::fem::Dim: $crate::fem::Dimension<D>,
+        {
+            fn check(&self, form: &'static str) -> Result<(), $crate::fem::AssemblyError> {
+                let _ = form;
+                $($crate::parameter_ranges::Range::Positive.check(
+                    form,
+                    stringify!($($positive).+),
+                    &self.data.$($positive).+,
+                )?;)*
+                $($crate::parameter_ranges::Range::NonNegative.check(
+                    form,
+                    stringify!($($non_negative).+),
+                    &self.data.$($non_negative).+,
+                )?;)*
+                Ok(())
+            }
+        }
+    };
+}

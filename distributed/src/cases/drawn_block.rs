@@ -1,0 +1,104 @@
+//! A block of rubber that is pressed on a slab and drawn along it, over several of its cells, with Coulomb's friction at large sliding: load
+//! steps, each with the slip since the last one.
+
+use std::error::Error;
+
+use forms_contact::ContactProblem;
+use forms_contact::laws::sliding_bodies::sliding_bodies;
+use forms_contact::laws::two_bodies::two_bodies;
+use forms_fem::prelude::*;
+use forms_fem::solve::LoadPath;
+
+/// Friction between both bodies.
+const FRICTION: f64 = 0.3;
+/// The way of the block's top: down in the first half of the steps, along in the second.
+const WAY: [f64; 2] = [0.9, -0.06];
+/// Load steps.
+const STEPS: usize = 6;
+
+/// The law between both bodies.
+pub type Law = sliding_bodies::Model<2>;
+
+/// Both bodies on one space.
+pub struct DrawnBlock {
+    space: Arc<Space<2>>,
+    assembler: Assembler<2>,
+}
+
+impl DrawnBlock {
+    /// With so many cells along the block's side, of degree 2.
+    ///
+    /// # Errors
+    /// Too many cells, or none.
+    pub fn new(cells: usize) -> Result<Self, Box<dyn Error>> {
+        let slab = rectangle([0.0; 2], [3.0, 0.6], [4 * cells - 1, cells], CellShape::Quadrilateral, 1)?;
+        let block = rectangle([0.3, 0.61], [1.3, 1.21], [cells, cells], CellShape::Triangle, 1)?;
+        let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?);
+        let space = Space::vector(&mesh, 2)?;
+        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
+        Ok(DrawnBlock { space, assembler: assembler.with_threads(Threads::new(1)) })
+    }
+
+    /// The slab held, the block's top at a part of its way.
+    ///
+    /// # Errors
+    /// Regions that do not exist.
+    pub fn held(&self, part: f64) -> Result<Constraints<2>, Box<dyn Error>> {
+        let [along, down] = [(2.0 * part - 1.0).max(0.0) * WAY[0], (2.0 * part).min(1.0) * WAY[1]];
+        let mut held = Constraints::new(&self.space);
+        held.fix("slab bottom", |_| [0.0; 2])?;
+        held.fix("block top", |_| [along, down])?;
+        Ok(held)
+    }
+
+    /// A load step from the state before it.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn step(&self, part: f64, before: &Field<2>) -> Result<ContactProblem<2, Law>, Box<dyn Error>> {
+        let data = two_bodies::Data {
+            friction: FRICTION,
+            displacement_before: Given::field(before),
+            force_direction: Given::constant([1.0, 0.0]),
+            criterion_force: Given::function(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]),
+            ..two_bodies::Required { lambda: 15.0.into(), mu: 10.0.into(), gamma0: 300.0.into() }.into()
+        };
+        let touch = Pairing::between("slab top", "block bottom");
+        let regions = sliding_bodies::Regions::default().touch(touch).gamma_n("block right");
+        let law = sliding_bodies::Model { data, regions };
+        Ok(ContactProblem::new(self.assembler.clone(), &self.space, law, self.held(part)?)?)
+    }
+
+    /// All steps, each solved as is said: the states that were reached.
+    ///
+    /// # Errors
+    /// A step that was not solved.
+    pub fn draw(
+        &self,
+        mut solve: impl FnMut(
+            &ContactProblem<2, Law>,
+            &Increment<'_, Field<2>>,
+        ) -> Result<Solved<2>, Box<dyn Error>>,
+    ) -> Result<LoadPath<Field<2>>, Box<dyn Error>> {
+        let path = LoadSteps::uniform(STEPS, 1.0).advance(Field::zero(&self.space), |step| {
+            let problem = self.step(step.factor, step.before)?;
+            solve(&problem, step).map(Solved::into_field)
+        });
+        path.map_err(|error| error.to_string().into())
+    }
+
+    /// The last step's problem with the block's side alone as the own surface: its functionals are forces on the block.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn of_block(&self, before: &Field<2>) -> Result<Law, Box<dyn Error>> {
+        let mut law = self.step(1.0, before)?.law;
+        law.regions = law.regions.touch(Pairing::onto("block bottom", "slab top"));
+        Ok(law)
+    }
+
+    /// Who assembles.
+    pub fn assembler(&self) -> &Assembler<2> {
+        &self.assembler
+    }
+}
