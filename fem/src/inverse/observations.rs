@@ -73,11 +73,9 @@ impl<const D: usize> Observations<D> {
     /// Adds its second derivative along a change of the state.
     #[inline(never)]
     pub(super) fn add_curvature(&self, change: &[f64], curvature: &mut [f64]) {
-        for reading in &self.readings {
-            let moved: f64 = reading.of.iter().map(|(unknown, part)| part * change[*unknown]).sum();
-            let rate = 2.0 * reading.factor * moved;
-            reading.of.iter().for_each(|(unknown, part)| curvature[*unknown] += rate * part);
-        }
+        let moved = self.readings.of(change).into_iter().zip(&self.measured);
+        let weights: Vec<f64> = moved.map(|(moved, (_, factor))| 2.0 * factor * moved).collect();
+        self.readings.add_slope(&weights, curvature);
     }
 }
 
