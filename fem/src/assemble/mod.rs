@@ -9,6 +9,7 @@
 //! element_kernel, fixed, sizes   the same on cells that the caller lists; loops whose lengths are known when compiled
 //! block_pattern, touched, sparsity, block_index   the positions of a matrix, and where element matrices go
 //! pair_groups   the points of contact pairs, which differ from entity to entity, as groups; pair_search those of a pattern
+//! own_rows      the rows that a thread adds to
 //! owned_cells   the partial sums of an assembler of some of the cells
 //! partition, scatter   which thread adds what, in the order of one thread; group_nodes, block_finders: to which rows and places
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
@@ -38,6 +39,7 @@ mod group_nodes;
 mod kernel_calls;
 mod notices;
 mod outline;
+mod own_rows;
 mod owned_cells;
 mod pair_groups;
 mod pair_histories;
