@@ -189,7 +189,7 @@ where
         let points =
             [&u, &torn].map(|u| assembler.pairs_at(&Pairing::between("below", "above"), 4, u).unwrap());
         assert!(points[1].points < points[0].points && points[1].points > 0, "{points:?}");
-        let mut problem = Problem::new(&form, &space).assembler(&assembler).start(&u);
+        let problem = Problem::new(&form, &space).assembler(&assembler).start(&u);
         let pattern = Arc::clone(problem.pattern().unwrap());
         let assemble = |u: &Field<D>, matrix: &mut BlockMatrix| {
             let spaces = [&space];
