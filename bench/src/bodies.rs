@@ -13,7 +13,6 @@ use forms_fem::field::Field;
 use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::mesh::{Mesh, cuboid, rectangle};
 use forms_fem::output::write_whole;
-use forms_fem::pairs::Approach;
 use forms_fem::prelude::{Constraints, Pairing, Problem};
 use forms_fem::quadrature::Quadrature;
 use forms_fem::solve::{CondensedSolver, LineSearch, NewtonOptions, TangentSolverOptions};
@@ -207,9 +206,6 @@ impl Bodies {
     }
 }
 
-/// Depth of the block in the slab where a solve starts, a hundredth of the way that it is pressed.
-const OVERLAP_AT_START: f64 = 4e-5;
-
 /// Of the displacement that a solve prescribes on top of the block: along, and down.
 const PUSH: [f64; 2] = [0.002, -0.004];
 
@@ -239,12 +235,8 @@ impl<const D: usize> Pair<'_, D> {
         sliding::Data { lambda, mu, gamma: self.gamma, kappa }
     }
 
-    fn pairing(&self) -> Pairing {
-        Pairing::onto("slab top", "block bottom")
-    }
-
     fn touch(&self) -> sliding::Touch {
-        sliding::Touch::on(self.pairing())
+        sliding::Touch::on(Pairing::onto("slab top", "block bottom"))
     }
 
     fn assembler(&self) -> Assembler<D> {
@@ -332,7 +324,7 @@ where
         assembler.assemble_tangent(form, &[&second], &spaces, Parts::ALL, &pattern, &mut matrix)?;
         found.tangent.push(processor_seconds() - start);
         let start = processor_seconds();
-        assembler.pairs_at(&pair.pairing(), RULE, &third)?;
+        assembler.pairs_at(&Pairing::onto("slab top", "block bottom"), RULE, &third)?;
         found.search.push(processor_seconds() - start);
     }
     Ok(found)
@@ -375,21 +367,15 @@ where
         value
     })?;
     let mut found = pair.measured(&space)?;
-    let mut down = [0.0; D];
-    down[D - 1] = -1.0;
     for _ in 0..samples {
         let assembler = pair.assembler();
         let threads = TangentSolverOptions { threads: Threads::ONE, ..TangentSolverOptions::default() };
         let mut solver = CondensedSolver::new(threads);
         let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
         let start = processor_seconds();
-        // Surfaces that just touch stand at the law's kink, where its derivative is that of bodies apart; GetFEM's is that of bodies in contact.
-        let approach = Approach { moving: "block".to_owned(), direction: down, overlap: OVERLAP_AT_START };
-        let touch = assembler.first_touch(&pair.pairing(), RULE, &Field::zero(&space), &approach)?;
         let solved = Problem::new(form, &space)
             .assembler(&assembler)
             .constrained(&plates)
-            .start(&touch.start)
             .solver(&mut solver)
             .options(options)
             .solve()?;
