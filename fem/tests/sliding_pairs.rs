@@ -1,6 +1,7 @@
 //! Pairs of displaced surfaces: tangents with points that slide, rigid motions, two bodies pressed together, one surface that
 //! touches itself.
 
+use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::prelude::*;
 use forms_fem::solve::{LineSearch, NewtonOptions};
 use forms_fem::verification;
@@ -164,6 +165,58 @@ fn the_same_on_any_number_of_threads() {
     };
     let one = of(1);
     assert!(one == of(2) && one == of(5));
+}
+
+/// A tangent has the same bits in a new matrix, in one that held the tangent of other pairs, and in one that somebody wrote to.
+fn replaced<const D: usize>(cells: [usize; 2])
+where
+    Dim: Dimension<D>,
+{
+    let mut offset = [0.03; D];
+    offset[D - 1] = 0.02;
+    let mesh = boxes(cells, offset);
+    let space = Space::vector(&mesh, 2).unwrap();
+    let (u, form) = (bent(&space), rubber::pressing(&data(0.3), &both()));
+    // Half of the second body is far away: fewer points have partners.
+    let torn = Field::interpolate(&space, |x: &[f64; D]| -> [f64; D] {
+        let up = if x[D - 1] > 1.01 && x[0] > 0.5 { 4.0 } else { 0.0 };
+        std::array::from_fn(|axis| if axis + 1 == D { up - 0.01 } else { 0.11 })
+    })
+    .unwrap();
+    for threads in [1, 3] {
+        let rule = Quadrature::Degree(4);
+        let assembler = Assembler::new(&mesh).with_threads(Threads::new(threads)).with_quadrature(rule);
+        let points =
+            [&u, &torn].map(|u| assembler.pairs_at(&Pairing::between("below", "above"), 4, u).unwrap());
+        assert!(points[1].points < points[0].points && points[1].points > 0, "{points:?}");
+        let problem = Problem::new(&form, &space).assembler(&assembler).start(&u);
+        let pattern = Arc::clone(problem.pattern().unwrap());
+        let assemble = |u: &Field<D>, matrix: &mut BlockMatrix| {
+            let spaces = [&space];
+            assembler.assemble_tangent(&form, &[u], &spaces, Parts::ALL, &pattern, matrix)
+        };
+        let mut new = BlockMatrix::zero(pattern.sparsity());
+        assemble(&u, &mut new).unwrap();
+        let mut matrix = new.clone();
+        for _ in 0..2 {
+            match assemble(&torn, &mut matrix) {
+                Ok(()) => assert!(matrix != new),
+                // Points that came to other facets.
+                Err(error) => assert!(matches!(error, AssemblyError::Pattern { .. }), "{error}"),
+            }
+            assemble(&u, &mut matrix).unwrap();
+            assert!(matrix == new);
+            matrix.values_mut().fill(7.0);
+        }
+        assemble(&u, &mut matrix).unwrap();
+        assert!(matrix == new);
+    }
+}
+
+#[test]
+fn tangents_replace_what_was_there() {
+    replaced::<2>([7, 9]);
+    replaced::<3>([3, 4]);
 }
 
 /// Both bodies turned and moved: tractions turn along, forces sum to nothing, and nothing slips.

@@ -14,16 +14,26 @@ use crate::threads::Threads;
 /// A real sparse matrix over the unknowns of several spaces: blocks of row components × column components on a
 /// shared [`BlockSparsity`]. The blocks of each pair of spaces follow each other, row node after row node, each
 /// block row-major. It holds one index per block where a [`CsrMatrix`] has one per entry.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct BlockMatrix {
     sparsity: Arc<BlockSparsity>,
     values: Vec<f64>,
+    /// Of each pair of spaces and row node whether all values are known to be zero; empty where nothing is known.
+    zero_rows: Vec<bool>,
+}
+
+/// Matrices with the same positions and values.
+impl PartialEq for BlockMatrix {
+    fn eq(&self, other: &Self) -> bool {
+        self.sparsity == other.sparsity && self.values == other.values
+    }
 }
 
 impl BlockMatrix {
     /// The zero matrix.
     pub fn zero(sparsity: &Arc<BlockSparsity>) -> Self {
-        BlockMatrix { sparsity: sparsity.clone(), values: zeros(sparsity.entries()) }
+        let zero_rows = vec![true; sparsity.pair_rows_count()];
+        BlockMatrix { sparsity: sparsity.clone(), values: zeros(sparsity.entries()), zero_rows }
     }
 
     /// A matrix with these values at these positions.
@@ -32,7 +42,7 @@ impl BlockMatrix {
     /// If the number of values is not the number of entries.
     pub fn from_values(sparsity: &Arc<BlockSparsity>, values: Vec<f64>) -> Result<Self, LinearAlgebraError> {
         check_size("the list of matrix values", sparsity.entries(), values.len())?;
-        Ok(BlockMatrix { sparsity: sparsity.clone(), values })
+        Ok(BlockMatrix { sparsity: sparsity.clone(), values, zero_rows: vec![] })
     }
 
     /// The positions.
@@ -62,7 +72,15 @@ impl BlockMatrix {
     /// All values, to be overwritten.
     #[inline]
     pub fn values_mut(&mut self) -> &mut [f64] {
+        self.zero_rows.clear();
         &mut self.values
+    }
+
+    /// All values, and of each pair of spaces and row node ([`BlockSparsity::pair_rows`]) whether its values are known to be zero: who
+    /// sets rows to zero may pass these by, and who writes to one says that it is not zero any more.
+    pub fn values_and_zero_rows(&mut self) -> (&mut [f64], &mut [bool]) {
+        self.zero_rows.resize(self.sparsity.pair_rows_count(), false);
+        (&mut self.values, &mut self.zero_rows)
     }
 
     /// Bytes of the values and their positions.
@@ -198,7 +216,7 @@ impl From<CsrMatrix> for BlockMatrix {
     /// Blocks of one entry each.
     fn from(matrix: CsrMatrix) -> Self {
         let sparsity = Arc::new(BlockSparsity::from(matrix.pattern()));
-        BlockMatrix { sparsity, values: matrix.into_values() }
+        BlockMatrix { sparsity, values: matrix.into_values(), zero_rows: vec![] }
     }
 }
 

@@ -198,6 +198,19 @@ impl BlockSparsity {
         &self.pairs[row_set * self.columns.len() + column_set]
     }
 
+    /// The places of a pair's row nodes among those of all pairs, row space after row space.
+    pub fn pair_rows(&self, row_set: usize, column_set: usize) -> std::ops::Range<usize> {
+        let nodes = |row_set: usize| self.rows[row_set].nodes;
+        let before: usize = (0..row_set).map(|row_set| nodes(row_set) * self.columns.len()).sum();
+        let start = before + column_set * nodes(row_set);
+        start..start + nodes(row_set)
+    }
+
+    /// The number of all of them.
+    pub fn pair_rows_count(&self) -> usize {
+        self.rows.iter().map(|set| set.nodes).sum::<usize>() * self.columns.len()
+    }
+
     /// Bytes of the positions; a matrix has 8 bytes per stored number besides.
     pub fn memory(&self) -> usize {
         let bytes = |pair: &BlockRows| size_of_val(&pair.pointers[..]) + size_of_val(&pair.columns[..]);

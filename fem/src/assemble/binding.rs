@@ -7,7 +7,7 @@ pub(super) mod owned_cells;
 pub(super) mod pair_histories;
 
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use forms_core::contract::{FieldDescription, Inputs, Region, Requirements, Role, Source};
 use forms_core::source::PositionFunction;
@@ -79,6 +79,16 @@ pub(super) struct Binding<'a, const D: usize> {
     pub owned: Option<&'a OwnedCells>,
     /// The search for contact pairs, and its threads; none where cells are listed.
     pub searches: Option<(&'a KnownPairs<D>, Threads)>,
+    /// Pairs that one of the form's integrals asked for: others have the same.
+    found: Mutex<Vec<Found<D>>>,
+}
+
+/// The pairs of a region, displaced by some fields, with a rule of some degree.
+struct Found<const D: usize> {
+    region: usize,
+    displacement: Option<Vec<usize>>,
+    degree: usize,
+    pairs: Arc<Pairs<D>>,
 }
 
 /// An element that is tabulated, on cells of any shape or as its trace on facets.
@@ -173,6 +183,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             regions,
             owned: None,
             searches: None,
+            found: Mutex::default(),
         }
     }
 
@@ -319,6 +330,14 @@ impl<'a, const D: usize> Binding<'a, D> {
         quadrature: &Quadrature<D>,
         degree: usize,
     ) -> Result<Arc<Pairs<D>>, AssemblyError> {
+        let lock = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_wanted = |found: &&Found<D>| {
+            (found.region, found.degree) == (region, degree) && found.displacement.as_deref() == displacement
+        };
+        if let Some(found) = lock().iter().find(is_wanted) {
+            return Ok(Arc::clone(&found.pairs));
+        }
+        let (number, fields) = (region, displacement.map(<[usize]>::to_vec));
         let region = &self.regions[region];
         let refused = |source| pair_error(self.name, region, source);
         let (known, threads) =
@@ -326,7 +345,10 @@ impl<'a, const D: usize> Binding<'a, D> {
         let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
         let displacement =
             displacement.map(|fields| self.displacement(fields)).transpose().map_err(refused)?;
-        known.find(self.mesh, pairing, quadrature, degree, displacement.as_ref(), threads).map_err(refused)
+        let pairs = known.find(self.mesh, pairing, quadrature, degree, displacement.as_ref(), threads);
+        let pairs = pairs.map_err(refused)?;
+        lock().push(Found { region: number, displacement: fields, degree, pairs: Arc::clone(&pairs) });
+        Ok(pairs)
     }
 
     fn displacement(&self, fields: &[usize]) -> Result<Displacement<'_, D>, PairError> {

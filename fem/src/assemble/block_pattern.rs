@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 use forms_core::contract::{Form, Role, Side};
 
-use self::block_index::BlockIndex;
+use self::block_index::{Across, BlockIndex};
 use self::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::binding::outline::{Coupling, Described, Outline};
 use crate::assemble::binding::owned_cells::OwnedCells;
+use crate::assemble::scatter::group_nodes::{Reading, SeenAtFacets};
 use crate::assemble::walk::pair_groups::without_coefficients;
 use crate::assemble::walk::pair_search::PairSearch;
 use crate::compiled_here::compiled_here;
@@ -27,7 +28,8 @@ use crate::space::Space;
 ///
 /// For each pair of test and trial space the places of the blocks are looked up once: one byte (two or four in long
 /// rows) per cell that takes part, test node and trial node, about one thirtieth of the matrix for vectors in three
-/// dimensions. Couplings across interior facets, of contact pairs and those of spaces on facets are searched for as they come.
+/// dimensions. The same of the pairs of nodes on the two sides of contact pairs. Couplings across interior facets and those of spaces on
+/// facets are searched for as they come.
 #[derive(Debug)]
 pub struct BlockPattern<const D: usize> {
     pub(super) sparsity: Arc<BlockSparsity>,
@@ -46,14 +48,43 @@ pub struct BlockPattern<const D: usize> {
 struct Coupled<'a> {
     /// Cells whose nodes are coupled with each other.
     cells: Vec<bool>,
+    /// Pairs of facets whose nodes on one side are coupled with those on the other, with these nodes, list after list.
+    across: Vec<Across>,
+    nodes_across: Vec<(&'a [u32], &'a [u32])>,
     /// Other sets of test and trial nodes.
     others: Vec<(&'a [u32], &'a [u32])>,
 }
 
-impl Coupled<'_> {
+impl<'a> Coupled<'a> {
     fn add_cell(&mut self, cell: u32, count: usize) {
         self.cells.resize(count, false);
         self.cells[cell as usize] = true;
+    }
+
+    /// The nodes that an integral sees on the two sides of contact pairs.
+    fn add_pairs(
+        &mut self,
+        coupling: &Coupling,
+        entities: &Entities,
+        [rows, columns]: &'a [SeenAtFacets; 2],
+    ) {
+        let key = |index| Across::key(&[entities.sides(index)[0], entities.sides(index)[1]]);
+        let keys: Vec<u128> = (0..entities.count()).map(key).collect();
+        let (sides, reading) = (coupling.sides, Reading::of_arguments(&coupling.requirements));
+        let is_known =
+            |known: &Across| known.sides == sides && known.reading == reading && known.keys == keys;
+        if self.across.iter().any(is_known) {
+            return;
+        }
+        let seen = || (0..entities.count()).map(|index| (rows.at(index), columns.at(index)));
+        // Solvers count on a pattern that is symmetric, and an adjoint problem has the transposed one.
+        self.others.extend(seen().map(|(rows, columns)| (columns, rows)));
+        if keys.is_sorted() {
+            self.nodes_across.extend(seen());
+            self.across.push(Across { sides, reading, keys, starts: vec![] });
+        } else {
+            self.others.extend(seen());
+        }
     }
 }
 
@@ -150,16 +181,16 @@ impl<const D: usize> BlockPattern<D> {
                 region.iter().filter(|_| on_cells).for_each(|cell| target.add_cell(*cell, cells));
                 continue;
             }
+            if let (Some(seen), false) = (seen, on_cells && test_side == trial_side) {
+                target.add_pairs(coupling, entities, seen);
+                continue;
+            }
             for index in 0..entities.count() {
                 let sides = entities.sides(index);
                 let at = |side: Side| if side == Side::This { sides[0] } else { sides[sides.len() - 1] };
                 let (test, trial) = (at(test_side), at(trial_side));
                 if on_cells && test_side == trial_side {
                     target.add_cell(test.cell, cells);
-                } else if let Some([rows, columns]) = seen {
-                    // Solvers count on a pattern that is symmetric, and an adjoint problem has the transposed one.
-                    target.others.push((rows.at(index), columns.at(index)));
-                    target.others.push((columns.at(index), rows.at(index)));
                 } else {
                     let row_nodes = rows.nodes_at(test.cell, Some(test.local));
                     target.others.push((row_nodes, columns.nodes_at(trial.cell, Some(trial.local))));
@@ -210,7 +241,7 @@ impl<const D: usize> BlockPattern<D> {
         let (mut pairs, mut maps) = (Vec::new(), Vec::new());
         for (test, coupled) in tests.iter().zip(coupled) {
             let (mut row_of_pairs, mut row_of_maps) = (Vec::new(), Vec::new());
-            for (trial, Coupled { cells, others }) in trials.iter().zip(coupled) {
+            for (trial, Coupled { cells, mut across, nodes_across, others }) in trials.iter().zip(coupled) {
                 let order = test.mesh.cell_order();
                 let takes_part = |cell: &&u32| cells.get(**cell as usize).is_some_and(|found| *found);
                 let walked: Vec<u32> = order.cells().iter().filter(takes_part).copied().collect();
@@ -225,14 +256,23 @@ impl<const D: usize> BlockPattern<D> {
                     let per_cell = test.element_of(*shape).nodes() * trial.element_of(*shape).nodes();
                     start += cells_of_shape.len() * per_cell;
                 }
+                let mut sizes = nodes_across.iter().map(|(rows, columns)| rows.len() * columns.len());
+                for list in &mut across {
+                    list.starts.push(start);
+                    for size in sizes.by_ref().take(list.keys.len()) {
+                        start += size;
+                        list.starts.push(start);
+                    }
+                }
                 let walked: Vec<u32> = parts.into_iter().flat_map(|(_, cells)| cells).collect();
                 let nodes = |cell: &u32| (test.cell_nodes(*cell as usize), trial.cell_nodes(*cell as usize));
-                let (rows, columns) = walked.iter().map(nodes).chain(others).unzip();
+                let mapped = walked.len() + nodes_across.len();
+                let cliques = walked.iter().map(nodes).chain(nodes_across).chain(others);
+                let (rows, columns) = cliques.unzip();
                 let cliques = Cliques { rows, columns };
-                let (blocks, places) =
-                    couple(&cliques, (test.node_count(), trial.node_count()), walked.len());
+                let (blocks, places) = couple(&cliques, (test.node_count(), trial.node_count()), mapped);
                 row_of_pairs.push(blocks);
-                row_of_maps.push((!walked.is_empty()).then_some(BlockIndex { places, starts, walk }));
+                row_of_maps.push((mapped > 0).then_some(BlockIndex { places, starts, walk, across }));
             }
             pairs.push(row_of_pairs);
             maps.push(row_of_maps);

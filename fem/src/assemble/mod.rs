@@ -11,7 +11,7 @@
 //! element_kernel   the same on cells that the caller lists; fixed: loops whose lengths are known when compiled
 //! block_pattern   the positions of a matrix. Inside: sparsity, block_index (the slots of element matrices), touched entries
 //! scatter   from element matrices to the global one. Inside: partition (which thread adds what, in the order of one thread),
-//!           group_nodes, block_finders (to which rows and slots)
+//!           own_rows (the rows that a thread adds to), group_nodes, block_finders (to which rows and slots)
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
 //!

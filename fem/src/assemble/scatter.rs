@@ -2,35 +2,19 @@
 
 pub(super) mod block_finders;
 pub(super) mod group_nodes;
+mod own_rows;
 pub(super) mod partition;
 
 use std::ops::Range;
 
-use self::block_finders::{Chosen, ChosenPairs, Finder, Known, Search};
+use self::block_finders::{BlockPlaces, Chosen, ChosenPairs, Finder, Known, KnownPairs, Search};
 use self::group_nodes::GroupNodes;
+use self::own_rows::{Deferred, OwnRows};
 use self::partition::Partition;
-use crate::assemble::block_pattern::block_index::{BlockIndex, Slot, Slots};
+use crate::assemble::block_pattern::block_index::{Slot, Slots};
 use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 use crate::threads::Threads;
-
-/// Contributions to rows that belong to another thread: rows of element matrices or vectors.
-#[derive(Default)]
-pub(super) struct Deferred {
-    rows: Vec<u32>,
-    places: Vec<u32>,
-    values: Vec<f64>,
-}
-
-/// The rows that a thread adds to.
-pub(super) struct OwnRows<'a> {
-    rows: Range<usize>,
-    /// All entries of these rows.
-    values: &'a mut [f64],
-    /// Rows before this one have values; those from it on are still to be set to zero.
-    written: usize,
-    deferred: Deferred,
-}
 
 /// The destination of a group's element matrices.
 pub(super) struct MatrixScatter<'a, const D: usize> {
@@ -39,8 +23,7 @@ pub(super) struct MatrixScatter<'a, const D: usize> {
     pub blocks: &'a BlockRows,
     /// Values per block.
     pub block: usize,
-    /// The places of the blocks, where test and trial functions live on the same cells.
-    pub map: Option<&'a BlockIndex>,
+    pub map: BlockPlaces<'a>,
     /// Test and trial nodes of an entity.
     pub nodes: [usize; 2],
     /// Places of the pairs of seen nodes among all pairs of a cell's, if not all of its nodes are seen.
@@ -53,17 +36,20 @@ impl<const D: usize> MatrixScatter<'_, D> {
     pub fn parts<'v>(
         &self,
         partition: &Partition,
-        values: &'v mut [f64],
+        (values, mut zeros): (&'v mut [f64], &'v mut [bool]),
         written: bool,
     ) -> Vec<(Range<usize>, OwnRows<'v>)> {
         let values = self.of_rows(&partition.rows, values);
-        let parts = partition.entities.iter().zip(&partition.rows).zip(values);
-        let part = |((entities, rows), values): ((&Range<usize>, &Range<usize>), &'v mut [f64])| {
+        let mut parts = Vec::new();
+        for ((entities, rows), values) in partition.entities.iter().zip(&partition.rows).zip(values) {
+            let (own, later) = std::mem::take(&mut zeros).split_at_mut(rows.len());
+            zeros = later;
             let written = if written { rows.end } else { rows.start };
             let deferred = Deferred::default();
-            (entities.clone(), OwnRows { rows: rows.clone(), values, written, deferred })
-        };
-        parts.map(part).collect()
+            let part = OwnRows { rows: rows.clone(), values, zeros: own, written, deferred };
+            parts.push((entities.clone(), part));
+        }
+        parts
     }
 
     /// The values of runs of rows, which begin with the first row and follow each other.
@@ -92,48 +78,65 @@ impl<const D: usize> MatrixScatter<'_, D> {
     }
 
     #[inline(always)]
-    fn add_by<const BLOCK: usize>(&self, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
-        let Some(map) = self.map else {
-            return self.add_rows::<BLOCK>(first, matrices, part, Search::new(self));
-        };
-        let start = map.start(self.tests.shape);
-        match &map.places {
-            Slots::Bytes(places) => self.add_known::<_, BLOCK>(first, matrices, part, map, &places[start..]),
-            Slots::Words(places) => self.add_known::<_, BLOCK>(first, matrices, part, map, &places[start..]),
-            Slots::Long(places) => self.add_known::<_, BLOCK>(first, matrices, part, map, &places[start..]),
-        }
-    }
-
-    #[inline(always)]
-    fn add_known<P: Slot, const BLOCK: usize>(
+    fn add_by<L: SimdLane, const BLOCK: usize>(
         &self,
         first: usize,
         matrices: &[f64],
         part: &mut OwnRows,
-        map: &BlockIndex,
+    ) -> Option<()> {
+        let map = match &self.map {
+            BlockPlaces::OfCells(map) | BlockPlaces::OfPairs(map, _) => map,
+            BlockPlaces::Unknown => {
+                return self.add_rows::<L, _, BLOCK>(first, matrices, part, Search::new(self));
+            }
+        };
+        match &map.places {
+            Slots::Bytes(places) => self.add_known::<L, _, BLOCK>(first, matrices, part, places),
+            Slots::Words(places) => self.add_known::<L, _, BLOCK>(first, matrices, part, places),
+            Slots::Long(places) => self.add_known::<L, _, BLOCK>(first, matrices, part, places),
+        }
+    }
+
+    /// By the places of all blocks that are known.
+    #[inline(always)]
+    fn add_known<L: SimdLane, P: Slot, const BLOCK: usize>(
+        &self,
+        first: usize,
+        matrices: &[f64],
+        part: &mut OwnRows,
         places: &[P],
     ) -> Option<()> {
+        let size = self.nodes[0] * self.nodes[1];
+        let map = match &self.map {
+            BlockPlaces::OfCells(map) => map,
+            BlockPlaces::OfPairs(_, starts) => {
+                let pairs = KnownPairs { starts, places, size };
+                return self.add_rows::<L, _, BLOCK>(first, matrices, part, pairs);
+            }
+            BlockPlaces::Unknown => return None,
+        };
+        let places = &places[map.start(self.tests.shape)..];
         match &self.chosen {
             Some(pairs) => {
                 let known = Known::new(self, map, places, pairs.among);
                 let chosen = Chosen { known, pairs: &pairs.places, found: vec![] };
-                self.add_rows::<BLOCK>(first, matrices, part, chosen)
+                self.add_rows::<L, _, BLOCK>(first, matrices, part, chosen)
             }
             None => {
-                let among = self.nodes[0] * self.nodes[1];
-                self.add_rows::<BLOCK>(first, matrices, part, Known::new(self, map, places, among))
+                let known = Known::new(self, map, places, size);
+                self.add_rows::<L, _, BLOCK>(first, matrices, part, known)
             }
         }
     }
 
     /// `BLOCK` values per block; 0 where the compiler does not know how many.
     #[inline(always)]
-    fn add_rows<const BLOCK: usize>(
+    fn add_rows<L: SimdLane, F: Finder, const BLOCK: usize>(
         &self,
         first: usize,
         matrices: &[f64],
         part: &mut OwnRows,
-        mut finder: impl Finder,
+        mut finder: F,
     ) -> Option<()> {
         let [height, width] = self.nodes;
         let block = if BLOCK == 0 { self.block } else { BLOCK };
@@ -153,29 +156,76 @@ impl<const D: usize> MatrixScatter<'_, D> {
                 let ends = &self.blocks.pointers()[row..row + 2];
                 let (start, end) = (ends[0] * block - offset, ends[1] * block - offset);
                 if part.written <= row {
-                    let written = self.blocks.pointers()[part.written] * block - offset;
-                    part.values[written..end].fill(0.0);
-                    part.written = row + 1;
+                    self.clear_to(part, row + 1);
                 }
+                part.zeros[row - part.rows.start] = false;
                 add_row::<_, BLOCK>(&mut part.values[start..end], places, blocks, block);
+            }
+        }
+        if F::AHEAD {
+            // They come while the kernel computes the next batch.
+            let count = matrices.len() / (height * width * block);
+            let next = first + count;
+            for entity in next..self.tests.cells.len().min(next + count) {
+                self.ask_for::<L, BLOCK>(entity, part, &mut finder)?;
             }
         }
         Some(())
     }
 
+    /// Asks for the blocks of an entity to come.
+    #[inline(always)]
+    fn ask_for<L: SimdLane, const BLOCK: usize>(
+        &self,
+        entity: usize,
+        part: &OwnRows,
+        finder: &mut impl Finder,
+    ) -> Option<()> {
+        let block = if BLOCK == 0 { self.block } else { BLOCK };
+        let places = finder.find(entity)?.chunks_exact(self.nodes[1]);
+        for (&row, places) in self.tests.of(entity).iter().zip(places) {
+            if part.rows.contains(&(row as usize)) {
+                let pointers = self.blocks.pointers();
+                let row = (pointers[row as usize] - pointers[part.rows.start]) * block;
+                for place in places {
+                    let first = row + place.index() * block;
+                    L::prefetch(part.values, first);
+                    L::prefetch(part.values, first + block - 1);
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// Sets the rows up to an end to zero, but for those that are known to be.
+    fn clear_to(&self, part: &mut OwnRows, end: usize) {
+        let offset = self.entries(0..part.rows.start).end;
+        for row in part.written..end {
+            if !std::mem::replace(&mut part.zeros[row - part.rows.start], true) {
+                let entries = self.entries(row..row + 1);
+                part.values[entries.start - offset..entries.end - offset].fill(0.0);
+            }
+        }
+        part.written = part.written.max(end);
+    }
+
     /// Sets the rows to zero that the thread never came to, and gives what belongs to other threads.
-    pub fn finish(&self, part: OwnRows) -> Deferred {
-        let OwnRows { rows, values, written, deferred } = part;
-        let entries = self.entries(written..rows.end);
-        let first = values.len() - entries.len();
-        values[first..].fill(0.0);
-        deferred
+    pub fn finish(&self, mut part: OwnRows) -> Deferred {
+        let end = part.rows.end;
+        self.clear_to(&mut part, end);
+        part.into_deferred()
     }
 
     /// Adds what threads kept for rows of others, in the values of all rows. Each row is one thread's, which adds to it in the
     /// order of those that kept something.
-    pub fn add_deferred(&self, threads: Threads, deferred: &[Deferred], values: &mut [f64]) {
+    pub fn add_deferred(
+        &self,
+        threads: Threads,
+        deferred: &[Deferred],
+        (values, zeros): (&mut [f64], &mut [bool]),
+    ) {
         let mut touched: Vec<u32> = deferred.iter().flat_map(|deferred| &deferred.rows).copied().collect();
+        touched.iter().for_each(|row| zeros[*row as usize] = false);
         let Some(last) = touched.iter().max().map(|last| *last as usize + 1) else { return };
         let parts = threads.for_work(touched.len() * self.nodes[1] * self.block);
         // As many contributions for each thread; parts of equal rows are empty.
@@ -236,10 +286,10 @@ impl<const D: usize> LaneWork for Addition<'_, '_, D> {
     fn run<L: SimdLane>(self) -> Option<()> {
         let Addition { scatter, first, matrices, part } = self;
         match scatter.block {
-            1 => scatter.add_by::<1>(first, matrices, part),
-            4 => scatter.add_by::<4>(first, matrices, part),
-            9 => scatter.add_by::<9>(first, matrices, part),
-            _ => scatter.add_by::<0>(first, matrices, part),
+            1 => scatter.add_by::<L, 1>(first, matrices, part),
+            4 => scatter.add_by::<L, 4>(first, matrices, part),
+            9 => scatter.add_by::<L, 9>(first, matrices, part),
+            _ => scatter.add_by::<L, 0>(first, matrices, part),
         }
     }
 }
@@ -290,7 +340,8 @@ impl<const D: usize> VectorScatter<'_, D> {
             let (own, later) = rest.split_at_mut(rows.len() * self.components);
             rest = later;
             let deferred = Deferred::default();
-            let part = OwnRows { rows: rows.clone(), values: own, written: rows.end, deferred };
+            let zeros = &mut [];
+            let part = OwnRows { rows: rows.clone(), values: own, zeros, written: rows.end, deferred };
             parts.push((entities.clone(), part));
         }
         parts
@@ -324,12 +375,5 @@ impl<const D: usize> VectorScatter<'_, D> {
                 *sum += value;
             }
         }
-    }
-}
-
-impl OwnRows<'_> {
-    /// Contributions to other threads' rows.
-    pub fn into_deferred(self) -> Deferred {
-        self.deferred
     }
 }

@@ -13,7 +13,7 @@ use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::assemble::binding::outline::{Described, Outline};
 use crate::assemble::kernel_calls::sink::Deliver;
-use crate::assemble::scatter::block_finders::ChosenPairs;
+use crate::assemble::scatter::block_finders::{BlockPlaces, ChosenPairs};
 use crate::assemble::scatter::group_nodes::{GroupNodes, Reading, seen_places};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
@@ -112,13 +112,20 @@ impl<const D: usize> Assembler<D> {
             return Err(AssemblyError::LinearAlgebra { form: form.name(), source });
         }
         let mut written = vec![count; tests.len() * trials.len()];
-        let values = matrix.values_mut();
-        let target = Target::Matrix { pattern, values: &mut *values, written: &mut written };
-        self.walk_tangent((form, walk), unknowns, tests, parts, target)?;
+        let (values, zeros) = matrix.values_and_zero_rows();
+        let target =
+            Target::Matrix { pattern, values: &mut *values, zeros: &mut *zeros, written: &mut written };
+        let done = self.walk_tangent((form, walk), unknowns, tests, parts, target);
+        if done.is_err() {
+            // Some thread may have left its rows as they were.
+            zeros.fill(false);
+            return done;
+        }
         for (pair, written) in written.into_iter().enumerate() {
             if !written {
-                let pair = pattern.sparsity().pair(pair / trials.len(), pair % trials.len());
-                values[pair.values()].fill(0.0);
+                let (test, trial) = (pair / trials.len(), pair % trials.len());
+                values[pattern.sparsity().pair(test, trial).values()].fill(0.0);
+                zeros[pattern.sparsity().pair_rows(test, trial)].fill(true);
             }
         }
         Ok(())
@@ -202,6 +209,8 @@ enum Target<'a, const D: usize> {
     Matrix {
         pattern: &'a BlockPattern<D>,
         values: &'a mut [f64],
+        /// Of each pair of spaces and row node, whether the values are known to be zero.
+        zeros: &'a mut [bool],
         /// Of each pair of spaces, whether its values count.
         written: &'a mut [bool],
     },
@@ -302,7 +311,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     }
                     Ok(())
                 })?,
-                Target::Matrix { pattern, values, written } => {
+                Target::Matrix { pattern, values, zeros, written } => {
                     let at = |space, k: usize| {
                         let nodes = GroupNodes::new(space, &group.sides[sides[k]]);
                         nodes.at_places(task.seen[k].as_deref())
@@ -316,14 +325,26 @@ impl<const D: usize> TangentVisitor<'_, D> {
                         trials: at(trial, 1),
                         blocks,
                         block: height * width,
-                        map: pattern.map(integral.test, integral.trial).filter(|_| one_sided),
+                        map: match (pattern.map(integral.test, integral.trial), &group.pairs) {
+                            (Some(map), _) if one_sided => BlockPlaces::OfCells(map),
+                            (Some(map), Some(pairs)) => {
+                                let sides = [integral.test_side, integral.trial_side];
+                                let (facets, blocks) = (&pairs.group.facets, nodes[0] * nodes[1]);
+                                match map.starts_of_pairs(sides, reading, facets, blocks) {
+                                    Some(starts) => BlockPlaces::OfPairs(map, starts),
+                                    None => BlockPlaces::Unknown,
+                                }
+                            }
+                            _ => BlockPlaces::Unknown,
+                        },
                         nodes,
                         chosen: ChosenPairs::new(task.seen.each_ref().map(Option::as_deref), all),
                     };
-                    let values = &mut values[blocks.values()];
+                    let rows = pattern.sparsity().pair_rows(integral.test, integral.trial);
+                    let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows]);
                     let written = &mut written[integral.test * self.trials.len() + integral.trial];
                     let partition = scatter.tests.partition(self.threads);
-                    let parts = scatter.parts(&partition, values, *written);
+                    let parts = scatter.parts(&partition, (&mut *values, &mut *zeros), *written);
                     let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
                     let done = self.threads.run(parts, |(entities, mut part)| {
                         compute(&task, entities, &mut |first, matrices| {
@@ -333,7 +354,7 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     });
                     *written = true;
                     let deferred: Vec<_> = done.into_iter().collect::<Result<_, AssemblyError>>()?;
-                    scatter.add_deferred(self.threads, &deferred, values);
+                    scatter.add_deferred(self.threads, &deferred, (values, zeros));
                 }
             }
         }

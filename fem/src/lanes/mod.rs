@@ -104,6 +104,11 @@ pub(crate) trait SimdLane: Lane {
         Self::gather(values, &places)
     }
 
+    /// Asks for the cache line of an entry that will be wanted soon. Nothing happens beyond the end, or on processors without such an
+    /// instruction in stable Rust.
+    #[inline(always)]
+    fn prefetch(_values: &[f64], _place: usize) {}
+
     /// Writes the entries of each of the first `filled` lanes to `target[lane * stride..]`; adds them to what is there
     /// if `ADD`.
     ///

@@ -79,9 +79,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
             }
         };
         let Nonlinear { pattern, matrix, .. } = &mut nonlinear;
-        // Not every place that is stored is written at every iterate.
-        matrix.values_mut().fill(0.0);
-        self.form.add_tangent(&self.assembler, (&views, &spaces), Parts::NONLINEAR, pattern, matrix)?;
+        self.form.assemble_tangent(&self.assembler, (&views, &spaces), Parts::NONLINEAR, pattern, matrix)?;
         Ok(split.nonlinear.insert(nonlinear))
     }
 }

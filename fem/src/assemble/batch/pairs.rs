@@ -107,6 +107,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         rigid_normal: Option<[L; D]>,
     ) -> FacetPoint<L, D> {
         let zero = L::splat(0.0);
+        let read = [requirements.position, requirements.opposite_position][side];
+        let placed = read || self.reads_functions(requirements);
         let reads = &self.buffers.reads;
         let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
         let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
@@ -117,11 +119,17 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         for index in 0..reads.len() {
             second |= reads[index].hessian;
         }
-        evaluate(&pairs.geometry[side], reference, second, geometry);
+        // An affine map is known, but for the place of the point.
+        if placed || second || !tables.affine {
+            evaluate(&pairs.geometry[side], reference, second, geometry);
+        }
         let mut position = [zero; D];
-        for node in 0..geometry.value.len() {
-            for axis in 0..D {
-                position[axis] = buffers.nodes[node][axis].multiply_add(geometry.value[node], position[axis]);
+        if placed {
+            for node in 0..geometry.value.len() {
+                for axis in 0..D {
+                    position[axis] =
+                        buffers.nodes[node][axis].multiply_add(geometry.value[node], position[axis]);
+                }
             }
         }
         if !tables.affine {

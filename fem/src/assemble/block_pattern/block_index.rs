@@ -1,6 +1,10 @@
 //! Slots of the blocks of element matrices in their rows, looked up once per pair of spaces.
 
+use forms_core::contract::Side;
+
+use crate::assemble::scatter::group_nodes::Reading;
 use crate::element::CellShape;
+use crate::mesh::Facet;
 
 /// A place in a row of blocks.
 pub(in crate::assemble) trait Slot: Copy + Send + Sync + 'static {
@@ -72,16 +76,53 @@ impl Slots {
 }
 
 /// For cells that take part, walked in some order, and each of their pairs of a test and a trial node: the place of
-/// the pair's block in the row of the test node.
+/// the pair's block in the row of the test node. The same for nodes on different sides of contact pairs.
 #[derive(Clone, Debug)]
 pub(in crate::assemble) struct BlockIndex {
-    /// Shape after shape, `[cell in the walk of those of its shape][test node][trial node]`.
+    /// Shape after shape, `[cell in the walk of those of its shape][test node][trial node]`; then
+    /// `[pair of facets][test node][trial node]` of each list in `across`.
     pub places: Slots,
     /// Starts of the places of each shape's cells.
     pub starts: Vec<(CellShape, usize)>,
     /// Of each cell of the mesh, where it comes in the walk of those of its shape; [`BlockIndex::ABSENT`] for those that
     /// take no part.
     pub walk: Vec<u32>,
+    /// Facets whose nodes on one side are coupled with those on the other.
+    pub across: Vec<Across>,
+}
+
+/// Pairs of an own and an opposite facet whose places are known.
+#[derive(Clone, Debug)]
+pub(in crate::assemble) struct Across {
+    /// The sides of test and trial nodes.
+    pub sides: [Side; 2],
+    /// The nodes that count.
+    pub reading: [Reading; 2],
+    /// The pairs as [`Across::key`] writes them, ascending.
+    pub keys: Vec<u128>,
+    /// The starts of their places, and the end.
+    pub starts: Vec<usize>,
+}
+
+impl Across {
+    /// A pair of facets as a number, in their order.
+    pub fn key(facets: &[Facet; 2]) -> u128 {
+        let [own, opposite] = facets.map(|facet| u128::from(facet.cell) << 8 | u128::from(facet.local));
+        own << 64 | opposite
+    }
+
+    /// The place of a key, looked for first after one that may be near.
+    fn place_near(&self, near: usize, key: u128) -> Option<usize> {
+        const AHEAD: usize = 64;
+        let end = self.keys.len().min(near + AHEAD);
+        let run = self.keys.get(near..end).unwrap_or_default();
+        if let (Some(first), Some(last)) = (run.first(), run.last())
+            && (*first..=*last).contains(&key)
+        {
+            return run.binary_search(&key).ok().map(|place| near + place);
+        }
+        self.keys.binary_search(&key).ok()
+    }
 }
 
 impl BlockIndex {
@@ -92,6 +133,31 @@ impl BlockIndex {
         self.starts.iter().find(|(known, _)| *known == shape).map_or(0, |(_, start)| *start)
     }
 
+    /// The starts of the places of some pairs of facets, of so many blocks each; none unless all are known.
+    pub fn starts_of_pairs(
+        &self,
+        sides: [Side; 2],
+        reading: [Reading; 2],
+        pairs: &[[Facet; 2]],
+        blocks: usize,
+    ) -> Option<Vec<usize>> {
+        let suited = |across: &&Across| across.sides == sides && across.reading == reading;
+        let lists: Vec<&Across> = self.across.iter().filter(suited).collect();
+        // Units that follow each other are mostly near each other in the lists.
+        let mut last = 0;
+        let mut start = |facets: &[Facet; 2]| {
+            let key = Across::key(facets);
+            let mut in_list = |across: &&Across| {
+                let place = across.place_near(last, key)?;
+                last = place;
+                let (start, end) = (across.starts[place], across.starts[place + 1]);
+                (end - start == blocks).then_some(start)
+            };
+            lists.iter().find_map(&mut in_list)
+        };
+        pairs.iter().map(&mut start).collect()
+    }
+
     /// Bytes.
     pub fn memory(&self) -> usize {
         let places = match &self.places {
@@ -99,6 +165,7 @@ impl BlockIndex {
             Slots::Words(places) => size_of_val(&places[..]),
             Slots::Long(places) => size_of_val(&places[..]),
         };
-        places + size_of_val(&self.walk[..])
+        let of_pairs = |across: &Across| size_of_val(&across.keys[..]) + size_of_val(&across.starts[..]);
+        places + size_of_val(&self.walk[..]) + self.across.iter().map(of_pairs).sum::<usize>()
     }
 }

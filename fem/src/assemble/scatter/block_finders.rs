@@ -3,9 +3,22 @@
 use super::MatrixScatter;
 use crate::assemble::block_pattern::block_index::{BlockIndex, Slot};
 
+/// How the blocks of an element matrix are found.
+pub(in crate::assemble) enum BlockPlaces<'a> {
+    /// By its cell, where test and trial functions live on the same one.
+    OfCells(&'a BlockIndex),
+    /// By the starts of each unit's places, where they live on the two sides of contact pairs.
+    OfPairs(&'a BlockIndex, Vec<usize>),
+    /// By a search in the matrix.
+    Unknown,
+}
+
 /// Finds the places of the blocks of an element matrix.
 pub(in crate::assemble) trait Finder {
     type Slot: Slot;
+    /// Whether the rows of the next entities are asked for ahead. Those of contact pairs are far apart, unlike those of neighbouring
+    /// cells, and come from memory one pass after the other.
+    const AHEAD: bool = false;
     /// Those of an entity, test node after test node; `None`: one is not in the pattern.
     fn find(&mut self, entity: usize) -> Option<&[Self::Slot]>;
 }
@@ -49,6 +62,25 @@ impl<P: Slot> Finder for Known<'_, P> {
     }
 }
 
+/// Slots of nodes on the two sides of contact pairs, looked up before.
+pub(in crate::assemble) struct KnownPairs<'a, P> {
+    /// The start of each unit's places.
+    pub starts: &'a [usize],
+    pub places: &'a [P],
+    /// Pairs of nodes of a unit.
+    pub size: usize,
+}
+
+impl<P: Slot> Finder for KnownPairs<'_, P> {
+    type Slot = P;
+    const AHEAD: bool = true;
+
+    #[inline(always)]
+    fn find(&mut self, entity: usize) -> Option<&[P]> {
+        Some(&self.places[self.starts[entity]..][..self.size])
+    }
+}
+
 /// Some pairs of the nodes of a cell.
 pub(in crate::assemble) struct ChosenPairs {
     /// Their places among all pairs of the cell, test node after test node.
@@ -79,6 +111,7 @@ pub(in crate::assemble) struct Chosen<'a, P> {
 
 impl<P: Slot> Finder for Chosen<'_, P> {
     type Slot = P;
+    const AHEAD: bool = true;
 
     #[inline(always)]
     fn find(&mut self, entity: usize) -> Option<&[P]> {

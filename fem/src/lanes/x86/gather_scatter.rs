@@ -15,6 +15,13 @@ impl SimdLane for Avx2 {
     const REGISTERS: usize = 16;
 
     #[inline(always)]
+    fn prefetch(values: &[f64], place: usize) {
+        if let Some(value) = values.get(place) {
+            simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
+        }
+    }
+
+    #[inline(always)]
     fn call<W: SharedWork<Avx2>>(work: W) -> W::Output {
         #[target_feature(enable = "avx2,fma")]
         #[inline(never)]
@@ -114,6 +121,13 @@ fn transposed(a: Avx2, b: Avx2, c: Avx2, d: Avx2) -> [Avx2; 4] {
 
 impl SimdLane for Avx512 {
     const REGISTERS: usize = 32;
+
+    #[inline(always)]
+    fn prefetch(values: &[f64], place: usize) {
+        if let Some(value) = values.get(place) {
+            simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
+        }
+    }
 
     #[inline(always)]
     fn call<W: SharedWork<Avx512>>(work: W) -> W::Output {
