@@ -1,11 +1,12 @@
 //! The pictures: those of the paper's Figure 2, the contact pressure and the von Mises stress.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT, CylinderSolution, OBSTACLE_DEPTH, OUTER_RADIUS};
 use forms_fem::output::picture::{
-    Colour, Curve, FieldMap, LinePlot, MeshDrawing, Panel, Picture, Scale, Shown,
+    Colour, Curve, FieldMap, LinePlot, MeshDrawing, Panel, Picture, Scale, Shown, write_all_png,
 };
 use forms_fem::prelude::*;
 
@@ -32,14 +33,11 @@ pub fn write_all(
         ("figure_2.png", figure.draw()?),
         ("contact_pressure.png", contact_pressure(solution)?.draw()?),
         ("von_mises.png", von_mises(solution, derived).draw()?),
-    ];
-    let mut paths = Vec::new();
-    for (name, picture) in pictures {
-        let path = directory.join(name);
-        picture.write_png(&path)?;
-        paths.push(path);
-    }
-    Ok(paths)
+    ]
+    .map(|(name, picture)| (directory.join(name), picture));
+    let threads = NonZeroUsize::new(solution.problem.assembler.threads().count());
+    write_all_png(&pictures, threads.unwrap_or(NonZeroUsize::MIN))?;
+    Ok(pictures.into_iter().map(|(path, _)| path).collect())
 }
 
 fn mesh(solution: &CylinderSolution) -> Outcome<MeshDrawing<'_>> {

@@ -64,7 +64,7 @@ pub use krylov::{KrylovError, KrylovOptions, KrylovReport};
 pub use lu::LuFactor;
 pub use minres::minres;
 pub use multigrid::{Multigrid, MultigridOptions};
-pub use operator::{Entries, Identity, LinearOperator, OnThreads, OperatorError, Preconditioner};
+pub use operator::{Entries, Identity, Jacobi, LinearOperator, OnThreads, OperatorError, Preconditioner};
 pub use ordering::{Candidate, Chosen, Ordering};
 pub use pattern::SparsityPattern;
 pub use residual_history::ResidualHistory;

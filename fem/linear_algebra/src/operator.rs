@@ -4,7 +4,7 @@ use super::block_matrix::BlockMatrix;
 use super::cholesky::SymmetricFactor;
 use super::csr::CsrMatrix;
 use super::equations::{Equations, Side, WorstRow};
-use super::error::LinearAlgebraError;
+use super::error::{LinearAlgebraError, check_size};
 use crate::threads::Threads;
 
 /// Errors of applying an operator or a preconditioner.
@@ -143,6 +143,35 @@ pub struct Identity;
 impl Preconditioner for Identity {
     fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError> {
         z.copy_from_slice(r);
+        Ok(())
+    }
+}
+
+/// The inverse of a matrix's diagonal, which is Jacobi's preconditioner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jacobi(Vec<f64>);
+
+impl Jacobi {
+    /// Of a matrix without a zero on its diagonal.
+    ///
+    /// # Errors
+    /// A zero, or what is not finite, on the diagonal; the error names the unknown.
+    pub fn of(matrix: &CsrMatrix) -> Result<Self, LinearAlgebraError> {
+        let diagonal = matrix.diagonal();
+        match diagonal.iter().position(|entry| *entry == 0.0 || !entry.is_finite()) {
+            Some(unknown) => Err(LinearAlgebraError::Singular { unknown, ratio: diagonal[unknown].abs() }),
+            None => Ok(Jacobi(diagonal.into_iter().map(f64::recip).collect())),
+        }
+    }
+}
+
+impl Preconditioner for &Jacobi {
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError> {
+        check_size("the vector to precondition", self.0.len(), r.len())?;
+        check_size("the preconditioned vector", r.len(), z.len())?;
+        for ((z, r), inverse) in z.iter_mut().zip(r).zip(&self.0) {
+            *z = inverse * r;
+        }
         Ok(())
     }
 }

@@ -25,7 +25,9 @@ pub mod svg_file;
 mod text;
 
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use thiserror::Error;
 
@@ -194,6 +196,44 @@ impl Picture for Drawing {
     fn draw(&self) -> Result<Drawing, PictureError> {
         Ok(self.clone())
     }
+
+    fn write_png_at(&self, path: impl AsRef<Path>, dots_per_inch: f64) -> Result<(), PictureError> {
+        write_bytes(path.as_ref(), &png_file::encode(self, dots_per_inch)?)
+    }
+}
+
+/// Writes drawings as PNG files at [`DOTS_PER_INCH`], each whole or not at all, on so many threads.
+///
+/// # Errors
+/// The first [`PictureError`] in the list, of a drawing that cannot be encoded or a file that cannot be written.
+pub fn write_all_png(
+    drawings: &[(impl AsRef<Path> + Sync, Drawing)],
+    threads: NonZeroUsize,
+) -> Result<(), PictureError> {
+    // The largest pages first, so that none of them is left to one thread at the end.
+    let mut order: Vec<usize> = (0..drawings.len()).collect();
+    let area = |drawing: &Drawing| drawing.size().iter().product::<f64>();
+    order.sort_by(|a, b| area(&drawings[*b].1).total_cmp(&area(&drawings[*a].1)));
+    let next = AtomicUsize::new(0);
+    let work = || -> Vec<(usize, PictureError)> {
+        let mut errors = Vec::new();
+        while let Some(&number) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let (path, drawing) = &drawings[number];
+            errors.extend(drawing.write_png(path).err().map(|error| (number, error)));
+        }
+        errors
+    };
+    let others = threads.get().min(drawings.len()).saturating_sub(1);
+    let mut errors = std::thread::scope(|scope| {
+        let others: Vec<_> = (0..others).map(|_| scope.spawn(work)).collect();
+        let mut errors = work();
+        for other in others {
+            errors.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        errors
+    });
+    errors.sort_by_key(|(number, _)| *number);
+    errors.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {

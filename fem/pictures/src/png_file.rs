@@ -17,26 +17,30 @@ pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureE
     }
     let mut page = Pixmap::new(width as u32, height as u32).ok_or(too_large)?;
     page.fill(tiny_skia::Color::WHITE);
+    let mut masks = Masks::default();
     for item in &drawing.items {
         match item {
             Item::Path { segments, fill, stroke, clip } => {
                 let Some(path) = path(segments) else { continue };
-                let mask = clip.and_then(|area| mask(area, &page, scale));
-                draw_path(&mut page, &path, *fill, stroke.as_ref(), scale, mask.as_ref());
+                let mask = masks.of(*clip, &page, scale);
+                draw_path(&mut page, &path, *fill, stroke.as_ref(), scale, mask);
             }
             Item::Surface { surface, clip } => {
                 let size = [page.width() as usize, page.height() as usize];
                 let Some(pixels) = surface.pixels(scale, size) else { continue };
-                let mask = clip.and_then(|area| mask(area, &page, scale));
+                let mask = masks.of(*clip, &page, scale);
                 let Some(image) = pixmap(&pixels) else { continue };
                 let [x, y] = pixels.origin.map(|place| place as i32);
                 let paint = PixmapPaint::default();
-                page.draw_pixmap(x, y, image.as_ref(), &paint, Transform::identity(), mask.as_ref());
+                page.draw_pixmap(x, y, image.as_ref(), &paint, Transform::identity(), mask);
             }
         }
     }
     // The page is opaque, so premultiplied and plain colours agree.
-    let rgb: Vec<u8> = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let mut rgb = vec![0; page.data().len() / 4 * 3];
+    for (target, pixel) in rgb.chunks_exact_mut(3).zip(page.data().chunks_exact(4)) {
+        target.copy_from_slice(&pixel[..3]);
+    }
     encode_pixels(&rgb, [page.width(), page.height()], png::ColorType::Rgb, Some(dots_per_inch))
 }
 
@@ -55,6 +59,8 @@ fn encode_pixels(
     let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
     encoder.set_color(colours);
     encoder.set_depth(png::BitDepth::Eight);
+    // A picture with shaded surfaces is half again to twice as large as with zlib, and written in a fraction of the time.
+    encoder.set_compression(png::Compression::Fast);
     encoder.set_pixel_dims(dots_per_inch.map(|resolution| {
         let per_metre = (resolution / 0.0254).round() as u32;
         png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }
@@ -125,6 +131,20 @@ fn path(segments: &[Segment]) -> Option<Path> {
         }
     }
     builder.finish()
+}
+
+/// The mask of the area that was asked for last: it is as large as the page, and items that follow each other share it.
+#[derive(Default)]
+struct Masks(Option<(Rectangle, Option<Mask>)>);
+
+impl Masks {
+    fn of(&mut self, clip: Option<Rectangle>, page: &Pixmap, scale: f64) -> Option<&Mask> {
+        let area = clip?;
+        if self.0.as_ref().is_none_or(|(known, _)| *known != area) {
+            self.0 = Some((area, mask(area, page, scale)));
+        }
+        self.0.as_ref().and_then(|(_, mask)| mask.as_ref())
+    }
 }
 
 fn mask(area: Rectangle, page: &Pixmap, scale: f64) -> Option<Mask> {

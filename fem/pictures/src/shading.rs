@@ -98,21 +98,20 @@ impl ShadedSurface {
             }
         }
         let mut rgba = vec![0; 4 * size[0] * size[1]];
-        let mut sampled = vec![UNCOVERED; BAND * SAMPLES * size[0] * SAMPLES];
+        let uncovered = table.len() as u16;
+        let colours: Vec<u64> = table.iter().map(|&rgb| packed(rgb)).chain([0]).collect();
+        let mut sampled = vec![uncovered; BAND * SAMPLES * size[0] * SAMPLES];
         for (band, triangles) in bands.iter().enumerate() {
-            sampled.fill(UNCOVERED);
+            sampled.fill(uncovered);
             for &t in triangles {
                 let corners = self.triangles[t].map(|n| points[n as usize]);
                 let values = self.triangles[t].map(|n| self.values[n as usize]);
                 let first_row = band * BAND * SAMPLES;
                 self.sample(corners, values, first_row, size[0] * SAMPLES, table.len(), &mut sampled);
             }
-            for row in 0..BAND.min(size[1] - band * BAND) {
-                for column in 0..size[0] {
-                    let pixel = average(&sampled, &table, row, column, size[0] * SAMPLES);
-                    let at = 4 * ((band * BAND + row) * size[0] + column);
-                    rgba[at..at + 4].copy_from_slice(&pixel);
-                }
+            let rows = rgba[4 * band * BAND * size[0]..].chunks_exact_mut(4 * size[0]).take(BAND);
+            for (row, samples) in rows.zip(sampled.chunks_exact(SAMPLES * SAMPLES * size[0])) {
+                average(samples, &colours, row);
             }
         }
         Some(Pixels { origin: start, size, rgba })
@@ -165,42 +164,62 @@ impl ShadedSurface {
         let inside = -1e-9;
         for row in (top.ceil().max(0.0) as usize)..rows.min(bottom as usize + 1) {
             let y = (first_row + row) as f64 + 0.5;
-            for column in (left.ceil().max(0.0) as usize)..width.min(right as usize + 1) {
+            let weights = |column: usize| {
                 let at = [column as f64 + 0.5, y];
                 let (wa, wb) = (weight(b, c, at), weight(c, a, at));
-                let wc = 1.0 - wa - wb;
-                if wa >= inside && wb >= inside && wc >= inside {
-                    let number = numbers[0] * wa + numbers[1] * wb + numbers[2] * wc;
-                    sampled[row * width + column] = number.clamp(0.0, (colours - 1) as f64) as u16;
+                [wa, wb, 1.0 - wa - wb]
+            };
+            let covered = |column: usize| weights(column).iter().all(|weight| *weight >= inside);
+            // The samples inside are a run of columns, between the edges that the row crosses.
+            let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                let (above, below) = (p[1].min(q[1]) - 1e-3, p[1].max(q[1]) + 1e-3);
+                if (above..=below).contains(&y) {
+                    let t = if p[1] == q[1] { 0.0 } else { ((y - p[1]) / (q[1] - p[1])).clamp(0.0, 1.0) };
+                    let (flat, at) = ((q[1] - p[1]).abs() < 0.01, p[0] + t * (q[0] - p[0]));
+                    let ends = if flat { [p[0].min(q[0]), p[0].max(q[0])] } else { [at, at] };
+                    (low, high) = (low.min(ends[0]), high.max(ends[1]));
                 }
+            }
+            let start = (low.max(left + 0.5) - 1.5).ceil().max(0.0) as usize;
+            let end = width.min((high.min(right + 0.5) + 0.5).max(0.0) as usize + 1);
+            let Some(first) = (start..end).find(|column| covered(*column)) else { continue };
+            let last = (first..end).rev().find(|column| covered(*column)).unwrap_or(first);
+            let samples = &mut sampled[row * width + first..=row * width + last];
+            for (column, sample) in (first..).zip(samples) {
+                let [wa, wb, wc] = weights(column);
+                let number = numbers[0] * wa + numbers[1] * wb + numbers[2] * wc;
+                *sample = number.clamp(0.0, (colours - 1) as f64) as u16;
             }
         }
     }
 }
 
-/// Marks a sample outside the surface.
-const UNCOVERED: u16 = u16::MAX;
+/// A colour, and one for the sample that has it, as four numbers of sixteen bits: sums over the samples of a pixel do not
+/// pass from one into the next.
+fn packed([red, green, blue]: [u8; 3]) -> u64 {
+    u64::from(red) | u64::from(green) << 16 | u64::from(blue) << 32 | 1 << 48
+}
 
-/// Mean colour of the samples of a pixel, with the covered fraction as alpha.
-fn average(sampled: &[u16], table: &[[u8; 3]], row: usize, column: usize, width: usize) -> [u8; 4] {
-    let mut sum = [0_usize; 3];
-    let mut covered = 0;
-    for i in 0..SAMPLES {
-        let start = (row * SAMPLES + i) * width + column * SAMPLES;
-        for &number in &sampled[start..start + SAMPLES] {
-            if let Some(colour) = table.get(usize::from(number)) {
-                covered += 1;
-                for k in 0..3 {
-                    sum[k] += usize::from(colour[k]);
-                }
-            }
+/// Mean colours of the samples of a row of pixels, with the covered fraction as alpha. Colours of samples outside are zero.
+fn average(samples: &[u16], colours: &[u64], pixels: &mut [u8]) {
+    let width = samples.len() / SAMPLES;
+    for (column, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+        let mut sum = 0;
+        for row in 0..SAMPLES {
+            let start = row * width + column * SAMPLES;
+            sum += samples[start..start + SAMPLES]
+                .iter()
+                .map(|&number| colours[usize::from(number)])
+                .sum::<u64>();
+        }
+        let covered = (sum >> 48) as usize;
+        if covered > 0 {
+            let mean = |k: usize| (((sum >> (16 * k)) as usize & 0xffff) + covered / 2) / covered;
+            let alpha = covered * 255 / (SAMPLES * SAMPLES);
+            pixel.copy_from_slice(&[mean(0), mean(1), mean(2), alpha].map(|channel| channel as u8));
         }
     }
-    if covered == 0 {
-        return [0; 4];
-    }
-    let mean = |k: usize| ((sum[k] + covered / 2) / covered) as u8;
-    [mean(0), mean(1), mean(2), (covered * 255 / (SAMPLES * SAMPLES)) as u8]
 }
 
 #[cfg(test)]

@@ -5,14 +5,35 @@ const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwx
 /// Appends the bytes in base64, filled up with `=` to whole groups of four characters.
 pub fn append(text: &mut String, bytes: &[u8]) {
     text.reserve(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let mut word = [0; 4];
-        word[1..][..group.len()].copy_from_slice(group);
-        let word = u32::from_be_bytes(word);
-        let characters = [18, 12, 6, 0].map(|shift| ALPHABET[(word >> shift & 63) as usize]);
-        text.extend(characters[..=group.len()].iter().map(|&character| char::from(character)));
-        text.push_str(&"=="[..3 - group.len()]);
+    // Characters are gathered before they are appended, because each call checks the room that is left.
+    let mut line = [0_u8; 4 * GROUPS];
+    for block in bytes.chunks(3 * GROUPS) {
+        let groups = block.chunks_exact(3);
+        let rest = groups.remainder();
+        let mut length = 0;
+        for (group, characters) in groups.zip(line.chunks_exact_mut(4)) {
+            characters.copy_from_slice(&coded([group[0], group[1], group[2]]));
+            length += 4;
+        }
+        if !rest.is_empty() {
+            let mut group = [0; 3];
+            group[..rest.len()].copy_from_slice(rest);
+            let mut characters = coded(group);
+            characters[rest.len() + 1..].fill(b'=');
+            line[length..length + 4].copy_from_slice(&characters);
+            length += 4;
+        }
+        text.extend(std::str::from_utf8(&line[..length]));
     }
+}
+
+/// Groups of three bytes that are coded at once.
+const GROUPS: usize = 256;
+
+/// Three bytes as four characters.
+fn coded(group: [u8; 3]) -> [u8; 4] {
+    let word = u32::from_be_bytes([0, group[0], group[1], group[2]]);
+    [18, 12, 6, 0].map(|shift| ALPHABET[(word >> shift & 63) as usize])
 }
 
 #[cfg(test)]

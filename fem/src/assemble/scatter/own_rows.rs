@@ -4,14 +4,14 @@ use std::ops::Range;
 
 /// Contributions to rows that belong to another thread: rows of element matrices or vectors.
 #[derive(Default)]
-pub(super) struct Deferred {
+pub(in crate::assemble) struct Deferred {
     pub rows: Vec<u32>,
     pub places: Vec<u32>,
     pub values: Vec<f64>,
 }
 
 /// The rows that a thread adds to.
-pub(super) struct OwnRows<'a> {
+pub(in crate::assemble) struct OwnRows<'a> {
     pub rows: Range<usize>,
     /// All entries of these rows.
     pub values: &'a mut [f64],

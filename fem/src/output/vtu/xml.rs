@@ -55,10 +55,10 @@ impl Grid<'_> {
         text.push_str("<Points>\n");
         self.points.append(&mut text);
         text.push_str("</Points>\n<Cells>\n");
-        let words = |numbers: &[u64]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let words = |numbers: &[u64]| little_endian(numbers, |number| number.to_le_bytes());
         append(&mut text, "connectivity", 1, "UInt64", words(&self.connectivity));
         append(&mut text, "offsets", 1, "UInt64", words(&self.offsets));
-        append(&mut text, "types", 1, "UInt8", self.types.clone());
+        append(&mut text, "types", 1, "UInt8", little_endian(&self.types, |kind| [kind]));
         text.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
         text
     }
@@ -67,12 +67,8 @@ impl Grid<'_> {
 impl Array<'_> {
     fn append(&self, text: &mut String) {
         let (kind, bytes) = match &self.values {
-            Values::Reals(values) => {
-                ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect())
-            }
-            Values::Integers(values) => {
-                ("Int32", values.iter().flat_map(|value| value.to_le_bytes()).collect())
-            }
+            Values::Reals(values) => ("Float64", little_endian(values, |value| value.to_le_bytes())),
+            Values::Integers(values) => ("Int32", little_endian(values, |value| value.to_le_bytes())),
         };
         append(text, self.name, self.components, kind, bytes);
     }
@@ -89,16 +85,25 @@ fn active(arrays: &[Array]) -> String {
     text
 }
 
-/// Appends an array of numbers of VTK's type `kind`.
+/// The bytes of an array, behind their number.
+fn little_endian<T: Copy, const N: usize>(numbers: &[T], bytes_of: impl Fn(T) -> [u8; N]) -> Vec<u8> {
+    let mut bytes = vec![0; size_of::<u64>() + N * numbers.len()];
+    let (head, rest) = bytes.split_at_mut(size_of::<u64>());
+    head.copy_from_slice(&((N * numbers.len()) as u64).to_le_bytes());
+    for (target, number) in rest.chunks_exact_mut(N).zip(numbers) {
+        target.copy_from_slice(&bytes_of(*number));
+    }
+    bytes
+}
+
+/// Appends an array of numbers of VTK's type `kind`, whose `bytes` stand behind their number.
 fn append(text: &mut String, name: &str, components: usize, kind: &str, bytes: Vec<u8>) {
     let name = escaped(name);
     let head = format!(
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
     );
     text.push_str(&head);
-    let mut all = (bytes.len() as u64).to_le_bytes().to_vec();
-    all.extend(bytes);
-    base64::append(text, &all);
+    base64::append(text, &bytes);
     text.push_str("</DataArray>\n");
 }
 
