@@ -1,14 +1,12 @@
 //! Sparse factorisation of symmetric matrices: LLᵀ of a positive definite one, LBLᵀ of an indefinite one.
 
-mod dense_front;
-mod elimination_tree;
-mod multifrontal;
 mod solve;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::supernodal::{self, SupernodalIntranodeLbltRef, SupernodalLltRef};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -17,11 +15,8 @@ use faer::{Par, Spec};
 use super::analysis::Analysis;
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
-use super::large_pages;
 use super::singularity::singular_ratio;
 use super::vector::largest;
-use crate::threads::Threads;
-use multifrontal::NoFactor;
 pub use solve::Refined;
 
 /// A factor of a symmetric matrix, on a shared [`Analysis`].
@@ -56,29 +51,26 @@ impl SymmetricFactor {
         matrix: &CsrMatrix,
         storage: Vec<f64>,
     ) -> Result<Self, LinearAlgebraError> {
-        Self::cholesky_on(Threads::ONE, analysis, matrix, storage)
-    }
-
-    /// The same on threads; to the last bit the same for each number of them.
-    ///
-    /// # Errors
-    /// As [`SymmetricFactor::cholesky`].
-    pub fn cholesky_on(
-        threads: Threads,
-        analysis: &Arc<Analysis>,
-        matrix: &CsrMatrix,
-        storage: Vec<f64>,
-    ) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
         let (lower, mut values) = prepare(analysis, matrix, storage)?;
         let supernodes = &analysis.supernodes;
-        multifrontal::factor(analysis, &lower, &mut values, threads).map_err(|error| match error {
-            NoFactor::NotPositive { place } => {
-                LinearAlgebraError::NotPositiveDefinite { unknown: analysis.order[place] as usize }
-            }
-            NoFactor::NoMemory => NO_MEMORY,
+        let params = Spec::default();
+        let request =
+            supernodal::factorize_supernodal_numeric_llt_scratch::<u32, f64>(supernodes, Par::Seq, params);
+        let mut memory = MemBuffer::try_new(request).map_err(|_| NO_MEMORY)?;
+        supernodal::factorize_supernodal_numeric_llt(
+            &mut values,
+            lower_matrix(analysis, &lower),
+            LltRegularization::default(),
+            supernodes,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            params,
+        )
+        .map_err(|LltError::NonPositivePivot { index }| {
+            let place = index.min(analysis.size().saturating_sub(1));
+            LinearAlgebraError::NotPositiveDefinite { unknown: analysis.order[place] as usize }
         })?;
-        drop(lower);
         let mut smallest = SmallestPivot::new(analysis.size());
         let factor = SupernodalLltRef::new(supernodes, &values);
         for s in 0..supernodes.n_supernodes() {
@@ -179,17 +171,16 @@ impl SymmetricFactor {
         })
     }
 
-    /// LLᵀ on threads, or LBLᵀ if the matrix turns out not to be positive definite.
+    /// LLᵀ, or LBLᵀ if the matrix turns out not to be positive definite.
     ///
     /// # Errors
     /// As [`SymmetricFactor::indefinite`].
     pub fn cholesky_or_indefinite(
-        threads: Threads,
         analysis: &Arc<Analysis>,
         matrix: &CsrMatrix,
         storage: Vec<f64>,
     ) -> Result<Self, LinearAlgebraError> {
-        match Self::cholesky_on(threads, analysis, matrix, storage) {
+        match Self::cholesky(analysis, matrix, storage) {
             Err(LinearAlgebraError::NotPositiveDefinite { .. }) => {
                 Self::indefinite(analysis, matrix, Vec::new())
             }
@@ -249,12 +240,10 @@ fn prepare(
 ) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
     matrix.check_finite()?;
     let lower = analysis.lower_values(matrix)?;
-    let (mut values, entries) = (storage, analysis.factor_entries());
+    let mut values = storage;
     values.clear();
-    if values.capacity() < entries {
-        values = large_pages::zeros_within_memory(entries).ok_or(NO_MEMORY)?;
-    }
-    values.resize(entries, 0.0);
+    values.try_reserve_exact(analysis.factor_entries()).map_err(|_| NO_MEMORY)?;
+    values.resize(analysis.factor_entries(), 0.0);
     Ok((lower, values))
 }
 

@@ -15,15 +15,6 @@ pub(crate) fn zeros(count: usize) -> Vec<f64> {
     values
 }
 
-/// The same, if there is so much memory.
-pub(crate) fn zeros_within_memory(count: usize) -> Option<Vec<f64>> {
-    if count * size_of::<f64>() >= SMALLEST {
-        // Given back at once: memory that is zero and has not been touched comes from the system alone.
-        Vec::<f64>::new().try_reserve_exact(count).ok()?;
-    }
-    Some(zeros(count))
-}
-
 /// Asks for large pages; a system that has none says no, and nothing is lost.
 #[cfg(target_os = "linux")]
 fn ask(values: &[f64]) {

@@ -199,7 +199,7 @@ fn solve(
         // Cells that are all but flat: the factor says what is wrong, or solves the systems.
         Err(_) => {
             let analysis = Arc::new(Analysis::new(mass.pattern(), &Ordering::default())?);
-            let factor = SymmetricFactor::cholesky_on(threads, &analysis, mass, Vec::new())?;
+            let factor = SymmetricFactor::cholesky(&analysis, mass, Vec::new())?;
             let mut found = loads;
             found.iter_mut().try_for_each(|load| factor.solve_in_place(load))?;
             Ok(found)

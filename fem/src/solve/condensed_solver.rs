@@ -234,8 +234,7 @@ impl CondensedSolver {
             return if expected.is_empty() { Ok(false) } else { self.condense_to(touched) };
         }
         let start = Instant::now();
-        let threads = self.fallback.threads();
-        let factor = SymmetricFactor::cholesky_on(threads, &analysis, linear_part, Vec::new());
+        let factor = SymmetricFactor::cholesky(&analysis, linear_part, Vec::new());
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         let factor = match factor {
             // Rounding may hide a singular K; the fallback names it, or finds that changes make up for it.

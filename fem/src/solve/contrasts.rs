@@ -4,8 +4,7 @@ mod of_forms;
 
 use super::*;
 use crate::linear_algebra::{
-    CsrMatrix, Entry, KrylovOptions, LinearAlgebraError, MultigridOptions, OperatorError, Preconditioner, cg,
-    minres,
+    CsrMatrix, Entry, Jacobi, KrylovOptions, LinearAlgebraError, MultigridOptions, cg, minres,
 };
 use crate::prelude::*;
 
@@ -191,16 +190,6 @@ fn changes_in_the_soft_half_are_no_rounding_of_the_stiff_one() {
     }
 }
 
-/// Division by the diagonal.
-struct Jacobi(Vec<f64>);
-
-impl Preconditioner for Jacobi {
-    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError> {
-        z.iter_mut().zip(r).zip(&self.0).for_each(|((z, r), d)| *z = r / d);
-        Ok(())
-    }
-}
-
 #[test]
 fn conjugate_gradients_and_minres_are_right_in_each_half_or_refuse() {
     let options = KrylovOptions { tolerance: 1e-13, ..KrylovOptions::default() };
@@ -209,12 +198,12 @@ fn conjugate_gradients_and_minres_are_right_in_each_half_or_refuse() {
         for matrix in [matrix(N, &chain(symmetric, contrast)), fields] {
             let (b, size) = (vec![1.0; matrix.rows()], matrix.rows());
             let exact = thomas(&matrix, &b);
-            let mut jacobi = Jacobi(matrix.diagonal());
+            let jacobi = Jacobi::of(&matrix).unwrap();
             for method in ["cg", "minres"] {
                 let mut x = vec![0.0; size];
                 let found = match method {
-                    "cg" => cg(&matrix, &mut jacobi, &b, &mut x, &options),
-                    _ => minres(&matrix, &mut jacobi, &b, &mut x, &options),
+                    "cg" => cg(&matrix, &mut &jacobi, &b, &mut x, &options),
+                    _ => minres(&matrix, &mut &jacobi, &b, &mut x, &options),
                 };
                 if let Err(refused) = found {
                     println!("{method}, contrast {contrast:e}: {refused}");

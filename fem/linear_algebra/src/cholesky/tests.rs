@@ -112,8 +112,7 @@ fn an_indefinite_matrix_is_refused_by_llt_and_solved_by_lblt() {
     let analysis = analysed(&matrix);
     let refused = SymmetricFactor::cholesky(&analysis, &matrix, Vec::new());
     assert!(matches!(refused, Err(LinearAlgebraError::NotPositiveDefinite { unknown }) if unknown < 1250));
-    let factor =
-        SymmetricFactor::cholesky_or_indefinite(Threads::ONE, &analysis, &matrix, Vec::new()).unwrap();
+    let factor = SymmetricFactor::cholesky_or_indefinite(&analysis, &matrix, Vec::new()).unwrap();
     assert!(!factor.is_positive_definite());
     let (x, eigenvalue) = mode(m, 2, 1, w);
     assert!(eigenvalue < shift);
@@ -157,8 +156,7 @@ fn a_singular_matrix_is_named() {
         cholesky,
         LinearAlgebraError::Singular { .. } | LinearAlgebraError::NotPositiveDefinite { .. }
     ));
-    let either =
-        SymmetricFactor::cholesky_or_indefinite(Threads::ONE, &analysis, &ring, Vec::new()).unwrap_err();
+    let either = SymmetricFactor::cholesky_or_indefinite(&analysis, &ring, Vec::new()).unwrap_err();
     assert!(matches!(either, LinearAlgebraError::Singular { .. }), "{either}");
     // A row of zeros.
     let zero_row = CsrMatrix::from_triplets(3, 3, &[(0, 0, 1.0), (2, 2, 1.0)]).unwrap();
@@ -188,47 +186,6 @@ fn nan_and_wrong_sizes_are_named() {
         SymmetricFactor::cholesky(&analysis, &other, Vec::new()),
         Err(LinearAlgebraError::PatternMismatch { .. })
     ));
-}
-
-/// Fronts large enough to be cut into tiles, subtrees for more threads than there are.
-#[test]
-fn a_factor_is_the_same_on_any_number_of_threads() {
-    let matrix = grid(100, [[3.0, 1.0], [1.0, 2.0]], 0.0);
-    for ordering in [Ordering::MinimumDegree, Ordering::NestedDissection] {
-        let analysis = Arc::new(Analysis::new(matrix.pattern(), &ordering).unwrap());
-        let on = |threads| {
-            SymmetricFactor::cholesky_on(Threads::new(threads), &analysis, &matrix, Vec::new()).unwrap()
-        };
-        let one = on(1);
-        let b: Vec<f64> = (0..20_000).map(|k| f64::from(k % 13) - 6.0).collect();
-        assert!(one.solve_refined(&matrix, &b, 2).unwrap().backward_error < 1e-15);
-        let bits = |factor: SymmetricFactor| -> Vec<u64> {
-            factor.into_storage().into_iter().map(f64::to_bits).collect()
-        };
-        let expected = bits(one);
-        for threads in [2, 3, 8] {
-            assert!(bits(on(threads)) == expected, "{threads} threads, {ordering:?}");
-        }
-    }
-}
-
-/// Which pivot is found first does not depend on which subtree fails first.
-#[test]
-fn the_first_negative_pivot_is_named_on_any_number_of_threads() {
-    let mut matrix = grid(40, [[1.0, 0.0], [0.0, 1.0]], 0.0);
-    let bad = [3_usize, 700, 1_601, 2_950];
-    let values: Vec<usize> = bad.iter().map(|k| matrix.find_stored(*k as u32, *k as u32).unwrap()).collect();
-    values.into_iter().for_each(|place| matrix.values_mut()[place] = -1.0);
-    let analysis = analysed(&matrix);
-    let place = |unknown: usize| analysis.elimination_order().iter().position(|u| *u as usize == unknown);
-    let on = |threads| {
-        SymmetricFactor::cholesky_on(Threads::new(threads), &analysis, &matrix, Vec::new()).unwrap_err()
-    };
-    let LinearAlgebraError::NotPositiveDefinite { unknown } = on(1) else { panic!("{}", on(1)) };
-    assert_eq!(place(unknown), bad.iter().map(|k| place(*k)).min().unwrap());
-    for threads in [2, 3, 8] {
-        assert_eq!(on(threads), on(1));
-    }
 }
 
 #[test]

@@ -8,7 +8,6 @@ use crate::cholesky::SymmetricFactor;
 use crate::csr::CsrMatrix;
 use crate::error::{LinearAlgebraError, check_size};
 use crate::ordering::Ordering;
-use crate::threads::Threads;
 use crate::vector::dot;
 
 /// The matrix of a pencil that is positive, in whose inner product its eigenvectors are orthogonal.
@@ -95,7 +94,7 @@ impl SymmetricPencil {
     pub(super) fn shifted(&self, shift: f64) -> Result<Shifted, EigenError> {
         let mut matrix = self.first.clone();
         matrix.add_scaled(-shift, &self.second)?;
-        let factor = SymmetricFactor::cholesky_or_indefinite(Threads::all(), &self.analysis, &matrix, vec![]);
+        let factor = SymmetricFactor::cholesky_or_indefinite(&self.analysis, &matrix, vec![]);
         let factor = factor.map_err(|source| match source {
             source @ LinearAlgebraError::Singular { .. } => EigenError::ShiftIsEigenvalue { shift, source },
             source => source.into(),
