@@ -130,7 +130,8 @@ fn a_block_that_is_drawn_along_a_slab_is_the_same() {
         ("adjoint", adjoint.values().to_vec()),
     ]);
     check(env!("CARGO_BIN_EXE_drawn_block"), &["4"], &expected);
-    let patterns = |processes| read(&told(processes, env!("CARGO_BIN_EXE_drawn_block"), &["4"]))["patterns"][0];
+    let patterns =
+        |processes| read(&told(processes, env!("CARGO_BIN_EXE_drawn_block"), &["4"]))["patterns"][0];
     assert!(patterns(2) > 2.0, "points leave the facets that the first pattern holds");
 }
 
