@@ -9,7 +9,7 @@
 //! | [`contact_problem`] | a law on a space, and its drivers: direct → adjoint | |
 //! | [`law`] | what the drivers ask of a law; [`contact_law!`] makes one of your own module | |
 //! | [`laws`] | laws with friction: Nitsche's method, penalty, augmented Lagrangian; small and finite strains | |
-//! | [`parameter_ranges`] | which parameters of a law have to be positive, or not negative | |
+//! | [`mod@parameter_ranges`] | which parameters of a law have to be positive, or not negative | |
 //! | [`paper_law`] | the paper's law with its three adjoint states | |
 //! | [`theta_path`] | the way to a solution through other values of θ | |
 //! | [`shape_gradient`] | the derivative by the shape, as the volume form of the discrete problem | |

@@ -3,7 +3,7 @@
 use forms_fem::contract::Source;
 use forms_fem::prelude::*;
 
-/// A forms module with its data bound, whose parameters have ranges: [`parameter_ranges!`](crate::parameter_ranges) writes this for a
+/// A forms module with its data bound, whose parameters have ranges: [`parameter_ranges!`](crate::parameter_ranges!) writes this for a
 /// module's `Model`, and [`contact_law!`](crate::contact_law) does so on the way.
 pub trait ParameterRanges {
     /// Whether the parameters are in their ranges. What is not finite is named when a form is bound to its data.

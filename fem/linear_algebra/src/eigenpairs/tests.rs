@@ -1,3 +1,5 @@
+//! Eigenpairs of diagonal pencils and small chains, whose eigenvalues are known.
+
 use super::*;
 use crate::CsrMatrix;
 
