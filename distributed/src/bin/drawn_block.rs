@@ -8,7 +8,6 @@ use std::process::ExitCode;
 use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::report::tell;
 use forms_distributed::{Method, PetscSolver, World, distributed_functional};
-use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let cells = std::env::args().nth(1).map_or(Ok(4), |number| number.parse())?;
