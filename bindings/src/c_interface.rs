@@ -11,7 +11,7 @@ use forms_fem::inverse::{DifferentiableMap, Part};
 use crate::parameters::Parameters;
 use crate::problem_thread::{Failure, ProblemThread, caught};
 
-/// What C holds a pointer to.
+/// The problem behind C's pointer.
 pub struct Handle {
     problem: ProblemThread,
     inputs: Vec<CString>,
@@ -19,7 +19,7 @@ pub struct Handle {
 }
 
 thread_local! {
-    /// What the last failure of a call from this thread said.
+    /// Message of the last failure of a call from this thread.
     static LAST_ERROR: RefCell<CString> = RefCell::default();
 }
 
@@ -86,7 +86,7 @@ unsafe fn handle<'a>(problem: *const Handle) -> Result<&'a Handle, Failure> {
     unsafe { problem.as_ref() }.ok_or_else(|| missing("the problem"))
 }
 
-/// What the last failure of a call from this thread said; the text lives until the next failure in the thread.
+/// Message of the last failure of a call from this thread; the text lives until the next failure in the thread.
 pub fn last_error() -> *const c_char {
     LAST_ERROR.with(|last| last.borrow().as_ptr())
 }

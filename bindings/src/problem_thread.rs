@@ -44,7 +44,7 @@ pub struct ProblemThread {
     shape: Shape,
 }
 
-/// What does not change of a problem.
+/// Fixed parts of a problem.
 #[derive(Clone, Debug)]
 struct Shape {
     inputs: Vec<Part>,

@@ -220,7 +220,7 @@ fn pairs_of_the_state_before() {
     check("lagged", bodies().lagged());
 }
 
-/// What displaces the surfaces of a motion is no weight times its unknown.
+/// Motions refuse displaced surfaces: their displacement is no weight times the unknown.
 #[test]
 fn motions_refuse_displaced_surfaces() {
     let bodies = bodies();

@@ -14,7 +14,7 @@ use crate::states::{Direct, FIRST, States, mesh, refined};
 /// Degree of the rule on the reference mesh.
 const DEGREE: usize = 5;
 
-/// How meshes are made.
+/// Kind of refinement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meshes {
     /// All cells are divided.

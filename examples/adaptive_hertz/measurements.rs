@@ -1,4 +1,4 @@
-//! What is measured on one mesh, beside Hertz's answer.
+//! Measurements on one mesh, beside Hertz's answer.
 
 use std::fmt;
 use std::time::Instant;
@@ -13,7 +13,7 @@ use crate::Outcome;
 /// The part up to which a and p0 may be off.
 pub const TOLERANCE: f64 = 0.005;
 
-/// What is measured on one mesh.
+/// Measurements on one mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Unknowns.

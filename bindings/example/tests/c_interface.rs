@@ -14,7 +14,7 @@ fn libraries() -> PathBuf {
     test.parent().unwrap().to_owned()
 }
 
-/// What the C program prints.
+/// Output of the C program.
 fn printed() -> String {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_interface");

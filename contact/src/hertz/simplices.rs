@@ -81,7 +81,7 @@ where
     ErrorEstimate::residual(&problem.assembler, &model.squared(u))
 }
 
-/// What is measured of a contact: force, width or radius of contact, and the pressure in its middle.
+/// Measurements of a contact: force, width or radius of contact, and the pressure in its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// P \[N\], of the cylinder per length \[N/mm\], of the whole body.

@@ -118,7 +118,7 @@ fn held(settings: &Settings, solution: &CylinderSolution) -> [f64; 2] {
     [0, 1].map(|axis| inner.iter().map(|node| residual[2 * *node as usize + axis]).sum())
 }
 
-/// What holds the body balances what the obstacle does to it; Coulomb's bound holds for the whole force. Without a bound, by either law, θ = 0
+/// Balance of the reactions that hold the body with the obstacle's forces; Coulomb's bound holds for the whole force. Without a bound, by either law, θ = 0
 /// is the problem without friction. Lifted off, nothing touches, sticks or slips.
 #[test]
 fn forces_balance_by_odd_combinations() {

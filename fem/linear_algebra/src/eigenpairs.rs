@@ -221,7 +221,7 @@ impl SymmetricPencil {
     }
 }
 
-/// How many of the eigenvalues that were found a count shall confirm, and where it ends: behind those asked for, in a gap before the
+/// Number of the eigenvalues found that a count shall confirm, and where it ends: behind those asked for, in a gap before the
 /// next. None where that is not known yet.
 fn end_of_count(
     ritz: &[Ritz],

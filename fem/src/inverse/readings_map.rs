@@ -114,7 +114,7 @@ impl<H: ControlledEvolution<D>, const D: usize> DifferentiableMap for ReadingsMa
     }
 }
 
-/// What is kept of the states on the way.
+/// States kept on the way.
 enum Kept<'a> {
     None,
     /// The states as they are found.

@@ -1,4 +1,4 @@
-//! Where a sweep keeps the states to which it comes back: in memory, or on disk but for the last one.
+//! Storage of the states to which a sweep comes back: in memory, or on disk but for the last one.
 
 use std::convert::Infallible;
 use std::io::{self, Read as _, Write as _};
@@ -117,7 +117,7 @@ impl Drop for OnDisk {
     }
 }
 
-/// Where and how many states a history keeps.
+/// Place and number of the states that a history keeps.
 #[derive(Clone, Debug)]
 pub(super) struct Storage {
     pub most: usize,

@@ -13,7 +13,7 @@ pub(super) struct Ritz {
     pub value: f64,
     /// ‖(A − σ B)⁻¹ B y − ν y‖ of its vector y, whose length is one.
     pub residual: f64,
-    /// What of that may be rounding.
+    /// Bound of its rounding.
     pub rounding: f64,
     /// Its place among all Ritz vectors.
     place: usize,

@@ -3,7 +3,7 @@
 use super::MatrixScatter;
 use crate::assemble::block_pattern::block_index::{BlockIndex, Slot};
 
-/// How the blocks of an element matrix are found.
+/// Ways to find the blocks of an element matrix.
 pub(in crate::assemble) enum BlockPlaces<'a> {
     /// By its cell, where test and trial functions live on the same one.
     OfCells(&'a BlockIndex),
