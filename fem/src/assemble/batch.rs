@@ -11,7 +11,7 @@ mod fields;
 mod pairs;
 mod side;
 
-use forms_core::contract::{Basis, CellGeometry, Hessian, OppositePoint, PointGeometry, Requirements};
+use forms_core::contract::{Basis, CellGeometry, Hessian, PointGeometry, Requirements};
 
 pub(super) use self::buffers::{BatchBuffers, Reads};
 pub(super) use self::cell_map::{inverse_transposed, largest_distance, surface};
@@ -228,33 +228,32 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         geometry
     }
 
+    /// The geometry at the current point.
+    #[inline(always)]
+    pub fn geometry(&self) -> &PointGeometry<L, D> {
+        &self.buffers.geometry
+    }
+
     /// Moves to the q-th point: geometry, basis functions, fields.
     #[inline(always)]
-    pub fn point(&mut self, q: usize) -> Result<PointGeometry<L, D>, AssemblyError> {
+    pub fn point(&mut self, q: usize) -> Result<(), AssemblyError> {
         L::call(Point { batch: self, q })
     }
 
     #[inline(always)]
-    fn point_here(
-        &mut self,
-        requirements: &Requirements,
-        q: usize,
-    ) -> Result<PointGeometry<L, D>, AssemblyError> {
+    fn point_here(&mut self, requirements: &Requirements, q: usize) -> Result<(), AssemblyError> {
         let group = self.group;
         if let Some(pairs) = &group.pairs {
             return self.pair_point(requirements, q, pairs);
         }
-        let zero = L::splat(0.0);
         let reads_position = requirements.position || self.two_sided() || self.reads_functions(requirements);
-        let BatchBuffers { sides: [this, other], reads, .. } = &mut *self.buffers;
+        // In place: with what contact pairs have, the geometry is too long to be handed on as a copy.
+        let BatchBuffers { sides: [this, other], reads, geometry, .. } = &mut *self.buffers;
         let (reads, tables) = (&reads[..], &self.tables[0]);
-        let mut geometry = PointGeometry {
-            weight: L::splat(self.group.weights[q]),
-            position: if reads_position { this.position(tables, q) } else { [zero; D] },
-            normal: [zero; D],
-            curvature: zero,
-            opposite: OppositePoint::none(),
-        };
+        geometry.weight = L::splat(self.group.weights[q]);
+        if reads_position {
+            geometry.position = this.position(tables, q);
+        }
         let inverse = match &self.affine {
             Some(affine) => {
                 geometry.weight = geometry.weight * affine.measure;
@@ -280,7 +279,8 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 inverse
             }
         };
-        this.evaluate_basis(tables, reads, q, &inverse, &geometry.normal);
+        let (position, normal) = (geometry.position, geometry.normal);
+        this.evaluate_basis(tables, reads, q, &inverse, &normal);
         if self.group.sides.len() == 2 {
             let tables = &self.tables[1];
             let inverse = match self.affine {
@@ -292,11 +292,10 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                     inverse
                 }
             };
-            other.evaluate_basis(tables, reads, q, &inverse, &geometry.normal);
-            self.check_facing(q, &geometry.position)?;
+            other.evaluate_basis(tables, reads, q, &inverse, &normal);
+            self.check_facing(q, &position)?;
         }
-        self.evaluate_fields(requirements, q, &geometry.position, &geometry.position)?;
-        Ok(geometry)
+        self.evaluate_fields(requirements, q, &position, &position)
     }
 }
 
@@ -322,7 +321,7 @@ struct Point<'b, 'a, L, const D: usize> {
 }
 
 impl<L: SimdLane, const D: usize> SharedWork<L> for Point<'_, '_, L, D> {
-    type Output = Result<PointGeometry<L, D>, AssemblyError>;
+    type Output = Result<(), AssemblyError>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {

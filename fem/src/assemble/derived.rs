@@ -384,8 +384,9 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
             for index in 0..group.entities() {
                 let cell = kernel.cell(&batch.load(index, 1));
                 for q in 0..group.points() {
-                    let geometry = batch.point(q)?;
-                    let value = kernel.evaluate(&cell, &geometry, batch.fields()).as_ref().to_vec();
+                    batch.point(q)?;
+                    let geometry = batch.geometry();
+                    let value = kernel.evaluate(&cell, geometry, batch.fields()).as_ref().to_vec();
                     if !value.iter().all(|entry| entry.is_finite()) {
                         let (form, position) = (self.binding.name, geometry.position.to_vec());
                         return Err(AssemblyError::ValueNotFinite { form, position });

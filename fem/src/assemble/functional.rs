@@ -209,8 +209,9 @@ fn each_point<K: ExpressionKernel<D>, const D: usize>(
     for entity in range.clone() {
         let cell = kernel.cell(&batch.load(entity, 1));
         for q in 0..points {
-            let geometry = batch.point(q)?;
-            let value = kernel.evaluate(&cell, &geometry, batch.fields());
+            batch.point(q)?;
+            let geometry = batch.geometry();
+            let value = kernel.evaluate(&cell, geometry, batch.fields());
             receive(&value.as_ref()[..count], geometry.weight, &geometry.position)?;
         }
     }

@@ -46,6 +46,8 @@ impl<const D: usize> MatrixScatter<'_, D> {
             zeros = later;
             let written = if written { rows.end } else { rows.start };
             let deferred = Deferred::default();
+            // Most matrices have no row of zeros, and nothing to look up.
+            let own = if own.contains(&true) { own } else { &mut [] };
             let part = OwnRows { rows: rows.clone(), values, zeros: own, written, deferred };
             parts.push((entities.clone(), part));
         }
@@ -158,7 +160,9 @@ impl<const D: usize> MatrixScatter<'_, D> {
                 if part.written <= row {
                     self.clear_to(part, row + 1);
                 }
-                part.zeros[row - part.rows.start] = false;
+                if let Some(zero) = part.zeros.get_mut(row - part.rows.start) {
+                    *zero = false;
+                }
                 add_row::<_, BLOCK>(&mut part.values[start..end], places, blocks, block);
             }
         }
@@ -198,13 +202,31 @@ impl<const D: usize> MatrixScatter<'_, D> {
     }
 
     /// Sets the rows up to an end to zero, but for those that are known to be.
+    #[inline(always)]
     fn clear_to(&self, part: &mut OwnRows, end: usize) {
-        let offset = self.entries(0..part.rows.start).end;
-        for row in part.written..end {
-            if !std::mem::replace(&mut part.zeros[row - part.rows.start], true) {
-                let entries = self.entries(row..row + 1);
-                part.values[entries.start - offset..entries.end - offset].fill(0.0);
-            }
+        if part.zeros.is_empty() {
+            let offset = self.entries(0..part.rows.start).end;
+            let entries = self.entries(part.written..end.max(part.written));
+            part.values[entries.start - offset..entries.end - offset].fill(0.0);
+            part.written = part.written.max(end);
+        } else {
+            self.clear_where_needed(part, end);
+        }
+    }
+
+    #[inline(never)]
+    fn clear_where_needed(&self, part: &mut OwnRows, end: usize) {
+        let first = part.rows.start;
+        let offset = self.entries(0..first).end;
+        let mut row = part.written;
+        while row < end {
+            let known = &mut part.zeros[row - first..end - first];
+            let count = known.iter().take_while(|zero| !**zero).count();
+            known[..count].fill(true);
+            let passed = known[count..].iter().take_while(|zero| **zero).count();
+            let entries = self.entries(row..row + count);
+            part.values[entries.start - offset..entries.end - offset].fill(0.0);
+            row += count + passed;
         }
         part.written = part.written.max(end);
     }

@@ -1,6 +1,6 @@
 //! The memory of a batch: what a kernel reads of fields and basis functions, with room for it.
 
-use forms_core::contract::{Order, Requirements, Side};
+use forms_core::contract::{OppositePoint, Order, PointGeometry, Requirements, Side};
 
 use super::fields::factorised;
 use super::pairs::PairBuffers;
@@ -18,6 +18,8 @@ pub(in crate::assemble) struct BatchBuffers<L, const D: usize> {
     /// Coefficients of the field of each slot: node × component.
     pub coefficients: Vec<Vec<L>>,
     pub fields: Vec<L>,
+    /// The geometry at the current point; what no integral of the group reads stays zero.
+    pub(super) geometry: PointGeometry<L, D>,
     /// Each slot's field at all points, where it is made by sum factorisation; otherwise empty.
     pub at_points: Vec<Vec<L>>,
     pub stages: Stages<L>,
@@ -31,10 +33,19 @@ pub(in crate::assemble) struct BatchBuffers<L, const D: usize> {
 
 impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
     fn default() -> Self {
+        let zero = L::splat(0.0);
+        let geometry = PointGeometry {
+            weight: zero,
+            position: [zero; D],
+            normal: [zero; D],
+            curvature: zero,
+            opposite: OppositePoint::none(),
+        };
         BatchBuffers {
             sides: [SideBuffers::default(), SideBuffers::default()],
             coefficients: vec![],
             fields: vec![],
+            geometry,
             at_points: vec![],
             stages: Stages::default(),
             pairs: PairBuffers::default(),

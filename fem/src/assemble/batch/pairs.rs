@@ -48,7 +48,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         requirements: &Requirements,
         q: usize,
         pairs: &PairTables<D>,
-    ) -> Result<PointGeometry<L, D>, AssemblyError> {
+    ) -> Result<(), AssemblyError> {
         let (stride, points) = (PairGroup::<D>::STRIDE, &pairs.group.points);
         let mut places = [0; WIDEST];
         for lane in 0..L::WIDTH {
@@ -80,8 +80,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         };
         let this = self.facet_point(requirements, 0, &own, pairs, None);
         let other = self.facet_point(requirements, 1, &opposite, pairs, rigid);
-        self.evaluate_fields(requirements, q, &this.position, &other.position)?;
-        Ok(PointGeometry {
+        self.buffers.geometry = PointGeometry {
             weight: weight * this.element,
             position: this.position,
             normal: this.normal,
@@ -93,7 +92,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 normal: other.normal,
                 shape_operator: other.shape_operator,
             },
-        })
+        };
+        self.evaluate_fields(requirements, q, &this.position, &other.position)
     }
 
     /// Geometry and basis functions on one side; the normal of a rigid surface is none of its cell's facets'.

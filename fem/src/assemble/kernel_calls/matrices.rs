@@ -129,8 +129,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
         trials.resize(columns * points, trial);
         let (tests, trials) = (&mut tests[..], &mut trials[..]);
         for q in 0..points {
-            let geometry = batch.point(q)?;
-            let point = kernel.point(cell, &geometry, batch.fields());
+            batch.point(q)?;
+            let geometry = batch.geometry();
+            let point = kernel.point(cell, geometry, batch.fields());
             let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
             let (mut basis, mut hessians);
             if factorised.is_some() {

@@ -109,8 +109,9 @@ impl<const D: usize> ElementVectors<'_, D> {
             };
             target.fill(zero);
             for q in 0..self.group.points() {
-                let geometry = batch.point(q)?;
-                let flux = kernel.point(&cell, &geometry, batch.fields());
+                batch.point(q)?;
+                let geometry = batch.geometry();
+                let flux = kernel.point(&cell, geometry, batch.fields());
                 let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
                 let (functions, hessians, place) = match factorised {
                     Some(tables) => {

@@ -40,10 +40,12 @@ impl<'a, const D: usize> GroupNodes<'a, D> {
         self
     }
 
+    #[inline]
     fn space_nodes(&self, entity: usize) -> &'a [u32] {
         self.space.nodes_at(self.cells[entity], self.facet)
     }
 
+    #[inline]
     pub fn of(&self, entity: usize) -> &[u32] {
         match &self.seen {
             Some((nodes, count)) => &nodes[entity * count..][..*count],

@@ -15,7 +15,7 @@ pub(in crate::assemble) struct OwnRows<'a> {
     pub rows: Range<usize>,
     /// All entries of these rows.
     pub values: &'a mut [f64],
-    /// Of each row whether its values are known to be zero; of vectors none.
+    /// Of each row whether its values are known to be zero; empty where that is known of none, and for vectors.
     pub zeros: &'a mut [bool],
     /// Rows before this one have values; those from it on are still to be set to zero.
     pub written: usize,
