@@ -108,8 +108,11 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64) -> f64 {
     h1_order
 }
 
+/// Degree 2 on triangles; FORMS_SWEEPS=1: on quadrilaterals, too.
 fn check(degree: usize, band: std::ops::Range<f64>) {
-    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+    let all = degree == 1 || std::env::var_os("FORMS_SWEEPS").is_some();
+    let shapes = [CellShape::Triangle, CellShape::Quadrilateral];
+    for &shape in if all { &shapes[..] } else { &shapes[..1] } {
         for theta in [-1.0, 0.0, 1.0] {
             let order = h1_order(shape, degree, theta);
             assert!(band.contains(&order), "{shape:?} k={degree} θ={theta}: H¹ order {order}");

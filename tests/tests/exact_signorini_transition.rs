@@ -58,8 +58,10 @@ fn measure(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) -> 
 const AT_A_NODE: [usize; 4] = [6, 12, 24, 48];
 const IN_A_FACET: [usize; 4] = [7, 13, 25, 49];
 
+/// Degree 2 on triangles; FORMS_SWEEPS=1: on quadrilaterals, too.
 fn check(degree: usize, divisions: &[usize], h1_band: std::ops::Range<f64>) {
-    for shape in SHAPES {
+    let all = degree == 1 || std::env::var_os("FORMS_SWEEPS").is_some();
+    for &shape in if all { &SHAPES[..] } else { &SHAPES[..1] } {
         for theta in THETAS {
             let measured = measure(shape, degree, theta, divisions);
             assert!(h1_band.contains(&measured.h1_order), "H¹ order {}", measured.h1_order);

@@ -59,9 +59,11 @@ fn h1_errors(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) -
     Errors { divisions: divisions.to_vec(), consistent, discrete }
 }
 
+/// On triangles; FORMS_SWEEPS=1: on quadrilaterals, too.
 #[test]
 fn degree_2_tells_the_adjoints_apart() {
-    for shape in SHAPES {
+    let all = std::env::var_os("FORMS_SWEEPS").is_some();
+    for &shape in if all { &SHAPES[..] } else { &SHAPES[..1] } {
         for theta in THETAS {
             let errors = h1_errors(shape, 2, theta, &[12, 24, 48, 96]);
             let consistent = order(&errors.divisions, &errors.consistent);
