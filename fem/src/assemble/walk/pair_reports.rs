@@ -78,6 +78,17 @@ pub(crate) struct FoundPairs<const D: usize> {
     pub report: RegionPairs<D>,
 }
 
+impl<const D: usize> FoundPairs<D> {
+    /// The number of the unknown that displaces the surfaces by itself.
+    pub fn displacing_unknown(&self, fields: &[FieldDescription]) -> Option<usize> {
+        let &[field] = self.displacement? else { return None };
+        match fields[field].role {
+            Role::Unknown(number) => Some(number),
+            _ => None,
+        }
+    }
+}
+
 struct ReportVisitor<'a, 'b, const D: usize> {
     assembler: &'a Assembler<D>,
     binding: &'a Binding<'b, D>,
@@ -165,8 +176,8 @@ impl<const D: usize> Assembler<D> {
         (before, after): (&[FieldView<D>], &[FieldView<D>]),
     ) -> Result<(), AssemblyError> {
         for pairs in found {
-            let (Some(pairing), Some(&[field])) = (&pairs.pairing, pairs.displacement) else { continue };
-            let Role::Unknown(unknown) = fields[field].role else { continue };
+            let found = pairs.pairing.as_ref().zip(pairs.displacing_unknown(fields));
+            let Some((pairing, unknown)) = found else { continue };
             let ends = [before, after].map(|state| (&**state[unknown].space, state[unknown].values));
             self.follower(pairing, pairs.degree).follow(ends[0].0, [ends[0].1, ends[1].1]).map_err(
                 |source| {
