@@ -160,7 +160,7 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `theta: parameter`, for
 /// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` beside it
 /// ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
-/// of extended data) that has to be positive, and `non_negative: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
+/// of extended data) that has to be positive, `non_negative: parameter` and `rotation: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
 /// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
@@ -174,6 +174,7 @@ macro_rules! contact_law {
         $(, threshold: $product:ident($elasticity:ident, $($gamma0:ident).+))?
         $(, positive: $($positive:ident).+)*
         $(, non_negative: $($non_negative:ident).+)*
+        $(, rotation: $($rotation:ident).+)*
         $(, coefficient: $($coefficient:ident).+)?
         $(, line_search: $line_search:ident)?
         $(,)?
@@ -201,6 +202,7 @@ macro_rules! contact_law {
         $crate::parameter_ranges!($module {
             $(positive: $($positive).+,)*
             $(non_negative: $($non_negative).+,)*
+            $(rotation: $($rotation).+,)*
         });
         $(
             impl<const D: usize> $crate::law::WithFriction<D> for $module::Model<D>

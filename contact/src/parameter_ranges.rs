@@ -73,7 +73,38 @@ impl<const D: usize> Bounded for Given<f64, D> {
     }
 }
 
-/// Says which members of a forms module's `Data` have to be positive, and which may be zero too: `base.parameter` of extended data.
+/// Rounding of a product of many rotations: entries of QᵀQ − I, and of det Q − 1, below this are none.
+const ROTATION: f64 = 1e-9;
+
+/// That a matrix is a rotation, QᵀQ = I and det Q = 1. What is not finite is named when a form is bound to its data.
+///
+/// # Errors
+/// [`AssemblyError::NoRotation`].
+pub fn check_rotation<const D: usize>(
+    form: &'static str,
+    parameter: &'static str,
+    q: &[[f64; D]; D],
+) -> Result<(), AssemblyError> {
+    let product = |i: usize, j: usize| -> f64 { (0..D).map(|k| q[k][i] * q[k][j]).sum() };
+    let pairs = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
+    let entry = |(i, j): (usize, usize)| (product(i, j) - if i == j { 1.0 } else { 0.0 }).abs();
+    let largest = pairs.map(entry).fold(0.0, f64::max);
+    let minor = |i: usize, j: usize| q[1][i] * q[D - 1][j] - q[1][j] * q[D - 1][i];
+    let determinant = match D {
+        2 => q[0][0] * q[1][1] - q[0][1] * q[1][0],
+        _ => q[0][0] * minor(1, 2) - q[0][1] * minor(0, 2) + q[0][2] * minor(0, 1),
+    };
+    let deviation = if largest > ROTATION {
+        format!("an entry of QᵀQ differs by {largest:.3} from that of the identity")
+    } else if determinant < 0.0 {
+        "it mirrors".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(AssemblyError::NoRotation { form, parameter, deviation })
+}
+
+/// Says which members of a forms module's `Data` have to be positive, which may be zero too, and which are rotations: `base.parameter` of extended data.
 /// A constant coefficient is looked at as a parameter is.
 ///
 /// ```
@@ -106,6 +137,7 @@ macro_rules! parameter_ranges {
     ($module:ident {
         $(positive: $($positive:ident).+,)*
         $(non_negative: $($non_negative:ident).+,)*
+        $(rotation: $($rotation:ident).+,)*
     }) => {
         impl<const D: usize> $crate::parameter_ranges::ParameterRanges for $module::Model<D>
         where
@@ -122,6 +154,11 @@ macro_rules! parameter_ranges {
                     form,
                     stringify!($($non_negative).+),
                     &self.data.$($non_negative).+,
+                )?;)*
+                $($crate::parameter_ranges::check_rotation(
+                    form,
+                    stringify!($($rotation).+),
+                    &self.data.$($rotation).+,
                 )?;)*
                 Ok(())
             }

@@ -177,6 +177,29 @@ fn what_cannot_be_joined_is_named() {
     }
 }
 
+/// A square of 1 × 1 cells, and a body on it of 2 × 1, or of one cell beside two with a node that hangs: what touches is not glued.
+#[test]
+fn bodies_that_touch_stay_apart() {
+    let square = |low, high, counts| rectangle(low, high, counts, CellShape::Quadrilateral, 1).unwrap();
+    let slab = square([0.0, -1.0], [1.0, 0.0], [1, 1]);
+    let block = square([0.0, 0.0], [1.0, 1.0], [2, 1]);
+    let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap());
+    assert_eq!(mesh.hanging_facets().unwrap().len(), 2);
+    let error = Constraints::new(&Space::scalar(&mesh, 1).unwrap()).join_hanging_nodes().unwrap_err();
+    assert!(error.to_string().contains("bodies that touch are not joined"), "{error}");
+    // `one_and_two` on a slab of one cell, below its two small cells alone.
+    let slab = square([1.0, -0.5], [1.5, 0.0], [2, 1]);
+    let alone = one_and_two();
+    let mesh = Arc::new(Mesh::of_bodies(&[("block", &*alone), ("slab", &slab)]).unwrap());
+    let relations = |mesh: &Arc<Mesh<2>>| {
+        let mut constraints = Constraints::new(&Space::scalar(mesh, 2).unwrap());
+        constraints.join_hanging_nodes().unwrap();
+        constraints.relations().len()
+    };
+    assert!(mesh.hanging_facets().unwrap().len() > alone.hanging_facets().unwrap().len());
+    assert_eq!(relations(&mesh), relations(&alone));
+}
+
 /// In space, small edges lie on the boundary, too: their nodes interpolate what is prescribed on the large ones, by one
 /// condition or by two that meet there.
 #[test]

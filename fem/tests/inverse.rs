@@ -30,6 +30,10 @@ mod hanging {
         ) + integral(Omega, (0.5 + dot(w, w)) * dot(w, v))
             - integral(Right, pull * v[1])
     }
+    /// As `motion`, with a spring that reads the unknown itself.
+    pub fn sprung(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        motion(u, v) + integral(Right, 0.2 * dot(u, v))
+    }
     pub fn misfit(u: Unknown<Vector>) -> Energy {
         integral(Omega, sqr(u[1] - 0.01 * x[0]) / 2)
     }
@@ -284,6 +288,17 @@ fn what_does_not_fit_is_named() {
         let found = message(&mut history, &[0.4]);
         assert!(found.contains("has no adjoint here"), "{found}");
     }
+    let space = Space::vector(space.mesh(), 1).unwrap();
+    let cells = Space::discontinuous_scalar(space.mesh(), 0).unwrap();
+    let stiffness = Field::interpolate(&cells, |_| 2.0).unwrap();
+    let controls = Controls::new().number("density", 1.0).field("stiffness", &stiffness).number("pull", 0.1);
+    let mut sprung = MotionHistory::new(&space, (2, 0.1), GeneralisedAlpha::trapezoidal(), controls)
+        .motion(|during| Ok(hung(during)?.sprung()))
+        .rates(|during, u, p| Ok(hung(during)?.rates(u, p)))
+        .observed(1, Observations::new(&space).at_nodes(&Field::zero(&space), 1.0).unwrap());
+    let m = sprung.start();
+    let found = message(&mut sprung, &m);
+    assert!(found.contains("`sprung` reads its unknown `u` itself"), "{found}");
     assert!(Observations::new(&space).at_point(&[2.0, 0.0], &[0.0], 1.0).is_err());
     assert!(Observations::new(&space).at_point(&[0.5; 2], &[0.0; 2], 1.0).is_err());
 }

@@ -152,6 +152,44 @@ fn a_body_that_only_contact_holds() {
     assert!((carried - 2.0 * weight).abs() < 1e-12, "{carried}");
 }
 
+/// Bodies that just touch start at the kink of contact's law, which is no place for a derivative: the number of steps is that of a
+/// start with some overlap, not that of bodies apart, and the solution is the same.
+#[test]
+fn a_start_at_the_kink() {
+    let mesh = boxes::<2>([8, 11], [0.03, 0.0]);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let mut plates = Constraints::new(&space);
+    plates.fix("bottom", |_| [0.0; 2]).unwrap();
+    plates.fix("top", |_| [0.01, -0.02]).unwrap();
+    let touch = elastic::Touch::on(Pairing::between("below", "above"));
+    for (kappa, most) in [(0.0, 5), (0.3, 9)] {
+        let data = data([0.0; 2].into(), kappa);
+        let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
+        let from = |start: &Field<2>| {
+            let line_search = LineSearch::OnResidual;
+            let options =
+                NewtonOptions { line_search, relative_tolerance: 1e-12, ..NewtonOptions::default() };
+            Problem::new(&form, &space).constrained(&plates).start(start).options(options).solve().unwrap()
+        };
+        // Not zero, so that it is taken as it is: the upper body is lowered.
+        let lowered = Field::interpolate(&space, |x: &[f64; 2]| [0.0, if x[1] > 1.0 { -1e-6 } else { 0.0 }]);
+        let (touching, overlapping) = (from(&Field::zero(&space)), from(&lowered.unwrap()));
+        let (steps, others) = (touching.iterations(), overlapping.iterations());
+        assert!(steps <= most && steps <= others + 2, "{kappa}: {steps}, with an overlap {others}");
+        let pairs = touching.field().values().iter().zip(overlapping.field().values());
+        let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(difference < 1e-12, "{kappa}: {difference:e}");
+    }
+    // What nothing pushes stays where it is.
+    let mut held = Constraints::new(&space);
+    held.fix("bottom", |_| [0.0; 2]).unwrap();
+    held.fix("top", |_| [0.0; 2]).unwrap();
+    let data = data([0.0; 2].into(), 0.3);
+    let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
+    let still = Problem::new(&form, &space).constrained(&held).solve().unwrap();
+    assert_eq!((still.iterations(), still.field().values().iter().any(|u| *u != 0.0)), (0, false));
+}
+
 /// Pairs that are lost are named where Newton's method fails.
 #[test]
 fn lost_points_are_named() {

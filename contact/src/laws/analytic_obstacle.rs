@@ -134,6 +134,8 @@ contact_law!(analytic_obstacle {
     non_negative: radius,
     non_negative: base.slip_stress,
     non_negative: base.friction,
+    rotation: base.rotation,
+    rotation: base.rotation_before,
     coefficient: base.friction,
     line_search: OnResidual,
 });

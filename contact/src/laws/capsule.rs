@@ -109,6 +109,8 @@ contact_law!(capsule {
     non_negative: base.slip_stress,
     non_negative: base.friction,
     non_negative: half_length,
+    rotation: base.rotation,
+    rotation: base.rotation_before,
     coefficient: base.friction,
     line_search: OnResidual,
 });

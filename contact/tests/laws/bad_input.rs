@@ -99,13 +99,14 @@ fn a_tool_inside_a_body() {
 fn sliding_surfaces_that_face_each_other_nowhere() {
     let mesh = layers::<2>(CellShape::Quadrilateral, [3, 4], 0.0);
     let space = Space::vector(&mesh, 1).unwrap();
-    let solved = |touch: Pairing| {
+    let solved_by = |quadrature: Quadrature<2>, touch: Pairing| {
         let regions = sliding::Regions::default().touch(touch).gamma_n("upper top");
         let law = sliding::Model { data: between(0.3), regions };
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
+        let assembler = Assembler::new(&mesh).with_quadrature(quadrature);
         let problem = ContactProblem::new(assembler, &space, law, constraints(&space, 0.0, 0.01)).unwrap();
         problem.direct().unwrap().solve().unwrap()
     };
+    let solved = |touch: Pairing| solved_by(Quadrature::Degree(4), touch);
     // The one pressed down passes through the other: its solution says so.
     let turned_away = solved(Pairing::onto("lower top", "upper top")).notes();
     let expected =
@@ -117,6 +118,12 @@ fn sliding_surfaces_that_face_each_other_nowhere() {
     assert!(one.len() == 1 && one[0].starts_with(expected), "{one:?}");
     let touching = solved(Pairing::between("lower top", "upper bottom"));
     assert!(touching.notes().is_empty() && touching.pairs[0].report.open == 0);
+    // A rule that nobody chose, for an integrand that is no polynomial.
+    let estimated = solved_by(Quadrature::Estimated, Pairing::onto("lower top", "upper bottom")).notes();
+    assert!(
+        estimated.len() == 1 && estimated[0].starts_with("`Touch`: the rule has degree "),
+        "{estimated:?}"
+    );
 }
 
 /// F = diag(1, J): p = μ (1/J − J) − λ ln J/J. With all else at rest the cells beside the top would be turned inside out from

@@ -132,6 +132,13 @@ fn laws_with_a_moving_obstacle() {
             }),
             wrong("`base.friction` is -0.1; it must be zero or positive", |m| m.data.base.friction = -0.1),
             wrong("`half_length` is -1; it must be zero or positive", |m| m.data.half_length = -1.0),
+            wrong(
+                "`base.rotation` is no rotation: an entry of QᵀQ differs by 0.210 from that of the identity",
+                |m| m.data.base.rotation[0][0] = 1.1,
+            ),
+            wrong("`base.rotation_before` is no rotation: it mirrors", |m| {
+                m.data.base.rotation_before[1][1] = -1.0
+            }),
         ],
     );
     each_is_named(
@@ -145,6 +152,13 @@ fn laws_with_a_moving_obstacle() {
             wrong("`base.gamma0` is 0; it must be positive", |m| m.data.base.gamma0 = 0.0),
             wrong("`half_sizes` is -2; it must be zero or positive", |m| m.data.half_sizes = [1.0, -2.0]),
             wrong("`radius` is -1; it must be zero or positive", |m| m.data.radius = -1.0),
+            wrong(
+                "`base.rotation` is no rotation: an entry of QᵀQ differs by 0.210 from that of the identity",
+                |m| m.data.base.rotation[0][0] = 1.1,
+            ),
+            wrong("`base.rotation_before` is no rotation: it mirrors", |m| {
+                m.data.base.rotation_before[1][1] = -1.0
+            }),
             wrong("`base.slip_stress` is -1; it must be zero or positive", |m| {
                 m.data.base.slip_stress = -1.0
             }),

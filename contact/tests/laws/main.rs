@@ -25,6 +25,7 @@ mod rolling;
 mod self_contact;
 mod setting;
 mod shape;
+mod sloped_interface;
 mod tunnelling;
 mod two_bodies;
 mod uzawa;

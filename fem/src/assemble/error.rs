@@ -141,6 +141,16 @@ pub enum AssemblyError {
         /// Which values are allowed, in words.
         range: &'static str,
     },
+    /// A parameter that is to be a rotation and is none.
+    #[error("form `{form}`: the parameter `{parameter}` is no rotation: {deviation}")]
+    NoRotation {
+        /// The form.
+        form: &'static str,
+        /// Name of the data member.
+        parameter: &'static str,
+        /// How it is none, in words.
+        deviation: String,
+    },
     /// A region of cells that ought to hold each cell with a facet of another region.
     #[error(
         "form `{form}`: the cells \"{cells}\" lack the one at {position:?}, of which a facet belongs to \"{facets}\" \

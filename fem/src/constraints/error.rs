@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::mesh::MeshError;
+use crate::mesh::{Facet, MeshError};
 use crate::space::Family;
 
 /// Errors of a condition. The constraints stay as they were.
@@ -11,6 +11,18 @@ pub enum ConstraintsError {
     /// No such region.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// Facets that could be joined only across bodies that share no vertex.
+    #[error(
+        "facet {} of cell {} (at {position:?}) lies on facet {} of cell {}, of a body that shares no vertex with its own: bodies that touch are \
+         not joined; where they are one, let their cells share vertices",
+        .facets[0].local, .facets[0].cell, .facets[1].local, .facets[1].cell
+    )]
+    SeparateBodies {
+        /// The small facet, and the large one that it lies on.
+        facets: [Facet; 2],
+        /// The centre of the small facet's cell.
+        position: Vec<f64>,
+    },
     /// The value has another number of components than the space.
     #[error("{place}: the space has {space} components, but the prescribed value has {value}")]
     Components {

@@ -4,11 +4,33 @@ use std::sync::Arc;
 
 use super::{Constraints, ConstraintsError};
 use crate::compiled_here::compiled_here;
-use crate::mesh::{Facet, MeshError};
+use crate::mesh::{Facet, Mesh, MeshError};
 use crate::space::{Family, Space};
 
 /// Basis functions below this are zero but for rounding.
 const NOTHING: f64 = 1e-13;
+
+/// The body of each cell, by a number that its cells have in common: cells that share a vertex are of one body.
+fn bodies<const D: usize>(mesh: &Mesh<D>) -> Vec<u32> {
+    fn root(of: &mut [u32], mut vertex: u32) -> u32 {
+        while of[vertex as usize] != vertex {
+            let above = of[of[vertex as usize] as usize];
+            of[vertex as usize] = above;
+            vertex = above;
+        }
+        vertex
+    }
+    let mut of: Vec<u32> = (0..mesh.nodes().len() as u32).collect();
+    for cell in 0..mesh.cell_count() {
+        let vertices = mesh.cell_vertices(cell);
+        let first = root(&mut of, vertices[0]);
+        for vertex in &vertices[1..] {
+            let other = root(&mut of, *vertex);
+            of[other as usize] = first;
+        }
+    }
+    (0..mesh.cell_count()).map(|cell| root(&mut of, mesh.cell_vertices(cell)[0])).collect()
+}
 
 impl<const D: usize> Constraints<D> {
     /// Makes fields continuous where coarse cells meet fine ones, in meshes of
@@ -20,20 +42,33 @@ impl<const D: usize> Constraints<D> {
     /// Conditions that prescribe values come afterwards. Where they prescribe all that an unknown on a small facet depends on, it
     /// interpolates these values, whatever is prescribed for itself.
     ///
+    /// Facets of bodies that share no vertex are not joined: such bodies touch and may part, as those of [`Mesh::of_bodies`].
+    ///
     /// Such facets remain exterior ones: regions that shall not be integrated over on them, or prescribed, are named
     /// without them.
     ///
     /// # Errors
     /// [`ConstraintsError::NotContinuous`] for other than continuous spaces;
     /// [`MeshError::NotNested`] for facets that lie on each other in part;
+    /// [`ConstraintsError::SeparateBodies`] where all that could be joined belongs to bodies that share no vertex;
     /// [`ConstraintsError::AlreadyGiven`] and [`ConstraintsError::Contradiction`] where earlier conditions say otherwise.
     #[inline(never)]
     pub fn join_hanging_nodes(&mut self) -> Result<(), ConstraintsError> {
         if *self.space.family() != Family::Continuous {
             return Err(ConstraintsError::NotContinuous { family: self.space.family().clone() });
         }
+        let mesh = self.space.mesh();
+        let (all, bodies) = (mesh.hanging_facets()?, bodies(mesh));
+        let is_of_one =
+            |[small, large]: &[Facet; 2]| bodies[small.cell as usize] == bodies[large.cell as usize];
+        if let Some(&facets) = all.first()
+            && !all.iter().any(is_of_one)
+        {
+            let position = mesh.cell_centre(facets[0].cell as usize).to_vec();
+            return Err(ConstraintsError::SeparateBodies { facets, position });
+        }
         let mut changed = self.clone();
-        for [small, large] in self.space.mesh().hanging_facets()? {
+        for [small, large] in all.into_iter().filter(is_of_one) {
             let place = format!("continuity at facet {} of cell {}", large.local, large.cell);
             changed.join(&place, small, large)?;
         }

@@ -94,6 +94,17 @@ pub enum HistoryFailure {
         /// The form.
         form: &'static str,
     },
+    /// A form of motion that reads its unknown beside the operators of [`time`](crate::time).
+    #[error(
+        "`{form}` reads its unknown `{unknown}` itself: what it is depends on the scheme, and the adjoint does not know of it; read \
+         `displacement({unknown})`, `velocity({unknown})`, `acceleration({unknown})` (of scalars `value`, `rate`, `second_rate`)"
+    )]
+    UnknownItself {
+        /// The form.
+        form: &'static str,
+        /// Its unknown.
+        unknown: &'static str,
+    },
     /// Values at quadrature points that steps would write.
     #[error(
         "`{form}` reads the history `{field}`: what a step writes at quadrature points has no adjoint here; let the past be a field"

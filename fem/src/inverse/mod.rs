@@ -90,6 +90,7 @@ pub mod reduced_problem;
 pub mod second_order;
 mod shelf;
 mod step_equations;
+mod steps_unknown;
 mod sweep;
 
 pub use bounds::{Bounds, BoundsMismatch};

@@ -14,6 +14,7 @@ use super::rates::add_rates;
 use super::reduced_problem::ReducedProblem;
 use super::shelf::Storage;
 use super::step_equations::{Solution, StepEquations};
+use super::steps_unknown::{evaluated, is_read_by_operators};
 use super::sweep::{Gradient, gradient_stored, value_of};
 use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
@@ -31,7 +32,7 @@ use crate::verification::Sample;
 /// A motion in equal steps by a scheme of one step, with a criterion J(m) = Σ Jⁿ(uⁿ) of which it gives value and gradient by m.
 ///
 /// The form is written with the operators of [`time`](crate::time) and reads the state before by them alone: derivatives by it are
-/// tangents with other weights. The form of rates, of the step's unknown and adjoint state, has a test `by_name` per control.
+/// tangents with other weights, and a form that reads the unknown beside them is refused by name. The form of rates, of the step's unknown and adjoint state, has a test `by_name` per control.
 pub struct MotionHistory<'a, const D: usize> {
     space: Arc<Space<D>>,
     steps: usize,
@@ -44,6 +45,8 @@ pub struct MotionHistory<'a, const D: usize> {
     constraints: ConstraintsAt<'a, D>,
     equations: StepEquations<'a, D>,
     storage: Storage,
+    /// The form is affine and reads its unknown by operators alone, as was seen in one step.
+    is_checked: bool,
 }
 
 type FormAt<'a, const D: usize> =
@@ -83,6 +86,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             equations: StepEquations::new(space),
             storage: Storage::ALL,
+            is_checked: false,
         }
     }
 
@@ -123,6 +127,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self.controls.check(&self.space, self.steps)?;
         self.criterion.check(&self.space, self.steps)?;
         self.equations.forget();
+        self.is_checked = false;
         Ok(self.controls.set_values(m)?)
     }
 
@@ -217,9 +222,12 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         };
         formulas.end.iter().zip(slope.chunks(count)).for_each(|(combination, slope)| add(combination, slope));
         // What the form evaluates: its tangent by one of the three is that with the weight one there and what is known of it zero.
-        let mut evaluated = step.known.clone();
-        for (field, weight) in evaluated.iter_mut().zip(step.weights) {
-            *field = Field::combination(&[(weight, &unknown), (1.0, field)])?;
+        let evaluated = evaluated(&step, &unknown)?;
+        if !self.is_checked {
+            let fixed = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
+            let form = self.form(interval, &fixed)?;
+            is_read_by_operators(&*form, &unknown, &evaluated, &self.equations.assembler)?;
+            self.is_checked = form.is_affine();
         }
         for (place, combination) in formulas.evaluated.iter().enumerate() {
             if combination.states.iter().flatten().all(|weight| *weight == 0.0) {

@@ -131,7 +131,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         Ok(self.found_pairs(u)?.into_iter().map(|found| found.report).collect())
     }
 
-    fn found_pairs(&self, u: &[f64]) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
+    pub fn found_pairs(&self, u: &[f64]) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
         self.form.pairs(&self.assembler, &self.views(u)?, &self.spaces.each_ref())
     }
 
@@ -235,6 +235,14 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
             add_scaled(&mut residual, 1.0, &linear);
         }
         add_scaled(&mut residual, 1.0, &self.nonlinear_residual(u)?);
+        Ok(residual)
+    }
+
+    /// The residual of all integrals at u, assembled by itself, and the forces on rigid surfaces.
+    pub fn whole_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
+        let mut residual = self.form.residual(&*self.assembler_at(u)?, &views, &spaces, Parts::ALL)?;
+        self.for_each_load(|unknown, force| residual[unknown] -= force)?;
         Ok(residual)
     }
 

@@ -6,6 +6,7 @@ mod equations;
 mod form_equations;
 mod setting;
 mod step;
+mod touching_start;
 mod untyped;
 
 use std::borrow::Cow;

@@ -63,9 +63,10 @@ impl<const D: usize, const N: usize> Solved<D, N> {
     }
 
     /// Remarks on the solution: surfaces that may touch, and of which no point has an opposite one. Bodies that come together later
-    /// begin so; a surface that is turned away, or beyond the reach, would stay so, and the bodies pass through each other.
+    /// begin so; a surface that is turned away, or beyond the reach, would stay so, and the bodies pass through each other. And integrals
+    /// over contact pairs whose rule has the compiler's estimate for its degree, where that is above 20.
     pub fn notes(&self) -> Vec<String> {
-        self.pairs.iter().filter_map(RegionPairs::note).collect()
+        self.pairs.iter().flat_map(|pairs| [pairs.note(), pairs.note_on_quadrature()]).flatten().collect()
     }
 
     /// The value of a functional, with the quadrature that the problem was solved with.

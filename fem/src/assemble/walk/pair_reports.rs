@@ -13,6 +13,7 @@ use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::pairs::{FollowedMotion, Follower, PairError, PairReport, Pairs};
+use crate::quadrature::Quadrature;
 use crate::space::Space;
 
 /// The contact pairs of a form's region in numbers. It displays as a sentence about points without a partner.
@@ -26,11 +27,27 @@ pub struct RegionPairs<const D: usize> {
     pub displaced: bool,
     /// The numbers; of several rules those of the first integral.
     pub report: PairReport<D>,
+    /// The degree of the rule where it is the compiler's estimate; of several integrals that of the first.
+    pub estimated_degree: Option<usize>,
     /// The own and the opposite surface where none of the own one's points has an opposite point.
     pub alone: Vec<[String; 2]>,
 }
 
+/// An estimated degree above this is that of no polynomial: products of normals, gaps and projections on curved or displaced facets.
+const HIGH_ESTIMATE: usize = 20;
+
 impl<const D: usize> RegionPairs<D> {
+    /// A word on a rule of many points that nobody chose: what depends on rays and normals is no polynomial, and its estimated degree
+    /// says little.
+    pub fn note_on_quadrature(&self) -> Option<String> {
+        let degree = self.estimated_degree.filter(|degree| *degree > HIGH_ESTIMATE)?;
+        Some(format!(
+            "`{}`: the rule has degree {degree}, an estimate for what is no polynomial; a chosen one costs less: \
+             `assembler.with_quadrature(Quadrature::Degree(..))`",
+            self.symbol
+        ))
+    }
+
     /// A word on surfaces that face each other nowhere, where there are such: no contact was possible between them.
     pub fn note(&self) -> Option<String> {
         if self.alone.is_empty() {
@@ -78,6 +95,17 @@ pub(crate) struct FoundPairs<const D: usize> {
     pub report: RegionPairs<D>,
 }
 
+impl<const D: usize> FoundPairs<D> {
+    /// The number of the unknown that displaces the surfaces by itself.
+    pub fn displacing_unknown(&self, fields: &[FieldDescription]) -> Option<usize> {
+        let &[field] = self.displacement? else { return None };
+        match fields[field].role {
+            Role::Unknown(number) => Some(number),
+            _ => None,
+        }
+    }
+}
+
 struct ReportVisitor<'a, 'b, const D: usize> {
     assembler: &'a Assembler<D>,
     binding: &'a Binding<'b, D>,
@@ -98,16 +126,16 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
         }
         let estimate = |geometry, simplex| (integral.degree)(&self.degrees, geometry, simplex);
         let quadrature = &self.assembler.quadrature;
-        let degree = match self.binding.history_degree(requirements, quadrature)? {
-            Some((_, degree)) => degree,
-            None => degree_on_pairs(self.binding.mesh, &estimate),
-        };
+        let of_history = self.binding.history_degree(requirements, quadrature)?.map(|(_, degree)| degree);
+        let degree = of_history.unwrap_or_else(|| degree_on_pairs(self.binding.mesh, &estimate));
+        let is_estimated = of_history.is_none() && matches!(quadrature, Quadrature::Estimated);
         let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
         let report = RegionPairs {
             symbol: region.symbol,
             surfaces: region.name.clone(),
             displaced: displacement.is_some(),
             report: pairs.report,
+            estimated_degree: is_estimated.then_some(degree),
             alone: match &region.pairing {
                 Some(pairing) => pairs
                     .alone
@@ -165,8 +193,8 @@ impl<const D: usize> Assembler<D> {
         (before, after): (&[FieldView<D>], &[FieldView<D>]),
     ) -> Result<(), AssemblyError> {
         for pairs in found {
-            let (Some(pairing), Some(&[field])) = (&pairs.pairing, pairs.displacement) else { continue };
-            let Role::Unknown(unknown) = fields[field].role else { continue };
+            let found = pairs.pairing.as_ref().zip(pairs.displacing_unknown(fields));
+            let Some((pairing, unknown)) = found else { continue };
             let ends = [before, after].map(|state| (&**state[unknown].space, state[unknown].values));
             self.follower(pairing, pairs.degree).follow(ends[0].0, [ends[0].1, ends[1].1]).map_err(
                 |source| {

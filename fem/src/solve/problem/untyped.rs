@@ -120,13 +120,14 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         start: Option<[&Field<D>; N]>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Found, SolveError> {
-        let u: Vec<f64> = match start {
+        let mut u: Vec<f64> = match start {
             Some(start) => {
                 self.check_spaces("start", start.map(|field| field.space()))?;
                 start.iter().flat_map(|field| field.values()).copied().collect()
             }
             None => vec![0.0; self.system.unknowns()],
         };
+        self.overlap_touching(&elimination, &mut u)?;
         let guess = self.extrapolate_prescribed(&u, constraints);
         self.split = None;
         let options = self.options.clone();

@@ -1,0 +1,47 @@
+//! The step's unknown in a form of motion: read by the operators of [`time`](crate::time), or directly.
+//!
+//! What a form of motion reads of the state before stands in the known parts of what the operators give. With weights zero they give
+//! numbers that the unknown does not change, so that a form that still depends on it reads it beside them: as an acceleration in one
+//! scheme and a displacement in another, and with a derivative that the adjoint does not know.
+
+use super::error::HistoryFailure;
+use crate::assemble::{Assembler, Parts};
+use crate::contract::Role;
+use crate::field::Field;
+use crate::solve::any_form::AnyForm;
+use crate::time::Step;
+
+/// What the operators evaluate in a step: weight times unknown and known part of value, rate and second rate.
+pub(super) fn evaluated<const D: usize>(
+    step: &Step<D>,
+    unknown: &Field<D>,
+) -> Result<[Field<D>; 3], HistoryFailure> {
+    let mut evaluated = step.known.clone();
+    for (field, weight) in evaluated.iter_mut().zip(step.weights) {
+        *field = Field::combination(&[(weight, unknown), (1.0, field)])?;
+    }
+    Ok(evaluated)
+}
+
+/// An error if a form with weights zero has another residual at the unknown than at other fields: those that it evaluates, and
+/// zero.
+pub(super) fn is_read_by_operators<const D: usize>(
+    without_weights: &dyn AnyForm<D>,
+    unknown: &Field<D>,
+    evaluated: &[Field<D>; 3],
+    assembler: &Assembler<D>,
+) -> Result<(), HistoryFailure> {
+    let space = unknown.space();
+    let residual = |at: &Field<D>| without_weights.residual(assembler, &[at.view()], &[space], Parts::ALL);
+    let (here, zero) = (residual(unknown)?, Field::zero(space));
+    for other in evaluated.iter().chain([&zero]) {
+        if residual(other)? != here {
+            let form = without_weights.name();
+            let fields = without_weights.fields();
+            let of_step = fields.iter().find(|field| field.role == Role::Unknown(0));
+            let unknown = of_step.map_or("u", |field| field.name);
+            return Err(HistoryFailure::UnknownItself { form, unknown });
+        }
+    }
+    Ok(())
+}
