@@ -16,10 +16,6 @@ use crate::{Options, Outcome};
 /// Unknowns of the meshes by which the error of J is known, over those of the last mesh of the table.
 const FINER: usize = 5;
 
-fn solve(mesh: &Arc<Mesh<2>>, theta: f64, before: Option<&Field<2>>) -> Outcome<AdaptiveSolution<2>> {
-    Direct::solve(mesh, theta, before)?.goal()
-}
-
 /// Prints the meshes for J until |η| is within the tolerance, and uniform ones, with seconds by the clock: from the first mesh on, and
 /// of one mesh. Draws the last mesh.
 pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
@@ -28,7 +24,10 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
         |out: &mut StandardOutput, name: &str, unknowns: usize, goal: f64, estimate: f64, seconds: f64| {
             out.line(format!("| {name} | {unknowns} | {goal:.8} | {:.2e} | {seconds:.2} |", estimate / goal));
         };
-    let coarse = solve(&Arc::new(mesh(FIRST)?), options.theta, None)?;
+    let solve = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<AdaptiveSolution<2>> {
+        Direct::solve(mesh, options.theta, options.contact_facets, before)?.goal()
+    };
+    let coarse = solve(&Arc::new(mesh(FIRST)?), None)?;
     let scale = coarse.goal.ok_or("no goal")?.abs();
     let (inner, outer) = (onto_sphere([0.0; 2], INNER_RADIUS), onto_sphere([0.0; 2], OUTER_RADIUS));
     let start = Instant::now();
@@ -36,7 +35,7 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
     let cycle = Adaptation::to_tolerance(options.tolerance * scale).onto(&surfaces);
     let mut seconds = vec![];
     let mut timed = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| {
-        let solution = solve(mesh, options.theta, before);
+        let solution = solve(mesh, before);
         seconds.push(start.elapsed().as_secs_f64());
         solution
     };
@@ -46,7 +45,7 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
     }
     for radial in [1, 2, 4, 8].map(|factor| factor * FIRST) {
         let start = Instant::now();
-        let found = solve(&Arc::new(mesh(radial)?), options.theta, None)?;
+        let found = solve(&Arc::new(mesh(radial)?), None)?;
         let (unknowns, goal) = (found.field.space().unknowns(), found.goal.unwrap_or(f64::NAN));
         row(out, "uniform", unknowns, goal, found.estimate.value(), start.elapsed().as_secs_f64());
     }
@@ -61,7 +60,9 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
 pub fn effectivity(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     out.line("\n| θ | unknowns | J − J_h | η / (J − J_h) |\n| --- | --- | --- | --- |");
     for theta in [-1.0, 0.0, 1.0] {
-        let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| solve(mesh, theta, before);
+        let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
+            Direct::solve(mesh, theta, options.contact_facets, before)?.goal()
+        };
         let cycle = Adaptation::to_unknowns(FINER * options.unknowns);
         let adapted = cycle.run(mesh(FIRST)?, on_mesh, |step| tell(format!("theta = {theta}, {step}")))?;
         let finest = adapted.steps.last().ok_or("no mesh")?;

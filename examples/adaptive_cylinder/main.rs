@@ -15,6 +15,7 @@ use forms_examples::command_line::program_with_options;
 use forms_fem::output::StandardOutput;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
 
+use states::ContactFacets;
 use study::{Meshes, Reference, Row, series};
 
 /// Errors of writing files have no common type.
@@ -37,6 +38,9 @@ struct Options {
     /// |η| within this part of J ends the adaptive meshes for J
     #[arg(long, default_value_t = 1e-6)]
     tolerance: f64,
+    /// The integration of J's problem over contact facets
+    #[arg(long, value_enum, default_value_t = ContactFacets::Whole)]
+    contact_facets: ContactFacets,
     /// Directory of the pictures; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_cylinder")]
     out: PathBuf,
