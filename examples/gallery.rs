@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 19] = [
+const MAKERS: [Maker; 20] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -144,6 +144,20 @@ const MAKERS: [Maker; 19] = [
             ("out/shape_optimisation/adjoint_21/history.png", "figure_6_history.png"),
             ("out/shape_optimisation/adjoint_21/shapes.png", "figure_6_shapes.png"),
         ],
+    },
+    Maker {
+        arguments: &[
+            "--bin",
+            "shape_optimisation",
+            "--",
+            "figure-6",
+            "--steps",
+            "150",
+            "--anew",
+            "--out",
+            "out/shape_optimisation_wall",
+        ],
+        pictures: &[("out/shape_optimisation_wall/figure_6_holes.png", "figure_6_wall.png")],
     },
     Maker {
         arguments: &["--bin", "shape_optimisation", "--", "even-pressure", "--anew"],

@@ -32,9 +32,9 @@ pub const YOUNG: f64 = 200.0;
 /// ν.
 pub const POISSON: f64 = 0.3;
 /// Displacement of the cylinder's top \[mm\], which gives about P = 10 N/mm.
-const CYLINDER_PRESSED: f64 = 0.0975;
+pub const CYLINDER_PRESSED: f64 = 0.0975;
 /// Displacement of the top of ball and block \[mm\].
-const QUARTER_PRESSED: f64 = 0.05;
+pub const QUARTER_PRESSED: f64 = 0.05;
 /// Mesh region of Γ_C.
 pub const CONTACT: &str = "contact";
 /// Mesh region of the cells that own facets of Γ_C.
@@ -148,17 +148,18 @@ pub fn cylinder_on_flat(divisions: usize) -> Result<ContactProblem<2>, HertzErro
     let mut mesh = structured([divisions; 2], CellShape::Quadrilateral, 2, place)?;
     mesh.name_facets(CONTACT, "bottom", |centre| centre[0] < CYLINDER_REACH)?;
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    cylinder_on(&Arc::new(mesh), "right")
+    cylinder_on(&Arc::new(mesh), "right", CYLINDER_PRESSED)
 }
 
 /// Half a cylinder's section on a flat, on a given mesh of it, as [`cylinder_mesh`] or its refinements; `free` is the region
-/// of its boundary that is neither held nor able to touch.
+/// of its boundary that is neither held nor able to touch, and `way` \[mm\] that of its top, [`CYLINDER_PRESSED`] or less: then the
+/// body is larger beside its contact.
 ///
 /// # Errors
 /// A region that the mesh lacks.
-pub fn cylinder_on(mesh: &Arc<Mesh<2>>, free: &str) -> Result<ContactProblem<2>, HertzError> {
+pub fn cylinder_on(mesh: &Arc<Mesh<2>>, free: &str, way: f64) -> Result<ContactProblem<2>, HertzError> {
     let flat = (Given::constant([0.0, -1.0]), Given::function(|x: &[f64; 2]| x[1] + RADIUS));
-    pressed(mesh, free, &["left"], CYLINDER_PRESSED, flat, 8)
+    pressed(mesh, free, &["left"], way, flat, 8)
 }
 
 /// A quarter of ball or block on its obstacle, with `divisions` cells each way; θ = −1, γ₀ = 10 E.
@@ -169,15 +170,20 @@ pub fn in_space(body: Body, divisions: usize) -> Result<ContactProblem<3>, Hertz
     let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, |t| body.place(t))?;
     mesh.name_facets(CONTACT, "bottom", |centre| centre[0].max(centre[1]) < QUARTER_REACH)?;
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    body_on(body, &Arc::new(mesh), "right")
+    body_on(body, &Arc::new(mesh), "right", QUARTER_PRESSED)
 }
 
 /// A quarter of ball or block on its obstacle, on a given mesh of it, as [`quarter_mesh`] or its refinements.
 ///
 /// # Errors
 /// As [`cylinder_on`].
-pub fn body_on(body: Body, mesh: &Arc<Mesh<3>>, free: &str) -> Result<ContactProblem<3>, HertzError> {
-    pressed(mesh, free, &["left", "front"], QUARTER_PRESSED, body.obstacle(), 6)
+pub fn body_on(
+    body: Body,
+    mesh: &Arc<Mesh<3>>,
+    free: &str,
+    way: f64,
+) -> Result<ContactProblem<3>, HertzError> {
+    pressed(mesh, free, &["left", "front"], way, body.obstacle(), 6)
 }
 
 /// The body on its obstacle: plane `i` of `symmetric` holds component i, the top moves down.

@@ -92,3 +92,32 @@ pub mod dual_weighted {
         direct(u, q * z)
     }
 }
+
+/// Of two bodies by [`two_bodies`](crate::laws::two_bodies): η_T² = h²‖f + div σ‖² + h‖½⟦σn⟧‖² + h‖σn − g_N‖² on Γ_N + h‖σn − T‖² on
+/// the surfaces that may touch, T with its friction from the pairs' own side and −T on the opposite one, each with the h of its cells.
+/// Moduli are constant in each cell. Points without an opposite one belong to no term.
+#[forms]
+pub mod two_bodies {
+    pub use crate::laws::two_bodies::two_bodies::{Data, GammaN, Omega, Touch};
+    use crate::laws::two_bodies::two_bodies::{opposite_traction, stress};
+
+    /// The facets between cells of one body.
+    #[interior_facets]
+    pub struct Interior;
+
+    /// η_T².
+    pub fn squared(u: State<Vector>, q: Test<Scalar>) -> Form {
+        let rest = body_force + div(stress(u));
+        let jumped = jump(stress(u)) * n;
+        let free = stress(u) * n - traction;
+        let near = this(stress(u) * n) - opposite_traction(u);
+        let far = other(stress(u) * n) + opposite_traction(u);
+        integral(Omega, sqr(h) * dot(rest, rest) * q)
+            + integral(Interior, avg(h) * dot(jumped, jumped) / 2 * avg(q))
+            + integral(GammaN, h * dot(free, free) * q)
+            + integral(
+                Touch,
+                share * (this(h) * dot(near, near) * this(q) + other(h) * dot(far, far) * other(q)),
+            )
+    }
+}

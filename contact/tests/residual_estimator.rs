@@ -214,3 +214,153 @@ fn shear_in_space() -> Outcome {
     close(found.indicators().iter().sum(), 3.0_f64.sqrt() / 2.0 * (MU * SHEAR).powi(2));
     Ok(())
 }
+
+/// Two blocks that are pressed together and slide on each other, or the upper one on a table: u = (D y w, −B y w) with w = 1 + cos(πx)/2,
+/// in the upper one with the way s along x besides. On y = 0 the pressure is (2μ+λ)B w and the friction κ times it.
+mod sliding {
+    use std::f64::consts::PI;
+
+    use forms_contact::ContactProblem;
+    use forms_contact::law::ContactLaw;
+    use forms_contact::laws::two_bodies::two_bodies as bodies;
+    use forms_contact::residual_estimator::two_bodies;
+    use forms_fem::norms::errors;
+
+    use super::*;
+
+    const FRICTION: f64 = 0.3;
+    /// B.
+    const PRESSED: f64 = 0.05;
+    /// s.
+    const WAY: f64 = 0.1;
+
+    /// w, w′ and w″.
+    fn wave(x: f64) -> [f64; 3] {
+        [1.0 + (PI * x).cos() / 2.0, -PI * (PI * x).sin() / 2.0, -PI * PI * (PI * x).cos() / 2.0]
+    }
+
+    /// D.
+    fn shear() -> f64 {
+        FRICTION * (LAMBDA + 2.0 * MU) * PRESSED / MU
+    }
+
+    fn displacement([x, y]: &[f64; 2], way: f64) -> [f64; 2] {
+        let [w, ..] = wave(*x);
+        [way + shear() * y * w, -PRESSED * y * w]
+    }
+
+    fn gradient([x, y]: &[f64; 2]) -> [f64; 4] {
+        let ([w, slope, _], d) = (wave(*x), shear());
+        [d * y * slope, d * w, -PRESSED * y * slope, -PRESSED * w]
+    }
+
+    /// (σ_xy, σ_yy), the traction on a boundary that looks upwards.
+    fn upwards(x: &[f64; 2]) -> [f64; 2] {
+        let [xx, xy, yx, yy] = gradient(x);
+        [MU * (xy + yx), LAMBDA * (xx + yy) + 2.0 * MU * yy]
+    }
+
+    /// −div σ.
+    fn body_force([x, y]: &[f64; 2]) -> [f64; 2] {
+        let ([_, slope, bend], d, b) = (wave(*x), shear(), PRESSED);
+        let along = (LAMBDA + 2.0 * MU) * d * y * bend - (LAMBDA + MU) * b * slope;
+        let across = (LAMBDA + MU) * d * slope - MU * b * y * bend;
+        [-along, -across]
+    }
+
+    fn block([low, high]: [f64; 2], divisions: usize) -> Mesh<2> {
+        rectangle([0.0, low], [1.0, high], [divisions; 2], CellShape::Triangle, 1).expect("a rectangle")
+    }
+
+    /// η/(2μ |u − u_h|₁) of a law on a mesh whose `sides` are held, each with its way.
+    fn effectivity<L: ContactLaw<2>>(
+        mesh: &Arc<Mesh<2>>,
+        degree: usize,
+        sides: &[(&str, f64)],
+        law: L,
+        estimate: impl Fn(&Assembler<2>, &Field<2>) -> Result<ErrorEstimate, EstimateError>,
+    ) -> Result<f64, Box<dyn std::error::Error>> {
+        let space = Space::vector(mesh, degree)?;
+        let mut held = Constraints::new(&space);
+        for (side, way) in sides {
+            held.fix(side, |x| displacement(x, *way))?;
+        }
+        let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
+        let problem = ContactProblem::new(assembler, &space, law, held)?;
+        let u = problem.direct()?.solve()?.into_field();
+        // The way is no gradient.
+        let values = |_: &[f64; 2], found: &mut [f64]| found.fill(0.0);
+        let error = errors(&problem.assembler, &u, values, |x, found| found.copy_from_slice(&gradient(x)))?;
+        Ok(estimate(&problem.assembler, &u)?.value() / (2.0 * MU * error.seminorm))
+    }
+
+    /// The quotient is of the order of one, and the same on meshes of all sizes.
+    fn known(label: &str, quotients: &[f64]) {
+        println!("{label}: {quotients:?}");
+        let (least, most) = quotients.iter().fold((f64::MAX, 0.0_f64), |(l, m), q| (l.min(*q), m.max(*q)));
+        assert!(least > 1.0 && most < 12.0 && most < 1.2 * least, "{label}: {quotients:?}");
+    }
+
+    #[test]
+    fn a_block_on_a_table() -> Outcome {
+        for degree in [1, 2] {
+            let on = |divisions| {
+                let mesh = Arc::new(block([0.0, 1.0], divisions));
+                let base = forms::Data {
+                    gamma0: 100.0,
+                    body_force: Given::function(body_force),
+                    traction: Given::function(upwards),
+                    ..data()
+                };
+                let data = with_friction(base, 0.0, FRICTION);
+                let regions = frictional_nitsche::Regions::default().gamma_n("top").gamma_c("bottom");
+                let law = frictional_nitsche::Model { data: data.clone(), regions };
+                let regions = frictional::Regions::default().gamma_n("top").gamma_c("bottom");
+                let model = frictional::Model { data, regions };
+                effectivity(&mesh, degree, &[("left", WAY), ("right", WAY)], law, |assembler, u| {
+                    ErrorEstimate::residual(assembler, &model.squared(u))
+                })
+            };
+            known(&format!("degree {degree}"), &[on(4)?, on(8)?, on(16)?]);
+        }
+        Ok(())
+    }
+
+    /// Cells of the two do not match; one surface is integrated over, or both.
+    #[test]
+    fn a_block_on_another() -> Outcome {
+        let [lower, upper] = ["lower top", "upper bottom"];
+        for (pairing, share) in [(Pairing::between(lower, upper), 0.5), (Pairing::onto(upper, lower), 1.0)] {
+            let on = |divisions| {
+                let [below, above] = [block([-1.0, 0.0], divisions), block([0.0, 1.0], 3 * divisions / 2)];
+                let mut mesh = Mesh::of_bodies(&[("lower", &below), ("upper", &above)])?;
+                let mut loaded = mesh.facet_region("lower bottom")?.to_vec();
+                loaded.extend_from_slice(mesh.facet_region("upper top")?);
+                mesh.name_listed_facets("loaded", &loaded)?;
+                let required = bodies::Required {
+                    lambda: Given::constant(LAMBDA),
+                    mu: Given::constant(MU),
+                    gamma0: Given::constant(100.0),
+                };
+                let data = bodies::Data {
+                    share,
+                    friction: FRICTION,
+                    body_force: Given::function(body_force),
+                    traction: Given::function(|x: &[f64; 2]| upwards(x).map(|t| t * x[1].signum())),
+                    ..required.into()
+                };
+                let regions = bodies::Regions::default().touch(pairing.clone()).gamma_n("loaded");
+                let law = bodies::Model { data: data.clone(), regions };
+                let regions = two_bodies::Regions::default().touch(pairing.clone()).gamma_n("loaded");
+                let model = two_bodies::Model { data, regions };
+                let sides =
+                    [("lower left", 0.0), ("lower right", 0.0), ("upper left", WAY), ("upper right", WAY)];
+                effectivity(&Arc::new(mesh), 2, &sides, law, |assembler, u| {
+                    ErrorEstimate::residual(assembler, &model.squared(u))
+                })
+            };
+            known(&format!("share {share}"), &[on(4)?, on(8)?, on(16)?]);
+        }
+        Ok(())
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use clap::ValueEnum;
 use forms_contact::hollow_cylinder::{CONTACT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on};
 use forms_contact::residual_estimator::{consistent_adjoint, dual_weighted, frictionless};
 use forms_contact::{Adjoint, ContactProblem};
@@ -31,6 +32,15 @@ pub fn refined(mesh: &AdaptiveMesh<2>, marked: &[u32]) -> Outcome<AdaptiveMesh<2
     Ok(mesh.refined_onto(marked, &[("inner", &inner), ("outer", &outer)])?.0)
 }
 
+/// How the facets of Γ_C are integrated.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum ContactFacets {
+    /// By the rule of a facet, wherever contact ends
+    Whole,
+    /// In parts, where contact ends inside
+    Split,
+}
+
 /// The displacement on a mesh.
 pub struct Direct {
     /// The problem.
@@ -48,8 +58,17 @@ pub struct States {
 
 impl Direct {
     /// Solves (14), from the displacement on the mesh before where there is one.
-    pub fn solve(mesh: &Arc<Mesh<2>>, theta: f64, before: Option<&Field<2>>) -> Outcome<Direct> {
-        let problem = hollow_cylinder_on(mesh, &Settings { theta, ..Settings::default() })?;
+    pub fn solve(
+        mesh: &Arc<Mesh<2>>,
+        theta: f64,
+        facets: ContactFacets,
+        before: Option<&Field<2>>,
+    ) -> Outcome<Direct> {
+        let whole = hollow_cylinder_on(mesh, &Settings { theta, ..Settings::default() })?;
+        let problem = match facets {
+            ContactFacets::Whole => whole,
+            ContactFacets::Split => whole.with_split_facets(),
+        };
         let mut solver = CondensedSolver::default();
         let start = match before {
             Some(before) => before.onto(&problem.space).interpolated()?,
@@ -92,12 +111,13 @@ impl Direct {
         let mut held = Constraints::new(&higher);
         held.fix("inner", |_| [0.0; 2])?;
         let form = problem.law.discrete_adjoint(&u);
-        let mut adjoint = Problem::new(&form, &higher).assembler(&problem.assembler).vanishing(&held);
+        let assembler = problem.assembler_at(&u)?;
+        let mut adjoint = Problem::new(&form, &higher).assembler(&assembler).vanishing(&held);
         let p = adjoint.solve()?.into_field();
         let regions = dual_weighted::Regions::default().gamma_n(FREE).gamma_c(CONTACT);
         let model = dual_weighted::Model { data: problem.law.data.clone(), regions };
         let localised = |z: &Field<2>| model.localised(&u, z);
-        let estimate = ErrorEstimate::dual_weighted(&problem.assembler, &p, &problem.space, localised)?;
+        let estimate = ErrorEstimate::dual_weighted(&assembler, &p, &problem.space, localised)?;
         let goal = problem.criterion(&u)?;
         Ok(AdaptiveSolution::new(u.clone(), estimate).with_goal(goal))
     }

@@ -9,7 +9,7 @@ use forms_fem::output::tell;
 use forms_fem::prelude::*;
 
 use crate::Outcome;
-use crate::states::{Direct, FIRST, States, mesh, refined};
+use crate::states::{ContactFacets, Direct, FIRST, States, mesh, refined};
 
 /// Degree of the rule on the reference mesh.
 const DEGREE: usize = 5;
@@ -50,7 +50,7 @@ pub fn series(
             Meshes::Uniform => Arc::new(mesh(radial)?),
             _ => adaptive.mesh().clone(),
         };
-        let mut direct = Direct::solve(&current, theta, before.as_ref())?;
+        let mut direct = Direct::solve(&current, theta, ContactFacets::Whole, before.as_ref())?;
         let count = direct.u.space().unknowns();
         tell(format!("{meshes:?}, theta = {theta}: {count} unknowns"));
         let mut relative = vec![0.0; current.cell_count()];

@@ -11,15 +11,17 @@ use std::sync::Arc;
 
 use clap::{Parser, ValueEnum};
 use forms_contact::hertz::{
-    Body, FREE, Hertz, body_on, cylinder_mesh, cylinder_on, estimate, onto_body, quarter_mesh,
+    Body, CYLINDER_PRESSED, FREE, Hertz, QUARTER_PRESSED, body_on, cylinder_mesh, cylinder_on, estimate,
+    onto_body, quarter_mesh,
 };
 use forms_examples::command_line::program_with_options;
+use forms_examples::memory::peak_megabytes;
 use forms_fem::adaptivity::{Adaptation, AdaptiveSolution};
 use forms_fem::output::StandardOutput;
 use forms_fem::output::picture::{Curve, LinePlot, MeshDrawing, Picture, Scale};
 use forms_fem::prelude::*;
 
-use measurements::{Row, TOLERANCE, settled, solve};
+use measurements::{LinearMethod, Row, TOLERANCE, settled, solve};
 
 /// Errors of writing files have no common type.
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -48,6 +50,13 @@ struct Options {
     /// Most cells each way of the uniform meshes, which have 4, 8, 16 and so on; 64 in the plane and 8 in space where nothing is said
     #[arg(long, value_name = "N")]
     uniform: Option<usize>,
+    /// The way of the body's top, over that by which a is an eighth or less of the body's width: a smaller contact is that of a
+    /// larger body
+    #[arg(long, value_name = "PART", default_value_t = 1.0)]
+    way: f64,
+    /// The method for Newton's linear systems
+    #[arg(long, value_enum, default_value_t = LinearMethod::Condensed)]
+    linear: LinearMethod,
     /// Directory of the pictures; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_hertz")]
     out: PathBuf,
@@ -65,14 +74,15 @@ impl Options {
 type Series = [Vec<Row>; 2];
 
 fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
+    let way = options.way * CYLINDER_PRESSED;
     let (mut uniform, mut adaptive) = (vec![], vec![]);
     for divisions in options.divisions() {
-        let problem = cylinder_on(&Arc::new(cylinder_mesh(divisions)?), FREE)?;
-        uniform.push(solve(&problem, None, Hertz::of_line)?.1);
+        let problem = cylinder_on(&Arc::new(cylinder_mesh(divisions)?), FREE, way)?;
+        uniform.push(solve(&problem, None, Hertz::of_line, options.linear)?.1);
     }
     let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
-        let problem = cylinder_on(mesh, FREE)?;
-        let (u, row) = solve(&problem, before, Hertz::of_line)?;
+        let problem = cylinder_on(mesh, FREE, way)?;
+        let (u, row) = solve(&problem, before, Hertz::of_line, options.linear)?;
         adaptive.push(row);
         let estimate = estimate(&problem, &u)?;
         Ok(AdaptiveSolution::new(u, estimate))
@@ -84,14 +94,16 @@ fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
 }
 
 fn ball(options: &Options) -> Outcome<Series> {
+    let way = options.way * QUARTER_PRESSED;
     let (mut uniform, mut adaptive) = (vec![], vec![]);
     for divisions in options.divisions() {
-        let problem = body_on(Body::Ball, &Arc::new(quarter_mesh(Body::Ball, divisions)?), FREE)?;
-        uniform.push(solve(&problem, None, Hertz::of_point)?.1);
+        let mesh = Arc::new(quarter_mesh(Body::Ball, divisions)?);
+        let problem = body_on(Body::Ball, &mesh, FREE, way)?;
+        uniform.push(solve(&problem, None, Hertz::of_point, options.linear)?.1);
     }
     let on_mesh = |mesh: &Arc<Mesh<3>>, before: Option<&Field<3>>| -> Outcome<_> {
-        let problem = body_on(Body::Ball, mesh, FREE)?;
-        let (u, row) = solve(&problem, before, Hertz::of_point)?;
+        let problem = body_on(Body::Ball, mesh, FREE, way)?;
+        let (u, row) = solve(&problem, before, Hertz::of_point, options.linear)?;
         adaptive.push(row);
         let estimate = estimate(&problem, &u)?;
         Ok(AdaptiveSolution::new(u, estimate))
@@ -117,8 +129,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         }
         Contact::Ball => (ball(options)?, "ball"),
     };
-    out.line("| meshes | unknowns | P | a | p0 | p0 on the axis | profile | smallest cell | s |");
-    out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    out.line("| meshes | unknowns | P | a | p0 | p0 on the axis | profile | smallest cell | Newton steps | iterations | s |");
+    out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut plot = LinePlot::new()
         .title(&format!("Hertz, {name}"))
         .x_axis("unknowns", Scale::Logarithmic)
@@ -139,6 +151,18 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
             Some(unknowns) => format!("{meshes}: a and p0 within {limit} % from {unknowns} unknowns on"),
             None => format!("{meshes}: a and p0 not within {limit} %"),
         });
+    }
+    if let [Some(first), Some(last)] = [series[1].first(), series[1].last()] {
+        // Uniform meshes of degree 2 have (2n + 1) nodes each way, and cells whose size is as 1/n.
+        let dimension = if options.contact == Contact::Ball { 3 } else { 2 };
+        let divisions = (FIRST as f64 * first.smallest / last.smallest).round();
+        let unknowns = f64::from(dimension) * (2.0 * divisions + 1.0).powi(dimension);
+        out.line(format!(
+            "a uniform mesh with cells as small as the smallest: {divisions} each way, {unknowns:.3e} unknowns"
+        ));
+    }
+    if let Some(peak) = peak_megabytes() {
+        out.line(format!("peak memory: {peak:.0} MB"));
     }
     plot.write_png(options.out.join(format!("adaptive_hertz_{name}.png")))?;
     Ok(())

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::Instant;
 
+use clap::ValueEnum;
 use forms_contact::ContactProblem;
 use forms_contact::hertz::{Hertz, Measured};
 use forms_fem::output::tell;
@@ -12,6 +13,15 @@ use crate::Outcome;
 
 /// The part up to which a and p0 may be off.
 pub const TOLERANCE: f64 = 0.005;
+
+/// The method for Newton's linear systems.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum LinearMethod {
+    /// A direct one, on the unknowns where contact may be
+    Condensed,
+    /// Multigrid as preconditioner of GMRES
+    Multigrid,
+}
 
 /// Measurements on one mesh.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +36,10 @@ pub struct Row {
     pub profile: f64,
     /// The least diameter of a cell \[mm\].
     pub smallest: f64,
+    /// Steps of Newton's method.
+    pub steps: usize,
+    /// Most iterations of a linear system, where it is not solved directly.
+    pub iterations: Option<usize>,
     /// Seconds by the clock to solve.
     pub seconds: f64,
 }
@@ -40,10 +54,11 @@ impl Row {
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([a, axis, middle], profile) = (self.errors.map(|error| 100.0 * error), 100.0 * self.profile);
-        let Row { unknowns, force, smallest, seconds, .. } = self;
+        let Row { unknowns, force, smallest, steps, seconds, .. } = self;
+        let iterations = self.iterations.map_or("–".to_owned(), |count| count.to_string());
         write!(
             f,
-            "{unknowns} | {force:.4} | {a:+.2} % | {middle:+.2} % | {axis:+.2} % | {profile:.2} % | {smallest:.4} | {seconds:.2}"
+            "{unknowns} | {force:.4} | {a:+.2} % | {middle:+.2} % | {axis:+.2} % | {profile:.2} % | {smallest:.4} | {steps} | {iterations} | {seconds:.2}"
         )
     }
 }
@@ -59,6 +74,7 @@ pub fn solve<const D: usize>(
     problem: &ContactProblem<D>,
     before: Option<&Field<D>>,
     hertz: fn(f64) -> Hertz,
+    method: LinearMethod,
 ) -> Outcome<(Field<D>, Row)>
 where
     Dim: Dimension<D>,
@@ -68,8 +84,18 @@ where
         Some(before) => before.onto(&problem.space).interpolated()?,
         None => Field::zero(&problem.space),
     };
-    let mut solver = CondensedSolver::default();
-    let u = problem.direct()?.start(&first).solver(&mut solver).solve()?.into_field();
+    let (solved, iterations) = match method {
+        LinearMethod::Condensed => {
+            let mut solver = CondensedSolver::default();
+            (problem.direct()?.start(&first).solver(&mut solver).solve()?, None)
+        }
+        LinearMethod::Multigrid => {
+            let mut solver = MultigridSolver::new(&problem.constraints, MultigridSolverOptions::default())?;
+            let solved = problem.direct()?.start(&first).solver(&mut solver).solve()?;
+            (solved, solver.report().iterations.iter().copied().max())
+        }
+    };
+    let (steps, u) = (solved.iterations(), solved.into_field());
     let seconds = start.elapsed().as_secs_f64();
     let (measured, mesh) = (Measured::of(problem, &u)?, problem.space.mesh());
     let hertz = hertz(measured.force);
@@ -78,6 +104,8 @@ where
         force: measured.force,
         errors: measured.errors(&hertz),
         profile: hertz.profile_error(problem, &u)?,
+        steps,
+        iterations,
         smallest: (0..mesh.cell_count()).map(|cell| mesh.diameter(cell)).fold(f64::INFINITY, f64::min),
         seconds,
     };

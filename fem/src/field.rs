@@ -231,8 +231,9 @@ impl<const D: usize> Field<D> {
 
     /// Adds the components at a reference point of a cell to a sum; nothing for a field on facets.
     pub(crate) fn add_value_in(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
-        let (value, _) = self.basis(cell, reference);
-        for (&node, phi) in self.space.cell_nodes(cell).iter().zip(value) {
+        let mut value = [0.0; MAXIMUM_NODES];
+        self.space.cell_element(cell).evaluate_values(reference, &mut value);
+        for (&node, phi) in self.space.cell_nodes(cell).iter().zip(&value) {
             for (sum, coefficient) in sum.iter_mut().zip(self.at_node(node as usize)) {
                 *sum += phi * coefficient;
             }
@@ -246,11 +247,12 @@ impl<const D: usize> Field<D> {
     /// When the mesh has no such cell.
     #[inline(never)]
     pub fn gradient_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
-        let (_, slopes) = self.basis(cell, reference);
+        let (mut value, mut slopes) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
+        self.space.cell_element(cell).evaluate(reference, &mut value, &mut slopes);
         let (_, jacobian) = self.space.mesh().map(cell, reference);
         let inverse = inverse(&jacobian).unwrap_or([[f64::NAN; D]; D]);
         let mut result = vec![self.empty_sum(); self.space.components() * D];
-        for (&node, slope) in self.space.cell_nodes(cell).iter().zip(slopes) {
+        for (&node, slope) in self.space.cell_nodes(cell).iter().zip(&slopes) {
             let gradient: [f64; D] = std::array::from_fn(|j| (0..D).map(|k| slope[k] * inverse[k][j]).sum());
             for (sums, coefficient) in result.chunks_mut(D).zip(self.at_node(node as usize)) {
                 for (sum, derivative) in sums.iter_mut().zip(gradient) {
@@ -263,13 +265,6 @@ impl<const D: usize> Field<D> {
 
     fn empty_sum(&self) -> f64 {
         if self.space.facet_region().is_some() { f64::NAN } else { 0.0 }
-    }
-
-    fn basis(&self, cell: usize, reference: &[f64; D]) -> ([f64; MAXIMUM_NODES], [[f64; D]; MAXIMUM_NODES]) {
-        let mut value = [0.0; MAXIMUM_NODES];
-        let mut gradient = [[0.0; D]; MAXIMUM_NODES];
-        self.space.cell_element(cell).evaluate(reference, &mut value, &mut gradient);
-        (value, gradient)
     }
 
     fn find(&self, point: &[f64; D]) -> Result<(usize, [f64; D]), FieldError> {

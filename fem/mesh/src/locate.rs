@@ -58,9 +58,8 @@ impl<const D: usize> Locator<D> {
     #[inline(never)]
     pub fn find(&self, point: &[f64; D]) -> Option<(usize, [f64; D])> {
         let shape = |cell| self.mesh.cell_shape(cell);
-        let candidates: Vec<usize> = self.grid.around(point).collect();
         let search = |invert: &dyn Fn(usize) -> Option<[f64; D]>| {
-            candidates.iter().find_map(|&cell| {
+            self.grid.around(point).find_map(|cell| {
                 invert(cell)
                     .filter(|reference| shape(cell).contains(reference, INSIDE))
                     .map(|reference| (cell, reference))

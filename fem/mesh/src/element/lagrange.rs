@@ -239,6 +239,16 @@ impl Lagrange {
             return;
         }
         let simplex = self.shape.is_simplex();
+        // The geometry of affine cells, which is evaluated more often than all else: the same bits as below.
+        if simplex && self.degree == 1 {
+            value[0] = 1.0 - point.iter().sum::<f64>();
+            gradient[0] = [-1.0; D];
+            for k in 0..D {
+                value[k + 1] = point[k];
+                gradient[k + 1] = std::array::from_fn(|l| f64::from(u8::from(k == l)));
+            }
+            return;
+        }
         let (factors, first) = self.factors(point);
         for (node, steps) in lattice(self.shape, self.degree).iter().enumerate() {
             let [zeroth, slope, _] = first[self.first_step(steps)];
@@ -249,6 +259,22 @@ impl Lagrange {
                 let own = zeroth * product(&factors, steps, &orders);
                 if simplex { own - slope * others } else { own }
             });
+        }
+    }
+
+    /// Values at one point, written to a slice of length [`Lagrange::nodes`]: those of [`Lagrange::evaluate`].
+    ///
+    /// # Panics
+    /// As there.
+    pub fn evaluate_values<const D: usize>(&self, point: &[f64; D], value: &mut [f64]) {
+        self.check_dimension::<D>();
+        if self.degree == 0 {
+            value[0] = 1.0;
+            return;
+        }
+        let (factors, first) = self.factors(point);
+        for (value, steps) in value.iter_mut().zip(lattice(self.shape, self.degree)) {
+            *value = first[self.first_step(steps)][0] * product(&factors, steps, &[0; D]);
         }
     }
 

@@ -15,7 +15,7 @@ impl<const D: usize> Mesh<D> {
         let mut gradient = [[0.0; D]; MAXIMUM_GEOMETRY_NODES];
         self.cell_element(cell).evaluate(reference, &mut value, &mut gradient);
         let (mut position, mut jacobian) = ([0.0; D], [[0.0; D]; D]);
-        for ((node, phi), slope) in self.cell(cell).iter().zip(value).zip(gradient) {
+        for ((node, phi), slope) in self.cell(cell).iter().zip(&value).zip(&gradient) {
             let x = &self.nodes[*node as usize];
             for i in 0..D {
                 position[i] += phi * x[i];

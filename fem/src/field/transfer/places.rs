@@ -25,22 +25,32 @@ pub(crate) fn place<const D: usize>(
     })
 }
 
-/// [`place`] of a point that is likely to lie in a given cell; the same answer.
+/// The cells in which the last points were found, the latest first: the points of a cell lie in few cells of the other mesh.
+pub(crate) type Lately = [Option<u32>; 4];
+
+/// [`place`] of a point that is likely to lie in one of the cells of those before it; the same answer.
 pub(crate) fn place_near<const D: usize>(
     locator: &Locator<D>,
-    guess: Option<u32>,
+    lately: &mut Lately,
     point: &[f64; D],
     reach: f64,
 ) -> Option<(u32, [f64; D])> {
-    if let Some(guess) = guess {
-        let cell = guess as usize;
-        // On a boundary between cells the lowest has to be looked for.
-        let within = |reference: &[f64; D]| locator.mesh().cell_shape(cell).contains(reference, -INSIDE);
-        if let Some(reference) = locator.reference_in(cell, point).filter(within) {
-            return Some((guess, reference));
+    // On a boundary between cells the lowest has to be looked for.
+    let within = |cell: u32| {
+        let shape = locator.mesh().cell_shape(cell as usize);
+        locator.reference_in(cell as usize, point).filter(|reference| shape.contains(reference, -INSIDE))
+    };
+    for place in 0..lately.len() {
+        let Some(cell) = lately[place] else { break };
+        if let Some(reference) = within(cell) {
+            lately[..=place].rotate_right(1);
+            return Some((cell, reference));
         }
     }
-    place(locator, point, reach)
+    let found = self::place(locator, point, reach)?;
+    lately.rotate_right(1);
+    lately[0] = Some(found.0);
+    Some(found)
 }
 
 /// Cuts a loop into one part per thread, whose results stand in the order of the loop.

@@ -1,6 +1,6 @@
 //! Projections: the field of a space that is nearest in L², and the nearest of those with the same integral.
 
-use super::places::{in_parts, place_near};
+use super::places::{Lately, in_parts, place_near};
 use super::{Transfer, TransferError};
 use crate::assemble::Assembler;
 use crate::assemble::projection::ValuesAtPoints;
@@ -72,12 +72,11 @@ impl<const D: usize> Transfer<'_, D> {
                 let cells = block.cells.start + range.start..block.cells.start + range.end;
                 let points =
                     cells.flat_map(|cell| rule.points.iter().zip(&rule.weights).map(move |p| (cell, p)));
-                let mut last = None;
+                let mut lately = Lately::default();
                 for ((cell, (point, weight)), value) in points.zip(values.chunks_mut(components)) {
                     let (position, jacobian) = mesh.map(cell, point);
-                    let (found, reference) = place_near(locator, last, &position, reach)
+                    let (found, reference) = place_near(locator, &mut lately, &position, reach)
                         .ok_or_else(|| TransferError::Outside { point: position.to_vec(), reach })?;
-                    last = Some(found);
                     self.field.add_value_in(found as usize, &reference, value);
                     if value.iter().any(|value| !value.is_finite()) {
                         return Err(TransferError::NotFinite { point: position.to_vec() });
