@@ -9,13 +9,11 @@
 //! `out/rolling_ring.csv`, frames for ParaView in `out/rolling_ring.pvd`, and pictures.
 
 use std::error::Error;
-use std::fmt::Write as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use forms_contact::finite_impact::finite_impact;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
-use forms_fem::output::{StandardOutput, VtuFile, VtuSeries, program, write_whole};
+use forms_fem::output::{StandardOutput, TimeSeries, TimeSeriesError, VtuFile, VtuSeries, program};
 use forms_fem::prelude::*;
 use forms_fem::time::{GeneralisedAlpha, State, Step, TimeLoop};
 
@@ -83,7 +81,11 @@ impl Thrown {
         Ok(State::new(0.0, Field::zero(&self.space), velocity)?)
     }
 
-    fn measured(&self, before: Option<(&State<2>, &Record, Pressure)>, after: &State<2>) -> Result<Record, Box<dyn Error>> {
+    fn measured(
+        &self,
+        before: Option<(&State<2>, &Record, Pressure)>,
+        after: &State<2>,
+    ) -> Result<Record, Box<dyn Error>> {
         let (u, velocity) = (&after.value, &after.rate);
         let axes = [[1.0, 0.0], [0.0, 1.0]];
         let along = |axis: [f64; 2]| model(None, axis, [0.0; 2]);
@@ -91,7 +93,8 @@ impl Thrown {
         let momentum = [total(axes[0], velocity)?, total(axes[1], velocity)?];
         let way = [total(axes[0], u)? / self.mass, total(axes[1], u)? / self.mass];
         let about = model(None, axes[0], way);
-        let spin = self.assembler.functional(&about.spin(u, velocity))? / self.assembler.functional(&about.inertia(u))?;
+        let spin = self.assembler.functional(&about.spin(u, velocity))?
+            / self.assembler.functional(&about.inertia(u))?;
         let mut record = Record {
             time: after.time,
             energy: self.assembler.functional(&along(axes[0]).energy(u, velocity))?,
@@ -106,13 +109,17 @@ impl Thrown {
             let start = &before.value;
             for (force, axis) in record.force.iter_mut().zip(axes) {
                 *force = match pressure {
-                    Pressure::Conserving => self.assembler.functional(&along(axis).conserving_force(u, start))?,
+                    Pressure::Conserving => {
+                        self.assembler.functional(&along(axis).conserving_force(u, start))?
+                    }
                     Pressure::Hybrid => self.assembler.functional(&along(axis).hybrid_force(u, start))?,
                 };
             }
             record.lost = earlier.lost
                 + match pressure {
-                    Pressure::Conserving => self.assembler.functional(&along(axes[0]).conserving_loss(u, start))?,
+                    Pressure::Conserving => {
+                        self.assembler.functional(&along(axes[0]).conserving_loss(u, start))?
+                    }
                     Pressure::Hybrid => self.assembler.functional(&along(axes[0]).hybrid_loss(u, start))?,
                 };
         }
@@ -123,7 +130,8 @@ impl Thrown {
 fn kinetic(assembler: &Assembler<2>, velocity: &Field<2>) -> Result<f64, Box<dyn Error>> {
     let zero = Field::zero(velocity.space());
     let energy = model(None, [0.0; 2], [0.0; 2]);
-    Ok(assembler.functional(&energy.energy(&zero, velocity))? - assembler.functional(&energy.energy(&zero, &zero))?)
+    Ok(assembler.functional(&energy.energy(&zero, velocity))?
+        - assembler.functional(&energy.energy(&zero, &zero))?)
 }
 
 fn model(step: Option<&Step<2>>, direction: [f64; 2], centre: [f64; 2]) -> finite_impact::Model<2> {
@@ -206,7 +214,8 @@ fn check(before: &Record, after: &Record, pressure: Pressure, mass: f64) -> Resu
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all("out")?;
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let given = |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |text| text.parse());
+    let given =
+        |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |text| text.parse());
     let (around, per_unit, end) = (given(0, 48)?, given(1, 20)?, given(2, 60)?);
     let pressure = match arguments.get(3).map(String::as_str) {
         None => Pressure::Conserving,
@@ -224,13 +233,19 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         Ok(())
     };
     let records = follow(&thrown, pressure, 1.0 / per_unit.max(1) as f64, end as f64, frame)?;
-    tell(&thrown, &records, out);
-    write(&records)?;
+    let series = series(&records)?;
+    tell(&thrown, &records, &series, out)?;
+    series.write("out/rolling_ring.csv")?;
     draw(&records, &shown)
 }
 
 /// The table, and the times at which the ring touches and leaves.
-fn tell(thrown: &Thrown, records: &[Record], out: &mut StandardOutput) {
+fn tell(
+    thrown: &Thrown,
+    records: &[Record],
+    series: &TimeSeries,
+    out: &mut StandardOutput,
+) -> Result<(), TimeSeriesError> {
     let scale = thrown.mass * SPEED * SPEED / 2.0;
     out.line("| t | height | v | −ω b | kinetic | energy | friction | sum − 1 |\n| --: | --: | --: | --: | --: | --: | --: | --: |");
     let zero = records[0].energy;
@@ -247,17 +262,15 @@ fn tell(thrown: &Thrown, records: &[Record], out: &mut StandardOutput) {
             (record.energy - zero + record.lost) / scale
         ));
     }
-    let touching = |record: &Record| record.force[1] > 0.0;
-    for pair in records.windows(2) {
-        match (touching(&pair[0]), touching(&pair[1])) {
-            (false, true) => out.line(format!("touches at {:.3}", pair[0].time)),
-            (true, false) => out.line(format!("leaves at {:.3}", pair[0].time)),
-            _ => {}
-        }
+    // A hundredth of the weight.
+    for passage in series.passages("force_y", 0.01 * thrown.mass * GRAVITY)? {
+        out.line(format!("{} at {:.2}", if passage.rises { "touches" } else { "leaves" }, passage.time));
     }
     let last = records[records.len() - 1];
     let rigid = SPEED / (1.0 + (INSIDE * INSIDE + OUTSIDE * OUTSIDE) / (2.0 * OUTSIDE * OUTSIDE));
-    let sum = |axis: usize| records.windows(2).map(|pair| (pair[1].time - pair[0].time) * pair[1].force[axis]).sum::<f64>();
+    let sum = |axis: usize| {
+        records.windows(2).map(|pair| (pair[1].time - pair[0].time) * pair[1].force[axis]).sum::<f64>()
+    };
     out.line(format!(
         "at the end v = {:.5}, −ω b = {:.5}; a rigid ring rolls with {rigid:.5}. Impulses of the flat {:.5} and {:.5}",
         last.momentum[0] / thrown.mass,
@@ -265,30 +278,40 @@ fn tell(thrown: &Thrown, records: &[Record], out: &mut StandardOutput) {
         sum(0),
         sum(1)
     ));
+    Ok(())
 }
 
-fn write(records: &[Record]) -> Result<(), Box<dyn Error>> {
-    let mut csv = "t,energy,kinetic,friction,momentum_x,momentum_y,force_x,force_y,height,spin\n".to_owned();
-    for r in records {
-        let [px, py] = r.momentum;
-        let [fx, fy] = r.force;
-        let Record { time, energy, kinetic, lost, height, spin, .. } = r;
-        writeln!(csv, "{time:e},{energy:e},{kinetic:e},{lost:e},{px:e},{py:e},{fx:e},{fy:e},{height:e},{spin:e}")?;
+/// Names of the numbers over time.
+const COLUMNS: [&str; 9] =
+    ["energy", "kinetic", "friction", "momentum_x", "momentum_y", "force_x", "force_y", "height", "spin"];
+
+fn series(records: &[Record]) -> Result<TimeSeries, TimeSeriesError> {
+    let mut series = TimeSeries::new(COLUMNS);
+    for record in records {
+        let Record { time, energy, kinetic, lost, height, spin, .. } = *record;
+        let ([px, py], [fx, fy]) = (record.momentum, record.force);
+        series.push(time, &[energy, kinetic, lost, px, py, fx, fy, height, spin])?;
     }
-    write_whole("out/rolling_ring.csv", |file| file.write_all(csv.as_bytes()))?;
-    Ok(())
+    Ok(series)
 }
 
 fn draw(records: &[Record], shown: &[State<2>]) -> Result<(), Box<dyn Error>> {
     let times: Vec<f64> = records.iter().map(|record| record.time).collect();
     let of = |value: &dyn Fn(&Record) -> f64| records.iter().map(value).collect::<Vec<f64>>();
     let plot = |title: &str, label: &str| {
-        LinePlot::new().title(title).x_axis("t", Scale::Linear).y_axis(label, Scale::Linear).grid().size(480.0, 320.0)
+        LinePlot::new()
+            .title(title)
+            .x_axis("t", Scale::Linear)
+            .y_axis(label, Scale::Linear)
+            .grid()
+            .size(480.0, 320.0)
     };
     let zero = records[0].energy - records[0].kinetic;
     plot("A ring that is thrown along a flat", "energy")
         .curve(Curve::new("kinetic", &times, &of(&|r| r.kinetic)).without_markers())
-        .curve(Curve::new("elastic and height", &times, &of(&|r| r.energy - zero - r.kinetic)).without_markers())
+        .curve(
+            Curve::new("elastic and height", &times, &of(&|r| r.energy - zero - r.kinetic)).without_markers(),
+        )
         .curve(Curve::new("taken by friction", &times, &of(&|r| r.lost)).without_markers())
         .curve(Curve::new("sum", &times, &of(&|r| r.energy - zero + r.lost)).without_markers())
         .write_png("out/rolling_ring_energy.png")?;
@@ -302,7 +325,8 @@ fn draw(records: &[Record], shown: &[State<2>]) -> Result<(), Box<dyn Error>> {
     let pressed = shown.iter().min_by(|a, b| lowest(a).total_cmp(&lowest(b)));
     if let Some(state) = pressed {
         let floor = -OUTSIDE - FALL;
-        let at = state.value.values().iter().step_by(2).sum::<f64>() / (state.value.values().len() / 2) as f64;
+        let at =
+            state.value.values().iter().step_by(2).sum::<f64>() / (state.value.values().len() / 2) as f64;
         FieldMap::of(&state.rate, Shown::Magnitude, "speed")
             .deformed(&state.value, 1.0)
             .line(&[[at - 1.3, floor], [at + 1.3, floor]], "flat", Colour::BLACK)

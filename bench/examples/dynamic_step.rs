@@ -51,7 +51,8 @@ fn model(base: forms_fem::time::operators::vector::Data<2>) -> square::Model<2> 
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let given = |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |text| text.parse());
+    let given =
+        |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |text| text.parse());
     let (cells, steps) = (given(0, 499)?, given(1, 20)?.max(1));
     let python = arguments.get(2).map_or("python3", String::as_str);
 
@@ -62,22 +63,18 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let velocity = Field::interpolate(&space, |x| [0.0, x[0] * x[0]])?;
     let start = State::new(0.0, Field::zero(&space), velocity)?;
     let assembler = Assembler::new(&mesh);
-    let energy = |state: &State<2>| {
-        assembler.functional(&model(Default::default()).energy(&state.value, &state.rate))
-    };
+    let energy =
+        |state: &State<2>| assembler.functional(&model(Default::default()).energy(&state.value, &state.rate));
     let first = energy(&start)?;
     // The factor's solution is checked, and not refined to the last bit: SuperLU's is not either.
     let options = TangentSolverOptions { refinement_steps: 0, ..TangentSolverOptions::default() };
     let mut solver = TangentSolver::new(options);
-    let mut motion = TimeLoop::new(
-        |step: &Step<2>| model(step.into()).motion(),
-        GeneralisedAlpha::trapezoidal(),
-        start,
-    )
-    .assembler(&assembler)
-    .constrained(&held)
-    .constant_coefficients()
-    .solver(&mut solver);
+    let mut motion =
+        TimeLoop::new(|step: &Step<2>| model(step.into()).motion(), GeneralisedAlpha::trapezoidal(), start)
+            .assembler(&assembler)
+            .constrained(&held)
+            .constant_coefficients()
+            .solver(&mut solver);
     let begun = Instant::now();
     motion.take(SIZE)?;
     let first_step = begun.elapsed().as_secs_f64();
@@ -87,7 +84,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     }
     let of_step = begun.elapsed().as_secs_f64() / steps as f64;
     let last = energy(motion.state())?;
-    let report = { drop(motion); solver.report().clone() };
+    let report = {
+        drop(motion);
+        solver.report().clone()
+    };
     out.line(format!("{} unknowns, {steps} steps of {SIZE}, the first apart", space.unknowns()));
     out.line("| program | assembly and factor (s) | a step (s) | energy at the end beside the start |\n| --- | --: | --: | --: |");
     out.line(format!("| forms | {first_step:.2} | {of_step:.4} | {:+.1e} |", last / first - 1.0));
@@ -98,14 +98,18 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let output = command.output()?;
     if output.status.success() {
         let theirs: serde_json::Value = serde_json::from_slice(&output.stdout)?;
-        let number = |name: &str| theirs[name].as_f64().ok_or(format!("scikit-fem's program gave no `{name}`"));
+        let number =
+            |name: &str| theirs[name].as_f64().ok_or(format!("scikit-fem's program gave no `{name}`"));
         let (set_up, step) = (number("assembly")? + number("factor")?, number("step")?);
         out.line(format!(
             "| scikit-fem, matrices by hand | {set_up:.2} | {step:.4} | {:+.1e} |",
             number("last")? / number("first")? - 1.0
         ));
-        out.line(format!("\nThe energies at the start differ by {:.1e}; scikit-fem takes {:.2} times as long for a step.",
-            (number("first")? / first - 1.0).abs(), step / of_step));
+        out.line(format!(
+            "\nThe energies at the start differ by {:.1e}; scikit-fem takes {:.2} times as long for a step.",
+            (number("first")? / first - 1.0).abs(),
+            step / of_step
+        ));
     } else {
         out.line("\nscikit-fem did not run");
     }

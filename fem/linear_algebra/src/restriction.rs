@@ -87,7 +87,8 @@ impl Restriction {
             let in_place = |(number, &old): (usize, &usize)| new.get(old) == Some(&(number as u32));
             list.len() == count && list.iter().enumerate().all(in_place)
         };
-        kept(&self.new_rows, rows, self.target.rows()) && kept(&self.new_columns, columns, self.target.columns())
+        kept(&self.new_rows, rows, self.target.rows())
+            && kept(&self.new_columns, columns, self.target.columns())
     }
 
     fn check(&self, matrix: &BlockMatrix) -> Result<(), LinearAlgebraError> {
@@ -175,7 +176,9 @@ mod tests {
         let again = restriction.apply(&matrix).unwrap();
         assert!(Arc::ptr_eq(again.pattern(), part.pattern()));
         assert!(restriction.keeps(&[1, 3], &[0, 2, 3]));
-        for (rows, columns) in [([1, 2], &[0, 2, 3][..]), ([1, 3], &[0, 2]), ([1, 3], &[0, 1, 3]), ([1, 9], &[0, 2, 3])] {
+        for (rows, columns) in
+            [([1, 2], &[0, 2, 3][..]), ([1, 3], &[0, 2]), ([1, 3], &[0, 1, 3]), ([1, 9], &[0, 2, 3])]
+        {
             assert!(!restriction.keeps(&rows, columns), "{rows:?} {columns:?}");
         }
     }

@@ -11,8 +11,8 @@ use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{
-    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory, Transpose, solve_linear,
-    solve_linear_transposed, solve_owned,
+    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory, Transpose,
+    solve_linear, solve_linear_transposed, solve_owned,
 };
 use crate::space::Space;
 

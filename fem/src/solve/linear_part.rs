@@ -217,7 +217,8 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
                 let touched = pattern.touched(&form.outline(Parts::NONLINEAR))?;
                 let linear = linear.has_tangent();
                 // All of it is written below where there are linear integrals.
-                let fits = |matrix: &BlockMatrix| linear && Arc::ptr_eq(matrix.sparsity(), pattern.sparsity());
+                let fits =
+                    |matrix: &BlockMatrix| linear && Arc::ptr_eq(matrix.sparsity(), pattern.sparsity());
                 let zero = || BlockMatrix::zero(pattern.sparsity());
                 let (matrix, linear_values) = (memory.filter(fits).unwrap_or_else(zero), vec![]);
                 Assembled { commits, load, linear, matrix, updated: false, touched, linear_values }
