@@ -13,7 +13,9 @@ use forms_contact::impact::impact;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
 use forms_fem::output::{StandardOutput, VtuFile, VtuSeries, program, write_whole};
 use forms_fem::prelude::*;
-use forms_fem::time::{CentralDifferences, GeneralisedAlpha, Mass, State, Step, TimeLoop};
+use forms_fem::time::{
+    BackwardDifferences, CentralDifferences, GeneralisedAlpha, Mass, State, Step, TimeLoop,
+};
 
 /// E, ρ, L, v, the gap at the start, and the time that is followed.
 const YOUNGS_MODULUS: f64 = 900.0;
@@ -41,6 +43,8 @@ fn release() -> f64 {
 enum Steps {
     /// At the time at which the scheme evaluates forces.
     Plain(GeneralisedAlpha),
+    /// The same by the formulas of order 2.
+    Backward,
     Hybrid,
     Conserving,
     /// Central differences with lumped masses, in a quarter of the step size.
@@ -86,6 +90,7 @@ fn follow(
     let mid_point = GeneralisedAlpha::mid_point();
     let motion = match steps {
         Steps::Plain(scheme) => TimeLoop::new(plain, scheme, start),
+        Steps::Backward => TimeLoop::new(plain, BackwardDifferences::new(2)?, start),
         Steps::Explicit => TimeLoop::new(plain, CentralDifferences, start).mass(Mass::Lumped),
         Steps::Hybrid => {
             TimeLoop::new(|step: &Step<2>| model(Some(step)).hybrid(&step.before.value), mid_point, start)
@@ -189,6 +194,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         ("trapezoidal", Steps::Plain(GeneralisedAlpha::trapezoidal())),
         ("mid-point", Steps::Plain(GeneralisedAlpha::mid_point())),
         ("generalised-α, ρ = 0.5", Steps::Plain(GeneralisedAlpha::with_spectral_radius(0.5)?)),
+        ("HHT, α = 0.1", Steps::Plain(GeneralisedAlpha::hilber_hughes_taylor(0.1)?)),
+        ("backward differences, order 2", Steps::Backward),
         ("central differences", Steps::Explicit),
         ("hybrid", Steps::Hybrid),
         ("conserving", Steps::Conserving),

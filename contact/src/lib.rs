@@ -17,6 +17,7 @@
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
 //! | [`residual_estimator`] | the error of the displacement, cell by cell | |
 //! | [`impact`] | motion with impact, by schemes that keep or never gain energy | |
+//! | [`finite_impact`] | the same for rubber with friction at large displacements | |
 //! | [`threshold`] | when γ₀ is too small | |
 //! | [`uzawa`] | Uzawa's iteration: multipliers updated outside of Newton's method | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
@@ -26,6 +27,7 @@
 
 pub mod boundary_form;
 pub mod contact_problem;
+pub mod finite_impact;
 pub mod half_spaces;
 pub mod hertz;
 pub mod hollow_cylinder;

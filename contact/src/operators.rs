@@ -27,11 +27,13 @@
 mod interfaces;
 mod materials;
 mod parameters;
+mod secants;
 mod two_sides;
 mod work;
 
 pub use interfaces::{cohesion, friction, obstacle, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
 pub use parameters::{penalty, variant};
+pub use secants::neo_hookean_secant;
 pub use two_sides::bodies;
 pub use work::{body_load, linear_criterion, loads, resultant};

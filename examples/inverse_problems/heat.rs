@@ -94,10 +94,16 @@ pub fn costs(cells: &[usize], method: Method, out: &mut StandardOutput) -> Resul
         let slab = Slab::new(cells)?;
         let half = Field::interpolate(&slab.densities, |_| 0.5)?;
         let mut multigrid = MultigridSolver::new(&slab.held, MultigridSolverOptions::default())?;
-        let mut problem = slab.compliance(&half);
-        if method == Method::Multigrid {
-            problem = problem.solver(&mut multigrid);
-        }
+        let mut direct = TangentSolver::new(TangentSolverOptions {
+            // As beside: the factor's solution is checked, and not refined to the last bit.
+            refinement_steps: 0,
+            ..TangentSolverOptions::default()
+        });
+        let problem = slab.compliance(&half);
+        let mut problem = match method {
+            Method::Direct => problem.solver(&mut direct),
+            Method::Multigrid => problem.solver(&mut multigrid),
+        };
         let name = format!("{cells} × {}", cells / 2);
         line(&name, slab.temperatures.unknowns(), &mut problem, out)?;
     }

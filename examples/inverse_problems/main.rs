@@ -50,20 +50,29 @@ enum Which {
     },
     /// Compliance of a cantilever with its gradient, and the density that minimises it.
     Structure {
+        /// Numbers of the cases: 16 × 2 × 8, 16 × 8 × 8 and 32 × 8 × 8 cells.
+        #[arg(long = "case", num_args = 1.., default_values_t = [0, 1, 2], value_parser = case)]
+        cases: Vec<usize>,
         /// The linear solver.
         #[arg(long, value_enum, default_value = "direct")]
         solver: Method,
-        /// Iterations of L-BFGS on the smallest mesh.
+        /// Iterations of L-BFGS on the smallest mesh; with 0 there is no minimisation.
         #[arg(long, default_value_t = 60)]
         iterations: usize,
     },
+}
+
+/// A number of a case of the cantilever.
+fn case(text: &str) -> Result<usize, String> {
+    let last = structure::DIVISIONS.len() - 1;
+    text.parse().ok().filter(|case| *case <= last).ok_or_else(|| format!("there are the cases 0 to {last}"))
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     match &options.problem {
         Which::Heat { cells, solver } => heat::costs(cells, *solver, out),
         Which::Inversion { cells } => heat::inversion(*cells, out),
-        Which::Structure { solver, iterations } => structure::costs(*solver, *iterations, out),
+        Which::Structure { cases, solver, iterations } => structure::costs(cases, *solver, *iterations, out),
     }
 }
 

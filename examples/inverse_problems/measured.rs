@@ -3,25 +3,34 @@
 use std::error::Error;
 use std::time::Instant;
 
-use forms_fem::inverse::ReducedProblem;
+use forms_fem::inverse::{LoadHistory, ReducedProblem};
 use forms_fem::output::StandardOutput;
 
 /// Steps of the differences.
 const STEPS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
 /// The heading of the lines of [`line()`].
-pub const HEADING: &str = "| cells | unknowns | value | processor seconds of a value | of value and gradient | error by step 1e-1, 1e-2, … 1e-5 | peak memory [MB] |\n| --- | --: | --: | --: | --: | --- | --: |";
+pub const HEADING: &str = "| cells | unknowns | value | seconds of the first value | of a value | of value and gradient | processor seconds of both | of which in factor and solves | error by step 1e-1, 1e-2, … 1e-5 | peak memory [MB] |\n| --- | --: | --: | --: | --: | --: | --: | --: | --- | --: |";
 
 /// Prints a line: sizes, J, seconds, the error of the gradient along a direction by central differences, relative to the slope.
-pub fn line<P: ReducedProblem>(
+pub fn line(
     name: &str,
     unknowns: usize,
-    problem: &mut P,
+    problem: &mut LoadHistory<'_, 3>,
     out: &mut StandardOutput,
 ) -> Result<(), Box<dyn Error>> {
     let m = problem.start();
-    let (value, of_value) = repeated(|| problem.value(&m))?;
-    let ((_, gradient), of_both) = repeated(|| problem.value_and_gradient(&m))?;
+    let begun = Instant::now();
+    problem.value(&m)?;
+    let first = begun.elapsed().as_secs_f64();
+    let (value, of_value, _) = repeated(|| problem.value(&m))?;
+    let mut in_solver = 0.0;
+    let ((_, gradient), of_both, processor) = repeated(|| {
+        let before = solver_seconds(problem);
+        let found = problem.value_and_gradient(&m);
+        in_solver = solver_seconds(problem) - before;
+        found
+    })?;
     let direction: Vec<f64> = (0..m.len()).map(|k| 0.1 + (0.7 * k as f64).sin()).collect();
     let slope: f64 = gradient.iter().zip(&direction).map(|(gradient, along)| gradient * along).sum();
     let mut errors = vec![];
@@ -35,26 +44,30 @@ pub fn line<P: ReducedProblem>(
     }
     let (errors, memory) = (errors.join(", "), peak_memory());
     out.line(format!(
-        "| {name} | {unknowns} | {value:.9} | {of_value:.3} | {of_both:.3} | {errors} | {memory} |"
+        "| {name} | {unknowns} | {value:.9} | {first:.4} | {of_value:.4} | {of_both:.4} | {processor:.4} | {in_solver:.4} | {errors} | {memory} |"
     ));
     Ok(())
 }
 
-/// The result of a computation, and its seconds: the mean over repetitions that take half a second in all, after one that does
-/// not count. Processor time where the system tells it, so that other programs do not count.
-fn repeated<T, E>(mut compute: impl FnMut() -> Result<T, E>) -> Result<(T, f64), E> {
+/// Seconds of factorisations and solves so far.
+fn solver_seconds(problem: &mut LoadHistory<'_, 3>) -> f64 {
+    problem.solver_report().map_or(f64::NAN, |report| report.factorisation_seconds + report.solve_seconds)
+}
+
+/// The result of a computation, its seconds by the clock, and those of all threads: means over repetitions that take half a second in
+/// all, after one that does not count.
+fn repeated<T, E>(mut compute: impl FnMut() -> Result<T, E>) -> Result<(T, f64, f64), E> {
     compute()?;
     let (begun, begun_processor) = (Instant::now(), processor_seconds());
     let mut repetitions = 0.0;
     loop {
         let found = compute()?;
         repetitions += 1.0;
-        let elapsed = match (processor_seconds(), begun_processor) {
-            (Some(now), Some(begun)) => now - begun,
-            _ => begun.elapsed().as_secs_f64(),
-        };
+        let elapsed = begun.elapsed().as_secs_f64();
         if elapsed > 0.5 {
-            return Ok((found, elapsed / repetitions));
+            let processor =
+                processor_seconds().zip(begun_processor).map_or(f64::NAN, |(now, begun)| now - begun);
+            return Ok((found, elapsed / repetitions, processor / repetitions));
         }
     }
 }

@@ -149,7 +149,7 @@ fn a_bar_bounces_by_every_scheme() {
     let printed = run_with(env!("CARGO_BIN_EXE_bar_impact"), &["30", "200"], "bar_impact_energy.png");
     let rows: Vec<Vec<&str>> =
         printed.lines().skip(2).map(|line| line.split('|').map(str::trim).collect()).collect();
-    assert_eq!(rows.len(), 7, "{printed}");
+    assert_eq!(rows.len(), 9, "{printed}");
     let number = |cell: &str| cell.parse::<f64>().expect("a number");
     for row in &rows {
         let (impulse, velocity, gain) = (number(row[4]), number(row[6]), number(row[7]));

@@ -9,29 +9,37 @@ const SMALLEST: usize = 1 << 23;
 /// So many zeros.
 pub(crate) fn zeros(count: usize) -> Vec<f64> {
     let values = vec![0.0; count];
-    if size_of_val(&values[..]) >= SMALLEST {
-        ask(&values);
-    }
+    ask(&values);
+    values
+}
+
+/// An empty vector with room for so many numbers.
+pub(crate) fn room(count: usize) -> Vec<f64> {
+    let values = Vec::with_capacity(count);
+    ask(&values);
     values
 }
 
 /// Asks for large pages; a system that has none says no, and nothing is lost.
 #[cfg(target_os = "linux")]
-fn ask(values: &[f64]) {
+fn ask(values: &Vec<f64>) {
+    if size_of::<f64>() * values.capacity() < SMALLEST {
+        return;
+    }
     /// A page of the least size \[byte\] on every machine that runs Linux divides this.
     const PAGE: usize = 1 << 16;
-    let range = values.as_ptr_range();
-    let start = range.start.addr().next_multiple_of(PAGE);
-    let end = range.end.addr() / PAGE * PAGE;
+    let begin = values.as_ptr();
+    let start = begin.addr().next_multiple_of(PAGE);
+    let end = (begin.addr() + size_of::<f64>() * values.capacity()) / PAGE * PAGE;
     if start < end {
-        let first = range.start.with_addr(start).cast_mut().cast();
-        // SAFETY: a foreign function. The range lies within the array, and the advice does not change what is there.
+        let first = begin.with_addr(start).cast_mut().cast();
+        // SAFETY: a foreign function. The range lies within the memory of the vector, and the advice does not change what is there.
         unsafe { libc::madvise(first, end - start, libc::MADV_HUGEPAGE) };
     }
 }
 
 #[cfg(not(target_os = "linux"))]
-fn ask(_: &[f64]) {}
+fn ask(_: &Vec<f64>) {}
 
 #[cfg(test)]
 mod tests {

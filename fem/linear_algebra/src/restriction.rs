@@ -7,6 +7,7 @@ use super::block_matrix::BlockMatrix;
 use super::block_sparsity::BlockSparsity;
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
+use super::large_pages::room;
 use super::pattern::SparsityPattern;
 
 /// Marks a column that is not kept.
@@ -80,6 +81,16 @@ impl Restriction {
         Arc::ptr_eq(matrix.sparsity(), &self.source) || **matrix.sparsity() == *self.source
     }
 
+    /// Whether these are the rows and columns that are kept, both strictly ascending.
+    pub fn keeps(&self, rows: &[usize], columns: &[usize]) -> bool {
+        let kept = |new: &[u32], list: &[usize], count: usize| {
+            let in_place = |(number, &old): (usize, &usize)| new.get(old) == Some(&(number as u32));
+            list.len() == count && list.iter().enumerate().all(in_place)
+        };
+        kept(&self.new_rows, rows, self.target.rows())
+            && kept(&self.new_columns, columns, self.target.columns())
+    }
+
     fn check(&self, matrix: &BlockMatrix) -> Result<(), LinearAlgebraError> {
         match self.fits(matrix) {
             true => Ok(()),
@@ -93,7 +104,7 @@ impl Restriction {
     /// If the matrix does not have the structure that the restriction was made for.
     pub fn apply(&self, matrix: &BlockMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
         self.check(matrix)?;
-        let mut values = Vec::with_capacity(self.target.entries());
+        let mut values = room(self.target.entries());
         let kept = self.new_rows.iter().enumerate().filter(|(_, new)| **new != DROPPED);
         for (row, _) in kept {
             self.source.visit_row(row, |column, place, width| {
@@ -164,6 +175,12 @@ mod tests {
         assert_eq!(part.values(), [10.0, 12.0, 13.0, 30.0, 32.0, 33.0]);
         let again = restriction.apply(&matrix).unwrap();
         assert!(Arc::ptr_eq(again.pattern(), part.pattern()));
+        assert!(restriction.keeps(&[1, 3], &[0, 2, 3]));
+        for (rows, columns) in
+            [([1, 2], &[0, 2, 3][..]), ([1, 3], &[0, 2]), ([1, 3], &[0, 1, 3]), ([1, 9], &[0, 2, 3])]
+        {
+            assert!(!restriction.keeps(&rows, columns), "{rows:?} {columns:?}");
+        }
     }
 
     #[test]

@@ -45,6 +45,11 @@ macro_rules! choices_of {
                 self
             }
 
+            /// Account of the linear solver, where it keeps one.
+            pub fn solver_report(&mut self) -> Option<SolverReport> {
+                self.equations.solver_report()
+            }
+
             /// Tolerances of Newton's method in each step.
             pub fn options(mut self, options: NewtonOptions) -> Self {
                 self.equations.options = options;

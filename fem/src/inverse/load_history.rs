@@ -24,7 +24,7 @@ use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Form, Functional};
 use crate::field::Field;
 use crate::solve::any_form::AnyForm;
-use crate::solve::{LinearSolver, NewtonOptions};
+use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::verification::Sample;
 

@@ -23,7 +23,7 @@ use crate::contract::{Form, Functional};
 use crate::field::Field;
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::any_form::AnyForm;
-use crate::solve::{LinearSolver, NewtonOptions};
+use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::time::step::known;
 use crate::time::{Combination, Formulas, Scheme, SolvedFor, Step};

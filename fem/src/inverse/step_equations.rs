@@ -11,8 +11,8 @@ use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{
-    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Transpose, solve_linear,
-    solve_linear_transposed, solve_owned,
+    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory, Transpose,
+    solve_linear, solve_linear_transposed, solve_owned,
 };
 use crate::space::Space;
 
@@ -23,6 +23,7 @@ pub(super) struct StepEquations<'a, const D: usize> {
     space: Arc<Space<D>>,
     solver: LentSolver<'a>,
     pattern: Option<Arc<BlockPattern<D>>>,
+    memory: StepMemory,
     /// Constants, to test rates by numbers with.
     constants: Option<Arc<Space<D>>>,
     /// The step whose tangent at its solution is the solver's matrix.
@@ -47,6 +48,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             space: Arc::clone(space),
             solver: LentSolver::default(),
             pattern: None,
+            memory: StepMemory::default(),
             constants: None,
             tangent_of: None,
         }
@@ -54,6 +56,10 @@ impl<'a, const D: usize> StepEquations<'a, D> {
 
     pub fn lend(&mut self, solver: &'a mut dyn LinearSolver) {
         self.solver = LentSolver::Lent(solver);
+    }
+
+    pub fn solver_report(&mut self) -> Option<SolverReport> {
+        self.solver.get().report()
     }
 
     /// Forgets which tangent the solver has: data may be others now.
@@ -103,7 +109,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         let (assembler, options) = (&self.assembler, self.options.clone());
         let owned = OwnedForm { form, assembler, pattern: &pattern, constraints, start, options };
         self.tangent_of = None;
-        let [solution] = solve_owned(owned, self.solver.get())?.fields;
+        let [solution] = solve_owned(owned, self.solver.get(), &mut self.memory)?.fields;
         // Of an affine form it is the tangent wherever; Newton's method has that of an iterate.
         self.tangent_of = affine.then_some(number);
         Ok(solution)

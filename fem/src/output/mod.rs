@@ -4,12 +4,14 @@ pub mod matrix_market;
 #[cfg(feature = "pictures")]
 pub mod picture;
 pub mod standard_output;
+pub mod time_series;
 pub mod vtu;
 pub mod vtu_series;
 
 pub use forms_mesh::files::{atomic, check_writable, write_whole};
 pub use matrix_market::write_matrix_market;
 pub use standard_output::{StandardOutput, one_line, program, tell};
+pub use time_series::{Passage, TimeSeries, TimeSeriesError};
 pub use vtu::{VtuError, VtuFile};
 pub use vtu_series::VtuSeries;
 

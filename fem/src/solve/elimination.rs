@@ -88,6 +88,18 @@ impl Elimination {
         Ok(self)
     }
 
+    /// The same with the map between matrices of an earlier elimination, if it is the one of these free unknowns.
+    pub(crate) fn with_restriction(mut self, earlier: Option<Restriction>) -> Self {
+        let only = self.relations.is_empty();
+        self.restriction = earlier.filter(|earlier| only && earlier.keeps(&self.free, &self.free));
+        self
+    }
+
+    /// The map between matrices, where there is one.
+    pub(crate) fn into_restriction(self) -> Option<Restriction> {
+        self.restriction
+    }
+
     /// Whether reduced matrices are submatrices: no unknown is given by free ones.
     pub fn only_prescribes(&self) -> bool {
         self.relations.is_empty()

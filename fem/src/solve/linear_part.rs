@@ -70,6 +70,11 @@ impl Assembled {
         }
     }
 
+    /// The matrix as memory.
+    pub fn into_matrix(self) -> BlockMatrix {
+        self.matrix
+    }
+
     /// The matrix as it is.
     pub fn matrix(&self) -> &BlockMatrix {
         &self.matrix
@@ -193,8 +198,13 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         self.form.active_set(&self.assembler, &self.views(u)?)
     }
 
-    /// Assembles what no iterate changes, in the memory of an earlier assembly.
-    pub fn assemble(&self, commits: u64, earlier: Option<Assembled>) -> Result<Assembled, AssemblyError> {
+    /// Assembles what no iterate changes, in the memory of an earlier assembly, or of a matrix with the same positions.
+    pub fn assemble(
+        &self,
+        commits: u64,
+        earlier: Option<Assembled>,
+        memory: Option<BlockMatrix>,
+    ) -> Result<Assembled, AssemblyError> {
         let (form, pattern) = (&*self.form, self.pattern()?);
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (views(&zero.each_ref()), self.spaces.each_ref());
@@ -205,8 +215,12 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
             Some(earlier) => Assembled { commits, load, ..earlier },
             None => {
                 let touched = pattern.touched(&form.outline(Parts::NONLINEAR))?;
-                let (matrix, linear_values) = (BlockMatrix::zero(pattern.sparsity()), vec![]);
                 let linear = linear.has_tangent();
+                // All of it is written below where there are linear integrals.
+                let fits =
+                    |matrix: &BlockMatrix| linear && Arc::ptr_eq(matrix.sparsity(), pattern.sparsity());
+                let zero = || BlockMatrix::zero(pattern.sparsity());
+                let (matrix, linear_values) = (memory.filter(fits).unwrap_or_else(zero), vec![]);
                 Assembled { commits, load, linear, matrix, updated: false, touched, linear_values }
             }
         };

@@ -47,7 +47,7 @@ pub use newton::{
     NonlinearProblem, NonlinearTangent, Start, Tangent, newton, newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
-pub(crate) use problem::{OwnedForm, solve_owned};
+pub(crate) use problem::{OwnedForm, StepMemory, solve_owned};
 pub use problem::{Problem, SolveError};
 pub use rigid_loads::{RigidLoadError, RigidLoads};
 pub use solved::{ReactionError, Solved};

@@ -18,9 +18,11 @@ use std::sync::Arc;
 use forms_core::contract::Form;
 
 use self::untyped::Solver;
+pub(crate) use self::untyped::StepMemory;
 pub(super) use self::untyped::UntypedProblem;
 use super::any_form::{AnyForm, Held};
 use super::communicator::Communicator;
+use super::linear_part::Assembled;
 use super::{
     ActivePoints, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem,
     NonlinearTangent, PerUnknown, RigidLoads, Solved, Tangent,
@@ -222,6 +224,7 @@ pub(crate) struct OwnedForm<'a, const D: usize> {
 pub(crate) fn solve_owned<const D: usize>(
     owned: OwnedForm<'_, D>,
     solver: &mut dyn LinearSolver,
+    memory: &mut StepMemory,
 ) -> Result<Solved<D>, SolveError> {
     let OwnedForm { form, assembler, pattern, constraints, start, options } = owned;
     let mut untyped: UntypedProblem<'_, D, 1> = UntypedProblem::new(Held::Own(form), [start.space()]);
@@ -231,7 +234,11 @@ pub(crate) fn solve_owned<const D: usize>(
     untyped.start = Some([start]);
     untyped.solver = Solver::Lent(solver);
     untyped.options = options;
-    untyped.solve()
+    untyped.memory = std::mem::take(memory);
+    let solved = untyped.solve();
+    let matrix = untyped.assembled.take().map(Assembled::into_matrix);
+    *memory = StepMemory { matrix, ..untyped.memory };
+    solved
 }
 
 /// A problem as the system of equations that Newton's method solves.

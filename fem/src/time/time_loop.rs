@@ -15,7 +15,7 @@ use crate::contract::Form;
 use crate::field::Field;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{
-    Elimination, LentSolver, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, solve_owned,
+    Elimination, LentSolver, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, StepMemory, solve_owned,
 };
 
 /// A form of motion that is followed step by step, from a state, by a scheme.
@@ -37,6 +37,7 @@ pub struct TimeLoop<'a, const D: usize> {
     /// Whether the newest state has the second rate that belongs to it.
     has_second_rate: bool,
     pattern: Option<Arc<BlockPattern<D>>>,
+    memory: StepMemory,
     kept: Option<StepMatrix>,
 }
 
@@ -76,6 +77,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             number: 0,
             has_second_rate: false,
             pattern: None,
+            memory: StepMemory::default(),
             kept: None,
         }
     }
@@ -342,7 +344,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             start: &start,
             options: self.options.clone(),
         };
-        let solved = solve_owned(owned, self.solver.get())?;
+        let solved = solve_owned(owned, self.solver.get(), &mut self.memory)?;
         let [value] = solved.fields;
         Ok((value, solved.residual, solved.history))
     }

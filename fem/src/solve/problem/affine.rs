@@ -11,7 +11,7 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// One assembly, one linear system.
     pub(super) fn solve_affine(
         &mut self,
-        mut elimination: Elimination,
+        elimination: &mut Elimination,
         solver: &mut dyn LinearSolver,
     ) -> Result<Found, SolveError> {
         let mut u = elimination.lifted().map_err(NewtonFailure::Mismatch)?;
@@ -21,15 +21,15 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
         // Of several processes each has a part of the matrix alone: the solver has to judge there.
         let alone = self.communicator.is_none();
         let tangent = self.tangent(&u)?;
-        let found = solve_reduced(&tangent.matrix, &load, &mut elimination, solver, Transpose::No);
+        let found = solve_reduced(&tangent.matrix, &load, elimination, solver, Transpose::No);
         let found = match found {
             Ok(found) if alone => {
-                check_equations(&tangent.matrix, &load, &elimination, solver, &found, Transpose::No)
+                check_equations(&tangent.matrix, &load, elimination, solver, &found, Transpose::No)
                     .map(|()| found)
             }
             found => found,
         };
-        let found = found.map_err(|error| NewtonFailure::LinearSolver(self.named(error, &elimination)))?;
+        let found = found.map_err(|error| NewtonFailure::LinearSolver(self.named(error, elimination)))?;
         for (&unknown, &value) in elimination.free().iter().zip(&found.solution) {
             u[unknown] = value;
         }
@@ -38,7 +38,7 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
         let reduced = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
         let history = vec![
             NewtonStep {
-                field_residuals: self.field_norms(&elimination, &load),
+                field_residuals: self.field_norms(elimination, &load),
                 ..NewtonStep::start(norm(&load))
             },
             NewtonStep {
@@ -47,7 +47,7 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
                 step: Some(norm(&found.solution)),
                 linear_iterations: Some(found.iterations),
                 damping: Some(1.0),
-                field_residuals: self.field_norms(&elimination, &reduced),
+                field_residuals: self.field_norms(elimination, &reduced),
                 ..NewtonStep::start(norm(&reduced))
             },
         ];

@@ -12,6 +12,7 @@ use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
+use crate::linear_algebra::{BlockMatrix, Restriction};
 use crate::solve::any_form::Held;
 use crate::solve::communicator::Communicator;
 use crate::solve::linear_and_nonlinear::SplitSystem;
@@ -37,6 +38,15 @@ pub(in crate::solve) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub split: Option<SplitSystem<D>>,
     /// Spent in assembly so far.
     pub seconds: f64,
+    /// What earlier steps left.
+    pub memory: StepMemory,
+}
+
+/// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
+#[derive(Debug, Default)]
+pub(crate) struct StepMemory {
+    pub(in crate::solve) matrix: Option<BlockMatrix>,
+    pub(in crate::solve) restriction: Option<Restriction>,
 }
 
 /// The problem's own linear solver, or one that is lent to it.
@@ -81,6 +91,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             assembled: None,
             split: None,
             seconds: 0.0,
+            memory: StepMemory::default(),
         }
     }
 
@@ -91,10 +102,15 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         self.share_cells()?;
         let constraints = self.all_constraints()?;
         let constraints = constraints.each_ref().map(|one| &**one);
-        let elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
         let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
         let found = match self.system.form.is_affine() {
-            true => self.solve_affine(elimination, solver.get()),
+            true => {
+                elimination = elimination.with_restriction(self.memory.restriction.take());
+                let found = self.solve_affine(&mut elimination, solver.get());
+                self.memory.restriction = elimination.into_restriction();
+                found
+            }
             false => self.iterate_from_starts(elimination, constraints, solver.get()),
         };
         let report = solver.get().report();
@@ -165,7 +181,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             Some(assembled) if assembled.commits == commits => assembled,
             earlier => {
                 let start = Instant::now();
-                let assembled = self.system.assemble(commits, earlier)?;
+                let assembled = self.system.assemble(commits, earlier, self.memory.matrix.take())?;
                 self.seconds += start.elapsed().as_secs_f64();
                 assembled
             }
