@@ -198,7 +198,7 @@ impl Drawing {
                 clip: clip.map(|area| area.moved(at)),
             },
             Item::Surface { mut surface, clip } => {
-                surface.points.iter_mut().for_each(|point| *point = moved(*point));
+                surface.origin = moved(surface.origin);
                 Item::Surface { surface, clip: clip.map(|area| area.moved(at)) }
             }
         }));

@@ -123,15 +123,8 @@ fn draw_bar(
         [area.right(), area.top],
         [area.left, area.top],
     ];
-    drawing.surface(
-        ShadedSurface {
-            points: corners,
-            values: vec![low, low, high, high],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            shading: *shading,
-        },
-        None,
-    );
+    let values = vec![low, low, high, high];
+    drawing.surface(ShadedSurface::new(corners, values, vec![[0, 1, 2], [0, 2, 3]], *shading), None);
     drawing.rectangle(area, None, Some(Stroke::solid(Colour::BLACK, AXIS_LINE)));
     let ticks = axis.ticks(bar_ticks_count(area.height));
     let (mut marks, mut widest) = (Vec::new(), 0.0_f64);

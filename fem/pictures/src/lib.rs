@@ -18,6 +18,7 @@ mod line_plot;
 mod panel;
 #[doc(hidden)]
 pub mod png_file;
+mod sampling;
 #[doc(hidden)]
 pub mod shading;
 #[doc(hidden)]

@@ -29,19 +29,22 @@ pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureE
                 let size = [page.width() as usize, page.height() as usize];
                 let Some(pixels) = surface.pixels(scale, size) else { continue };
                 let mask = masks.of(*clip, &page, scale);
-                let Some(image) = pixmap(&pixels) else { continue };
                 let [x, y] = pixels.origin.map(|place| place as i32);
+                let Some(image) = pixmap(pixels) else { continue };
                 let paint = PixmapPaint::default();
                 page.draw_pixmap(x, y, image.as_ref(), &paint, Transform::identity(), mask);
             }
         }
     }
-    // The page is opaque, so premultiplied and plain colours agree.
-    let mut rgb = vec![0; page.data().len() / 4 * 3];
-    for (target, pixel) in rgb.chunks_exact_mut(3).zip(page.data().chunks_exact(4)) {
-        target.copy_from_slice(&pixel[..3]);
+    // The page is opaque, so premultiplied and plain colours agree; three of four bytes move together in place.
+    let size = [page.width(), page.height()];
+    let mut rgb = page.take();
+    let pixels = rgb.len() / 4;
+    for pixel in 0..pixels {
+        rgb.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);
     }
-    encode_pixels(&rgb, [page.width(), page.height()], png::ColorType::Rgb, Some(dots_per_inch))
+    rgb.truncate(3 * pixels);
+    encode_pixels(&rgb, size, png::ColorType::Rgb, Some(dots_per_inch))
 }
 
 /// The bytes of a PNG file with transparency, for embedding.
@@ -155,10 +158,14 @@ fn mask(area: Rectangle, page: &Pixmap, scale: f64) -> Option<Mask> {
     Some(mask)
 }
 
-fn pixmap(pixels: &Pixels) -> Option<Pixmap> {
-    let mut image = Pixmap::new(pixels.size[0] as u32, pixels.size[1] as u32)?;
-    for (target, source) in image.pixels_mut().iter_mut().zip(pixels.rgba.chunks_exact(4)) {
-        *target = tiny_skia::ColorU8::from_rgba(source[0], source[1], source[2], source[3]).premultiply();
+fn pixmap(mut pixels: Pixels) -> Option<Pixmap> {
+    for pixel in pixels.rgba.chunks_exact_mut(4) {
+        // Most pixels are whole or empty, and stay as they are.
+        if !matches!(pixel[3], 0 | 255) {
+            let colour = tiny_skia::ColorU8::from_rgba(pixel[0], pixel[1], pixel[2], pixel[3]).premultiply();
+            pixel.copy_from_slice(&[colour.red(), colour.green(), colour.blue(), colour.alpha()]);
+        }
     }
-    Some(image)
+    let [width, height] = pixels.size.map(|length| length as u32);
+    Pixmap::from_vec(pixels.rgba, tiny_skia::IntSize::from_wh(width, height)?)
 }

@@ -4,8 +4,11 @@
 //! Neighbouring triangles share every sample on their common edge: there are no seams, and the
 //! outline is smooth because each pixel is the mean of its samples.
 
+use std::sync::Arc;
+
 use super::colour_map::{Colour, ColourMap};
 use super::drawing::Point;
+use super::sampling::{Rows, Triangles};
 
 /// Samples per pixel in each direction.
 const SAMPLES: usize = 4;
@@ -42,13 +45,16 @@ impl Shading {
     }
 }
 
-/// Triangles with a value at each point.
+/// Triangles with a value at each point. Copies share what they are made of: a panel shows surfaces that stand alone too.
 #[derive(Clone, Debug)]
 pub struct ShadedSurface {
-    pub points: Vec<Point>,
-    pub values: Vec<f32>,
-    pub triangles: Vec<[u32; 3]>,
+    /// Points, counted from `origin`.
+    pub points: Arc<Vec<Point>>,
+    pub values: Arc<Vec<f32>>,
+    pub triangles: Arc<Vec<[u32; 3]>>,
     pub shading: Shading,
+    /// The place on the page that points are counted from.
+    pub origin: Point,
 }
 
 /// Pixels of a surface: rows of RGB with the covered fraction as alpha (not premultiplied).
@@ -60,14 +66,20 @@ pub struct Pixels {
 }
 
 impl ShadedSurface {
+    /// A surface whose points are counted from the corner of the page.
+    pub fn new(points: Vec<Point>, values: Vec<f32>, triangles: Vec<[u32; 3]>, shading: Shading) -> Self {
+        let (points, values, triangles) = (Arc::new(points), Arc::new(values), Arc::new(triangles));
+        ShadedSurface { points, values, triangles, shading, origin: [0.0; 2] }
+    }
+
     /// The surface at `scale` pixels per point, on a page of `page` pixels; `None` if nothing is seen.
     pub fn pixels(&self, scale: f64, page: [usize; 2]) -> Option<Pixels> {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
-        for point in &self.points {
+        for point in self.points.iter() {
             for k in 0..2 {
-                low[k] = low[k].min(point[k] * scale);
-                high[k] = high[k].max(point[k] * scale);
+                let place = (point[k] + self.origin[k]) * scale;
+                (low[k], high[k]) = (low[k].min(place), high[k].max(place));
             }
         }
         let start: [usize; 2] = std::array::from_fn(|k| low[k].floor().max(0.0) as usize);
@@ -81,9 +93,11 @@ impl ShadedSurface {
         let points: Vec<Point> = self
             .points
             .iter()
-            .map(|p| std::array::from_fn(|k| (p[k] * scale - start[k] as f64) * samples))
+            .map(|p| std::array::from_fn(|k| ((p[k] + self.origin[k]) * scale - start[k] as f64) * samples))
             .collect();
         let table: Vec<[u8; 3]> = self.colour_table();
+        let numbers: Vec<f64> = self.values.iter().map(|&value| self.place_in(value, table.len())).collect();
+        let all = Triangles { points: &points, numbers: &numbers, triangles: &self.triangles };
         let mut bands = vec![Vec::new(); size[1].div_ceil(BAND)];
         let rows = (BAND * SAMPLES) as f64;
         for (t, triangle) in self.triangles.iter().enumerate() {
@@ -94,7 +108,7 @@ impl ShadedSurface {
             }
             let last = ((bottom / rows) as usize).min(bands.len() - 1);
             for band in bands.iter_mut().take(last + 1).skip((top.max(0.0) / rows) as usize) {
-                band.push(t);
+                band.push(t as u32);
             }
         }
         let mut rgba = vec![0; 4 * size[0] * size[1]];
@@ -103,18 +117,21 @@ impl ShadedSurface {
         let mut sampled = vec![uncovered; BAND * SAMPLES * size[0] * SAMPLES];
         for (band, triangles) in bands.iter().enumerate() {
             sampled.fill(uncovered);
-            for &t in triangles {
-                let corners = self.triangles[t].map(|n| points[n as usize]);
-                let values = self.triangles[t].map(|n| self.values[n as usize]);
-                let first_row = band * BAND * SAMPLES;
-                self.sample(corners, values, first_row, size[0] * SAMPLES, table.len(), &mut sampled);
-            }
+            let (first, width) = (band * BAND * SAMPLES, size[0] * SAMPLES);
+            all.sample(triangles, &mut Rows { first, width, colours: table.len(), sampled: &mut sampled });
             let rows = rgba[4 * band * BAND * size[0]..].chunks_exact_mut(4 * size[0]).take(BAND);
             for (row, samples) in rows.zip(sampled.chunks_exact(SAMPLES * SAMPLES * size[0])) {
-                average(samples, &colours, row);
+                average(samples, uncovered, &colours, row);
             }
         }
         Some(Pixels { origin: start, size, rgba })
+    }
+
+    /// The place of a value in a table of so many colours.
+    fn place_in(&self, value: f32, colours: usize) -> f64 {
+        let [low, high] = self.shading.range;
+        let t = if high > low { (f64::from(value) - low) / (high - low) } else { 0.5 };
+        t * colours as f64
     }
 
     /// Colours of evenly spaced values in the range.
@@ -123,75 +140,6 @@ impl ShadedSurface {
         (0..1024)
             .map(|k| self.shading.colour(low + (high - low) * (f64::from(k) + 0.5) / 1024.0).rgb)
             .collect()
-    }
-
-    /// Writes the colour number of each sample inside a triangle.
-    fn sample(
-        &self,
-        corners: [Point; 3],
-        values: [f32; 3],
-        first_row: usize,
-        width: usize,
-        colours: usize,
-        sampled: &mut [u16],
-    ) {
-        let [a, b, c] = corners;
-        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        if area == 0.0 {
-            return;
-        }
-        let [low, high] = self.shading.range;
-        let numbers: [f64; 3] = values.map(|value| {
-            let t = if high > low { (f64::from(value) - low) / (high - low) } else { 0.5 };
-            t * colours as f64
-        });
-        let rows = sampled.len() / width;
-        let top = corners.iter().fold(f64::INFINITY, |y, p| y.min(p[1])) - 0.5 - first_row as f64;
-        let bottom = corners.iter().fold(f64::NEG_INFINITY, |y, p| y.max(p[1])) - 0.5 - first_row as f64;
-        if bottom < 0.0 {
-            return;
-        }
-        let left = corners.iter().fold(f64::INFINITY, |x, p| x.min(p[0])) - 0.5;
-        let right = corners.iter().fold(f64::NEG_INFINITY, |x, p| x.max(p[0])) - 0.5;
-        if right < 0.0 {
-            return;
-        }
-        // Barycentric coordinates are linear in x and y; a sample on an edge belongs to both sides.
-        let scale = 1.0 / area;
-        let weight = |p: Point, q: Point, at: Point| {
-            ((q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0])) * scale
-        };
-        let inside = -1e-9;
-        for row in (top.ceil().max(0.0) as usize)..rows.min(bottom as usize + 1) {
-            let y = (first_row + row) as f64 + 0.5;
-            let weights = |column: usize| {
-                let at = [column as f64 + 0.5, y];
-                let (wa, wb) = (weight(b, c, at), weight(c, a, at));
-                [wa, wb, 1.0 - wa - wb]
-            };
-            let covered = |column: usize| weights(column).iter().all(|weight| *weight >= inside);
-            // The samples inside are a run of columns, between the edges that the row crosses.
-            let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
-            for [p, q] in [[a, b], [b, c], [c, a]] {
-                let (above, below) = (p[1].min(q[1]) - 1e-3, p[1].max(q[1]) + 1e-3);
-                if (above..=below).contains(&y) {
-                    let t = if p[1] == q[1] { 0.0 } else { ((y - p[1]) / (q[1] - p[1])).clamp(0.0, 1.0) };
-                    let (flat, at) = ((q[1] - p[1]).abs() < 0.01, p[0] + t * (q[0] - p[0]));
-                    let ends = if flat { [p[0].min(q[0]), p[0].max(q[0])] } else { [at, at] };
-                    (low, high) = (low.min(ends[0]), high.max(ends[1]));
-                }
-            }
-            let start = (low.max(left + 0.5) - 1.5).ceil().max(0.0) as usize;
-            let end = width.min((high.min(right + 0.5) + 0.5).max(0.0) as usize + 1);
-            let Some(first) = (start..end).find(|column| covered(*column)) else { continue };
-            let last = (first..end).rev().find(|column| covered(*column)).unwrap_or(first);
-            let samples = &mut sampled[row * width + first..=row * width + last];
-            for (column, sample) in (first..).zip(samples) {
-                let [wa, wb, wc] = weights(column);
-                let number = numbers[0] * wa + numbers[1] * wb + numbers[2] * wc;
-                *sample = number.clamp(0.0, (colours - 1) as f64) as u16;
-            }
-        }
     }
 }
 
@@ -202,16 +150,17 @@ fn packed([red, green, blue]: [u8; 3]) -> u64 {
 }
 
 /// Mean colours of the samples of a row of pixels, with the covered fraction as alpha. Colours of samples outside are zero.
-fn average(samples: &[u16], colours: &[u64], pixels: &mut [u8]) {
+fn average(samples: &[u16], uncovered: u16, colours: &[u64], pixels: &mut [u8]) {
     let width = samples.len() / SAMPLES;
     for (column, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+        // Most pixels beside a body have no sample in it.
+        let row = |row: usize| &samples[row * width + column * SAMPLES..][..SAMPLES];
+        if (0..SAMPLES).all(|k| row(k) == [uncovered; SAMPLES]) {
+            continue;
+        }
         let mut sum = 0;
-        for row in 0..SAMPLES {
-            let start = row * width + column * SAMPLES;
-            sum += samples[start..start + SAMPLES]
-                .iter()
-                .map(|&number| colours[usize::from(number)])
-                .sum::<u64>();
+        for k in 0..SAMPLES {
+            sum += row(k).iter().map(|&number| colours[usize::from(number)]).sum::<u64>();
         }
         let covered = (sum >> 48) as usize;
         if covered > 0 {
@@ -227,12 +176,9 @@ mod tests {
     use super::*;
 
     fn square(values: [f32; 4]) -> ShadedSurface {
-        ShadedSurface {
-            points: vec![[2.0, 3.0], [12.0, 3.0], [12.0, 13.0], [2.0, 13.0]],
-            values: values.to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            shading: Shading { map: ColourMap::Viridis, range: [0.0, 1.0], levels: None, flat: None },
-        }
+        let points = vec![[2.0, 3.0], [12.0, 3.0], [12.0, 13.0], [2.0, 13.0]];
+        let shading = Shading { map: ColourMap::Viridis, range: [0.0, 1.0], levels: None, flat: None };
+        ShadedSurface::new(points, values.to_vec(), vec![[0, 1, 2], [0, 2, 3]], shading)
     }
 
     /// A square of 10 × 10 pixels covers 100 pixels fully: no seam on the diagonal, no fringe.
@@ -247,7 +193,7 @@ mod tests {
     #[test]
     fn outline_is_antialiased() {
         let mut surface = square([0.5; 4]);
-        surface.points.iter_mut().for_each(|point| point[0] += 0.5);
+        surface.origin[0] += 0.5;
         let pixels = surface.pixels(1.0, [20, 20]).unwrap();
         assert_eq!(pixels.size, [11, 10]);
         assert_eq!(pixels.rgba[3], 127);

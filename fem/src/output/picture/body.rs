@@ -181,7 +181,7 @@ impl<'a> Body<'a> {
                 triangles.extend(lattice.triangles.iter().map(|t| t.map(|n| first + cell * count + n)));
             }
         }
-        ShadedSurface { points, values, triangles, shading }
+        ShadedSurface::new(points, values, triangles, shading)
     }
 }
 
