@@ -177,17 +177,17 @@ fn what_cannot_be_joined_is_named() {
     }
 }
 
-/// A square of 1 × 1 cells, and a body on it of 2 × 1, or of one cell beside two with a node that hangs: what touches is not glued.
+/// Bodies whose cells meet with hanging nodes, and one that has such a node of its own: what touches is not glued.
 #[test]
 fn bodies_that_touch_stay_apart() {
     let square = |low, high, counts| rectangle(low, high, counts, CellShape::Quadrilateral, 1).unwrap();
-    let slab = square([0.0, -1.0], [1.0, 0.0], [1, 1]);
-    let block = square([0.0, 0.0], [1.0, 1.0], [2, 1]);
+    let slab = square([0.0, -1.0], [1.0, 0.0], [2, 2]);
+    let block = square([0.0, 0.0], [1.0, 1.0], [4, 1]);
     let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap());
-    assert_eq!(mesh.hanging_facets().unwrap().len(), 2);
+    assert_eq!(mesh.hanging_facets().unwrap().len(), 4);
     let error = Constraints::new(&Space::scalar(&mesh, 1).unwrap()).join_hanging_nodes().unwrap_err();
     assert!(error.to_string().contains("bodies that touch are not joined"), "{error}");
-    // `one_and_two` on a slab of one cell, below its two small cells alone.
+    // Two cells below one of the small ones.
     let slab = square([1.0, -0.5], [1.5, 0.0], [2, 1]);
     let alone = one_and_two();
     let mesh = Arc::new(Mesh::of_bodies(&[("block", &*alone), ("slab", &slab)]).unwrap());

@@ -288,14 +288,14 @@ fn what_does_not_fit_is_named() {
         let found = message(&mut history, &[0.4]);
         assert!(found.contains("has no adjoint here"), "{found}");
     }
-    let space = Space::vector(space.mesh(), 1).unwrap();
-    let cells = Space::discontinuous_scalar(space.mesh(), 0).unwrap();
+    let vectors = Space::vector(space.mesh(), 1).unwrap();
+    let cells = Space::discontinuous_scalar(vectors.mesh(), 0).unwrap();
     let stiffness = Field::interpolate(&cells, |_| 2.0).unwrap();
     let controls = Controls::new().number("density", 1.0).field("stiffness", &stiffness).number("pull", 0.1);
-    let mut sprung = MotionHistory::new(&space, (2, 0.1), GeneralisedAlpha::trapezoidal(), controls)
+    let mut sprung = MotionHistory::new(&vectors, (2, 0.1), GeneralisedAlpha::trapezoidal(), controls)
         .motion(|during| Ok(hung(during)?.sprung()))
         .rates(|during, u, p| Ok(hung(during)?.rates(u, p)))
-        .observed(1, Observations::new(&space).at_nodes(&Field::zero(&space), 1.0).unwrap());
+        .observed(1, Observations::new(&vectors).at_nodes(&Field::zero(&vectors), 1.0).unwrap());
     let m = sprung.start();
     let found = message(&mut sprung, &m);
     assert!(found.contains("`sprung` reads its unknown `u` itself"), "{found}");

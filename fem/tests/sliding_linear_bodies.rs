@@ -156,12 +156,22 @@ fn a_body_that_only_contact_holds() {
 /// start with some overlap, not that of bodies apart, and the solution is the same.
 #[test]
 fn a_start_at_the_kink() {
-    let mesh = boxes::<2>([8, 11], [0.03, 0.0]);
+    let body = |low, high, counts| rectangle(low, high, counts, CellShape::Triangle, 1).unwrap();
+    let (lower, upper) = (body([0.0, 0.0], [2.0, 1.0], [16, 8]), body([0.7, 1.0], [1.4, 1.5], [7, 5]));
+    let mesh = Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap());
     let space = Space::vector(&mesh, 1).unwrap();
     let mut plates = Constraints::new(&space);
-    plates.fix("bottom", |_| [0.0; 2]).unwrap();
-    plates.fix("top", |_| [0.01, -0.02]).unwrap();
-    let touch = elastic::Touch::on(Pairing::between("below", "above"));
+    plates.fix("lower bottom", |_| [0.0; 2]).unwrap();
+    plates.fix("upper top", |_| [0.01, -0.02]).unwrap();
+    let touch = elastic::Touch::on(Pairing::between("lower top", "upper bottom"));
+    // Not zero, so that it is taken as it is: the upper body is lowered.
+    let mut lowered = vec![0.0; space.unknowns()];
+    for cell in mesh.cell_region("upper").unwrap() {
+        for node in space.cell_nodes(*cell as usize) {
+            lowered[2 * *node as usize + 1] = -1e-6;
+        }
+    }
+    let lowered = Field::from_values(&space, lowered).unwrap();
     for (kappa, most) in [(0.0, 5), (0.3, 9)] {
         let data = data([0.0; 2].into(), kappa);
         let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
@@ -171,9 +181,7 @@ fn a_start_at_the_kink() {
                 NewtonOptions { line_search, relative_tolerance: 1e-12, ..NewtonOptions::default() };
             Problem::new(&form, &space).constrained(&plates).start(start).options(options).solve().unwrap()
         };
-        // Not zero, so that it is taken as it is: the upper body is lowered.
-        let lowered = Field::interpolate(&space, |x: &[f64; 2]| [0.0, if x[1] > 1.0 { -1e-6 } else { 0.0 }]);
-        let (touching, overlapping) = (from(&Field::zero(&space)), from(&lowered.unwrap()));
+        let (touching, overlapping) = (from(&Field::zero(&space)), from(&lowered));
         let (steps, others) = (touching.iterations(), overlapping.iterations());
         assert!(steps <= most && steps <= others + 2, "{kappa}: {steps}, with an overlap {others}");
         let pairs = touching.field().values().iter().zip(overlapping.field().values());
@@ -182,8 +190,8 @@ fn a_start_at_the_kink() {
     }
     // What nothing pushes stays where it is.
     let mut held = Constraints::new(&space);
-    held.fix("bottom", |_| [0.0; 2]).unwrap();
-    held.fix("top", |_| [0.0; 2]).unwrap();
+    held.fix("lower bottom", |_| [0.0; 2]).unwrap();
+    held.fix("upper top", |_| [0.0; 2]).unwrap();
     let data = data([0.0; 2].into(), 0.3);
     let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
     let still = Problem::new(&form, &space).constrained(&held).solve().unwrap();
