@@ -28,8 +28,8 @@ const FRICTION: f64 = 0.5;
 /// The speed along the flat, and the height of the fall.
 const SPEED: f64 = 0.3;
 const FALL: f64 = 0.2;
-/// γ₀.
-const GAMMA: f64 = 40.0 * MU;
+/// γ₀: quadratic cells need some 30 (λ + 2μ), or E₁ has no lower bound and the motion explodes in flight.
+const GAMMA: f64 = 400.0 * MU;
 const DEGREE: usize = 4;
 /// Pictures per unit of time.
 const FRAMES: f64 = 4.0;
