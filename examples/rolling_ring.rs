@@ -216,7 +216,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let given =
         |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |text| text.parse());
-    let (around, per_unit, end) = (given(0, 48)?, given(1, 20)?, given(2, 60)?);
+    let (around, per_unit, end) = (given(0, 24)?, given(1, 40)?, given(2, 60)?);
     let pressure = match arguments.get(3).map(String::as_str) {
         None => Pressure::Conserving,
         Some("hybrid") => Pressure::Hybrid,
