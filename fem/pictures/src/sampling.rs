@@ -223,3 +223,59 @@ impl Edge {
         *high = if self.side == Side::Left { high.min(at) } else { *high };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers between 0 and 1 (SplitMix64, Steele, Lea and Flood 2014).
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Triangles of all sizes, in and beside a picture whose rows are no multiple of eight: each sample is judged by its
+    /// barycentric coordinates as they are written down, and vectors find what single numbers find.
+    #[test]
+    fn samples_are_those_inside() {
+        let (width, height, first) = (61, 32, 16);
+        let mut state = 1;
+        for case in 0..2000 {
+            let size = [3.0, 20.0, 200.0][case % 3];
+            let middle = [random(&mut state) * 61.0, 16.0 + random(&mut state) * 32.0];
+            let mut point = || middle.map(|x| x + size * (random(&mut state) - 0.5));
+            let mut points = [point(), point(), point()];
+            if case % 5 == 0 {
+                // A level edge, through the centres of samples.
+                points[1][1] = points[0][1].floor() + 0.5;
+                points[0][1] = points[1][1];
+            }
+            let numbers = [0, 1, 2].map(|_| random(&mut state) * 130.0 - 15.0);
+            let all = Triangles { points: &points, numbers: &numbers, triangles: &[[0, 1, 2]] };
+            let mut found = vec![100; width * height];
+            all.sample(&[0], &mut Rows { first, width, colours: 100, sampled: &mut found });
+            let mut plain = vec![100; width * height];
+            let mut rows = Rows { first, width, colours: 100, sampled: &mut plain };
+            sample_all(&all, &[0], &mut rows, |row, column, samples| row.judge(column, samples));
+            assert_eq!(found, plain, "case {case}");
+            let [a, b, c] = points;
+            let double =
+                |p: Point, q: Point, r: Point| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+            for (k, sample) in found.into_iter().enumerate() {
+                let at = [(k % width) as f64 + 0.5, (first + k / width) as f64 + 0.5];
+                let weights =
+                    [double(b, c, at), double(c, a, at), double(a, b, at)].map(|area| area / double(a, b, c));
+                let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
+                if least.abs() > 1e-8 {
+                    assert_eq!(sample < 100, least > 0.0, "case {case}, sample {k}");
+                }
+                let number: f64 = weights.iter().zip(numbers).map(|(weight, number)| weight * number).sum();
+                if sample < 100 && (number - number.round()).abs() > 1e-6 {
+                    assert_eq!(f64::from(sample), number.clamp(0.0, 99.0).floor(), "case {case}, sample {k}");
+                }
+            }
+        }
+    }
+}
