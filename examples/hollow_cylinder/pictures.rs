@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT, CylinderSolution, OBSTACLE_DEPTH, OUTER_RADIUS};
 use forms_fem::output::picture::{
-    Colour, Curve, FieldMap, LinePlot, MeshDrawing, Panel, Picture, Scale, Shown, write_all_png,
+    Colour, Curve, Drawing, FieldMap, LinePlot, MeshDrawing, Panel, Picture, Scale, Shown, draw_all,
+    write_all_png,
 };
 use forms_fem::prelude::*;
 
@@ -22,21 +23,24 @@ pub fn write_all(
     derived: &DerivedFields,
     directory: &Path,
 ) -> Outcome<Vec<PathBuf>> {
-    let mesh = mesh(solution)?.draw()?;
-    let displacement = displacement(solution).draw()?;
-    let adjoint = adjoint_state(solution).draw()?;
+    let threads =
+        NonZeroUsize::new(solution.problem.assembler.threads().count()).unwrap_or(NonZeroUsize::MIN);
+    let (mesh, displacement, adjoint) = (mesh(solution)?, displacement(solution), adjoint_state(solution));
+    let (pressure, von_mises) = (contact_pressure(solution)?, von_mises(solution, derived));
+    let drawings = draw_all(&[&displacement, &adjoint, &von_mises, &mesh, &pressure], threads)?;
+    let [displacement, adjoint, von_mises, mesh, pressure]: [Drawing; 5] =
+        drawings.try_into().map_err(|_| "a drawing for each picture")?;
     let figure = Panel::new(3).letters().picture(&mesh)?.picture(&displacement)?.picture(&adjoint)?;
     let pictures = [
         ("mesh.png", mesh),
         ("displacement.png", displacement),
         ("adjoint_state.png", adjoint),
         ("figure_2.png", figure.draw()?),
-        ("contact_pressure.png", contact_pressure(solution)?.draw()?),
-        ("von_mises.png", von_mises(solution, derived).draw()?),
+        ("contact_pressure.png", pressure),
+        ("von_mises.png", von_mises),
     ]
     .map(|(name, picture)| (directory.join(name), picture));
-    let threads = NonZeroUsize::new(solution.problem.assembler.threads().count());
-    write_all_png(&pictures, threads.unwrap_or(NonZeroUsize::MIN))?;
+    write_all_png(&pictures, threads)?;
     Ok(pictures.into_iter().map(|(path, _)| path).collect())
 }
 

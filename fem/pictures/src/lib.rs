@@ -203,6 +203,18 @@ impl Picture for Drawing {
     }
 }
 
+/// Draws pictures on so many threads, in the order of the list.
+///
+/// # Errors
+/// The first [`PictureError`] in the list.
+pub fn draw_all(
+    pictures: &[&(dyn Picture + Sync)],
+    threads: NonZeroUsize,
+) -> Result<Vec<Drawing>, PictureError> {
+    let order: Vec<usize> = (0..pictures.len()).collect();
+    on_threads(&order, threads, |number| pictures[number].draw()).into_iter().collect()
+}
+
 /// Writes drawings as PNG files at [`DOTS_PER_INCH`], each whole or not at all, on so many threads.
 ///
 /// # Errors
@@ -215,26 +227,31 @@ pub fn write_all_png(
     let mut order: Vec<usize> = (0..drawings.len()).collect();
     let area = |drawing: &Drawing| drawing.size().iter().product::<f64>();
     order.sort_by(|a, b| area(&drawings[*b].1).total_cmp(&area(&drawings[*a].1)));
+    let write = |number: usize| drawings[number].1.write_png(&drawings[number].0);
+    on_threads(&order, threads, write).into_iter().collect()
+}
+
+/// Results of work on the numbers 0, 1, … as far as `order` goes, begun in that order.
+fn on_threads<R: Send>(order: &[usize], threads: NonZeroUsize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
-    let work = || -> Vec<(usize, PictureError)> {
-        let mut errors = Vec::new();
+    let some = || -> Vec<(usize, R)> {
+        let mut results = Vec::new();
         while let Some(&number) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let (path, drawing) = &drawings[number];
-            errors.extend(drawing.write_png(path).err().map(|error| (number, error)));
+            results.push((number, work(number)));
         }
-        errors
+        results
     };
-    let others = threads.get().min(drawings.len()).saturating_sub(1);
-    let mut errors = std::thread::scope(|scope| {
-        let others: Vec<_> = (0..others).map(|_| scope.spawn(work)).collect();
-        let mut errors = work();
+    let others = threads.get().min(order.len()).saturating_sub(1);
+    let mut results = std::thread::scope(|scope| {
+        let others: Vec<_> = (0..others).map(|_| scope.spawn(some)).collect();
+        let mut results = some();
         for other in others {
-            errors.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            results.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         }
-        errors
+        results
     });
-    errors.sort_by_key(|(number, _)| *number);
-    errors.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
+    results.sort_by_key(|(number, _)| *number);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {

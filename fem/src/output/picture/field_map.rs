@@ -25,7 +25,7 @@ pub enum Shown {
 }
 
 /// A value of a cell at a reference point.
-type CellFunction<'a> = Box<dyn Fn(usize, &[f64; 2]) -> f64 + 'a>;
+type CellFunction<'a> = Box<dyn Fn(usize, &[f64; 2]) -> f64 + Sync + 'a>;
 
 enum Values<'a> {
     Field(&'a Field<2>, Shown),
@@ -62,7 +62,7 @@ impl<'a> FieldMap<'a> {
     /// between cells, as stresses do.
     pub fn cell_by_cell(
         mesh: &'a Mesh<2>,
-        value: impl Fn(usize, &[f64; 2]) -> f64 + 'a,
+        value: impl Fn(usize, &[f64; 2]) -> f64 + Sync + 'a,
         label: &str,
     ) -> FieldMap<'a> {
         FieldMap::new(mesh, Values::Function(Box::new(value)), label)
