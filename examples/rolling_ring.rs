@@ -1,4 +1,4 @@
-//! A ring of rubber that is thrown along a flat: it bounces, is spun by friction, and rolls. Large displacements and strains, contact by
+//! A ring of rubber that is thrown along a flat: it falls, touches, and is spun by friction. Large displacements and strains, contact by
 //! Nitsche's method in mid-point schemes that know the energy ([`finite_impact`]).
 //!
 //! What is checked, or the program fails: energy and work of friction stay together what they were (`conserving`) or never grow
@@ -227,7 +227,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let given =
         |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |text| text.parse());
-    let (around, per_unit, end) = (given(0, 24)?, given(1, 40)?, given(2, 60)?);
+    let (around, per_unit, end) = (given(0, 24)?, given(1, 40)?, given(2, 7)?);
     let pressure = match arguments.get(3).map(String::as_str) {
         None => Pressure::Conserving,
         Some("hybrid") => Pressure::Hybrid,
