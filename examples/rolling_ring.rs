@@ -168,11 +168,7 @@ fn follow(
     let base = |step: &Step<2>| model(Some(step), [0.0; 2], [0.0; 2]);
     let conserving = move |step: &Step<2>| base(step).conserving(&step.before.value);
     let hybrid = move |step: &Step<2>| base(step).hybrid(&step.before.value);
-    let options = NewtonOptions {
-        absolute_tolerance: 1e-13,
-        line_search: LineSearch::OnResidual,
-        ..NewtonOptions::default()
-    };
+    let options = NewtonOptions { absolute_tolerance: 1e-13, ..NewtonOptions::default() };
     let motion = match pressure {
         Pressure::Conserving => TimeLoop::new(conserving, mid_point, start),
         Pressure::Hybrid => TimeLoop::new(hybrid, mid_point, start),
@@ -181,14 +177,7 @@ fn follow(
     frame(motion.state())?;
     while motion.state().time < end - 0.5 * size {
         let before = motion.state().clone();
-        // Where Newton's method goes to and fro over the kinks of contact and friction, a part of the step.
-        let mut part = size;
-        while let Err(why) = motion.take(part) {
-            part /= 2.0;
-            if part < size / 100.0 {
-                return Err(why.into());
-            }
-        }
+        motion.take(size)?;
         let (after, earlier) = (motion.state(), records[records.len() - 1]);
         let record = thrown.measured(Some((&before, &earlier, pressure)), after)?;
         check(&earlier, &record, pressure, thrown.mass)?;
