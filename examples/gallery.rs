@@ -120,14 +120,6 @@ const MAKERS: [Maker; 21] = [
         ],
     },
     Maker {
-        arguments: &["--bin", "rolling_ring"],
-        pictures: &[
-            ("out/rolling_ring.png", "rolling_ring.png"),
-            ("out/rolling_ring_energy.png", "rolling_ring_energy.png"),
-            ("out/rolling_ring_speed.png", "rolling_ring_speed.png"),
-        ],
-    },
-    Maker {
         arguments: &["--bin", "die_on_slab"],
         pictures: &[
             ("out/die_on_slab.png", "die_on_slab.png"),
