@@ -270,7 +270,7 @@ fn rubber_that_flies_keeps_its_spin() -> Outcome {
     }
     // It has turned by more than a radian, and is stretched.
     let model = model(Default::default());
-    let stored = assembler.functional(&model.energy(&motion.state().value, &Field::zero(&space)))?;
+    let stored = assembler.functional(&model.energy(&motion.state().value, Field::zero(&space)))?;
     assert!(stored.is_finite() && motion.state().value.values()[1].abs() > 0.5);
     Ok(())
 }
