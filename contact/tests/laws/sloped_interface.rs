@@ -96,7 +96,7 @@ where
     let cells = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let modulus = |of_lower: f64| -> Given<f64, D> {
         let stiffness = |x: &[f64; D]| if x[D - 1] < interface(x) { of_lower } else { ratio * of_lower };
-        Given::field(&Field::interpolate(&cells, stiffness).unwrap())
+        Given::field(Field::interpolate(&cells, stiffness).unwrap())
     };
     for (pairing, share) in pairings() {
         for theta in THETAS {
