@@ -1,7 +1,7 @@
 //! A ring of rubber that is thrown along a flat: it falls, touches, and is spun by friction. Large displacements and strains, contact by
 //! Nitsche's method in mid-point schemes that know the energy ([`finite_impact`]).
 //!
-//! What is checked, or the program fails: energy and work of friction stay together what they were (`conserving`) or never grow
+//! Checks, of which each ends the program if it fails: energy and work of friction stay together what they were (`conserving`) or never grow
 //! (`hybrid`), and momentum changes by the impulses of weight and flat. Beside it stands the closed form of a rigid ring: friction on the
 //! flat has no moment about it, so that from the speed v it comes to roll with v/(1 + (a² + b²)/2b²), radii a and b.
 //!
@@ -41,7 +41,7 @@ enum Pressure {
     Hybrid,
 }
 
-/// What is written of a step.
+/// The numbers of a step that are written.
 #[derive(Clone, Copy)]
 struct Record {
     time: f64,

@@ -32,7 +32,7 @@ pub fn refined(mesh: &AdaptiveMesh<2>, marked: &[u32]) -> Outcome<AdaptiveMesh<2
     Ok(mesh.refined_onto(marked, &[("inner", &inner), ("outer", &outer)])?.0)
 }
 
-/// How the facets of Γ_C are integrated.
+/// The quadrature on the facets of Γ_C.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum ContactFacets {
     /// By the rule of a facet, wherever contact ends

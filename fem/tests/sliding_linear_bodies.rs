@@ -188,7 +188,7 @@ fn a_start_at_the_kink() {
         let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(difference < 1e-12, "{kappa}: {difference:e}");
     }
-    // What nothing pushes stays where it is.
+    // A block that nothing pushes stays where it is.
     let mut held = Constraints::new(&space);
     held.fix("lower bottom", |_| [0.0; 2]).unwrap();
     held.fix("upper top", |_| [0.0; 2]).unwrap();

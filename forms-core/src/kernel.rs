@@ -92,6 +92,21 @@ pub struct PointGeometry<L, const D: usize> {
     pub opposite: OppositePoint<L, D>,
 }
 
+impl<L: Lane, const D: usize> PointGeometry<L, D> {
+    /// A weight alone: all else is zero.
+    #[inline(always)]
+    pub fn of_weight(weight: L) -> Self {
+        let zero = L::splat(0.0);
+        PointGeometry {
+            weight,
+            position: [zero; D],
+            normal: [zero; D],
+            curvature: zero,
+            opposite: OppositePoint::none(),
+        }
+    }
+}
+
 /// Which derivative of a field a kernel reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {

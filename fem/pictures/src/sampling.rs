@@ -192,7 +192,7 @@ struct Edge {
     side: Side,
 }
 
-/// Where the triangle lies beside an edge.
+/// The side of an edge on which the triangle lies.
 #[derive(PartialEq)]
 enum Side {
     Right,

@@ -148,7 +148,7 @@ pub enum AssemblyError {
         form: &'static str,
         /// Name of the data member.
         parameter: &'static str,
-        /// How it is none, in words.
+        /// Its deviation from a rotation, in words.
         deviation: String,
     },
     /// A region of cells that ought to hold each cell with a facet of another region.

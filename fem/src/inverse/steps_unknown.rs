@@ -1,6 +1,6 @@
 //! The step's unknown in a form of motion: read by the operators of [`time`](crate::time), or directly.
 //!
-//! What a form of motion reads of the state before stands in the known parts of what the operators give. With weights zero they give
+//! The state before enters a form of motion by the known parts of what the operators give. With weights zero they give
 //! numbers that the unknown does not change, so that a form that still depends on it reads it beside them: as an acceleration in one
 //! scheme and a displacement in another, and with a derivative that the adjoint does not know.
 
@@ -11,7 +11,7 @@ use crate::field::Field;
 use crate::solve::any_form::AnyForm;
 use crate::time::Step;
 
-/// What the operators evaluate in a step: weight times unknown and known part of value, rate and second rate.
+/// The fields that the operators evaluate in a step: weight times unknown and known part of value, rate and second rate.
 pub(super) fn evaluated<const D: usize>(
     step: &Step<D>,
     unknown: &Field<D>,

@@ -1,6 +1,6 @@
 //! The memory of a batch: what a kernel reads of fields and basis functions, with room for it.
 
-use forms_core::contract::{OppositePoint, Order, PointGeometry, Requirements, Side};
+use forms_core::contract::{Order, PointGeometry, Requirements, Side};
 
 use super::fields::factorised;
 use super::pairs::PairBuffers;
@@ -33,19 +33,11 @@ pub(in crate::assemble) struct BatchBuffers<L, const D: usize> {
 
 impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
     fn default() -> Self {
-        let zero = L::splat(0.0);
-        let geometry = PointGeometry {
-            weight: zero,
-            position: [zero; D],
-            normal: [zero; D],
-            curvature: zero,
-            opposite: OppositePoint::none(),
-        };
         BatchBuffers {
             sides: [SideBuffers::default(), SideBuffers::default()],
             coefficients: vec![],
             fields: vec![],
-            geometry,
+            geometry: PointGeometry::of_weight(L::splat(0.0)),
             at_points: vec![],
             stages: Stages::default(),
             pairs: PairBuffers::default(),

@@ -1,6 +1,6 @@
 //! Surfaces that just touch at a start from rest, made to overlap by a trace.
 //!
-//! Where the gap and the stress vanish, contact's \[·\]₋ has its kink, and its derivative there is that of bodies apart: the first
+//! At a gap and a stress of zero contact's \[·\]₋ has its kink, and its derivative there is that of bodies apart: the first
 //! step would press one body through the other as if nothing held it, and with friction the next ones would start from surfaces
 //! that slip everywhere. A trace of overlap, along the normal, has the derivative of bodies that press and stick.
 

@@ -38,7 +38,7 @@ pub(in crate::solve) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub split: Option<SplitSystem<D>>,
     /// Spent in assembly so far.
     pub seconds: f64,
-    /// What earlier steps left.
+    /// The memory that earlier steps left.
     pub memory: StepMemory,
 }
 

@@ -4,7 +4,7 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{Basis, BilinearKernel, OppositePoint, PointGeometry, Requirements};
+use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
 use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;
@@ -134,13 +134,7 @@ pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const ENTRIES: usize, 
     let zero = L::splat(0.0);
     let entries = (K::TEST_COMPONENTS * K::TRIAL_COMPONENTS).min(ENTRIES);
     let count = tensor.directions;
-    let geometry = PointGeometry {
-        weight: determinant,
-        position: [zero; D],
-        normal: [zero; D],
-        curvature: zero,
-        opposite: OppositePoint::none(),
-    };
+    let geometry = PointGeometry::of_weight(determinant);
     let point = kernel.point(cell, &geometry, &[]);
     let hessian = [[zero; D]; D];
     directions.resize(count * count * ENTRIES, zero);

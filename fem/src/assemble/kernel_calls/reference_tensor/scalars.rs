@@ -7,7 +7,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{Basis, BilinearKernel, OppositePoint, PointGeometry, Requirements};
+use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
 use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;
@@ -111,13 +111,7 @@ fn contract_products<K: BilinearKernel<D>, L: SimdLane, const PRODUCTS: usize, c
     blocks: &mut [L],
 ) {
     let zero = L::splat(0.0);
-    let geometry = PointGeometry {
-        weight: determinant,
-        position: [zero; D],
-        normal: [zero; D],
-        curvature: zero,
-        opposite: OppositePoint::none(),
-    };
+    let geometry = PointGeometry::of_weight(determinant);
     let point = kernel.point(cell, &geometry, &[]);
     let hessian = [[zero; D]; D];
     let mut products = [zero; PRODUCTS];
