@@ -102,8 +102,11 @@ const MAKERS: [Maker; 20] = [
         pictures: &[("out/adaptive_hertz/adaptive_hertz_cylinder.png", "adaptive_hertz_cylinder.png")],
     },
     Maker {
-        arguments: &["--bin", "adaptive_cylinder"],
-        pictures: &[("out/adaptive_cylinder/adaptive_cylinder_mesh.png", "adaptive_cylinder_mesh.png")],
+        arguments: &["--bin", "adaptive_cylinder", "--", "--unknowns", "12000", "--reference", "100000"],
+        pictures: &[
+            ("out/adaptive_cylinder/adaptive_cylinder.png", "adaptive_cylinder.png"),
+            ("out/adaptive_cylinder/adaptive_cylinder_mesh.png", "adaptive_cylinder_mesh.png"),
+        ],
     },
     Maker {
         arguments: &["--bin", "shallow_ironing"],
