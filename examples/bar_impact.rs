@@ -10,7 +10,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use forms_contact::impact::impact;
-use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
+use forms_fem::output::picture::{Colour, Curve, LinePlot, Panel, Picture, Scale};
 use forms_fem::output::{StandardOutput, VtuFile, VtuSeries, program, write_whole};
 use forms_fem::prelude::*;
 use forms_fem::time::{
@@ -177,7 +177,13 @@ fn draw<'c>(
 ) -> LinePlot {
     let plot = LinePlot::new().title(title).x_axis("t", Scale::Linear).y_axis(label, Scale::Linear).grid();
     courses.fold(plot.size(480.0, 320.0), |plot, course| {
-        plot.curve(Curve::new(course.name, &course.times, &value(course)).without_markers())
+        let curve = Curve::new(course.name, &course.times, &value(course)).without_markers();
+        plot.curve(match course.name {
+            // Curves that lie on those of other schemes.
+            "hybrid" => curve.colour(Colour::BLACK).dashed(),
+            "conserving" => curve.colour(Colour::grey(140)).dashed(),
+            _ => curve,
+        })
     })
 }
 
@@ -222,10 +228,16 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         }
     }
     write_whole("out/bar_impact.csv", |file| file.write_all(csv.as_bytes()))?;
-    let energy = draw(courses.iter(), "A bar that bounces", "energy / energy at the start", |course| {
-        course.energies.iter().map(|energy| energy / course.energies[0]).collect()
-    });
-    energy.write_png("out/bar_impact_energy.png")?;
+    let change = |course: &Course| -> Vec<f64> {
+        course.energies.iter().map(|energy| energy / course.energies[0] - 1.0).collect()
+    };
+    let label = "change of energy / energy at the start";
+    let all = draw(courses.iter(), "A bar that bounces, all schemes", label, change);
+    let nearly_kept = |course: &&Course| change(course).iter().all(|change| change.abs() < 1e-3);
+    let near =
+        draw(courses.iter().filter(nearly_kept), "Those that change it by less than 10⁻³", label, change)
+            .x_range(0.4, END);
+    Panel::new(2).letters().picture(&all)?.picture(&near)?.write_png("out/bar_impact_energy.png")?;
     let shown = |course: &&Course| course.name == "conserving" || course.name.starts_with("generalised");
     draw(courses.iter().filter(shown), "Force of the obstacle", "force", |course| course.forces.clone())
         .horizontal_line(force, "E v / c")
