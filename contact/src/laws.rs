@@ -26,10 +26,12 @@ pub mod capsule;
 pub mod cohesive;
 pub mod contact_heat;
 pub mod finite_nitsche;
-pub mod frictional_nitsche;
 pub mod frictional_penalty;
 pub mod moving_obstacle;
 pub mod sliding_bodies;
 pub mod two_bodies;
 pub mod uzawa;
 pub mod wear;
+
+#[doc(inline)]
+pub use forms_contact_problem::frictional_nitsche;

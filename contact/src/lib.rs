@@ -26,30 +26,19 @@
 //! Nothing here knows an element or loops over cells.
 
 pub mod boundary_form;
-pub mod contact_problem;
 pub mod finite_impact;
 pub mod half_spaces;
 pub mod hertz;
-pub mod hollow_cylinder;
 pub mod impact;
-pub mod law;
 pub mod laws;
 pub mod load_and_pressure;
-pub mod nitsche;
-pub mod operators;
-pub mod paper_law;
-pub mod parameter_ranges;
 pub mod residual_estimator;
-pub mod shape_gradient;
 pub mod shape_problem;
-pub mod theta_path;
-pub mod threshold;
 pub mod uzawa;
 
-pub use contact_problem::ContactProblem;
-pub use nitsche::nitsche as forms;
-pub use paper_law::Adjoint;
-
-/// Paths for [`contact_law!`].
-#[doc(hidden)]
-pub use forms_fem::prelude as fem;
+pub use forms_contact_problem::{Adjoint, ContactProblem, forms};
+#[doc(inline)]
+pub use forms_contact_problem::{
+    contact_law, contact_problem, hollow_cylinder, law, nitsche, operators, paper_law, parameter_ranges,
+    shape_gradient, theta_path, threshold,
+};

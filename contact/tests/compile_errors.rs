@@ -14,7 +14,7 @@ fn what_a_law_lacks_is_named() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read =
         |path: &Path| std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let library = read(&here.join("src/law.rs")).replace("{{", "{").replace("}}", "}");
+    let library = read(&here.join("problem/src/law.rs")).replace("{{", "{").replace("}}", "}");
     let mut notes = 0;
     for entry in std::fs::read_dir(here.join("tests/compile_errors")).unwrap() {
         let path = entry.unwrap().path();

@@ -2,10 +2,7 @@
 //! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`tests/compile_cost`).
 //! Contact by Nitsche's method stands in the package `forms-contact`. Beside them what the programs share.
 
-#[path = "../command_line.rs"]
-pub mod command_line;
-#[path = "../memory.rs"]
-pub mod memory;
+pub use forms_program::{command_line, memory};
 
 pub mod anisotropic_elasticity;
 pub mod ghost_penalty;

@@ -1,6 +1,8 @@
 //! Results of the program; the JSON file has these names.
 
-use forms_contact::hollow_cylinder::{self as cylinder, CylinderSolution, CylinderStep, Friction, Settings};
+use forms_contact_problem::hollow_cylinder::{
+    self as cylinder, CylinderSolution, CylinderStep, Friction, Settings,
+};
 use forms_fem::norms::{Norms, norms};
 use forms_fem::prelude::*;
 use forms_fem::solve::SolverReport;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Parser;
-use forms_contact::hollow_cylinder::{Friction, IMPOSED_DISPLACEMENT, Settings};
+use forms_contact_problem::hollow_cylinder::{Friction, IMPOSED_DISPLACEMENT, Settings};
 use forms_fem::prelude::Threads;
 
 use crate::Outcome;

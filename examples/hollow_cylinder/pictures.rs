@@ -3,8 +3,8 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use forms_contact::forms;
-use forms_contact::hollow_cylinder::{CONTACT, CylinderSolution, OBSTACLE_DEPTH, OUTER_RADIUS};
+use forms_contact_problem::forms;
+use forms_contact_problem::hollow_cylinder::{CONTACT, CylinderSolution, OBSTACLE_DEPTH, OUTER_RADIUS};
 use forms_fem::output::picture::{
     Colour, Curve, Drawing, FieldMap, LinePlot, MeshDrawing, Panel, Picture, Scale, Shown, draw_all,
     write_all_png,

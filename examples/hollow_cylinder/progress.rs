@@ -4,7 +4,7 @@
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use forms_contact::hollow_cylinder::{CELLS_AROUND, Progress, Settings};
+use forms_contact_problem::hollow_cylinder::{CELLS_AROUND, Progress, Settings};
 use forms_fem::output::tell;
 use forms_fem::prelude::NewtonStep;
 use indicatif::{ProgressBar, ProgressStyle};

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use forms_contact::forms;
-use forms_contact::hollow_cylinder::{CONTACT, CylinderSolution};
+use forms_contact_problem::forms;
+use forms_contact_problem::hollow_cylinder::{CONTACT, CylinderSolution};
 use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 

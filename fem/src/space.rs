@@ -1,5 +1,6 @@
 //! Finite element spaces: unknowns on the nodes of a mesh, or of its facets.
 
+mod cell_nodes;
 mod embedding;
 mod error;
 mod family;
@@ -9,6 +10,7 @@ mod orientation;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+pub(crate) use self::cell_nodes::CellNodes;
 pub use self::error::SpaceError;
 pub use self::family::Family;
 use crate::compiled_here::compiled_here;
@@ -275,10 +277,7 @@ impl<const D: usize> Space<D> {
     /// # Panics
     /// When the mesh has no such cell.
     pub fn cell_nodes(&self, cell: usize) -> &[u32] {
-        if self.cell_nodes.is_empty() {
-            return &[];
-        }
-        &self.cell_nodes[self.lists.of(cell)]
+        self.nodes_of_cells().of(cell)
     }
 
     /// Nodes of all cells, cell after cell.
@@ -289,14 +288,14 @@ impl<const D: usize> Space<D> {
     /// Nodes whose basis functions live on a cell seen from one of its facets (or from inside): the cell's,
     /// or the facet's for a space on facets.
     pub(crate) fn nodes_at(&self, cell: u32, facet: Option<u8>) -> &[u32] {
-        match facet {
-            Some(local) if self.facet_region().is_some() => {
-                let facet = Facet { cell, local };
-                let place = self.facets.binary_search_by_key(&facet, |(known, _)| *known);
-                place.map_or(&[], |place| &self.facets[place].1)
-            }
-            _ => self.cell_nodes(cell as usize),
-        }
+        self.nodes_of_cells().at(cell, facet)
+    }
+
+    /// The nodes of its cells and facets.
+    #[inline]
+    pub(crate) fn nodes_of_cells(&self) -> CellNodes<'_> {
+        let facets = self.facet_region().map(|_| self.facets.as_slice());
+        CellNodes { nodes: &self.cell_nodes, lists: &self.lists, facets, count: self.node_count() }
     }
 
     /// Whether the unknowns of both spaces have the same numbers and places.

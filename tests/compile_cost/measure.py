@@ -39,13 +39,13 @@ FORMS = {
     "p-Laplacian": ("examples/forms/p_laplacian.rs", "diffusion", "energy", ["Omega"], 0),
     "ghost penalty": ("examples/forms/ghost_penalty.rs", "stabilisation", "penalty", ["Inner"], 0),
     "Signorini": ("examples/04_signorini.rs", "block", "contact", ["Omega", "Bottom"], 0),
-    "Nitsche: direct": ("contact/src/nitsche.rs", "nitsche", "direct", ["Omega", "GammaN", "GammaC"], 0),
+    "Nitsche: direct": ("contact/problem/src/nitsche.rs", "nitsche", "direct", ["Omega", "GammaN", "GammaC"], 0),
     "Nitsche: discrete adjoint":
-        ("contact/src/nitsche.rs", "nitsche", "discrete_adjoint", ["Omega", "GammaC", "Boundary"], 1),
+        ("contact/problem/src/nitsche.rs", "nitsche", "discrete_adjoint", ["Omega", "GammaC", "Boundary"], 1),
     "Nitsche: consistent adjoint":
-        ("contact/src/nitsche.rs", "nitsche", "consistent_adjoint", ["Omega", "GammaC", "Boundary"], 1),
+        ("contact/problem/src/nitsche.rs", "nitsche", "consistent_adjoint", ["Omega", "GammaC", "Boundary"], 1),
     "Nitsche: extended adjoint":
-        ("contact/src/nitsche.rs", "nitsche", "extended_adjoint", ["Omega", "GammaC", "Boundary"], 1),
+        ("contact/problem/src/nitsche.rs", "nitsche", "extended_adjoint", ["Omega", "GammaC", "Boundary"], 1),
 }
 
 MANIFEST = """[package]

@@ -7,7 +7,7 @@ pub(super) mod partition;
 
 use std::ops::Range;
 
-use self::block_finders::{BlockPlaces, Chosen, ChosenPairs, Finder, Known, KnownPairs, Search};
+use self::block_finders::{BlockPlaces, ChosenPairs, Copied, Finder, Known};
 use self::group_nodes::GroupNodes;
 use self::own_rows::{Deferred, OwnRows};
 use self::partition::Partition;
@@ -17,9 +17,9 @@ use crate::linear_algebra::BlockRows;
 use crate::threads::Threads;
 
 /// The destination of a group's element matrices.
-pub(super) struct MatrixScatter<'a, const D: usize> {
-    pub tests: GroupNodes<'a, D>,
-    pub trials: GroupNodes<'a, D>,
+pub(super) struct MatrixScatter<'a> {
+    pub tests: GroupNodes<'a>,
+    pub trials: GroupNodes<'a>,
     pub blocks: &'a BlockRows,
     /// Values per block.
     pub block: usize,
@@ -30,7 +30,7 @@ pub(super) struct MatrixScatter<'a, const D: usize> {
     pub chosen: Option<ChosenPairs>,
 }
 
-impl<const D: usize> MatrixScatter<'_, D> {
+impl MatrixScatter<'_> {
     /// The rows of each thread, as parts of the values of all rows. If these are not yet `written`, they are set to
     /// zero as the threads come to them.
     pub fn parts<'v>(
@@ -86,49 +86,22 @@ impl<const D: usize> MatrixScatter<'_, D> {
         matrices: &[f64],
         part: &mut OwnRows,
     ) -> Option<()> {
-        let map = match &self.map {
-            BlockPlaces::OfCells(map) | BlockPlaces::OfPairs(map, _) => map,
-            BlockPlaces::Unknown => {
-                return self.add_rows::<L, _, BLOCK>(first, matrices, part, Search::new(self));
-            }
-        };
-        match &map.places {
-            Slots::Bytes(places) => self.add_known::<L, _, BLOCK>(first, matrices, part, places),
-            Slots::Words(places) => self.add_known::<L, _, BLOCK>(first, matrices, part, places),
-            Slots::Long(places) => self.add_known::<L, _, BLOCK>(first, matrices, part, places),
-        }
-    }
-
-    /// By the places of all blocks that are known.
-    #[inline(always)]
-    fn add_known<L: SimdLane, P: Slot, const BLOCK: usize>(
-        &self,
-        first: usize,
-        matrices: &[f64],
-        part: &mut OwnRows,
-        places: &[P],
-    ) -> Option<()> {
-        let size = self.nodes[0] * self.nodes[1];
-        let map = match &self.map {
-            BlockPlaces::OfCells(map) => map,
-            BlockPlaces::OfPairs(_, starts) => {
-                let pairs = KnownPairs { starts, places, size };
-                return self.add_rows::<L, _, BLOCK>(first, matrices, part, pairs);
-            }
-            BlockPlaces::Unknown => return None,
-        };
-        let places = &places[map.start(self.tests.shape)..];
-        match &self.chosen {
-            Some(pairs) => {
-                let known = Known::new(self, map, places, pairs.among);
-                let chosen = Chosen { known, pairs: &pairs.places, found: vec![] };
-                self.add_rows::<L, _, BLOCK>(first, matrices, part, chosen)
-            }
-            None => {
-                let known = Known::new(self, map, places, size);
-                self.add_rows::<L, _, BLOCK>(first, matrices, part, known)
+        // What most matrices have, without copies; a bounded number of finders is compiled for each size of a block.
+        if let (BlockPlaces::OfCells(map), None) = (&self.map, &self.chosen) {
+            let from = map.start(self.tests.shape);
+            match &map.places {
+                Slots::Bytes(places) => {
+                    let known = Known::new(self, map, &places[from..]);
+                    return self.add_rows::<L, _, BLOCK>(first, matrices, part, known);
+                }
+                Slots::Words(places) => {
+                    let known = Known::new(self, map, &places[from..]);
+                    return self.add_rows::<L, _, BLOCK>(first, matrices, part, known);
+                }
+                Slots::Long(_) => {}
             }
         }
+        self.add_rows::<L, _, BLOCK>(first, matrices, part, Copied::new(self))
     }
 
     /// `BLOCK` values per block; 0 where the compiler does not know how many.
@@ -150,9 +123,7 @@ impl<const D: usize> MatrixScatter<'_, D> {
             for ((&row, blocks), places) in rows {
                 let row = row as usize;
                 if !part.rows.contains(&row) {
-                    part.deferred.rows.push(row as u32);
-                    part.deferred.places.extend(places.iter().map(|place| place.index() as u32));
-                    part.deferred.values.extend_from_slice(blocks);
+                    part.deferred.keep(row as u32, places, blocks);
                     continue;
                 }
                 let ends = &self.blocks.pointers()[row..row + 2];
@@ -166,7 +137,7 @@ impl<const D: usize> MatrixScatter<'_, D> {
                 add_row::<_, BLOCK>(&mut part.values[start..end], places, blocks, block);
             }
         }
-        if F::AHEAD {
+        if finder.ahead() {
             // They come while the kernel computes the next batch.
             let count = matrices.len() / (height * width * block);
             let next = first + count;
@@ -294,14 +265,14 @@ impl<const D: usize> MatrixScatter<'_, D> {
 }
 
 /// The matrices of some entities, to be added. Sums of several numbers at once are the same as one by one.
-struct Addition<'a, 'v, const D: usize> {
-    scatter: &'a MatrixScatter<'a, D>,
+struct Addition<'a, 'v> {
+    scatter: &'a MatrixScatter<'a>,
     first: usize,
     matrices: &'a [f64],
     part: &'a mut OwnRows<'v>,
 }
 
-impl<const D: usize> LaneWork for Addition<'_, '_, D> {
+impl LaneWork for Addition<'_, '_> {
     type Output = Option<()>;
 
     #[inline(always)]
@@ -342,14 +313,14 @@ fn add_row<P: Slot, const BLOCK: usize>(row: &mut [f64], places: &[P], blocks: &
 }
 
 /// The destination of a group's element vectors.
-pub(super) struct VectorScatter<'a, const D: usize> {
-    pub tests: GroupNodes<'a, D>,
+pub(super) struct VectorScatter<'a> {
+    pub tests: GroupNodes<'a>,
     pub components: usize,
     /// Nodes of an entity.
     pub nodes: usize,
 }
 
-impl<const D: usize> VectorScatter<'_, D> {
+impl VectorScatter<'_> {
     /// The rows of each thread, as parts of the unknowns of the space.
     pub fn parts<'v>(
         &self,

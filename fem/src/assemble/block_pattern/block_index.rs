@@ -1,5 +1,7 @@
 //! Slots of the blocks of element matrices in their rows, looked up once per pair of spaces.
 
+use std::ops::Range;
+
 use forms_core::contract::Side;
 
 use crate::assemble::scatter::group_nodes::Reading;
@@ -73,6 +75,25 @@ impl Slots {
             Slots::Long(places) => Slots::Long(places),
         }
     }
+
+    /// Adds a run of them to a list.
+    pub fn copy(&self, run: Range<usize>, to: &mut Vec<u32>) {
+        match self {
+            Slots::Bytes(places) => to.extend(places[run].iter().map(|place| u32::from(*place))),
+            Slots::Words(places) => to.extend(places[run].iter().map(|place| u32::from(*place))),
+            Slots::Long(places) => to.extend_from_slice(&places[run]),
+        }
+    }
+
+    /// Adds those at some distances from a start to a list.
+    pub fn copy_some(&self, start: usize, distances: &[u32], to: &mut Vec<u32>) {
+        let at = |distance: &u32| start + *distance as usize;
+        match self {
+            Slots::Bytes(places) => to.extend(distances.iter().map(|some| u32::from(places[at(some)]))),
+            Slots::Words(places) => to.extend(distances.iter().map(|some| u32::from(places[at(some)]))),
+            Slots::Long(places) => to.extend(distances.iter().map(|some| places[at(some)])),
+        }
+    }
 }
 
 /// For cells that take part, walked in some order, and each of their pairs of a test and a trial node: the place of
@@ -131,6 +152,13 @@ impl BlockIndex {
     /// The start of the places of a shape's cells.
     pub fn start(&self, shape: CellShape) -> usize {
         self.starts.iter().find(|(known, _)| *known == shape).map_or(0, |(_, start)| *start)
+    }
+
+    /// The start of the places of a cell after those of its shape's first one, so many for each; `None` if it takes no part.
+    #[inline(always)]
+    pub fn start_of(&self, cell: u32, each: usize) -> Option<usize> {
+        let place = *self.walk.get(cell as usize)?;
+        (place != BlockIndex::ABSENT).then(|| place as usize * each)
     }
 
     /// The starts of the places of some pairs of facets, of so many blocks each; none unless all are known.

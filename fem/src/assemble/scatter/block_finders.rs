@@ -18,12 +18,12 @@ pub(in crate::assemble) trait Finder {
     type Slot: Slot;
     /// Whether the rows of the next entities are asked for ahead. Those of contact pairs are far apart, unlike those of neighbouring
     /// cells, and come from memory one pass after the other.
-    const AHEAD: bool = false;
+    fn ahead(&self) -> bool;
     /// Those of an entity, test node after test node; `None`: one is not in the pattern.
     fn find(&mut self, entity: usize) -> Option<&[Self::Slot]>;
 }
 
-/// Slots looked up before.
+/// Slots of a cell's nodes, looked up before.
 pub(in crate::assemble) struct Known<'a, P> {
     cells: &'a [u32],
     map: &'a BlockIndex,
@@ -34,22 +34,9 @@ pub(in crate::assemble) struct Known<'a, P> {
 }
 
 impl<'a, P: Slot> Known<'a, P> {
-    pub fn new<const D: usize>(
-        scatter: &'a MatrixScatter<'a, D>,
-        map: &'a BlockIndex,
-        places: &'a [P],
-        size: usize,
-    ) -> Self {
-        Known { cells: scatter.tests.cells, map, places, size }
-    }
-
-    #[inline(always)]
-    fn of(&self, entity: usize) -> Option<&'a [P]> {
-        let place = *self.map.walk.get(self.cells[entity] as usize)?;
-        if place == BlockIndex::ABSENT {
-            return None;
-        }
-        Some(&self.places[place as usize * self.size..][..self.size])
+    pub fn new(scatter: &'a MatrixScatter<'a>, map: &'a BlockIndex, places: &'a [P]) -> Self {
+        let [tests, trials] = scatter.nodes;
+        Known { cells: scatter.tests.cells, map, places, size: tests * trials }
     }
 }
 
@@ -57,27 +44,14 @@ impl<P: Slot> Finder for Known<'_, P> {
     type Slot = P;
 
     #[inline(always)]
-    fn find(&mut self, entity: usize) -> Option<&[P]> {
-        self.of(entity)
+    fn ahead(&self) -> bool {
+        false
     }
-}
-
-/// Slots of nodes on the two sides of contact pairs, looked up before.
-pub(in crate::assemble) struct KnownPairs<'a, P> {
-    /// The start of each unit's places.
-    pub starts: &'a [usize],
-    pub places: &'a [P],
-    /// Pairs of nodes of a unit.
-    pub size: usize,
-}
-
-impl<P: Slot> Finder for KnownPairs<'_, P> {
-    type Slot = P;
-    const AHEAD: bool = true;
 
     #[inline(always)]
     fn find(&mut self, entity: usize) -> Option<&[P]> {
-        Some(&self.places[self.starts[entity]..][..self.size])
+        let start = self.map.start_of(self.cells[entity], self.size)?;
+        Some(&self.places[start..][..self.size])
     }
 }
 
@@ -102,49 +76,60 @@ impl ChosenPairs {
     }
 }
 
-/// Some of the slots looked up before.
-pub(in crate::assemble) struct Chosen<'a, P> {
-    pub known: Known<'a, P>,
-    pub pairs: &'a [u32],
-    pub found: Vec<P>,
-}
-
-impl<P: Slot> Finder for Chosen<'_, P> {
-    type Slot = P;
-    const AHEAD: bool = true;
-
-    #[inline(always)]
-    fn find(&mut self, entity: usize) -> Option<&[P]> {
-        let all = self.known.of(entity)?;
-        self.found.clear();
-        self.found.extend(self.pairs.iter().map(|pair| all[*pair as usize]));
-        Some(&self.found)
-    }
-}
-
-/// Slots searched for in the matrix.
-pub(in crate::assemble) struct Search<'a, const D: usize> {
-    scatter: &'a MatrixScatter<'a, D>,
+/// Slots of any kind, copied: of some of a cell's nodes, of nodes on the two sides of contact pairs, in long rows, and those that are
+/// searched for in the matrix.
+pub(in crate::assemble) struct Copied<'a> {
+    scatter: &'a MatrixScatter<'a>,
     found: Vec<u32>,
 }
 
-impl<'a, const D: usize> Search<'a, D> {
-    pub fn new(scatter: &'a MatrixScatter<'a, D>) -> Self {
-        Search { scatter, found: vec![0; scatter.nodes[0] * scatter.nodes[1]] }
+impl<'a> Copied<'a> {
+    pub fn new(scatter: &'a MatrixScatter<'a>) -> Self {
+        Copied { scatter, found: Vec::with_capacity(scatter.nodes[0] * scatter.nodes[1]) }
+    }
+
+    #[inline(never)]
+    fn copy(&mut self, entity: usize) -> Option<()> {
+        let MatrixScatter { tests, trials, blocks, nodes, map, chosen, .. } = self.scatter;
+        let size = nodes[0] * nodes[1];
+        self.found.clear();
+        match map {
+            BlockPlaces::OfCells(map) => {
+                let size = chosen.as_ref().map_or(size, |pairs| pairs.among);
+                let start = map.start(tests.shape) + map.start_of(tests.cells[entity], size)?;
+                match chosen {
+                    Some(pairs) => map.places.copy_some(start, &pairs.places, &mut self.found),
+                    None => map.places.copy(start..start + size, &mut self.found),
+                }
+            }
+            BlockPlaces::OfPairs(map, starts) => {
+                map.places.copy(starts[entity]..starts[entity] + size, &mut self.found);
+            }
+            BlockPlaces::Unknown => {
+                for row in tests.of(entity) {
+                    let known = blocks.row(*row as usize);
+                    for node in trials.of(entity) {
+                        self.found.push(known.binary_search(node).ok()? as u32);
+                    }
+                }
+            }
+        }
+        Some(())
     }
 }
 
-impl<const D: usize> Finder for Search<'_, D> {
+impl Finder for Copied<'_> {
     type Slot = u32;
 
+    fn ahead(&self) -> bool {
+        !matches!(
+            (&self.scatter.map, &self.scatter.chosen),
+            (BlockPlaces::Unknown, _) | (BlockPlaces::OfCells(_), None)
+        )
+    }
+
     fn find(&mut self, entity: usize) -> Option<&[u32]> {
-        let MatrixScatter { tests, trials, blocks, nodes, .. } = self.scatter;
-        for (row, found) in tests.of(entity).iter().zip(self.found.chunks_exact_mut(nodes[1])) {
-            let known = blocks.row(*row as usize);
-            for (found, node) in found.iter_mut().zip(trials.of(entity)) {
-                *found = known.binary_search(node).ok()? as u32;
-            }
-        }
+        self.copy(entity)?;
         Some(&self.found)
     }
 }

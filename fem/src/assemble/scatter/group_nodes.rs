@@ -9,12 +9,12 @@ use crate::assemble::walk::{Group, GroupSide};
 use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange};
 use crate::mesh::Facet;
-use crate::space::Space;
+use crate::space::{CellNodes, Space};
 use crate::threads::Threads;
 
 /// The nodes of a space on a group's entities.
-pub(in crate::assemble) struct GroupNodes<'a, const D: usize> {
-    space: &'a Space<D>,
+pub(in crate::assemble) struct GroupNodes<'a> {
+    space: CellNodes<'a>,
     pub cells: &'a [u32],
     pub shape: CellShape,
     facet: Option<u8>,
@@ -22,10 +22,10 @@ pub(in crate::assemble) struct GroupNodes<'a, const D: usize> {
     seen: Option<(Vec<u32>, usize)>,
 }
 
-impl<'a, const D: usize> GroupNodes<'a, D> {
-    pub fn new(space: &'a Space<D>, side: &'a GroupSide<D>) -> Self {
+impl<'a> GroupNodes<'a> {
+    pub fn new<const D: usize>(space: &'a Space<D>, side: &'a GroupSide<D>) -> Self {
         let facet = side.facet.map(|(local, _)| local);
-        GroupNodes { space, cells: &side.cells, shape: side.shape, facet, seen: None }
+        GroupNodes { space: space.nodes_of_cells(), cells: &side.cells, shape: side.shape, facet, seen: None }
     }
 
     /// Only the nodes at some places among those of a cell; all where there is no list.
@@ -42,7 +42,7 @@ impl<'a, const D: usize> GroupNodes<'a, D> {
 
     #[inline]
     fn space_nodes(&self, entity: usize) -> &'a [u32] {
-        self.space.nodes_at(self.cells[entity], self.facet)
+        self.space.at(self.cells[entity], self.facet)
     }
 
     #[inline]
@@ -55,7 +55,7 @@ impl<'a, const D: usize> GroupNodes<'a, D> {
 
     /// The division of the group among threads.
     pub fn partition(&self, threads: Threads) -> Partition {
-        let (count, rows) = (self.cells.len(), self.space.node_count());
+        let (count, rows) = (self.cells.len(), self.space.count);
         Partition::new(count, threads, rows, |entity| self.of(entity))
     }
 }

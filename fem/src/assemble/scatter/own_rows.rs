@@ -2,12 +2,24 @@
 
 use std::ops::Range;
 
+use crate::assemble::block_pattern::block_index::Slot;
+
 /// Contributions to rows that belong to another thread: rows of element matrices or vectors.
 #[derive(Default)]
 pub(in crate::assemble) struct Deferred {
     pub rows: Vec<u32>,
     pub places: Vec<u32>,
     pub values: Vec<f64>,
+}
+
+impl Deferred {
+    /// Keeps blocks of a row at their places.
+    #[inline(never)]
+    pub fn keep<P: Slot>(&mut self, row: u32, places: &[P], blocks: &[f64]) {
+        self.rows.push(row);
+        self.places.extend(places.iter().map(|place| place.index() as u32));
+        self.values.extend_from_slice(blocks);
+    }
 }
 
 /// The rows that a thread adds to.

@@ -13,13 +13,13 @@ use crate::parse::parse;
 /// The forms of the paper, with what they import from the library of operators.
 pub fn nitsche() -> String {
     flatten(
-        include_str!("../../../../contact/src/nitsche.rs"),
+        include_str!("../../../../contact/problem/src/nitsche.rs"),
         "nitsche",
         &[
-            include_str!("../../../../contact/src/operators/materials.rs"),
-            include_str!("../../../../contact/src/operators/parameters.rs"),
-            include_str!("../../../../contact/src/operators/interfaces.rs"),
-            include_str!("../../../../contact/src/operators/work.rs"),
+            include_str!("../../../../contact/problem/src/operators/materials.rs"),
+            include_str!("../../../../contact/problem/src/operators/parameters.rs"),
+            include_str!("../../../../contact/problem/src/operators/interfaces.rs"),
+            include_str!("../../../../contact/problem/src/operators/work.rs"),
         ],
     )
 }

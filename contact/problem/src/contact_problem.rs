@@ -46,7 +46,8 @@ type Split<const D: usize, L> = fn(&Assembler<D>, &L, &Field<D>) -> Result<Assem
 
 /// Resolution of an indicator along a facet that may be split: the degree of its interpolation in the plane,
 /// where on straight facets of degree k it has degree k; triangles along an edge in space.
-pub(crate) const RESOLUTION: usize = 8;
+#[doc(hidden)]
+pub const RESOLUTION: usize = 8;
 
 impl<const D: usize, L: fmt::Debug> fmt::Debug for ContactProblem<D, L> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

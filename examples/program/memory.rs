@@ -65,7 +65,7 @@ mod tests {
     /// The peaks that docs/scaling.csv states, which another program measured.
     #[test]
     fn the_estimate_is_that_of_the_meshes_that_were_measured() {
-        let table = include_str!("../docs/scaling.csv");
+        let table = include_str!("../../docs/scaling.csv");
         let mut rows = 0;
         for row in table.lines().skip(1) {
             let numbers: Vec<f64> = row.split(',').map(|number| number.parse().expect("a number")).collect();
