@@ -67,7 +67,16 @@ impl Restriction {
             row_pointers.push(column_indices.len());
         }
         column_indices.shrink_to_fit();
-        let target = SparsityPattern::of_checked(rows.len(), columns.len(), row_pointers, column_indices);
+        // Rows and columns that are numbered alike have cells.
+        let cells = source.cells().filter(|_| rows == columns).map(|cells| {
+            let numbers = |unknown: u32, visit: &mut dyn FnMut(u32)| match new_rows[unknown as usize] {
+                DROPPED => (),
+                number => visit(number),
+            };
+            Arc::new(cells.renumbered(numbers))
+        });
+        let (rows, columns) = (rows.len(), columns.len());
+        let target = SparsityPattern::of_checked(rows, columns, row_pointers, column_indices, cells);
         Ok(Self { source: source.clone(), target: Arc::new(target), new_rows, new_columns })
     }
 

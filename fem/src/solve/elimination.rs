@@ -259,7 +259,17 @@ impl Elimination {
             values.extend(entries.iter().map(|entry| entry.1));
             pointers.push(indices.len());
         }
-        let pattern = SparsityPattern::new(count, count, pointers, indices)?;
+        // An unknown that others give stands for them.
+        let cells = matrix.sparsity().cells().map(|cells| {
+            Arc::new(cells.renumbered(|unknown, visit| match numbers[unknown as usize] {
+                usize::MAX => {
+                    let others = terms.get(&(unknown as usize)).into_iter().flatten();
+                    others.for_each(|(number, _)| visit(*number as u32));
+                }
+                number => visit(number as u32),
+            }))
+        });
+        let pattern = SparsityPattern::new(count, count, pointers, indices)?.with_cells(cells)?;
         CsrMatrix::from_pattern(&Arc::new(pattern), values)
     }
 
