@@ -9,6 +9,7 @@ use super::cells::CellBlocks;
 
 mod axes;
 mod halves;
+mod smoothing;
 
 use halves::Halves;
 

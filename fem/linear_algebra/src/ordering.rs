@@ -17,9 +17,9 @@ use super::symbolic::{Fill, column_counts};
 /// Ordering blocks is faster than ordering unknowns and keeps the components of a node together.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Ordering {
-    /// The one of the least symbolic fill among those that are worth trying: the dissection of cells where the pattern knows
-    /// its [`Cells`](super::Cells), minimum degree where it does not or has few blocks, and multilevel nested dissection where the
-    /// factorisation would take twice as long as that, or twenty times as long where cells are known: in 3D, not in 2D.
+    /// The one of the least symbolic fill among those that are worth trying: minimum degree; the dissection of cells where the
+    /// pattern knows its [`Cells`](super::Cells); and multilevel nested dissection where the factorisation would take twice as long
+    /// as that, or twenty times as long where cells are known: in 3D, not in 2D.
     #[default]
     LeastFill,
     /// Approximate minimum degree.
@@ -58,9 +58,6 @@ const DISSECTION_COST: f64 = 36_000.0;
 
 /// Beside a dissection of cells it rarely saves anything, and is tried where it costs a twentieth of the factorisation.
 const BESIDE_CELLS: f64 = 10.0;
-
-/// Patterns of so many blocks are ordered by their cells alone; in smaller ones minimum degree may be better, and costs nothing.
-const BY_CELLS_ALONE: usize = 20_000;
 
 impl Ordering {
     /// Unknowns in the order of their elimination.
@@ -144,8 +141,9 @@ impl Ordering {
         if let Some(cells) = cells {
             found.push(measured("dissection of cells", dissect(graph, cells))?);
         }
-        let compares = *self == Self::LeastFill && graph.blocks() < BY_CELLS_ALONE;
-        if *self != Self::NestedDissection && (cells.is_none() || compares) {
+        // Minimum degree is better where cells are small or lie in no order, and costs little beside a factorisation.
+        let asks_for_cells = *self == Self::CellDissection && cells.is_some();
+        if *self != Self::NestedDissection && !asks_for_cells {
             found.push(measured("minimum degree", minimum_degree(graph)?)?);
         }
         let cost_of_trying = DISSECTION_COST

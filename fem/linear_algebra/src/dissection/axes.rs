@@ -24,14 +24,9 @@ pub(super) fn axes_of<'p>(points: impl Iterator<Item = &'p [f64; 3]> + Clone) ->
     let mut moments = [[0.0; 3]; 3];
     for point in points {
         for i in 0..3 {
-            for j in 0..=i {
+            for j in 0..3 {
                 moments[i][j] += (point[i] - centre[i]) * (point[j] - centre[j]);
             }
-        }
-    }
-    for i in 0..3 {
-        for j in 0..i {
-            moments[j][i] = moments[i][j];
         }
     }
     let extents = [moments[0][0], moments[1][1], moments[2][2]];
@@ -63,15 +58,14 @@ fn diagonalise(matrix: &mut [[f64; 3]; 3]) -> [Axis; 3] {
             let tangent = theta.signum() / (theta.abs() + theta.hypot(1.0));
             let cosine = 1.0 / tangent.hypot(1.0);
             let sine = tangent * cosine;
-            for k in 0..3 {
-                let (a, b) = (matrix[k][p], matrix[k][q]);
-                (matrix[k][p], matrix[k][q]) = (cosine * a - sine * b, sine * a + cosine * b);
+            let turned = |a: f64, b: f64| (cosine * a - sine * b, sine * a + cosine * b);
+            for row in matrix.iter_mut() {
+                (row[p], row[q]) = turned(row[p], row[q]);
             }
-            for k in 0..3 {
-                let (a, b) = (matrix[p][k], matrix[q][k]);
-                (matrix[p][k], matrix[q][k]) = (cosine * a - sine * b, sine * a + cosine * b);
-                let (a, b) = (axes[p][k], axes[q][k]);
-                (axes[p][k], axes[q][k]) = (cosine * a - sine * b, sine * a + cosine * b);
+            for rows in [&mut *matrix, &mut axes] {
+                for k in 0..3 {
+                    (rows[p][k], rows[q][k]) = turned(rows[p][k], rows[q][k]);
+                }
             }
         }
     }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::Part;
 use super::axes::{Axis, axes_of};
+use super::smoothing::Smoothing;
 use crate::cells::CellBlocks;
 
 /// In parts of so few cells one cut is tried alone.
@@ -23,6 +24,7 @@ pub(super) struct Halves<'a, 'c> {
     /// The last count that met a block.
     seen: Vec<u32>,
     counts: u32,
+    smoothing: Smoothing,
 }
 
 /// A way to halve a part.
@@ -46,6 +48,7 @@ impl<'a, 'c> Halves<'a, 'c> {
             separated: vec![false; blocks],
             seen: vec![0; blocks],
             counts: 0,
+            smoothing: Smoothing::new(blocks),
         };
         halves.halve(0..count, Part::ALL);
         halves.parts
@@ -99,7 +102,8 @@ impl<'a, 'c> Halves<'a, 'c> {
         for (place, (_, cell)) in along.iter().enumerate() {
             self.order[range.start + place] = *cell;
         }
-        lower
+        let part = &mut self.order[range.clone()];
+        self.smoothing.smooth(self.cells, &self.separated, part, lower)
     }
 
     /// Cells with their places along an axis.

@@ -100,6 +100,35 @@ fn parts_lie_in_each_other_as_halves_do() {
     assert_eq!((deepest.depth(), deepest.with(first)), (Part::DEEPEST, Part::ALL));
 }
 
+/// A rectangle of 12 × 8 cells, cut at a jagged line and at a straight one.
+#[test]
+fn jagged_cuts_are_smoothed() {
+    let (cells, size) = biquadratic(12, 8, false);
+    let graph = BlockGraph::new(&pattern(&cells, size, &[])).unwrap();
+    let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
+    let blocks = CellBlocks::new(&cells, &graph, &numbers);
+    let in_common = |part: &[u32], lower: usize| {
+        let of = |cells: &[u32]| -> BTreeSet<u32> {
+            cells.iter().flat_map(|cell| blocks.of(*cell)).copied().collect()
+        };
+        of(&part[..lower]).intersection(&of(&part[lower..])).count()
+    };
+    let mut smoothing = smoothing::Smoothing::new(graph.blocks());
+    for (teeth, before) in [([6; 8], 17), ([6, 6, 7, 6, 6, 6, 7, 6], 25), ([5, 6, 6, 6, 7, 6, 6, 6], 23)] {
+        let is_lower = |cell: &u32| *cell as usize % 12 < teeth[*cell as usize / 12];
+        let (mut part, upper): (Vec<u32>, Vec<u32>) = (0..96).partition(is_lower);
+        let lower = part.len();
+        part.extend(upper);
+        part[..lower].sort_by_key(|cell| cell % 12);
+        part[lower..].sort_by_key(|cell| cell % 12);
+        assert_eq!(in_common(&part, lower), before);
+        let lower = smoothing.smooth(&blocks, &vec![false; graph.blocks()], &mut part, lower);
+        assert_eq!(in_common(&part, lower), 17);
+        part.sort_unstable();
+        assert!(part.iter().zip(0..96).all(|(cell, place)| *cell == place));
+    }
+}
+
 #[test]
 fn the_longest_axis_comes_first() {
     let (cosine, sine) = (0.3_f64.cos(), 0.3_f64.sin());
