@@ -211,8 +211,20 @@ impl Elimination {
     /// # Errors
     /// If the matrix has the wrong size.
     pub fn reduce_matrix(&mut self, matrix: &BlockMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
+        self.reduce_matrix_sharing(matrix, None)
+    }
+
+    /// The same with a pattern that the reduced matrix may have, as that of an earlier one; it is shared if so.
+    ///
+    /// # Errors
+    /// As [`Elimination::reduce_matrix`].
+    pub fn reduce_matrix_sharing(
+        &mut self,
+        matrix: &BlockMatrix,
+        known: Option<&Arc<SparsityPattern>>,
+    ) -> Result<CsrMatrix, LinearAlgebraError> {
         if self.relations.is_empty() {
-            return self.restriction(matrix)?.apply(matrix);
+            return self.restriction(matrix, known)?.apply(matrix);
         }
         check_size("the set of rows", self.size, matrix.rows())?;
         check_size("the set of columns", self.size, matrix.columns())?;
@@ -288,15 +300,19 @@ impl Elimination {
                 what: "taking entries out of related unknowns",
             });
         }
-        self.restriction(matrix)?.apply_to_places(matrix, places)
+        self.restriction(matrix, None)?.apply_to_places(matrix, places)
     }
 
-    fn restriction(&mut self, matrix: &BlockMatrix) -> Result<&Restriction, LinearAlgebraError> {
+    fn restriction(
+        &mut self,
+        matrix: &BlockMatrix,
+        known: Option<&Arc<SparsityPattern>>,
+    ) -> Result<&Restriction, LinearAlgebraError> {
         check_size("the set of rows", self.size, matrix.rows())?;
         check_size("the set of columns", self.size, matrix.columns())?;
         let restriction = match self.restriction.take().filter(|restriction| restriction.fits(matrix)) {
             Some(restriction) => restriction,
-            None => Restriction::new(matrix.sparsity(), &self.free, &self.free)?,
+            None => Restriction::sharing(matrix.sparsity(), &self.free, &self.free, known)?,
         };
         Ok(self.restriction.insert(restriction))
     }
