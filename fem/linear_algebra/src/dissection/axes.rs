@@ -63,9 +63,8 @@ fn diagonalise(matrix: &mut [[f64; 3]; 3]) -> [Axis; 3] {
                 (row[p], row[q]) = turned(row[p], row[q]);
             }
             for rows in [&mut *matrix, &mut axes] {
-                for k in 0..3 {
-                    (rows[p][k], rows[q][k]) = turned(rows[p][k], rows[q][k]);
-                }
+                let pairs: [(f64, f64); 3] = std::array::from_fn(|k| turned(rows[p][k], rows[q][k]));
+                (rows[p], rows[q]) = (pairs.map(|(a, _)| a), pairs.map(|(_, b)| b));
             }
         }
     }
