@@ -40,6 +40,7 @@ mod operators_page;
 mod related_adjoint;
 mod separate_crate;
 mod shape_gradient;
+mod solver_orderings;
 mod solver_paths;
 mod split_contact_in_space;
 mod threshold;

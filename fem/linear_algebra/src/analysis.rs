@@ -11,6 +11,15 @@ use super::ordering::{Candidate, Chosen, Ordering, inverse};
 use super::pattern::SparsityPattern;
 use super::symbolic::{Fill, find_supernodes};
 
+/// The lower triangle of the reordered matrix by columns, and where each of its values comes from.
+#[derive(Debug)]
+pub(super) struct LowerTriangle {
+    pub(super) pointers: Vec<u32>,
+    /// Unsorted in a column.
+    pub(super) rows: Vec<u32>,
+    source: Vec<u32>,
+}
+
 /// The symbolic part of a factorisation, from the pattern alone. It is computed once and serves every matrix
 /// with that pattern.
 #[derive(Debug)]
@@ -19,10 +28,8 @@ pub struct Analysis {
     /// Unknown at each place of the elimination order.
     pub(super) order: Vec<u32>,
     candidates: Vec<Candidate>,
-    /// Lower triangle of the reordered matrix by columns, and where each of its values comes from.
-    pub(super) lower_pointers: Vec<u32>,
-    pub(super) lower_rows: Vec<u32>,
-    lower_source: Vec<u32>,
+    /// None where no further matrix is to be factored.
+    lower: Option<LowerTriangle>,
     pub(super) supernodes: SymbolicSupernodalCholesky<u32>,
     fill: Fill,
     seconds: f64,
@@ -43,15 +50,13 @@ impl Analysis {
         }
         let Chosen { order, candidates } = ordering.choose(pattern)?;
         let place = inverse(&order)?;
-        let (lower_pointers, lower_rows, lower_source) = reordered_lower_triangle(pattern, &place);
-        let (supernodes, fill) = find_supernodes(size, &lower_pointers, &lower_rows)?;
+        let lower = LowerTriangle::new(pattern, &place);
+        let (supernodes, fill) = find_supernodes(size, &lower.pointers, &lower.rows)?;
         Ok(Self {
             pattern: pattern.clone(),
             order,
             candidates,
-            lower_pointers,
-            lower_rows,
-            lower_source,
+            lower: Some(lower),
             supernodes,
             fill,
             seconds: start.elapsed().as_secs_f64(),
@@ -104,46 +109,52 @@ impl Analysis {
         Arc::ptr_eq(matrix.pattern(), &self.pattern) || **matrix.pattern() == *self.pattern
     }
 
-    /// Values of the lower triangle of the reordered matrix, by columns.
-    pub(super) fn lower_values(&self, matrix: &CsrMatrix) -> Result<Vec<f64>, LinearAlgebraError> {
-        if !self.fits(matrix) {
+    /// What solves with a factor need, in less memory: no further matrix can be factored on it.
+    pub(super) fn for_solves(self) -> Self {
+        Self { lower: None, ..self }
+    }
+
+    /// The lower triangle of the reordered matrix, with its values.
+    pub(super) fn lower(&self, matrix: &CsrMatrix) -> Result<(&LowerTriangle, Vec<f64>), LinearAlgebraError> {
+        let Some(lower) = self.lower.as_ref().filter(|_| self.fits(matrix)) else {
             return Err(LinearAlgebraError::PatternMismatch { what: "factoring on an earlier analysis" });
-        }
+        };
         let values = matrix.values();
-        Ok(self.lower_source.iter().map(|&source| values[source as usize]).collect())
+        Ok((lower, lower.source.iter().map(|&source| values[source as usize]).collect()))
     }
 }
 
-/// The lower triangle by columns of the matrix whose row `place[i]` is row i of the pattern: column
-/// pointers, rows (unsorted in a column), and the position of each value. Reads the upper triangle.
-fn reordered_lower_triangle(pattern: &SparsityPattern, place: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
-    let size = pattern.rows();
-    let mut pointers = vec![0_u32; size + 1];
-    let upper =
-        |row: usize| pattern.row_range(row).filter(move |&k| pattern.column_indices()[k] as usize >= row);
-    for row in 0..size {
-        for position in upper(row) {
-            let column = pattern.column_indices()[position] as usize;
-            pointers[place[row].min(place[column]) as usize + 1] += 1;
+impl LowerTriangle {
+    /// That of the matrix whose row `place[i]` is row i of the pattern, of which the upper triangle is read.
+    fn new(pattern: &SparsityPattern, place: &[u32]) -> Self {
+        let size = pattern.rows();
+        let mut pointers = vec![0_u32; size + 1];
+        let upper =
+            |row: usize| pattern.row_range(row).filter(move |&k| pattern.column_indices()[k] as usize >= row);
+        for row in 0..size {
+            for position in upper(row) {
+                let column = pattern.column_indices()[position] as usize;
+                pointers[place[row].min(place[column]) as usize + 1] += 1;
+            }
         }
-    }
-    for column in 0..size {
-        pointers[column + 1] += pointers[column];
-    }
-    let mut next = pointers.clone();
-    let mut rows = vec![0_u32; pointers[size] as usize];
-    let mut source = rows.clone();
-    for row in 0..size {
-        for position in upper(row) {
-            let column = pattern.column_indices()[position] as usize;
-            let (a, b) = (place[row], place[column]);
-            let slot = &mut next[a.min(b) as usize];
-            rows[*slot as usize] = a.max(b);
-            source[*slot as usize] = position as u32;
-            *slot += 1;
+        for column in 0..size {
+            pointers[column + 1] += pointers[column];
         }
+        let mut next = pointers.clone();
+        let mut rows = vec![0_u32; pointers[size] as usize];
+        let mut source = rows.clone();
+        for row in 0..size {
+            for position in upper(row) {
+                let column = pattern.column_indices()[position] as usize;
+                let (a, b) = (place[row], place[column]);
+                let slot = &mut next[a.min(b) as usize];
+                rows[*slot as usize] = a.max(b);
+                source[*slot as usize] = position as u32;
+                *slot += 1;
+            }
+        }
+        LowerTriangle { pointers, rows, source }
     }
-    (pointers, rows, source)
 }
 
 #[cfg(test)]
@@ -175,6 +186,13 @@ mod tests {
         let ordered = Analysis::new(star.pattern(), &Ordering::MinimumDegree).unwrap();
         assert_eq!(natural.factor_entries(), 900);
         assert!(ordered.multiplications() < 0.1 * natural.multiplications());
+    }
+
+    #[test]
+    fn what_is_for_solves_alone_factors_nothing() {
+        let chain = chain(20);
+        let analysis = Analysis::new(chain.pattern(), &Ordering::MinimumDegree).unwrap();
+        assert!(analysis.lower(&chain).is_ok() && analysis.for_solves().lower(&chain).is_err());
     }
 
     #[test]

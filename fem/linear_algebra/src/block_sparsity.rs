@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
+use super::cells::Cells;
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;
 
@@ -127,6 +128,7 @@ pub struct BlockSparsity {
     pairs: Vec<BlockRows>,
     entries: usize,
     pattern: OnceLock<Arc<SparsityPattern>>,
+    cells: Option<Arc<Cells>>,
 }
 
 impl PartialEq for BlockSparsity {
@@ -158,11 +160,26 @@ impl BlockSparsity {
                 all.push(pair);
             }
         }
-        let sparsity = BlockSparsity { rows, columns, pairs: all, entries, pattern: OnceLock::new() };
+        let pattern = OnceLock::new();
+        let sparsity = BlockSparsity { rows, columns, pairs: all, entries, pattern, cells: None };
         if u32::try_from(sparsity.row_count().max(sparsity.column_count())).is_err() {
             return Err(LinearAlgebraError::TooLarge { what: "the set of rows or columns" });
         }
         Ok(sparsity)
+    }
+
+    /// The same positions with the cells whose unknowns they couple.
+    ///
+    /// # Errors
+    /// If a cell has an unknown that is none of the rows or columns.
+    pub fn with_cells(self, cells: Cells) -> Result<Self, LinearAlgebraError> {
+        cells.check(self.row_count().min(self.column_count()))?;
+        Ok(BlockSparsity { cells: Some(Arc::new(cells)), ..self })
+    }
+
+    /// The cells whose unknowns are coupled, where they are known.
+    pub fn cells(&self) -> Option<&Arc<Cells>> {
+        self.cells.as_ref()
     }
 
     /// The row sets.
@@ -315,7 +332,9 @@ impl BlockSparsity {
                     }
                 }
             }
-            Arc::new(SparsityPattern::of_checked(self.row_count(), self.column_count(), pointers, indices))
+            let (rows, columns) = (self.row_count(), self.column_count());
+            let cells = self.cells.clone();
+            Arc::new(SparsityPattern::of_checked(rows, columns, pointers, indices, cells))
         })
     }
 }
@@ -331,6 +350,7 @@ impl From<&Arc<SparsityPattern>> for BlockSparsity {
             pairs: vec![pair],
             entries: pattern.entries(),
             pattern: OnceLock::from(pattern.clone()),
+            cells: pattern.cells().cloned(),
         }
     }
 }

@@ -12,7 +12,7 @@ use faer::sparse::linalg::cholesky::supernodal::{self, SupernodalIntranodeLbltRe
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Spec};
 
-use super::analysis::Analysis;
+use super::analysis::{Analysis, LowerTriangle};
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
 use super::singularity::singular_ratio;
@@ -60,7 +60,7 @@ impl SymmetricFactor {
         let mut memory = MemBuffer::try_new(request).map_err(|_| NO_MEMORY)?;
         supernodal::factorize_supernodal_numeric_llt(
             &mut values,
-            lower_matrix(analysis, &lower),
+            lower_matrix(analysis.size(), &lower),
             LltRegularization::default(),
             supernodes,
             Par::Seq,
@@ -123,7 +123,7 @@ impl SymmetricFactor {
             &mut pivoting.below_diagonal,
             &mut pivoting.forward,
             &mut pivoting.backward,
-            lower_matrix(analysis, &lower),
+            lower_matrix(analysis.size(), &lower),
             supernodes,
             Par::Seq,
             MemStack::new(&mut memory),
@@ -224,6 +224,15 @@ impl SymmetricFactor {
         self.seconds
     }
 
+    /// The same factor without what only a further factorisation on its analysis needs, if no other factor shares that.
+    pub fn for_solves(self) -> Self {
+        let analysis = match Arc::try_unwrap(self.analysis) {
+            Ok(own) => Arc::new(own.for_solves()),
+            Err(shared) => shared,
+        };
+        Self { analysis, ..self }
+    }
+
     /// The factor's memory, to be reused.
     pub fn into_storage(self) -> Vec<f64> {
         self.values
@@ -232,14 +241,17 @@ impl SymmetricFactor {
 
 const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the factor" };
 
+/// The reordered lower triangle of a matrix, with its values.
+type Lower<'a> = (&'a LowerTriangle, Vec<f64>);
+
 /// Checks the matrix, gathers its reordered lower triangle and makes room for the factor.
-fn prepare(
-    analysis: &Analysis,
+fn prepare<'a>(
+    analysis: &'a Analysis,
     matrix: &CsrMatrix,
     storage: Vec<f64>,
-) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
+) -> Result<(Lower<'a>, Vec<f64>), LinearAlgebraError> {
     matrix.check_finite()?;
-    let lower = analysis.lower_values(matrix)?;
+    let lower = analysis.lower(matrix)?;
     let mut values = storage;
     values.clear();
     values.try_reserve_exact(analysis.factor_entries()).map_err(|_| NO_MEMORY)?;
@@ -247,16 +259,10 @@ fn prepare(
     Ok((lower, values))
 }
 
-fn lower_matrix<'a>(analysis: &'a Analysis, lower: &'a [f64]) -> SparseColMatRef<'a, u32, f64> {
-    let size = analysis.size();
-    let symbolic = SymbolicSparseColMatRef::new_unsorted_checked(
-        size,
-        size,
-        &analysis.lower_pointers,
-        None,
-        &analysis.lower_rows,
-    );
-    SparseColMatRef::new(symbolic, lower)
+fn lower_matrix<'a>(size: usize, (lower, values): &'a Lower<'_>) -> SparseColMatRef<'a, u32, f64> {
+    let LowerTriangle { pointers, rows, .. } = lower;
+    let symbolic = SymbolicSparseColMatRef::new_unsorted_checked(size, size, pointers, None, rows);
+    SparseColMatRef::new(symbolic, values)
 }
 
 /// Follows the smallest ratio of a pivot to its scale, and stops at one that is zero up to rounding.

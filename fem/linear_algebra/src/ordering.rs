@@ -6,6 +6,8 @@ use faer::sparse::linalg::amd;
 use feral_metis::CscPattern;
 
 use super::block_graph::BlockGraph;
+use super::cells::CellBlocks;
+use super::dissection::dissect;
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;
 use super::symbolic::{Fill, column_counts};
@@ -15,14 +17,17 @@ use super::symbolic::{Fill, column_counts};
 /// Ordering blocks is faster than ordering unknowns and keeps the components of a node together.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Ordering {
-    /// Approximate minimum degree, or nested dissection where its symbolic fill promises a cheaper factorisation. It
-    /// is tried where the factorisation would take twice as long as the dissection: in 3D, not in 2D.
+    /// The one of the least symbolic fill among those that are worth trying: minimum degree; the dissection of cells where the
+    /// pattern knows its [`Cells`](super::Cells); and multilevel nested dissection where the factorisation would take twice as long
+    /// as that, or twenty times as long where cells are known: in 3D, not in 2D.
     #[default]
     LeastFill,
     /// Approximate minimum degree.
     MinimumDegree,
     /// Multilevel nested dissection.
     NestedDissection,
+    /// Nested dissection of cells by their places; minimum degree where the pattern knows no cells.
+    CellDissection,
     /// The unknown to eliminate first, the next, and so on. It should be postordered (descendants in the
     /// elimination tree just before their ancestors), as nested dissection is, or supernodes stay small.
     Given(Vec<u32>),
@@ -31,7 +36,7 @@ pub enum Ordering {
 /// An ordering that was computed, and the fill that it leads to. [`Fill`] is estimated on the graph of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
-    /// "minimum degree", "nested dissection" or "given".
+    /// "minimum degree", "nested dissection", "dissection of cells" or "given".
     pub name: &'static str,
     /// Cost of a Cholesky factorisation in that order; none for a given order.
     pub fill: Option<Fill>,
@@ -50,6 +55,9 @@ pub struct Chosen {
 /// the graph: it has to save half of them to pay. Measured: 0.35 µs per entry of a graph of 10⁶ entries, 1.3 µs where
 /// it leaves the caches; 14 multiplications per ns.
 const DISSECTION_COST: f64 = 36_000.0;
+
+/// Beside a dissection of cells it rarely saves anything, and is tried where it costs a twentieth of the factorisation.
+const BESIDE_CELLS: f64 = 10.0;
 
 impl Ordering {
     /// Unknowns in the order of their elimination.
@@ -71,9 +79,7 @@ impl Ordering {
             let candidates = vec![Candidate { name: "given", fill: None }];
             return Ok(Chosen { order: order.clone(), candidates });
         }
-        let graph = BlockGraph::new(pattern)?;
-        let (order, candidates) = self.of_blocks(&graph)?;
-        Ok(Chosen { order: graph.unknowns_in(&order), candidates })
+        self.choose_with_last(pattern, &[])
     }
 
     /// An order that ends with some unknowns, ascending; the others are ordered as if these were not there.
@@ -99,7 +105,17 @@ impl Ordering {
         let mixed = |block: &usize| is_last[graph.begins[*block]..graph.begins[*block + 1]].contains(&true);
         let kept: Vec<u32> =
             (0..graph.blocks()).filter(|block| !mixed(block)).map(|block| block as u32).collect();
-        let (order, candidates) = self.of_blocks(&graph.restricted(&kept))?;
+        let mut places = vec![u32::MAX; graph.blocks()];
+        kept.iter().zip(0..).for_each(|(block, place)| places[*block as usize] = place);
+        let cells = pattern.cells().map(|cells| CellBlocks::new(cells, &graph, &places));
+        let restricted;
+        let ordered = if last.is_empty() {
+            &graph
+        } else {
+            restricted = graph.restricted(&kept);
+            &restricted
+        };
+        let (order, candidates) = self.of_blocks(ordered, cells.as_ref())?;
         let order: Vec<u32> = order.into_iter().map(|place| kept[place as usize]).collect();
         let mut unknowns = graph.unknowns_in(&order);
         for block in (0..graph.blocks()).filter(mixed) {
@@ -111,20 +127,33 @@ impl Ordering {
     }
 
     /// An order of the blocks of a graph.
-    fn of_blocks(&self, graph: &BlockGraph) -> Result<(Vec<u32>, Vec<Candidate>), LinearAlgebraError> {
+    fn of_blocks(
+        &self,
+        graph: &BlockGraph,
+        cells: Option<&CellBlocks>,
+    ) -> Result<(Vec<u32>, Vec<Candidate>), LinearAlgebraError> {
         let measured = |name, order: Vec<u32>| -> Result<_, LinearAlgebraError> {
             let fill = Some(fill_of(graph, &order)?);
             Ok((Candidate { name, fill }, order))
         };
         let mut found = Vec::new();
-        if *self != Self::NestedDissection {
+        let cells = cells.filter(|_| matches!(self, Self::LeastFill | Self::CellDissection));
+        if let Some(cells) = cells {
+            found.push(measured("dissection of cells", dissect(graph, cells))?);
+        }
+        // Minimum degree is better where cells are small or lie in no order, and costs little beside a factorisation.
+        let asks_for_cells = *self == Self::CellDissection && cells.is_some();
+        if *self != Self::NestedDissection && !asks_for_cells {
             found.push(measured("minimum degree", minimum_degree(graph)?)?);
         }
+        let cost_of_trying = DISSECTION_COST
+            * graph.neighbours.len() as f64
+            * if cells.is_some() { BESIDE_CELLS } else { 1.0 };
         let worth_trying = |(candidate, _): &(Candidate, Vec<u32>)| {
-            let multiplications = candidate.fill.map_or(0.0, |fill| fill.multiplications);
-            multiplications > DISSECTION_COST * graph.neighbours.len() as f64
+            candidate.fill.map_or(0.0, |fill| fill.multiplications) > cost_of_trying
         };
-        if *self == Self::NestedDissection || *self == Self::LeastFill && found.iter().all(worth_trying) {
+        let multilevel = *self == Self::LeastFill && found.iter().all(worth_trying);
+        if *self == Self::NestedDissection || multilevel {
             found.push(measured("nested dissection", nested_dissection(graph)?)?);
         }
         let cost = |candidate: &Candidate| candidate.fill.map_or(f64::INFINITY, |fill| fill.multiplications);

@@ -1,15 +1,30 @@
 //! The sparsity pattern of a compressed-row matrix, shared between matrices.
 
+use std::sync::Arc;
+
+use super::cells::Cells;
 use super::error::{LinearAlgebraError, check_size};
 
-/// Positions of the stored entries, row after row, with strictly ascending columns in each row.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Positions of the stored entries, row after row, with strictly ascending columns in each row. It may know the cells that
+/// they come from, which an [`Ordering`](super::Ordering) gains from; they make no difference between patterns.
+#[derive(Clone, Debug)]
 pub struct SparsityPattern {
     rows: usize,
     columns: usize,
     row_pointers: Vec<usize>,
     column_indices: Vec<u32>,
+    cells: Option<Arc<Cells>>,
 }
+
+impl PartialEq for SparsityPattern {
+    fn eq(&self, other: &Self) -> bool {
+        (self.rows, self.columns) == (other.rows, other.columns)
+            && self.row_pointers == other.row_pointers
+            && self.column_indices == other.column_indices
+    }
+}
+
+impl Eq for SparsityPattern {}
 
 impl SparsityPattern {
     /// A pattern from its parts: `row_pointers` has `rows + 1` entries, row i owns
@@ -54,7 +69,23 @@ impl SparsityPattern {
                 });
             }
         }
-        Ok(Self { rows, columns, row_pointers, column_indices })
+        Ok(Self { rows, columns, row_pointers, column_indices, cells: None })
+    }
+
+    /// The same pattern with the cells whose unknowns it couples; none where they are not known.
+    ///
+    /// # Errors
+    /// If a cell has an unknown that is none of the rows or columns.
+    pub fn with_cells(self, cells: Option<Arc<Cells>>) -> Result<Self, LinearAlgebraError> {
+        if let Some(cells) = &cells {
+            cells.check(self.rows.min(self.columns))?;
+        }
+        Ok(Self { cells, ..self })
+    }
+
+    /// The cells whose unknowns the pattern couples, where they are known. It may couple others as well.
+    pub fn cells(&self) -> Option<&Arc<Cells>> {
+        self.cells.as_ref()
     }
 
     /// A pattern from parts that are known to fit.
@@ -63,8 +94,9 @@ impl SparsityPattern {
         columns: usize,
         row_pointers: Vec<usize>,
         column_indices: Vec<u32>,
+        cells: Option<Arc<Cells>>,
     ) -> Self {
-        SparsityPattern { rows, columns, row_pointers, column_indices }
+        SparsityPattern { rows, columns, row_pointers, column_indices, cells }
     }
 
     /// Number of rows.
@@ -138,7 +170,8 @@ impl SparsityPattern {
                 *slot += 1;
             }
         }
-        Self { rows: self.columns, columns: self.rows, row_pointers, column_indices }
+        let cells = self.cells.clone();
+        Self { rows: self.columns, columns: self.rows, row_pointers, column_indices, cells }
     }
 
     /// Whether (j, i) is stored wherever (i, j) is.

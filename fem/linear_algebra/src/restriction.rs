@@ -45,6 +45,19 @@ impl Restriction {
         rows: &[usize],
         columns: &[usize],
     ) -> Result<Self, LinearAlgebraError> {
+        Self::sharing(source, rows, columns, None)
+    }
+
+    /// The same with a pattern of the submatrices that is known from elsewhere, which is shared if it is theirs.
+    ///
+    /// # Errors
+    /// As [`Restriction::new`].
+    pub fn sharing(
+        source: &Arc<BlockSparsity>,
+        rows: &[usize],
+        columns: &[usize],
+        known: Option<&Arc<SparsityPattern>>,
+    ) -> Result<Self, LinearAlgebraError> {
         check_list("row", "the list of rows", rows, source.row_count())?;
         check_list("column", "the list of columns", columns, source.column_count())?;
         let renumbered = |kept: &[usize], count: usize| {
@@ -56,18 +69,43 @@ impl Restriction {
         };
         let new_rows = renumbered(rows, source.row_count());
         let new_columns = renumbered(columns, source.column_count());
+        let kept_columns = |row: usize, visit: &mut dyn FnMut(&[u32])| {
+            source.visit_row(row, |first, _, width| visit(&new_columns[first..first + width]));
+        };
+        let is_theirs = |known: &&Arc<SparsityPattern>| {
+            (known.rows(), known.columns()) == (rows.len(), columns.len())
+                && rows.iter().enumerate().all(|(number, &row)| {
+                    let (mut rest, mut is_same) = (known.row(number).iter(), true);
+                    kept_columns(row, &mut |new| {
+                        let mut kept = new.iter().filter(|column| **column != DROPPED);
+                        is_same &= kept.all(|column| rest.next() == Some(column));
+                    });
+                    is_same && rest.next().is_none()
+                })
+        };
+        if let Some(known) = known.filter(is_theirs) {
+            return Ok(Self { source: source.clone(), target: known.clone(), new_rows, new_columns });
+        }
         let mut row_pointers = Vec::with_capacity(rows.len() + 1);
         row_pointers.push(0);
         let mut column_indices = Vec::new();
         for &row in rows {
-            source.visit_row(row, |first, _, width| {
-                let kept = new_columns[first..first + width].iter();
-                column_indices.extend(kept.filter(|&&column| column != DROPPED));
+            kept_columns(row, &mut |new| {
+                column_indices.extend(new.iter().filter(|column| **column != DROPPED));
             });
             row_pointers.push(column_indices.len());
         }
         column_indices.shrink_to_fit();
-        let target = SparsityPattern::of_checked(rows.len(), columns.len(), row_pointers, column_indices);
+        // Rows and columns that are numbered alike have cells.
+        let cells = source.cells().filter(|_| rows == columns).map(|cells| {
+            let numbers = |unknown: u32, visit: &mut dyn FnMut(u32)| match new_rows[unknown as usize] {
+                DROPPED => (),
+                number => visit(number),
+            };
+            Arc::new(cells.renumbered(numbers))
+        });
+        let (rows, columns) = (rows.len(), columns.len());
+        let target = SparsityPattern::of_checked(rows, columns, row_pointers, column_indices, cells);
         Ok(Self { source: source.clone(), target: Arc::new(target), new_rows, new_columns })
     }
 
@@ -175,6 +213,17 @@ mod tests {
         assert_eq!(part.values(), [10.0, 12.0, 13.0, 30.0, 32.0, 33.0]);
         let again = restriction.apply(&matrix).unwrap();
         assert!(Arc::ptr_eq(again.pattern(), part.pattern()));
+        let other = dense();
+        let sharing = |columns: &[usize]| {
+            let known = Some(part.pattern());
+            let restriction = Restriction::sharing(other.sparsity(), &[1, 3], columns, known).unwrap();
+            Arc::ptr_eq(restriction.pattern(), part.pattern())
+        };
+        assert!(sharing(&[0, 2, 3]) && sharing(&[1, 2, 3]) && !sharing(&[0, 2]) && !sharing(&[0, 1, 2, 3]));
+        let sparse = BlockMatrix::from(CsrMatrix::from_triplets(4, 4, &[(1, 0, 1.0), (3, 2, 1.0)]).unwrap());
+        let known = Some(part.pattern());
+        let restriction = Restriction::sharing(sparse.sparsity(), &[1, 3], &[0, 2, 3], known).unwrap();
+        assert_eq!(restriction.pattern().column_indices(), [0, 1]);
         assert!(restriction.keeps(&[1, 3], &[0, 2, 3]));
         for (rows, columns) in
             [([1, 2], &[0, 2, 3][..]), ([1, 3], &[0, 2]), ([1, 3], &[0, 1, 3]), ([1, 9], &[0, 2, 3])]

@@ -2,6 +2,7 @@
 //! space; and where element matrices go.
 
 pub(super) mod block_index;
+mod cells;
 pub(super) mod sparsity;
 pub(super) mod touched;
 
@@ -10,6 +11,7 @@ use std::sync::Arc;
 use forms_core::contract::{Form, Role, Side};
 
 use self::block_index::{Across, BlockIndex};
+use self::cells::coupled_cells;
 use self::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::assemble::binding::entities::Entities;
@@ -239,6 +241,7 @@ impl<const D: usize> BlockPattern<D> {
         coupled: Vec<Vec<Coupled>>,
     ) -> Result<Self, LinearAlgebraError> {
         let (mut pairs, mut maps) = (Vec::new(), Vec::new());
+        let cells = coupled_cells(tests, trials, &coupled);
         for (test, coupled) in tests.iter().zip(coupled) {
             let (mut row_of_pairs, mut row_of_maps) = (Vec::new(), Vec::new());
             for (trial, Coupled { cells, mut across, nodes_across, others }) in trials.iter().zip(coupled) {
@@ -280,7 +283,11 @@ impl<const D: usize> BlockPattern<D> {
         let sets = |spaces: &[&Arc<Space<D>>]| {
             NodeSet::in_a_row(spaces.iter().map(|space| (space.node_count(), space.components())))
         };
-        let sparsity = Arc::new(BlockSparsity::new(sets(tests), sets(trials), pairs)?);
+        let sparsity = BlockSparsity::new(sets(tests), sets(trials), pairs)?;
+        let sparsity = match cells {
+            Some(cells) => Arc::new(sparsity.with_cells(cells)?),
+            None => Arc::new(sparsity),
+        };
         let owned = |spaces: &[&Arc<Space<D>>]| spaces.iter().map(|space| Arc::clone(space)).collect();
         Ok(BlockPattern {
             sparsity,

@@ -28,7 +28,9 @@ use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
-use crate::linear_algebra::{Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SymmetricFactor};
+use crate::linear_algebra::{
+    Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SparsityPattern, SymmetricFactor,
+};
 
 /// Entries (i, j) of T − K below this part of √(K_ii K_jj) are rounding: coordinates of about 1000 cell diameters
 /// lose three digits in a cell's Jacobian. If they are not, refinement makes up for it.
@@ -255,7 +257,8 @@ impl CondensedSolver {
         self.report.factorisations += 1;
         self.report.factor_entries = analysis.factor_entries();
         self.report.condensed_unknowns = Some(count);
-        self.condensation = Some(Arc::new(Condensation::new(factor, count)));
+        drop(analysis);
+        self.condensation = Some(Arc::new(Condensation::new(factor.for_solves(), count)));
         Ok(true)
     }
 
@@ -303,6 +306,13 @@ impl LinearSolver for CondensedSolver {
                 self.condense(&additions, Sum::of(matrix))
             }
             _ => self.fall_back(matrix),
+        }
+    }
+
+    fn pattern(&self) -> Option<&Arc<SparsityPattern>> {
+        match &self.linear_part {
+            Some(known) => Some(known.matrix.pattern()),
+            None => self.fallback.pattern(),
         }
     }
 

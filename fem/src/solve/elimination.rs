@@ -211,8 +211,20 @@ impl Elimination {
     /// # Errors
     /// If the matrix has the wrong size.
     pub fn reduce_matrix(&mut self, matrix: &BlockMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
+        self.reduce_matrix_sharing(matrix, None)
+    }
+
+    /// The same with a pattern that the reduced matrix may have, as that of an earlier one; it is shared if so.
+    ///
+    /// # Errors
+    /// As [`Elimination::reduce_matrix`].
+    pub fn reduce_matrix_sharing(
+        &mut self,
+        matrix: &BlockMatrix,
+        known: Option<&Arc<SparsityPattern>>,
+    ) -> Result<CsrMatrix, LinearAlgebraError> {
         if self.relations.is_empty() {
-            return self.restriction(matrix)?.apply(matrix);
+            return self.restriction(matrix, known)?.apply(matrix);
         }
         check_size("the set of rows", self.size, matrix.rows())?;
         check_size("the set of columns", self.size, matrix.columns())?;
@@ -259,7 +271,17 @@ impl Elimination {
             values.extend(entries.iter().map(|entry| entry.1));
             pointers.push(indices.len());
         }
-        let pattern = SparsityPattern::new(count, count, pointers, indices)?;
+        // An unknown that others give stands for them.
+        let cells = matrix.sparsity().cells().map(|cells| {
+            Arc::new(cells.renumbered(|unknown, visit| match numbers[unknown as usize] {
+                usize::MAX => {
+                    let others = terms.get(&(unknown as usize)).into_iter().flatten();
+                    others.for_each(|(number, _)| visit(*number as u32));
+                }
+                number => visit(number as u32),
+            }))
+        });
+        let pattern = SparsityPattern::new(count, count, pointers, indices)?.with_cells(cells)?;
         CsrMatrix::from_pattern(&Arc::new(pattern), values)
     }
 
@@ -278,15 +300,19 @@ impl Elimination {
                 what: "taking entries out of related unknowns",
             });
         }
-        self.restriction(matrix)?.apply_to_places(matrix, places)
+        self.restriction(matrix, None)?.apply_to_places(matrix, places)
     }
 
-    fn restriction(&mut self, matrix: &BlockMatrix) -> Result<&Restriction, LinearAlgebraError> {
+    fn restriction(
+        &mut self,
+        matrix: &BlockMatrix,
+        known: Option<&Arc<SparsityPattern>>,
+    ) -> Result<&Restriction, LinearAlgebraError> {
         check_size("the set of rows", self.size, matrix.rows())?;
         check_size("the set of columns", self.size, matrix.columns())?;
         let restriction = match self.restriction.take().filter(|restriction| restriction.fits(matrix)) {
             Some(restriction) => restriction,
-            None => Restriction::new(matrix.sparsity(), &self.free, &self.free)?,
+            None => Restriction::sharing(matrix.sparsity(), &self.free, &self.free, known)?,
         };
         Ok(self.restriction.insert(restriction))
     }

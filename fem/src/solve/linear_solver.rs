@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::condensed_solver::CondensedSystem;
 use super::solver_report::SolverReport;
 use crate::linear_algebra::{
-    CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, Transpose,
+    CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern,
+    Transpose,
 };
 
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
@@ -56,6 +57,11 @@ pub trait LinearSolver {
     /// does not see to it, affine problems look at each solution themselves.
     fn judges_equations(&self) -> bool {
         false
+    }
+
+    /// The pattern that the solver keeps of earlier matrices: one with the same entries takes less memory if it shares it.
+    fn pattern(&self) -> Option<&Arc<SparsityPattern>> {
+        None
     }
 
     /// The solver's account of itself, where it keeps one.

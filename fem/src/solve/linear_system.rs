@@ -100,7 +100,8 @@ pub(super) fn solve_reduced(
     solver: &mut dyn LinearSolver,
     transpose: Transpose,
 ) -> Result<LinearSolution, SolverError> {
-    solver.set_matrix(elimination.reduce_matrix(matrix)?)?;
+    let known = solver.pattern().cloned();
+    solver.set_matrix(elimination.reduce_matrix_sharing(matrix, known.as_ref())?)?;
     solver.solve_with(load, 0.0, transpose)
 }
 

@@ -16,7 +16,7 @@ use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, ConditionEstimate, CsrMatrix, Ordering, SymmetricFactor, condition_estimate,
+    Analysis, ConditionEstimate, CsrMatrix, Ordering, SparsityPattern, SymmetricFactor, condition_estimate,
 };
 use crate::threads::Threads;
 
@@ -310,6 +310,10 @@ impl LinearSolver for TangentSolver {
             (self.matrix, self.scaled) = (None, None);
         }
         result
+    }
+
+    fn pattern(&self) -> Option<&Arc<SparsityPattern>> {
+        self.analysis.as_ref().map(|analysis| analysis.pattern())
     }
 
     fn report(&self) -> Option<SolverReport> {

@@ -1,0 +1,112 @@
+//! Cells that couple a matrix's unknowns, and the places where they are.
+
+use super::block_graph::BlockGraph;
+use super::error::LinearAlgebraError;
+
+/// Cells whose unknowns a matrix couples with each other, with their centres: what a nested dissection by places has to
+/// know. Unknowns may belong to several cells or to none, and a matrix may couple unknowns that no cell has in common.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cells {
+    /// Coordinates \[length\], zero beyond the dimension.
+    centres: Vec<[f64; 3]>,
+    /// End of each cell's unknowns.
+    ends: Vec<usize>,
+    unknowns: Vec<u32>,
+}
+
+impl Cells {
+    /// Adds a cell with the coordinates of its centre \[length\], zero beyond the dimension, and its unknowns.
+    pub fn add(&mut self, centre: [f64; 3], unknowns: impl IntoIterator<Item = u32>) {
+        self.centres.push(centre);
+        self.unknowns.extend(unknowns);
+        self.ends.push(self.unknowns.len());
+    }
+
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Centre of each cell \[length\], zero beyond the dimension.
+    pub fn centres(&self) -> &[[f64; 3]] {
+        &self.centres
+    }
+
+    /// Unknowns of a cell. Panics if there is no such cell, as indexing does.
+    pub fn unknowns(&self, cell: usize) -> &[u32] {
+        let start = if cell == 0 { 0 } else { self.ends[cell - 1] };
+        &self.unknowns[start..self.ends[cell]]
+    }
+
+    /// The same cells with other numbers for their unknowns: `visit` is called with an unknown and with a function that takes
+    /// each number that stands in its place, of which there may be several or none.
+    pub fn renumbered(&self, numbers: impl Fn(u32, &mut dyn FnMut(u32))) -> Self {
+        let mut cells = Cells { centres: self.centres.clone(), ..Cells::default() };
+        cells.unknowns.reserve(self.unknowns.len());
+        for cell in 0..self.count() {
+            for &unknown in self.unknowns(cell) {
+                numbers(unknown, &mut |number| cells.unknowns.push(number));
+            }
+            cells.ends.push(cells.unknowns.len());
+        }
+        cells
+    }
+
+    /// An error unless all unknowns are among so many.
+    pub(super) fn check(&self, size: usize) -> Result<(), LinearAlgebraError> {
+        match self.unknowns.iter().find(|unknown| **unknown as usize >= size) {
+            Some(&index) => Err(LinearAlgebraError::IndexOutOfRange {
+                what: "unknown of a cell",
+                index: index as usize,
+                size,
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The blocks of cells, each once.
+pub(super) struct CellBlocks<'a> {
+    pub(super) centres: &'a [[f64; 3]],
+    /// Starts of the cells' blocks, and their end.
+    starts: Vec<usize>,
+    blocks: Vec<u32>,
+}
+
+impl<'a> CellBlocks<'a> {
+    /// The blocks of a graph in cells of its unknowns. Those that are left out are marked with [`u32::MAX`] in the list of
+    /// the blocks' numbers.
+    pub(super) fn new(cells: &'a Cells, graph: &BlockGraph, numbers: &[u32]) -> Self {
+        let mut of_unknown = vec![u32::MAX; graph.begins[graph.blocks()]];
+        for (ends, number) in graph.begins.windows(2).zip(numbers) {
+            of_unknown[ends[0]..ends[1]].fill(*number);
+        }
+        let mut found = CellBlocks { centres: &cells.centres, starts: vec![0], blocks: vec![] };
+        let mut own: Vec<u32> = vec![];
+        for cell in 0..cells.count() {
+            own.clear();
+            for &unknown in cells.unknowns(cell) {
+                let block = of_unknown[unknown as usize];
+                if block != u32::MAX && own.last() != Some(&block) {
+                    own.push(block);
+                }
+            }
+            own.sort_unstable();
+            own.dedup();
+            found.blocks.extend_from_slice(&own);
+            found.starts.push(found.blocks.len());
+        }
+        found
+    }
+
+    /// Number of cells.
+    pub(super) fn count(&self) -> usize {
+        self.centres.len()
+    }
+
+    /// Blocks of a cell, ascending.
+    #[inline]
+    pub(super) fn of(&self, cell: u32) -> &[u32] {
+        &self.blocks[self.starts[cell as usize]..self.starts[cell as usize + 1]]
+    }
+}

@@ -1,0 +1,185 @@
+//! Halves of cells, of nearly equal numbers, with few blocks in common.
+
+use std::ops::Range;
+
+use super::Part;
+use super::axes::{Axis, axes_of};
+use super::smoothing::Smoothing;
+use crate::cells::CellBlocks;
+
+/// In parts of so few cells one cut is tried alone.
+const SMALL: usize = 30;
+/// A cut has at least this part of the cells on each side.
+const LEAST: f64 = 0.4;
+
+/// The state of the halving.
+pub(super) struct Halves<'a, 'c> {
+    cells: &'a CellBlocks<'c>,
+    /// The cells, those of each part side by side.
+    order: Vec<u32>,
+    /// Of each cell its smallest part.
+    parts: Vec<Part>,
+    /// Blocks that the halves of some larger part have in common.
+    separated: Vec<bool>,
+    /// The last count that met a block.
+    seen: Vec<u32>,
+    counts: u32,
+    smoothing: Smoothing,
+}
+
+/// A way to halve a part.
+struct Cut {
+    /// The cells with their places along an axis, the lower half first.
+    along: Vec<(f64, u32)>,
+    /// Number of cells of the lower half.
+    lower: usize,
+    /// The lower, the better.
+    cost: f64,
+}
+
+impl<'a, 'c> Halves<'a, 'c> {
+    /// The smallest part of each cell.
+    pub(super) fn of_all(cells: &'a CellBlocks<'c>, blocks: usize) -> Vec<Part> {
+        let count = cells.count();
+        let mut halves = Halves {
+            cells,
+            order: (0..count as u32).collect(),
+            parts: vec![Part::ALL; count],
+            separated: vec![false; blocks],
+            seen: vec![0; blocks],
+            counts: 0,
+            smoothing: Smoothing::new(blocks),
+        };
+        halves.halve(0..count, Part::ALL);
+        halves.parts
+    }
+
+    fn halve(&mut self, range: Range<usize>, part: Part) {
+        if range.len() < 2 || part.depth() == Part::DEEPEST {
+            for cell in &self.order[range] {
+                self.parts[*cell as usize] = part;
+            }
+            return;
+        }
+        let middle = range.start + self.cut(&range);
+        let (lower, upper) = (range.start..middle, middle..range.end);
+        self.common(lower.clone(), upper.clone(), |separated| {
+            *separated = true;
+            true
+        });
+        let parts = part.halves();
+        self.halve(lower, parts[0]);
+        self.halve(upper, parts[1]);
+    }
+
+    /// Puts the cells of the lower half first, and gives their number.
+    fn cut(&mut self, range: &Range<usize>) -> usize {
+        let cells = &self.order[range.clone()];
+        let axes = axes_of(cells.iter().map(|cell| &self.cells.centres[*cell as usize]));
+        let mut best: Option<Cut> = None;
+        for axis in axes {
+            let mut along = self.along(range, &axis);
+            let [middle, gap] = cuts(&mut along);
+            if range.len() <= SMALL {
+                best = Some(Cut { along, lower: gap, cost: 0.0 });
+                break;
+            }
+            for (place, (_, cell)) in along.iter().enumerate() {
+                self.order[range.start + place] = *cell;
+            }
+            let mut least = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
+            let mut found = None;
+            for lower in [Some(middle), Some(gap).filter(|gap| *gap != middle)].into_iter().flatten() {
+                if let Some(cost) = self.cost_below(least, range, lower) {
+                    (least, found) = (cost, Some(lower));
+                }
+            }
+            if let Some(lower) = found {
+                best = Some(Cut { along, lower, cost: least });
+            }
+        }
+        let Some(Cut { along, lower, .. }) = best else { return range.len() / 2 };
+        for (place, (_, cell)) in along.iter().enumerate() {
+            self.order[range.start + place] = *cell;
+        }
+        let part = &mut self.order[range.clone()];
+        self.smoothing.smooth(self.cells, &self.separated, part, lower)
+    }
+
+    /// Cells with their places along an axis.
+    fn along(&self, range: &Range<usize>, axis: &Axis) -> Vec<(f64, u32)> {
+        let place = |cell: &u32| {
+            let centre = &self.cells.centres[*cell as usize];
+            (0..3).map(|i| axis[i] * centre[i]).sum()
+        };
+        self.order[range.clone()].iter().map(|cell| (place(cell), *cell)).collect()
+    }
+
+    /// The number of blocks in common, more where the halves differ in size; none if it is not below a bound.
+    fn cost_below(&mut self, bound: f64, range: &Range<usize>, lower: usize) -> Option<f64> {
+        let middle = range.start + lower;
+        let weight = 1.0 + 2.0 * (lower as f64 / range.len() as f64 - 0.5).abs();
+        let mut cost = 0.0;
+        let is_below = self.common(range.start..middle, middle..range.end, |_| {
+            cost += weight;
+            cost < bound
+        });
+        is_below.then_some(cost)
+    }
+
+    /// Visits the marks of the blocks that two sets of cells have in common and no larger part's halves have, as long as it is told to go
+    /// on: whether it was to the end.
+    fn common(
+        &mut self,
+        lower: Range<usize>,
+        upper: Range<usize>,
+        mut visit: impl FnMut(&mut bool) -> bool,
+    ) -> bool {
+        let (one, both) = (self.counts + 1, self.counts + 2);
+        self.counts = both;
+        for cell in &self.order[lower] {
+            for block in self.cells.of(*cell) {
+                self.seen[*block as usize] = one;
+            }
+        }
+        for cell in &self.order[upper] {
+            for block in self.cells.of(*cell) {
+                let (seen, separated) =
+                    (&mut self.seen[*block as usize], &mut self.separated[*block as usize]);
+                if *seen == one && !*separated {
+                    *seen = both;
+                    if !visit(separated) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Numbers of cells of the lower half, for a cut in the middle and for one in the widest gap near it. The cells are put in an order
+/// that serves both.
+fn cuts(along: &mut [(f64, u32)]) -> [usize; 2] {
+    let count = along.len();
+    let by_place = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    let first = ((LEAST * count as f64) as usize).max(1) - 1;
+    let last = count - first;
+    along.select_nth_unstable_by(first, by_place);
+    if last < count {
+        along[first..].select_nth_unstable_by(last - first, by_place);
+    }
+    let window = &mut along[first..last];
+    window.sort_unstable_by(by_place);
+    let middle = count / 2;
+    let (mut gap, mut widest) = (middle, 0.0);
+    for place in first + 1..last {
+        let width = along[place].0 - along[place - 1].0;
+        // Of gaps of one width, up to rounding, the one nearest to the middle.
+        let nearer = place.abs_diff(middle) < gap.abs_diff(middle);
+        if width > widest * (1.0 + 1e-6) || width > widest * (1.0 - 1e-6) && nearer {
+            (gap, widest) = (place, width);
+        }
+    }
+    [middle, gap]
+}
