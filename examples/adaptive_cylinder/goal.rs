@@ -10,10 +10,12 @@ use forms_fem::output::picture::{MeshDrawing, Picture};
 use forms_fem::output::{StandardOutput, tell};
 use forms_fem::prelude::*;
 
-use crate::states::{Direct, FIRST, mesh};
+use crate::states::{Direct, FIRST, Marking, Variant, mesh};
 use crate::{Options, Outcome};
 
-/// Unknowns of the meshes by which the error of J is known, over those of the last mesh of the table.
+/// Unknowns of the last mesh on which η is beside the error of J, over those of the option.
+const SHOWN: usize = 2;
+/// Unknowns of the mesh by which that error is known, over those of the option.
 const FINER: usize = 5;
 
 /// Prints the meshes for J until |η| is within the tolerance, and uniform ones, with seconds by the clock: from the first mesh on, and
@@ -25,7 +27,7 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
             out.line(format!("| {name} | {unknowns} | {goal:.8} | {:.2e} | {seconds:.2} |", estimate / goal));
         };
     let solve = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<AdaptiveSolution<2>> {
-        Direct::solve(mesh, options.theta, options.contact_facets, before)?.goal()
+        Direct::solve(mesh, &options.variant(), before)?.goal(Marking::Goal)
     };
     let coarse = solve(&Arc::new(mesh(FIRST)?), None)?;
     let scale = coarse.goal.ok_or("no goal")?.abs();
@@ -55,25 +57,34 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
     Ok(())
 }
 
-/// Prints η beside the error of J on meshes of one body: its outline stays that of the first mesh, which η does not see. J is that
-/// of a finer mesh of the series, with its η.
+/// Prints η beside the error of J on meshes of one body: its outline stays that of the first mesh, which η does not see. Meshes are
+/// marked for J and for p. J is that of a finer mesh of the series, with its η; beside η stands what J of degree 3 on the same mesh
+/// would know of the error.
 pub fn effectivity(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
-    out.line("\n| θ | unknowns | J − J_h | η / (J − J_h) |\n| --- | --- | --- | --- |");
+    out.line("\n| θ | unknowns | J − J_h | η / (J − J_h) | (J₃ − J_h) / (J − J_h) |\n| --- | --- | --- | --- | --- |");
     for theta in [-1.0, 0.0, 1.0] {
+        let variant = Variant { theta, gamma0_over_young: options.gamma0, facets: options.contact_facets };
+        let mut of_degree_3 = vec![];
         let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
-            Direct::solve(mesh, theta, options.contact_facets, before)?.goal()
+            let direct = Direct::solve(mesh, &variant, before)?;
+            if direct.u.space().unknowns() <= SHOWN * options.unknowns {
+                of_degree_3.push(direct.goal_of_degree_3()?);
+            }
+            direct.goal(Marking::GoalAndAdjoint)
         };
         let cycle = Adaptation::to_unknowns(FINER * options.unknowns);
         let adapted = cycle.run(mesh(FIRST)?, on_mesh, |step| tell(format!("theta = {theta}, {step}")))?;
         let finest = adapted.steps.last().ok_or("no mesh")?;
         let exact = finest.goal.ok_or("no goal")? + finest.estimate;
-        for step in adapted.steps.iter().filter(|step| step.unknowns <= options.unknowns) {
-            let error = exact - step.goal.ok_or("no goal")?;
-            let quotient = step.estimate / error;
-            out.line(format!("| {theta} | {} | {error:.3e} | {quotient:.4} |", step.unknowns));
+        for (step, [richer, _]) in adapted.steps.iter().zip(&of_degree_3) {
+            let goal = step.goal.ok_or("no goal")?;
+            let error = exact - goal;
+            let (quotient, known) = (step.estimate / error, (richer - goal) / error);
+            out.line(format!("| {theta} | {} | {error:.3e} | {quotient:.4} | {known:.4} |", step.unknowns));
         }
+        let required = of_degree_3.iter().map(|[_, required]| *required).fold(0.0, f64::max);
         out.line(format!(
-            "| {theta} | {} | J = {exact:.8} | η / J = {:.1e} |",
+            "| {theta} | {} | J = {exact:.8} | η / J = {:.1e} | γ₀ > {required:.1} E in degree 3 |",
             finest.unknowns,
             finest.estimate / exact
         ));

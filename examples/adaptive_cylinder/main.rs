@@ -11,11 +11,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use forms_contact::hollow_cylinder::Settings;
 use forms_examples::command_line::program_with_options;
 use forms_fem::output::StandardOutput;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
 
-use states::ContactFacets;
+use states::{ContactFacets, Variant};
 use study::{Meshes, Reference, Row, series};
 
 /// Errors of writing files have no common type.
@@ -38,12 +39,23 @@ struct Options {
     /// |η| within this part of J ends the adaptive meshes for J
     #[arg(long, default_value_t = 1e-6)]
     tolerance: f64,
-    /// The integration of J's problem over contact facets
-    #[arg(long, value_enum, default_value_t = ContactFacets::Whole)]
+    /// γ₀ of the meshes on which η is beside the error of J, in units of Young's modulus; all else has 10
+    #[arg(long, value_name = "N", default_value_t = 40.0)]
+    gamma0: f64,
+    /// The integration over contact facets
+    #[arg(long, value_enum, default_value_t = ContactFacets::Split)]
     contact_facets: ContactFacets,
     /// Directory of the pictures; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_cylinder")]
     out: PathBuf,
+}
+
+impl Options {
+    /// The variant whose states are computed.
+    fn variant(&self) -> Variant {
+        let gamma0_over_young = Settings::default().gamma0_over_young;
+        Variant { theta: self.theta, gamma0_over_young, facets: self.contact_facets }
+    }
 }
 
 const QUANTITIES: [&str; 4] = ["u (14)", "p (22)", "p (21)", "p (41)"];
@@ -79,7 +91,7 @@ fn table(out: &mut StandardOutput, name: &str, rows: &[Row]) {
 fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     // Two references: their difference says how far the last one can be trusted.
     let (mut earlier, mut fine) = (None, None);
-    let shown = series(Meshes::ForBoth, options.theta, options.reference, |states| {
+    let shown = series(Meshes::ForBoth, options, options.reference, |states| {
         earlier = fine.take();
         fine = Some(states);
         Ok(())
@@ -100,7 +112,7 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         [("uniform", Meshes::Uniform), ("for u", Meshes::ForDisplacement), ("for p", Meshes::ForAdjoint)]
     {
         let mut rows = vec![];
-        series(meshes, options.theta, options.unknowns, |states| {
+        series(meshes, options, options.unknowns, |states| {
             rows.push(reference.errors(&states)?);
             Ok(())
         })?;

@@ -3,8 +3,11 @@
 use std::sync::Arc;
 
 use clap::ValueEnum;
-use forms_contact::hollow_cylinder::{CONTACT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on};
+use forms_contact::hollow_cylinder::{
+    CONTACT, CONTACT_CELLS, IMPOSED_DISPLACEMENT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on,
+};
 use forms_contact::residual_estimator::{consistent_adjoint, dual_weighted, frictionless};
+use forms_contact::threshold::required_gamma0;
 use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::adaptivity::{AdaptiveSolution, ErrorEstimate};
 use forms_fem::mesh::{AdaptiveMesh, onto_sphere};
@@ -23,6 +26,7 @@ pub fn mesh(radial: usize) -> Outcome<Mesh<2>> {
     let mut mesh = annulus(INNER_RADIUS, OUTER_RADIUS, radial, 16 * radial, CellShape::Triangle, 2)?;
     mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0)?;
     mesh.name_facets(FREE, "outer", |centre| centre[1] >= 0.0)?;
+    mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
     Ok(mesh)
 }
 
@@ -41,12 +45,33 @@ pub enum ContactFacets {
     Split,
 }
 
+/// A variant of Nitsche's method.
+#[derive(Clone, Copy, Debug)]
+pub struct Variant {
+    /// θ.
+    pub theta: f64,
+    /// γ₀ in units of Young's modulus.
+    pub gamma0_over_young: f64,
+    /// The quadrature on Γ_C.
+    pub facets: ContactFacets,
+}
+
+/// The estimates by which cells are marked for J.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Marking {
+    /// That of J alone.
+    Goal,
+    /// That of J and that of p of (22), each over its sum.
+    GoalAndAdjoint,
+}
+
 /// The displacement on a mesh.
 pub struct Direct {
     /// The problem.
     pub problem: ContactProblem<2>,
     /// u_h of (14).
     pub u: Field<2>,
+    facets: ContactFacets,
     solver: CondensedSolver,
 }
 
@@ -58,24 +83,17 @@ pub struct States {
 
 impl Direct {
     /// Solves (14), from the displacement on the mesh before where there is one.
-    pub fn solve(
-        mesh: &Arc<Mesh<2>>,
-        theta: f64,
-        facets: ContactFacets,
-        before: Option<&Field<2>>,
-    ) -> Outcome<Direct> {
-        let whole = hollow_cylinder_on(mesh, &Settings { theta, ..Settings::default() })?;
-        let problem = match facets {
-            ContactFacets::Whole => whole,
-            ContactFacets::Split => whole.with_split_facets(),
-        };
+    pub fn solve(mesh: &Arc<Mesh<2>>, variant: &Variant, before: Option<&Field<2>>) -> Outcome<Direct> {
+        let Variant { theta, gamma0_over_young, facets } = *variant;
+        let settings = Settings { theta, gamma0_over_young, ..Settings::default() };
+        let problem = integrated(hollow_cylinder_on(mesh, &settings)?, facets);
         let mut solver = CondensedSolver::default();
         let start = match before {
             Some(before) => before.onto(&problem.space).interpolated()?,
             None => Field::zero(&problem.space),
         };
         let u = problem.direct()?.start(&start).solver(&mut solver).solve()?.into_field();
-        Ok(Direct { problem, u, solver })
+        Ok(Direct { problem, u, facets, solver })
     }
 
     /// Solves for an adjoint state.
@@ -98,27 +116,53 @@ impl Direct {
     }
 
     /// The estimated error of p of (22).
-    pub fn adjoint_error(&self, p: &Field<2>) -> Outcome<ErrorEstimate> {
+    pub fn adjoint_error(&mut self) -> Outcome<ErrorEstimate> {
+        let p = self.adjoint(Adjoint::Consistent)?;
         let regions = consistent_adjoint::Regions::default().gamma_n(FREE).gamma_c(CONTACT);
         let model = consistent_adjoint::Model { data: self.problem.law.data.clone(), regions };
-        Ok(ErrorEstimate::residual(&self.problem.assembler, &model.squared(&self.u, p))?)
+        Ok(ErrorEstimate::residual(&self.problem.assembler, &model.squared(&self.u, &p))?)
+    }
+
+    /// The same problem in degree 3.
+    fn richer(&self) -> Outcome<ContactProblem<2>> {
+        let space = Space::vector(self.u.space().mesh(), 3)?;
+        let mut held = Constraints::new(&space);
+        held.fix("inner", |_| IMPOSED_DISPLACEMENT)?;
+        let (assembler, law) = (self.problem.assembler.clone(), self.problem.law.clone());
+        Ok(integrated(ContactProblem::new(assembler, &space, law, held)?, self.facets))
     }
 
     /// J, and its error by p of (21) in degree 3.
-    pub fn goal(self) -> Outcome<AdaptiveSolution<2>> {
-        let Direct { problem, u, .. } = self;
-        let higher = Space::vector(u.space().mesh(), 3)?;
-        let mut held = Constraints::new(&higher);
-        held.fix("inner", |_| [0.0; 2])?;
-        let form = problem.law.discrete_adjoint(&u);
-        let assembler = problem.assembler_at(&u)?;
-        let mut adjoint = Problem::new(&form, &higher).assembler(&assembler).vanishing(&held);
-        let p = adjoint.solve()?.into_field();
+    pub fn goal(mut self, marking: Marking) -> Outcome<AdaptiveSolution<2>> {
+        let richer = self.richer()?;
+        let p = richer.state(self.problem.law.discrete_adjoint(&self.u), &self.u)?.solve()?.into_field();
         let regions = dual_weighted::Regions::default().gamma_n(FREE).gamma_c(CONTACT);
-        let model = dual_weighted::Model { data: problem.law.data.clone(), regions };
-        let localised = |z: &Field<2>| model.localised(&u, z);
-        let estimate = ErrorEstimate::dual_weighted(&assembler, &p, &problem.space, localised)?;
-        let goal = problem.criterion(&u)?;
-        Ok(AdaptiveSolution::new(u.clone(), estimate).with_goal(goal))
+        let model = dual_weighted::Model { data: self.problem.law.data.clone(), regions };
+        let localised = |z: &Field<2>| model.localised(&self.u, z);
+        let assembler = self.problem.assembler_at(&self.u)?;
+        let mut estimate = ErrorEstimate::dual_weighted(&assembler, &p, &self.problem.space, localised)?;
+        if marking == Marking::GoalAndAdjoint {
+            estimate = estimate.marking_also_by(&self.adjoint_error()?)?;
+        }
+        let goal = self.problem.criterion(&self.u)?;
+        Ok(AdaptiveSolution::new(self.u, estimate).with_goal(goal))
+    }
+
+    /// J of u in degree 3 on the same mesh, and the γ₀ in units of Young's modulus below which (14) need not be well posed there.
+    pub fn goal_of_degree_3(&self) -> Outcome<[f64; 2]> {
+        let richer = self.richer()?;
+        let start = self.u.onto(&richer.space).interpolated()?;
+        let mut solver = CondensedSolver::default();
+        let u = richer.direct()?.start(&start).solver(&mut solver).solve()?.into_field();
+        let required = required_gamma0(&richer, CONTACT_CELLS)? / Settings::default().young;
+        Ok([richer.criterion(&u)?, required])
+    }
+}
+
+/// A problem with an integration over Γ_C.
+fn integrated(problem: ContactProblem<2>, facets: ContactFacets) -> ContactProblem<2> {
+    match facets {
+        ContactFacets::Whole => problem,
+        ContactFacets::Split => problem.with_split_facets(),
     }
 }

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use forms_contact::Adjoint;
 use forms_fem::mesh::{AdaptiveMesh, doerfler};
 use forms_fem::norms::{Comparison, Norms, norms};
 use forms_fem::output::tell;
 use forms_fem::prelude::*;
 
-use crate::Outcome;
-use crate::states::{ContactFacets, Direct, FIRST, States, mesh, refined};
+use crate::states::{Direct, FIRST, States, mesh, refined};
+use crate::{Options, Outcome};
 
 /// Degree of the rule on the reference mesh.
 const DEGREE: usize = 5;
@@ -39,7 +38,7 @@ pub struct Row {
 /// Solves on a series of meshes up to a number of unknowns, and hands over the states on each.
 pub fn series(
     meshes: Meshes,
-    theta: f64,
+    options: &Options,
     unknowns: usize,
     mut each: impl FnMut(States) -> Outcome<()>,
 ) -> Outcome<Arc<Mesh<2>>> {
@@ -50,30 +49,24 @@ pub fn series(
             Meshes::Uniform => Arc::new(mesh(radial)?),
             _ => adaptive.mesh().clone(),
         };
-        let mut direct = Direct::solve(&current, theta, ContactFacets::Whole, before.as_ref())?;
+        let mut direct = Direct::solve(&current, &options.variant(), before.as_ref())?;
         let count = direct.u.space().unknowns();
-        tell(format!("{meshes:?}, theta = {theta}: {count} unknowns"));
-        let mut relative = vec![0.0; current.cell_count()];
-        let mut add = |estimate: &forms_fem::adaptivity::ErrorEstimate| {
-            let sum: f64 = estimate.indicators().iter().sum();
-            relative.iter_mut().zip(estimate.indicators()).for_each(|(all, one)| *all += one / sum);
+        tell(format!("{meshes:?}, theta = {}: {count} unknowns", options.theta));
+        let estimate = match meshes {
+            Meshes::Uniform => None,
+            Meshes::ForDisplacement => Some(direct.error()?),
+            Meshes::ForAdjoint => Some(direct.adjoint_error()?),
+            Meshes::ForBoth => Some(direct.error()?.marking_also_by(&direct.adjoint_error()?)?),
         };
-        if matches!(meshes, Meshes::ForDisplacement | Meshes::ForBoth) {
-            add(&direct.error()?);
-        }
-        if matches!(meshes, Meshes::ForAdjoint | Meshes::ForBoth) {
-            let p = direct.adjoint(Adjoint::Consistent)?;
-            add(&direct.adjoint_error(&p)?);
-        }
         let states = direct.states()?;
         before = Some(states.fields[0].clone());
         each(states)?;
         if count >= unknowns {
             return Ok(current);
         }
-        match meshes {
-            Meshes::Uniform => radial *= 2,
-            _ => adaptive = refined(&adaptive, &doerfler(&relative, 0.5)?)?,
+        match estimate {
+            None => radial *= 2,
+            Some(estimate) => adaptive = refined(&adaptive, &doerfler(estimate.indicators(), 0.5)?)?,
         }
     }
 }

@@ -11,12 +11,12 @@ use std::sync::Arc;
 
 use clap::{Parser, ValueEnum};
 use forms_contact::hertz::{
-    Body, CYLINDER_PRESSED, FREE, Hertz, QUARTER_PRESSED, body_on, cylinder_mesh, cylinder_on, estimate,
-    onto_body, quarter_mesh,
+    Body, CYLINDER_PRESSED, FREE, Hertz, QUARTER_PRESSED, RADIUS, body_on, cylinder_mesh, cylinder_on,
+    estimate, onto_body, quarter_mesh,
 };
 use forms_examples::command_line::program_with_options;
 use forms_examples::memory::peak_megabytes;
-use forms_fem::adaptivity::{Adaptation, AdaptiveSolution};
+use forms_fem::adaptivity::{Adaptation, AdaptiveSolution, ErrorEstimate};
 use forms_fem::output::StandardOutput;
 use forms_fem::output::picture::{Curve, LinePlot, MeshDrawing, Picture, Scale};
 use forms_fem::prelude::*;
@@ -57,6 +57,9 @@ struct Options {
     /// The method for Newton's linear systems
     #[arg(long, value_enum, default_value_t = LinearMethod::Condensed)]
     linear: LinearMethod,
+    /// Marks cells by η_T²/r², too, r the distance from the point that touches first: for the pressure there
+    #[arg(long)]
+    near_axis: bool,
     /// Directory of the pictures; made where it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_hertz")]
     out: PathBuf,
@@ -73,6 +76,24 @@ impl Options {
 /// The rows of uniform meshes and of adaptive ones.
 type Series = [Vec<Row>; 2];
 
+/// The estimate by which cells are marked.
+fn marked<const D: usize>(
+    estimate: ErrorEstimate,
+    mesh: &Mesh<D>,
+    options: &Options,
+) -> Outcome<ErrorEstimate> {
+    if !options.near_axis {
+        return Ok(estimate);
+    }
+    let weighted = |(cell, square): (usize, &f64)| {
+        let mut from_apex = mesh.cell_centre(cell);
+        from_apex[D - 1] += RADIUS;
+        square / from_apex.iter().map(|x| x * x).sum::<f64>()
+    };
+    let squares: Vec<f64> = estimate.indicators().iter().enumerate().map(weighted).collect();
+    Ok(estimate.marking_also_by(&ErrorEstimate::of_squares(&squares)?)?)
+}
+
 fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
     let way = options.way * CYLINDER_PRESSED;
     let (mut uniform, mut adaptive) = (vec![], vec![]);
@@ -84,7 +105,7 @@ fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
         let problem = cylinder_on(mesh, FREE, way)?;
         let (u, row) = solve(&problem, before, Hertz::of_line, options.linear)?;
         adaptive.push(row);
-        let estimate = estimate(&problem, &u)?;
+        let estimate = marked(estimate(&problem, &u)?, mesh, options)?;
         Ok(AdaptiveSolution::new(u, estimate))
     };
     let surfaces = onto_body::<2>();
@@ -105,7 +126,7 @@ fn ball(options: &Options) -> Outcome<Series> {
         let problem = body_on(Body::Ball, mesh, FREE, way)?;
         let (u, row) = solve(&problem, before, Hertz::of_point, options.linear)?;
         adaptive.push(row);
-        let estimate = estimate(&problem, &u)?;
+        let estimate = marked(estimate(&problem, &u)?, mesh, options)?;
         Ok(AdaptiveSolution::new(u, estimate))
     };
     let surfaces = onto_body::<3>();
@@ -129,8 +150,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         }
         Contact::Ball => (ball(options)?, "ball"),
     };
-    out.line("| meshes | unknowns | P | a | p0 | p0 on the axis | profile | smallest cell | Newton steps | iterations | s |");
-    out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    out.line("| meshes | unknowns | P | a | p0 | p0 on the axis | recovered | profile | smallest cell | Newton steps | iterations | s |");
+    out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut plot = LinePlot::new()
         .title(&format!("Hertz, {name}"))
         .x_axis("unknowns", Scale::Logarithmic)

@@ -103,3 +103,24 @@ fn hertz_with_a_tenth_of_the_unknowns() {
         "{printed}"
     );
 }
+
+/// Runs `adaptive_cylinder`; η over the error of J on the last mesh of each θ, which the page has as well known.
+#[test]
+fn the_error_of_the_cylinders_criterion_is_known() {
+    let unknowns = if std::env::var_os("FORMS_SWEEPS").is_some() { "12000" } else { "5000" };
+    let directory = tempfile::tempdir().expect("a directory");
+    let output = Command::new(env!("CARGO_BIN_EXE_adaptive_cylinder"))
+        .args(["--unknowns", unknowns, "--reference", unknowns, "--tolerance", "1e-5"])
+        .current_dir(directory.path())
+        .output()
+        .expect("the program starts");
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for theta in ["-1", "0", "1"] {
+        let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+        let mut rows = printed.lines().map(cells).filter(|cells| cells.len() > 4 && cells[1] == theta);
+        let last = rows.by_ref().take_while(|cells| !cells[3].starts_with("J =")).last().expect("rows");
+        let quotient: f64 = last[4].parse().expect("a number");
+        assert!((0.98..1.02).contains(&quotient), "θ = {theta}: {quotient}\n{printed}");
+    }
+}

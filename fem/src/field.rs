@@ -19,6 +19,9 @@ pub use file::FieldFileError;
 pub(crate) use transfer::places;
 pub use transfer::{Transfer, TransferError};
 
+/// Nodes up to which a cell has few: simplices of degree 2 and triangles of degree 3.
+const FEW_NODES: usize = 10;
+
 /// A field on a space: one coefficient per unknown, `values[node * components + component]`.
 #[derive(Clone, Debug)]
 pub struct Field<const D: usize> {
@@ -231,7 +234,16 @@ impl<const D: usize> Field<D> {
 
     /// Adds the components at a reference point of a cell to a sum; nothing for a field on facets.
     pub(crate) fn add_value_in(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
-        let mut value = [0.0; MAXIMUM_NODES];
+        // To set the room of the largest element to zero takes longer than to fill that of most.
+        match self.space.cell_nodes(cell).len() {
+            ..=FEW_NODES => self.add_value_with::<FEW_NODES>(cell, reference, sum),
+            _ => self.add_value_with::<MAXIMUM_NODES>(cell, reference, sum),
+        }
+    }
+
+    /// [`Field::add_value_in`] with room for so many basis functions.
+    fn add_value_with<const N: usize>(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
+        let mut value = [0.0; N];
         self.space.cell_element(cell).evaluate_values(reference, &mut value);
         for (&node, phi) in self.space.cell_nodes(cell).iter().zip(&value) {
             for (sum, coefficient) in sum.iter_mut().zip(self.at_node(node as usize)) {

@@ -204,6 +204,13 @@ fn what_does_not_fit_is_named() -> Outcome<()> {
     let squares = ErrorEstimate::of_squares(&[1.0, 4.0, -1.0]).map_err(|error| error.to_string());
     assert_eq!(squares, Err("the square of the indicator of cell 2 is -1".to_owned()));
     assert_eq!(ErrorEstimate::of_squares(&[9.0, 16.0])?.value(), 5.0);
+    // Each over its sum, whatever their units; what has no error marks nothing.
+    let (both, zeros) = (ErrorEstimate::of_squares(&[9.0, 27.0])?, ErrorEstimate::of_squares(&[0.0; 2])?);
+    let both = both.marking_also_by(&ErrorEstimate::of_squares(&[1e-9, 1e-9])?)?;
+    assert_eq!((both.value(), both.indicators()), (6.0, &[0.75, 1.25][..]));
+    assert_eq!(both.clone().marking_also_by(&zeros)?.indicators(), [0.375, 0.625]);
+    let apart = both.marking_also_by(&ErrorEstimate::of_squares(&[1.0; 3])?);
+    assert_eq!(apart, Err(EstimateError::Cells { cells: 2, others: 3 }));
     let (linear, quadratic) = (Space::scalar(&mesh, 1)?, Space::scalar(&mesh, 2)?);
     let model =
         membrane::Model::new(membrane::Data { source: Given::constant(1.0), weight: Given::constant(1.0) });

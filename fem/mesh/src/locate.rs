@@ -1,7 +1,11 @@
 //! Which cell contains a point, and where: a grid of bounding boxes and Newton's method on the geometry map.
 
+mod affine;
 mod boxes;
 mod project;
+
+#[doc(hidden)]
+pub use self::affine::AffineInverse;
 
 #[doc(hidden)]
 pub use self::boxes::{BoxGrid, Corners, box_around};
@@ -114,6 +118,13 @@ impl<const D: usize> Locator<D> {
         self.invert(cell, point)
     }
 
+    /// The inverse of a cell's map where that is affine: for many points of one cell. Its places have the bits of
+    /// [`Locator::reference_in`]'s.
+    #[doc(hidden)]
+    pub fn affine_inverse(&self, cell: usize) -> Option<AffineInverse<D>> {
+        AffineInverse::of(&self.mesh, cell)
+    }
+
     // Newton's method with a step bound; the geometry map of a valid cell is close to affine, so it takes
     // few steps. Other starts than the centre serve strongly curved cells.
     fn invert(&self, cell: usize, point: &[f64; D]) -> Option<[f64; D]> {
@@ -136,7 +147,9 @@ impl<const D: usize> Locator<D> {
     }
 
     fn newton(&self, cell: usize, point: &[f64; D], start: [f64; D]) -> Option<[f64; D]> {
-        let affine = self.mesh.is_affine_on(self.mesh.cell_shape(cell));
+        if self.mesh.is_affine_on(self.mesh.cell_shape(cell)) {
+            return self.affine_inverse(cell)?.place(point);
+        }
         let mut reference: [f64; D] = start;
         let mut previous = f64::INFINITY;
         for _ in 0..40 {
@@ -145,8 +158,7 @@ impl<const D: usize> Locator<D> {
             let step: [f64; D] =
                 std::array::from_fn(|i| (0..D).map(|j| inverse[i][j] * (point[j] - x[j])).sum());
             let length = step.iter().fold(0.0_f64, |length, s| length.max(s.abs()));
-            // An affine map is inverted by one step of any length.
-            let factor = if affine { 1.0 } else { 1.0 / length.max(1.0) };
+            let factor = 1.0 / length.max(1.0);
             for (coordinate, step) in reference.iter_mut().zip(step) {
                 *coordinate += factor * step;
             }
@@ -155,9 +167,6 @@ impl<const D: usize> Locator<D> {
                 return Some(reference);
             }
             previous = length;
-            if affine && reference.iter().all(|coordinate| coordinate.is_finite()) {
-                return Some(reference);
-            }
         }
         None
     }

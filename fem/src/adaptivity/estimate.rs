@@ -38,6 +38,14 @@ pub enum EstimateError {
         /// Degree of the solution.
         primal: usize,
     },
+    /// Estimates on different meshes have no indicators in common.
+    #[error("an estimate on {cells} cells and one on {others} have no mesh in common")]
+    Cells {
+        /// Cells of the estimate.
+        cells: usize,
+        /// Cells of the other one.
+        others: usize,
+    },
     /// The spaces do not belong together.
     #[error(transparent)]
     Space(#[from] SpaceError),
@@ -105,6 +113,25 @@ impl ErrorEstimate {
         let mut shares = assembler.linear_form(&localised(&weight), &hats)?;
         hand_over_hanging_shares(&hats, &mut shares)?;
         Ok(ErrorEstimate { value: shares.iter().sum(), indicators: handed_to_cells(&hats, &shares) })
+    }
+
+    /// The same estimated error with the indicators of two estimates on one mesh, each over its sum: cells are marked for both. A goal's η is
+    /// as good as its adjoint state, so that a mesh for a goal is marked for the error of that state, too, where η is to be relied on.
+    ///
+    /// # Errors
+    /// [`EstimateError::Cells`]: estimates with different numbers of cells.
+    pub fn marking_also_by(mut self, other: &ErrorEstimate) -> Result<Self, EstimateError> {
+        let (cells, others) = (self.indicators.len(), other.indicators.len());
+        if cells != others {
+            return Err(EstimateError::Cells { cells, others });
+        }
+        let relative = |indicators: &[f64]| -> Vec<f64> {
+            let sum: f64 = indicators.iter().sum();
+            indicators.iter().map(|one| if sum > 0.0 { one / sum } else { 0.0 }).collect()
+        };
+        let both = relative(&self.indicators).into_iter().zip(relative(&other.indicators));
+        self.indicators = both.map(|(one, other)| one + other).collect();
+        Ok(self)
     }
 
     /// The estimated error: η ≥ 0 of a norm, or J(u) − J(u_h) with its sign.

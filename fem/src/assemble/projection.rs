@@ -1,10 +1,13 @@
 //! The L² projection of derived fields, and of what is known at quadrature points, to a space.
 
+mod start;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use forms_core::contract::{Entity, Expression};
 
+use self::start::{Start, nearest_on_reference};
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
@@ -100,21 +103,32 @@ impl<const D: usize> Assembler<D> {
         let (form, components) = (known.name, space.components());
         let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
         let mut load = vec![vec![0.0; space.node_count()]; components];
-        let mut values_and_weights = known.values.chunks(components).zip(known.weights);
+        let (mut start, mut first) = (Start::new(space.node_count(), components), 0);
         for block in self.mesh.body_blocks() {
             let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), block.shape, known.degree);
             let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
             let tables = space.element_of(block.shape).tabulate(&rule.points);
-            let places = block.cells.clone().flat_map(|cell| (0..rule.len()).map(move |q| (cell, q)));
-            for ((cell, q), (value, weight)) in places.zip(&mut values_and_weights) {
-                for (node, number) in space.cell_nodes(cell).iter().enumerate() {
-                    let share = weight * tables.value[q * tables.nodes + node];
-                    for (load, value) in load.iter_mut().zip(value) {
-                        load[*number as usize] += share * value;
+            let nearest = nearest_on_reference(&rule, &tables);
+            for cell in block.cells.clone() {
+                let points = first..first + rule.len();
+                first = points.end;
+                let values = &known.values[points.start * components..points.end * components];
+                let nodes = space.cell_nodes(cell);
+                let values_and_weights = values.chunks(components).zip(&known.weights[points]);
+                for (q, (value, weight)) in values_and_weights.enumerate() {
+                    for (node, number) in nodes.iter().enumerate() {
+                        let share = weight * tables.value[q * tables.nodes + node];
+                        for (load, value) in load.iter_mut().zip(value) {
+                            load[*number as usize] += share * value;
+                        }
                     }
+                }
+                if let Some(nearest) = &nearest {
+                    start.add(nodes, nearest, values);
                 }
             }
         }
+        let mut start = start.averages();
         // Cells that carry rigid surfaces have no quantities: the projection is zero there.
         let carriers = self.mesh.body_cells().end..self.mesh.cell_count();
         let nodes = carriers.flat_map(|cell| space.cell_nodes(cell));
@@ -137,9 +151,11 @@ impl<const D: usize> Assembler<D> {
             for values in &mut load {
                 *values = elimination.reduce(values).map_err(linear_algebra)?;
             }
+            start = vec![vec![0.0; mass.rows()]; components];
         }
         let mut coefficients = vec![0.0; space.unknowns()];
-        let found = solve(&mass, load, self.threads).map_err(linear_algebra)?;
+        let found =
+            solve(&mass, load.into_iter().zip(start).collect(), self.threads).map_err(linear_algebra)?;
         for (component, mut values) in found.into_iter().enumerate() {
             if let Some(elimination) = &elimination {
                 values = elimination.extend_by_zero(&values).map_err(linear_algebra)?;
@@ -165,14 +181,14 @@ fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTree
     relations.map(of_nodes).collect()
 }
 
-/// The systems of a mass matrix with some right-hand sides.
+/// The systems of a mass matrix with some right-hand sides, each with a start.
 ///
 /// The condition of a mass matrix scaled by its diagonal does not depend on the mesh, only on the element (Wathen 1987: 6.25
 /// for biquadratic quadrilaterals): some forty iterations reach rounding, where a factor would have many times the
 /// entries of the matrix.
 fn solve(
     mass: &CsrMatrix,
-    loads: Vec<Vec<f64>>,
+    loads: Vec<(Vec<f64>, Vec<f64>)>,
     threads: Threads,
 ) -> Result<Vec<Vec<f64>>, LinearAlgebraError> {
     // As many right-hand sides at once as there are threads, and the threads that are left for each of them.
@@ -185,8 +201,8 @@ fn solve(
         ..Default::default()
     };
     let inverse = Jacobi::of(mass)?;
-    let one = |load: &Vec<f64>| -> Result<Vec<f64>, KrylovError> {
-        let mut values = vec![0.0; load.len()];
+    let one = |(load, start): &(Vec<f64>, Vec<f64>)| -> Result<Vec<f64>, KrylovError> {
+        let mut values = start.clone();
         cg(&OnThreads(mass, own), &mut &inverse, load, &mut values, &options)?;
         Ok(values)
     };
@@ -200,7 +216,7 @@ fn solve(
         Err(_) => {
             let analysis = Arc::new(Analysis::new(mass.pattern(), &Ordering::default())?);
             let factor = SymmetricFactor::cholesky(&analysis, mass, Vec::new())?;
-            let mut found = loads;
+            let mut found: Vec<Vec<f64>> = loads.into_iter().map(|(load, _)| load).collect();
             found.iter_mut().try_for_each(|load| factor.solve_in_place(load))?;
             Ok(found)
         }

@@ -288,13 +288,51 @@ pub(super) fn coordinates<const D: usize>(mesh: &Mesh<D>) -> Vec<f64> {
     mesh.nodes().iter().flatten().copied().collect()
 }
 
-/// Whether the last steps together brought less than a decrease. What a new mesh changes is no step's.
+/// Whether the last steps together brought less than a decrease: of J + λ c, λ that of the last step, since what the way back to the
+/// constraint costs J is no sign of an end. What a new mesh changes is no step's.
 fn stalled(history: &[Row], decrease: f64) -> bool {
     if history.len() <= STALLED_STEPS {
         return false;
     }
     let last = &history[history.len() - STALLED_STEPS - 1..];
-    let after = |row: &Row| row.remeshed.as_ref().map_or(row.criterion, |before| before.criterion);
-    let sum: f64 = last.windows(2).map(|pair| pair[0].criterion - after(&pair[1])).sum();
+    let multiplier = last.last().and_then(|row| row.step.as_ref()).map_or(0.0, |step| step.multiplier);
+    let lagrangian =
+        |criterion: f64, constraint: Option<f64>| criterion + multiplier * constraint.unwrap_or(0.0);
+    let before = |row: &Row| lagrangian(row.criterion, row.constraint);
+    let after = |row: &Row| match &row.remeshed {
+        Some(old) => lagrangian(old.criterion, old.constraint),
+        None => before(row),
+    };
+    let sum: f64 = last.windows(2).map(|pair| before(&pair[0]) - after(&pair[1])).sum();
     sum.abs() < decrease
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(values: impl Iterator<Item = (f64, f64)>) -> Vec<Row> {
+        let step = Step { factor: 1.0, trials: 1, longest_move: 0.1, multiplier: 50.0, gradient_norm: 1.0 };
+        let row = |(criterion, constraint)| Row {
+            criterion,
+            constraint: Some(constraint),
+            quality: 1.0,
+            smoothed: false,
+            remeshed: None,
+            step: Some(step.clone()),
+        };
+        values.map(row).collect()
+    }
+
+    /// While the constraint is restored, J may stand still: with λ = 50 five steps that take c by 0.05 down win 2.5.
+    #[test]
+    fn the_way_back_to_the_constraint_is_no_end() {
+        let restored = rows((0..6).map(|k| (7.0, 0.01 * f64::from(5 - k))));
+        assert!(!stalled(&restored, 2.4) && stalled(&restored, 2.6));
+        let still = rows((0..6).map(|_| (7.0, 0.01)));
+        assert!(stalled(&still, 1e-9) && !stalled(&still[1..], 1e-9));
+        // A fall of J that the constraint pays for brings nothing.
+        let exchanged = rows((0..6).map(|k| (7.0 - 0.5 * f64::from(k), 0.01 * f64::from(k))));
+        assert!(stalled(&exchanged, 1e-9));
+    }
 }

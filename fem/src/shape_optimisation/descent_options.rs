@@ -24,7 +24,7 @@ pub struct DescentOptions {
     pub constraint_tolerance: f64,
     /// The norm of the derivative along the constraint, relative to the first, at which the descent has converged.
     pub gradient_tolerance: f64,
-    /// The decrease of the criterion over five steps, relative to its value at the start, below which it has stalled.
+    /// The decrease of J + λ c over five steps, relative to the criterion at the start, below which it has stalled.
     pub decrease_tolerance: f64,
     /// The mesh is smoothed when the least scaled Jacobian falls below this.
     pub smooth_below: f64,

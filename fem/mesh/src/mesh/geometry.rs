@@ -14,8 +14,15 @@ impl<const D: usize> Mesh<D> {
         let mut value = [0.0; MAXIMUM_GEOMETRY_NODES];
         let mut gradient = [[0.0; D]; MAXIMUM_GEOMETRY_NODES];
         self.cell_element(cell).evaluate(reference, &mut value, &mut gradient);
+        self.map_by(cell, &value, &gradient)
+    }
+
+    /// [`Mesh::map`] by the geometry's basis functions at the point and their reference gradients, as a table has them.
+    #[doc(hidden)]
+    #[inline]
+    pub fn map_by(&self, cell: usize, value: &[f64], gradient: &[[f64; D]]) -> ([f64; D], [[f64; D]; D]) {
         let (mut position, mut jacobian) = ([0.0; D], [[0.0; D]; D]);
-        for ((node, phi), slope) in self.cell(cell).iter().zip(&value).zip(&gradient) {
+        for ((node, phi), slope) in self.cell(cell).iter().zip(value).zip(gradient) {
             let x = &self.nodes[*node as usize];
             for i in 0..D {
                 position[i] += phi * x[i];

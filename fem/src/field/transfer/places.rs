@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use crate::locate::{INSIDE, Locator};
+use crate::element::CellShape;
+use crate::locate::{AffineInverse, INSIDE, Locator};
 use crate::mesh::Mesh;
 use crate::threads::Threads;
 
@@ -25,32 +26,45 @@ pub(crate) fn place<const D: usize>(
     })
 }
 
-/// The cells in which the last points were found, the latest first: the points of a cell lie in few cells of the other mesh.
-pub(crate) type Lately = [Option<u32>; 4];
+/// Cells that are tried before all others.
+const TRIED: usize = 8;
 
-/// [`place`] of a point that is likely to lie in one of the cells of those before it; the same answer.
-pub(crate) fn place_near<const D: usize>(
-    locator: &Locator<D>,
-    lately: &mut Lately,
-    point: &[f64; D],
-    reach: f64,
-) -> Option<(u32, [f64; D])> {
-    // On a boundary between cells the lowest has to be looked for.
-    let within = |cell: u32| {
-        let shape = locator.mesh().cell_shape(cell as usize);
-        locator.reference_in(cell as usize, point).filter(|reference| shape.contains(reference, -INSIDE))
-    };
-    for place in 0..lately.len() {
-        let Some(cell) = lately[place] else { break };
-        if let Some(reference) = within(cell) {
-            lately[..=place].rotate_right(1);
-            return Some((cell, reference));
-        }
+/// Cells in which the last points were found, the latest first, the others in any order: the points of a cell lie in few cells of the other mesh.
+pub(crate) struct Lately<'a, const D: usize> {
+    locator: &'a Locator<D>,
+    cells: Vec<(u32, CellShape, Option<AffineInverse<D>>)>,
+}
+
+impl<'a, const D: usize> Lately<'a, D> {
+    /// None yet.
+    pub(crate) fn new(locator: &'a Locator<D>) -> Self {
+        Lately { locator, cells: Vec::with_capacity(TRIED) }
     }
-    let found = self::place(locator, point, reach)?;
-    lately.rotate_right(1);
-    lately[0] = Some(found.0);
-    Some(found)
+
+    /// [`place`] of a point that is likely to lie in one of the cells of those before it; the same answer.
+    pub(crate) fn place(&mut self, point: &[f64; D], reach: f64) -> Option<(u32, [f64; D])> {
+        for tried in 0..self.cells.len() {
+            let (cell, shape, affine) = &self.cells[tried];
+            let reference = match affine {
+                Some(inverse) => inverse.place(point),
+                None => self.locator.reference_in(*cell as usize, point),
+            };
+            // On a boundary between cells the lowest has to be looked for.
+            if let Some(reference) = reference.filter(|reference| shape.contains(reference, -INSIDE)) {
+                let cell = *cell;
+                self.cells.swap(0, tried);
+                return Some((cell, reference));
+            }
+        }
+        let found = place(self.locator, point, reach)?;
+        let cell = found.0 as usize;
+        self.cells.truncate(TRIED - 1);
+        let shape = self.locator.mesh().cell_shape(cell);
+        self.cells.push((found.0, shape, self.locator.affine_inverse(cell)));
+        let last = self.cells.len() - 1;
+        self.cells.swap(0, last);
+        Some(found)
+    }
 }
 
 /// Cuts a loop into one part per thread, whose results stand in the order of the loop.

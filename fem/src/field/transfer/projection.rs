@@ -1,6 +1,6 @@
 //! Projections: the field of a space that is nearest in L², and the nearest of those with the same integral.
 
-use super::places::{Lately, in_parts, place_near};
+use super::places::{Lately, in_parts};
 use super::{Transfer, TransferError};
 use crate::assemble::Assembler;
 use crate::assemble::projection::ValuesAtPoints;
@@ -66,22 +66,26 @@ impl<const D: usize> Transfer<'_, D> {
             let rule = quadrature
                 .rule_on_cells(&mesh.shapes(), block.shape, degree)
                 .map_err(|source| crate::assemble::AssemblyError::Quadrature { form: NAME, source })?;
+            let geometry = mesh.element_of(block.shape).tabulate(&rule.points);
             let parts = in_parts(self.threads, block.cells.len(), |range| {
                 let count = range.len() * rule.len();
                 let (mut values, mut weights) = (vec![0.0; count * components], Vec::with_capacity(count));
-                let cells = block.cells.start + range.start..block.cells.start + range.end;
-                let points =
-                    cells.flat_map(|cell| rule.points.iter().zip(&rule.weights).map(move |p| (cell, p)));
-                let mut lately = Lately::default();
-                for ((cell, (point, weight)), value) in points.zip(values.chunks_mut(components)) {
-                    let (position, jacobian) = mesh.map(cell, point);
-                    let (found, reference) = place_near(locator, &mut lately, &position, reach)
-                        .ok_or_else(|| TransferError::Outside { point: position.to_vec(), reach })?;
-                    self.field.add_value_in(found as usize, &reference, value);
-                    if value.iter().any(|value| !value.is_finite()) {
-                        return Err(TransferError::NotFinite { point: position.to_vec() });
+                let mut lately = Lately::new(locator);
+                let mut of_points = values.chunks_mut(components);
+                for cell in block.cells.start + range.start..block.cells.start + range.end {
+                    for (q, (weight, value)) in rule.weights.iter().zip(&mut of_points).enumerate() {
+                        let at = q * geometry.nodes..(q + 1) * geometry.nodes;
+                        let (position, jacobian) =
+                            mesh.map_by(cell, &geometry.value[at.clone()], &geometry.gradient[at]);
+                        let (found, reference) = lately
+                            .place(&position, reach)
+                            .ok_or_else(|| TransferError::Outside { point: position.to_vec(), reach })?;
+                        self.field.add_value_in(found as usize, &reference, value);
+                        if value.iter().any(|value| !value.is_finite()) {
+                            return Err(TransferError::NotFinite { point: position.to_vec() });
+                        }
+                        weights.push(weight * determinant(&jacobian));
                     }
-                    weights.push(weight * determinant(&jacobian));
                 }
                 Ok((values, weights))
             });
