@@ -41,6 +41,7 @@ mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
 mod threads;
+mod time_events;
 mod time_runs;
 mod time_schemes;
 mod time_waves;

@@ -1,5 +1,6 @@
 //! A step of a motion as its form reads it, and the formulas of its unknown.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use super::controls::{At, ControlError};
@@ -16,12 +17,21 @@ use crate::time::{Combination, Formulas, State, Step};
 pub struct During<'a, const D: usize> {
     pub(super) step: &'a Step<D>,
     pub(super) at: At<'a, D>,
+    /// Whether the state before was asked for.
+    pub(super) before_is_read: &'a Cell<bool>,
 }
 
 impl<const D: usize> During<'_, D> {
     /// The time for which loads are to be given.
     pub fn time(&self) -> f64 {
         self.step.time
+    }
+
+    /// The value before the step, which a form takes as a `State` beside what the operators of [`time`](crate::time) give, as the
+    /// schemes of impact do. Its rates then have a test function `by_before`, of the derivative by it.
+    pub fn before(&self) -> &Field<D> {
+        self.before_is_read.set(true);
+        &self.step.before.value
     }
 
     /// The value of a number in this step.

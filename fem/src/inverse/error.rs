@@ -94,10 +94,11 @@ pub enum HistoryFailure {
         /// The form.
         form: &'static str,
     },
-    /// A form of motion that reads its unknown beside the operators of [`time`](crate::time).
+    /// A form of motion that reads its unknown beside the operators of [`time`](crate::time), with a scheme that reads second rates.
     #[error(
-        "`{form}` reads its unknown `{unknown}` itself: what it is depends on the scheme, and the adjoint does not know of it; read \
-         `displacement({unknown})`, `velocity({unknown})`, `acceleration({unknown})` (of scalars `value`, `rate`, `second_rate`)"
+        "`{form}` reads its unknown `{unknown}` itself: at the start, where this scheme finds the second rate from the form, that is no \
+         value but a second rate; read `displacement({unknown})`, `velocity({unknown})`, `acceleration({unknown})` (of scalars `value`, \
+         `rate`, `second_rate`), or take a scheme that reads none, as the mid-point rule"
     )]
     UnknownItself {
         /// The form.
