@@ -168,7 +168,8 @@ fn a_step_ends_where_a_bar_touches() -> Outcome {
             }
         };
         assert!(!touch.rises && (touch.time - 0.5).abs() < 2e-9, "{touch:?}");
-        assert!((-1e-7..=0.0).contains(&gap(motion.state())?));
+        let left = gap(motion.state()).map_err(|why| why.to_string())?;
+        assert!((-1e-7..=0.0).contains(&left), "{left:e}");
         let (mut events, mut last) = (Events::new().of("gap", gap), touch);
         while motion.state().time < 1.3 {
             last = events.take(&mut motion, size)?.events.last().map_or(last, |event| event.passage);
