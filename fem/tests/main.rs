@@ -34,6 +34,7 @@ mod rigid_surfaces;
 mod rotated_relations;
 mod second_derivatives;
 mod second_order;
+mod second_order_motions;
 mod several_shapes;
 mod shape_derivatives;
 mod sliding_linear_bodies;

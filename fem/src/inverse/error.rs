@@ -106,6 +106,15 @@ pub enum HistoryFailure {
         /// Its unknown.
         unknown: &'static str,
     },
+    /// Second derivatives of a form of motion that reads more than operators give.
+    #[error(
+        "second derivatives take forms of motion that read unknown and state before by the operators of time alone, and `{form}` reads \
+         one of them itself"
+    )]
+    BesideOperators {
+        /// The form.
+        form: &'static str,
+    },
     /// Values at quadrature points that steps would write.
     #[error(
         "`{form}` reads the history `{field}`: what a step writes at quadrature points has no adjoint here; let the past be a field"

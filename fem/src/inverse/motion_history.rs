@@ -1,13 +1,17 @@
 //! Motions: steps in time of one form by a scheme, with a criterion and its discrete adjoint.
 
+mod second_order;
+
 use std::cell::Cell;
 use std::sync::Arc;
 
+pub use self::second_order::SecondOrderMotion;
+use self::second_order::SecondRatesOf;
 use super::choices::choices_of;
 use super::controls::{At, ControlError, Controls, Start};
 use super::criterion::Criterion;
 use super::differentiable_map::Part;
-use super::during::{During, Interval, of_start};
+use super::during::{During, Interval, add_slope, of_start};
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
@@ -26,8 +30,7 @@ use crate::linear_algebra::vector::add_scaled;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
-use crate::time::step::known;
-use crate::time::{Combination, Formulas, Scheme, SolvedFor, Step};
+use crate::time::{Formulas, Scheme, SolvedFor, Step};
 use crate::verification::Sample;
 
 /// A motion in equal steps by a scheme of one step, with a criterion J(m) = Σ Jⁿ(uⁿ) of which it gives value and gradient by m.
@@ -44,6 +47,7 @@ pub struct MotionHistory<'a, const D: usize> {
     controls: Controls<D>,
     motion: Option<FormAt<'a, D>>,
     rates: Option<RatesAt<'a, D>>,
+    second_rates: Option<SecondRatesOf<'a, D>>,
     criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
     equations: StepEquations<'a, D>,
@@ -97,6 +101,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             controls,
             motion: None,
             rates: None,
+            second_rates: None,
             criterion: Criterion::none(),
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             equations: StepEquations::new(space),
@@ -183,14 +188,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         let guess = if interval.to > interval.from { &step.before.value } else { &step.before.second_rate };
         let conditions = self.conditions(interval)?;
         let unknown = self.equations.solve(interval.solution, form, &conditions, guess)?;
-        let states = [step.before];
-        let mut after = vec![];
-        for combination in &interval.formulas.end {
-            let mut part = known(combination, &states)?.values().to_vec();
-            add_scaled(&mut part, combination.unknown, unknown.values());
-            after.extend(part);
-        }
-        Ok(after)
+        interval.end_of(&step.before, &unknown)
     }
 
     #[inline(never)]
@@ -204,18 +202,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         let count = self.space.unknowns();
         let formulas = interval.formulas;
         let step = interval.step_from(&self.space, before)?;
-        // The step's unknown is the first of value, rate and second rate at its end of which it is a part.
-        let part = formulas.end.iter().position(|combination| combination.unknown != 0.0).unwrap_or(0);
-        let combination = &formulas.end[part];
-        let mut unknown = after[part * count..(part + 1) * count].to_vec();
-        add_scaled(&mut unknown, -1.0, known(combination, std::slice::from_ref(&step.before))?.values());
-        unknown.iter_mut().for_each(|value| *value /= combination.unknown);
-        let unknown = Field::from_values(&self.space, unknown)?;
-
-        let mut load = vec![0.0; count];
-        for (combination, slope) in formulas.end.iter().zip(slope.chunks(count)) {
-            add_scaled(&mut load, combination.unknown, slope);
-        }
+        let unknown = interval.unknown_of(&step.before, after)?;
+        let load = interval.slope_by_unknown(slope);
         let form = self.form(interval, &step)?;
         let conditions = self.conditions(interval)?;
         let adjoint = self.equations.adjoint(interval.solution, &*form, &conditions, &unknown, &load)?;
@@ -229,14 +217,9 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             add_rates(&*rates, interval.step(), controls, spaces, &self.equations.assembler, gradient)?;
         by_before.resize(3 * count, 0.0);
 
-        let mut add = |combination: &Combination, slope: &[f64]| {
-            for (weight, part) in
-                combination.states.first().into_iter().flatten().zip(by_before.chunks_mut(count))
-            {
-                add_scaled(part, *weight, slope);
-            }
-        };
-        formulas.end.iter().zip(slope.chunks(count)).for_each(|(combination, slope)| add(combination, slope));
+        for (combination, slope) in formulas.end.iter().zip(slope.chunks(count)) {
+            add_slope(combination, slope, &mut by_before);
+        }
         // What the form evaluates: its tangent by one of the three is that with the weight one there and what is known of it zero.
         let evaluated = evaluated(&step, &unknown)?;
         let directly = self.read_directly(interval, &step, (&unknown, &evaluated), &adjoint)?;
@@ -260,7 +243,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
                     slope
                 }
             };
-            add(combination, &slope);
+            add_slope(combination, &slope, &mut by_before);
         }
         Ok(by_before)
     }
