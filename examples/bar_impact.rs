@@ -14,7 +14,7 @@ use forms_fem::output::picture::{Colour, Curve, LinePlot, Panel, Picture, Scale}
 use forms_fem::output::{StandardOutput, VtuFile, VtuSeries, program, write_whole};
 use forms_fem::prelude::*;
 use forms_fem::time::{
-    BackwardDifferences, CentralDifferences, GeneralisedAlpha, Mass, State, Step, TimeLoop,
+    BackwardDifferences, CentralDifferences, Events, GeneralisedAlpha, Mass, State, Step, TimeLoop,
 };
 
 /// E, ρ, L, v, the gap at the start, and the time that is followed.
@@ -57,6 +57,8 @@ struct Course {
     times: Vec<f64>,
     energies: Vec<f64>,
     forces: Vec<f64>,
+    /// The times at which the gap closes first and opens last.
+    contact: [f64; 2],
     velocity: f64,
 }
 
@@ -108,8 +110,10 @@ fn follow(
         times: vec![0.0],
         energies: vec![energy(motion.state())?],
         forces: vec![0.0],
+        contact: [f64::NAN; 2],
         velocity: 0.0,
     };
+    let mut events = Events::new().of("gap", |state| Ok(GAP + state.value.evaluate(&[0.0, 0.0])?[0]));
     // One film is enough.
     let mut film = match steps {
         Steps::Conserving => Some(VtuSeries::new("out/bar_impact.pvd")?),
@@ -117,7 +121,13 @@ fn follow(
     };
     while motion.state().time < END - 0.5 * size {
         let before = motion.state().clone();
-        motion.take(size)?;
+        for event in events.take(&mut motion, size)?.events {
+            match event.passage.rises {
+                true => course.contact[1] = event.passage.time,
+                false if course.contact[0].is_nan() => course.contact[0] = event.passage.time,
+                false => {}
+            }
+        }
         let after = motion.state();
         course.times.push(after.time);
         course.energies.push(energy(after)?);
@@ -147,16 +157,8 @@ impl Course {
         self.times.windows(2).zip(&self.forces[1..]).map(|(t, force)| (t[1] - t[0]) * force).sum()
     }
 
-    /// The first and the last time at which the force is above a tenth of the closed form's.
-    fn contact(&self) -> [f64; 2] {
-        let threshold = 0.1 * YOUNGS_MODULUS * VELOCITY / wave_speed();
-        let mut pressed = self.times.iter().zip(&self.forces).filter(|(_, force)| **force > threshold);
-        let first = pressed.next().map_or(f64::NAN, |(t, _)| *t);
-        [first, pressed.next_back().map_or(first, |(t, _)| *t)]
-    }
-
     fn row(&self) -> String {
-        let ([touch, release], start) = (self.contact(), self.energies[0]);
+        let ([touch, release], start) = (self.contact, self.energies[0]);
         let largest = self.energies.iter().copied().fold(f64::MIN, f64::max) / start - 1.0;
         let end = self.energies.last().copied().unwrap_or(start) / start - 1.0;
         let peak = self.forces.iter().copied().fold(0.0, f64::max);

@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 20] = [
+const MAKERS: [Maker; 21] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -65,6 +65,13 @@ const MAKERS: [Maker; 20] = [
         pictures: &[
             ("out/bar_impact_energy.png", "bar_impact_energy.png"),
             ("out/bar_impact_force.png", "bar_impact_force.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "rolling_ring"],
+        pictures: &[
+            ("out/rolling_ring.png", "rolling_ring.png"),
+            ("out/rolling_ring_course.png", "rolling_ring_course.png"),
         ],
     },
     Maker {

@@ -5,7 +5,9 @@
 use forms_contact::finite_impact::finite_impact;
 use forms_contact::impact::impact;
 use forms_fem::prelude::*;
-use forms_fem::time::{CentralDifferences, GeneralisedAlpha, Mass, State, Step, Taken, TimeLoop};
+use forms_fem::time::{
+    CentralDifferences, Events, GeneralisedAlpha, Mass, NumberError, State, Step, Taken, TimeLoop,
+};
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
@@ -139,6 +141,44 @@ fn a_free_bar_bounces_as_waves_do() -> Outcome {
         let mean = velocities.iter().sum::<f64>() / velocities.len() as f64;
         assert!((mean - 10.0).abs() < 0.3, "{pressure:?} {mean}");
     }
+    Ok(())
+}
+
+/// A step that ends where the gap closes, at 0.5 after free flight, which the mid-point rule follows exactly; then whole steps until it
+/// has opened, at about 0.5 + 2L/c, closer on a finer mesh.
+#[test]
+fn a_step_ends_where_a_bar_touches() -> Outcome {
+    let mut off = vec![];
+    for cells in [30, 120] {
+        let bar = Bar { cells, ..FREE };
+        let space = bar.space()?;
+        let constraints = bar.constraints(&space)?;
+        let form = |step: &Step<2>| bar.model(step.into()).conserving(&step.before.value);
+        let mut motion =
+            TimeLoop::new(form, GeneralisedAlpha::mid_point(), bar.start(&space)?).constrained(&constraints);
+        let gap = |state: &State<2>| -> Result<f64, NumberError> {
+            Ok(bar.gap + state.value.evaluate(&[0.0, 0.0])?[0])
+        };
+        let (size, mut located) = (0.3 / cells as f64, Events::new().of("gap", gap).located(1e-9)?);
+        let touch = loop {
+            let step = located.take(&mut motion, size)?;
+            if let [touch] = &step.events[..] {
+                assert!(motion.state().time == step.taken.to && step.taken.to - touch.passage.time <= 1e-9);
+                break touch.passage;
+            }
+        };
+        assert!(!touch.rises && (touch.time - 0.5).abs() < 2e-9, "{touch:?}");
+        let left = gap(motion.state()).map_err(|why| why.to_string())?;
+        assert!((-1e-7..=0.0).contains(&left), "{left:e}");
+        let (mut events, mut last) = (Events::new().of("gap", gap), touch);
+        while motion.state().time < 1.3 {
+            last = events.take(&mut motion, size)?.events.last().map_or(last, |event| event.passage);
+        }
+        assert!(last.rises, "{last:?}");
+        off.push((last.time - 7.0 / 6.0).abs());
+    }
+    println!("{off:?}");
+    assert!(off[0] < 0.02 && off[1] < 0.5 * off[0], "{off:?}");
     Ok(())
 }
 

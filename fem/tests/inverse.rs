@@ -5,7 +5,9 @@ use forms_fem::inverse::{
     ReducedProblem, taylor_test,
 };
 use forms_fem::prelude::*;
-use forms_fem::time::{BackwardDifferences, CentralDifferences, GeneralisedAlpha, OneStepTheta, Scheme};
+use forms_fem::time::{
+    BackwardDifferences, CentralDifferences, Combination, Formulas, GeneralisedAlpha, OneStepTheta, Scheme,
+};
 
 #[forms(dimension = 2)]
 mod hanging {
@@ -30,9 +32,20 @@ mod hanging {
         ) + integral(Omega, (0.5 + dot(w, w)) * dot(w, v))
             - integral(Right, pull * v[1])
     }
-    /// As `motion`, with a spring that reads the unknown itself.
+    /// As `motion`, with a hardening spring and a damper that read the unknown itself.
     pub fn sprung(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        motion(u, v) + integral(Right, 0.2 * dot(u, v))
+        motion(u, v) + integral(Right, (1 + 9 * dot(u, u)) * dot(2 * u + 0.4 * velocity(u), v))
+    }
+    pub fn sprung_rates(
+        u: State<Vector>,
+        p: State<Vector>,
+        by_density: Test<Scalar>,
+        by_stiffness: Test<Scalar>,
+        by_pull: Test<Scalar>,
+    ) -> Form {
+        derivative(sprung(u, p), density, by_density)
+            + derivative(sprung(u, p), stiffness, by_stiffness)
+            + derivative(sprung(u, p), pull, by_pull)
     }
     pub fn misfit(u: Unknown<Vector>) -> Energy {
         integral(Omega, sqr(u[1] - 0.01 * x[0]) / 2)
@@ -184,6 +197,56 @@ fn adjoints_of_motions_by_material_load_and_start() {
         let few = motion.stored_states(3).gradient(&m).unwrap();
         assert_eq!((all.work.steps_solved, few.work.most_stored), (10, 3));
         same(name, &few.gradient, &all.gradient);
+    }
+    // The unknown itself beside the operators, with schemes in which it is the value at the end of the step throughout.
+    for (name, scheme) in [
+        ("mid-point", Box::new(GeneralisedAlpha::mid_point()) as Box<dyn Scheme>),
+        ("HHT's weights without accelerations", Box::new(Uneven)),
+    ] {
+        let controls = Controls::new()
+            .number("density", 1.3)
+            .field("stiffness", &stiffness)
+            .per_step("pull", &pulls)
+            .start("start", &start)
+            .start_rate("rate", &rate);
+        let mut motion = MotionHistory::new(&space, (10, 0.1), Chosen(scheme), controls)
+            .motion(|during| Ok(hung(during)?.sprung()))
+            .rates(|during, u, p| Ok(hung(during)?.sprung_rates(u, p)))
+            .criterion(|_| Ok(criterion.misfit()))
+            .observed(9, observed.clone())
+            .constrained(&held)
+            .options(NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() });
+        check(name, &mut motion, 0.02);
+    }
+}
+
+/// A scheme that is chosen when the program runs.
+#[derive(Debug)]
+struct Chosen(Box<dyn Scheme>);
+
+impl Scheme for Chosen {
+    fn reads_second_rates(&self) -> bool {
+        self.0.reads_second_rates()
+    }
+    fn formulas(&self, steps: &[f64]) -> Formulas {
+        self.0.formulas(steps)
+    }
+}
+
+/// Forces at three tenths of the way from the end, the rate at the end by the mid-point rule.
+#[derive(Debug)]
+struct Uneven;
+
+impl Scheme for Uneven {
+    fn reads_second_rates(&self) -> bool {
+        false
+    }
+    fn formulas(&self, steps: &[f64]) -> Formulas {
+        let mid_point = GeneralisedAlpha::mid_point().formulas(steps);
+        let start = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|last| Combination::new(0.0, last));
+        let part = |which: usize| Combination::sum(&[(0.7, &mid_point.end[which]), (0.3, &start[which])]);
+        let evaluated = [part(0), part(1), mid_point.evaluated[2].clone()];
+        Formulas { evaluated, load_at: 0.7, ..mid_point }
     }
 }
 

@@ -18,6 +18,15 @@ macro_rules! choices_of {
                 self
             }
 
+            /// The second derivative of that function at m along a direction.
+            pub fn with_curvature_of_controls(
+                mut self,
+                curvature: impl Fn(&[f64], &[f64]) -> Vec<f64> + 'a,
+            ) -> Self {
+                self.criterion.curvature_of_controls = Some(Box::new(curvature));
+                self
+            }
+
             /// Conditions that do not change.
             pub fn constrained(self, constraints: &Constraints<D>) -> Self {
                 let constraints = constraints.clone();

@@ -200,6 +200,16 @@ impl<const D: usize> Controls<D> {
         Ok(())
     }
 
+    /// A direction of the controls, as values of them. Their names are not those that a form of second rates tests otherwise.
+    pub(super) fn directed(&self, direction: &[f64], others: &[&str]) -> Result<Self, ControlError> {
+        if let Some(name) = self.tested().find(|name| others.contains(name)) {
+            return Err(ControlError::Twice { name: name.to_owned() });
+        }
+        let mut along = self.clone();
+        along.set_values(direction)?;
+        Ok(along)
+    }
+
     fn unknown(&self, name: &str, kind: &'static str) -> ControlError {
         let known: Vec<_> = self.entries.iter().map(|entry| format!("`{}`", entry.name)).collect();
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };

@@ -7,6 +7,7 @@ use super::any_energy::AnyEnergy;
 use super::controls::{At, ControlError};
 use super::error::HistoryFailure;
 use super::observations::Observations;
+use super::second_order::Hessian;
 use super::sweep::{Gradient, Work};
 use crate::assemble::Assembler;
 use crate::field::Field;
@@ -106,8 +107,23 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(())
     }
 
+    /// J, gradient and Hessian along a direction, from the sweep of second order over the steps, in whose gradient they stand one after
+    /// the other.
+    pub fn hessian(
+        &self,
+        mut found: Gradient,
+        m: &[f64],
+        direction: &[f64],
+    ) -> Result<Hessian, HistoryFailure> {
+        let mut along = found.gradient.split_off(m.len());
+        self.add_cost_of_controls(m, &mut found)?;
+        self.add_curvature_of_controls(m, direction, &mut along)?;
+        let Gradient { value, gradient, work } = found;
+        Ok(Hessian { value, gradient, along, work })
+    }
+
     /// Adds the second derivative of the cost of the controls along a direction.
-    pub fn add_curvature_of_controls(
+    fn add_curvature_of_controls(
         &self,
         m: &[f64],
         direction: &[f64],

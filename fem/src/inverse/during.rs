@@ -1,11 +1,13 @@
 //! A step of a motion as its form reads it, and the formulas of its unknown.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use super::controls::{At, ControlError};
 use super::error::HistoryFailure;
 use super::step_equations::Solution;
 use crate::field::Field;
+use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
 use crate::time::operators::{scalar, vector};
 use crate::time::step::known;
@@ -16,12 +18,21 @@ use crate::time::{Combination, Formulas, State, Step};
 pub struct During<'a, const D: usize> {
     pub(super) step: &'a Step<D>,
     pub(super) at: At<'a, D>,
+    /// Whether the state before was asked for.
+    pub(super) before_is_read: &'a Cell<bool>,
 }
 
 impl<const D: usize> During<'_, D> {
     /// The time for which loads are to be given.
     pub fn time(&self) -> f64 {
         self.step.time
+    }
+
+    /// The value before the step, which a form takes as a `State` beside what the operators of [`time`](crate::time) give, as the
+    /// schemes of impact do. Its rates then have a test function `by_before`, of the derivative by it.
+    pub fn before(&self) -> &Field<D> {
+        self.before_is_read.set(true);
+        &self.step.before.value
     }
 
     /// The value of a number in this step.
@@ -65,6 +76,14 @@ pub(super) fn of_start() -> Formulas {
     Formulas { evaluated: all(), end: all(), load_at: 0.0 }
 }
 
+/// Adds to the slope by a state, as a row of value, rate and second rate, that by a combination in which it stands.
+pub(super) fn add_slope(combination: &Combination, slope: &[f64], by_state: &mut [f64]) {
+    let weights = combination.states.first().into_iter().flatten();
+    for (weight, part) in weights.zip(by_state.chunks_mut(slope.len())) {
+        add_scaled(part, *weight, slope);
+    }
+}
+
 /// A step's formulas, and what they are between.
 pub(super) struct Interval<'f> {
     pub solution: Solution,
@@ -106,5 +125,45 @@ impl<'f> Interval<'f> {
             known,
             before,
         })
+    }
+
+    /// The row of value, rate and second rate at the end of the step.
+    pub fn end_of<const D: usize>(
+        &self,
+        before: &State<D>,
+        unknown: &Field<D>,
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        let mut after = vec![];
+        for combination in &self.formulas.end {
+            let mut part = known(combination, std::slice::from_ref(before))?.values().to_vec();
+            add_scaled(&mut part, combination.unknown, unknown.values());
+            after.extend(part);
+        }
+        Ok(after)
+    }
+
+    /// The step's unknown from the row at its end: from the first of value, rate and second rate of which it is a part.
+    pub fn unknown_of<const D: usize>(
+        &self,
+        before: &State<D>,
+        after: &[f64],
+    ) -> Result<Field<D>, HistoryFailure> {
+        let space = before.value.space();
+        let part = self.formulas.end.iter().position(|combination| combination.unknown != 0.0).unwrap_or(0);
+        let (combination, count) = (&self.formulas.end[part], space.unknowns());
+        let mut unknown = after[part * count..(part + 1) * count].to_vec();
+        add_scaled(&mut unknown, -1.0, known(combination, std::slice::from_ref(before))?.values());
+        unknown.iter_mut().for_each(|value| *value /= combination.unknown);
+        Ok(Field::from_values(space, unknown)?)
+    }
+
+    /// The slope by the step's unknown from that by the row at its end.
+    pub fn slope_by_unknown(&self, slope: &[f64]) -> Vec<f64> {
+        let count = slope.len() / 3;
+        let mut sum = vec![0.0; count];
+        for (combination, slope) in self.formulas.end.iter().zip(slope.chunks(count)) {
+            add_scaled(&mut sum, combination.unknown, slope);
+        }
+        sum
     }
 }

@@ -94,16 +94,26 @@ pub enum HistoryFailure {
         /// The form.
         form: &'static str,
     },
-    /// A form of motion that reads its unknown beside the operators of [`time`](crate::time).
+    /// A form of motion that reads its unknown beside the operators of [`time`](crate::time), with a scheme that reads second rates.
     #[error(
-        "`{form}` reads its unknown `{unknown}` itself: what it is depends on the scheme, and the adjoint does not know of it; read \
-         `displacement({unknown})`, `velocity({unknown})`, `acceleration({unknown})` (of scalars `value`, `rate`, `second_rate`)"
+        "`{form}` reads its unknown `{unknown}` itself: at the start, where this scheme finds the second rate from the form, that is no \
+         value but a second rate; read `displacement({unknown})`, `velocity({unknown})`, `acceleration({unknown})` (of scalars `value`, \
+         `rate`, `second_rate`), or take a scheme that reads none, as the mid-point rule"
     )]
     UnknownItself {
         /// The form.
         form: &'static str,
         /// Its unknown.
         unknown: &'static str,
+    },
+    /// Second derivatives of a form of motion that reads more than operators give.
+    #[error(
+        "second derivatives take forms of motion that read unknown and state before by the operators of time alone, and `{form}` reads \
+         one of them itself"
+    )]
+    BesideOperators {
+        /// The form.
+        form: &'static str,
     },
     /// Values at quadrature points that steps would write.
     #[error(

@@ -4,8 +4,8 @@ mod second_order;
 
 use std::sync::Arc;
 
+pub use self::second_order::SecondOrderState;
 use self::second_order::SecondRatesAt;
-pub use self::second_order::{Hessian, SecondOrderState};
 use super::choices::choices_of;
 use super::controls::{At, ControlError, Controls, Start};
 use super::criterion::Criterion;

@@ -69,6 +69,7 @@
 
 mod any_energy;
 pub mod bounds;
+mod changing;
 mod choices;
 pub mod controls;
 mod criterion;
@@ -100,9 +101,9 @@ pub use differentiable_map::{DifferentiableMap, MapError, Part};
 pub use during::During;
 pub use error::{HistoryError, HistoryFailure};
 pub use evolution::{ControlledEvolution, Evolution};
-pub use load_history::{Hessian, LoadHistory, SecondOrderState};
+pub use load_history::{LoadHistory, SecondOrderState};
 pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
-pub use motion_history::MotionHistory;
+pub use motion_history::{MotionHistory, SecondOrderMotion};
 pub use moving_asymptotes::{
     ConstrainedError, ConstrainedMinimum, ConstrainedStep, Inequality, MovingAsymptotes,
 };
@@ -110,5 +111,5 @@ pub use observations::Observations;
 pub use readings::Readings;
 pub use readings_map::ReadingsMap;
 pub use reduced_problem::{ReducedProblem, taylor_test};
-pub use second_order::{SecondOrder, TwiceDifferentiable, second_order_taylor_test};
+pub use second_order::{Hessian, SecondOrder, TwiceDifferentiable, second_order_taylor_test};
 pub use sweep::{Gradient, SweepFailure, Work, gradient_of, gradient_on_disk, largest_repetition, value_of};

@@ -1,12 +1,17 @@
 //! Motions: steps in time of one form by a scheme, with a criterion and its discrete adjoint.
 
+mod second_order;
+
+use std::cell::Cell;
 use std::sync::Arc;
 
+pub use self::second_order::SecondOrderMotion;
+use self::second_order::SecondRatesOf;
 use super::choices::choices_of;
 use super::controls::{At, ControlError, Controls, Start};
 use super::criterion::Criterion;
 use super::differentiable_map::Part;
-use super::during::{During, Interval, of_start};
+use super::during::{During, Interval, add_slope, of_start};
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
@@ -14,7 +19,7 @@ use super::rates::add_rates;
 use super::reduced_problem::ReducedProblem;
 use super::shelf::Storage;
 use super::step_equations::{Solution, StepEquations};
-use super::steps_unknown::{evaluated, is_read_by_operators};
+use super::steps_unknown::{evaluated, reads_unknown_itself, refused};
 use super::sweep::{Gradient, gradient_stored, value_of};
 use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
@@ -25,14 +30,15 @@ use crate::linear_algebra::vector::add_scaled;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
-use crate::time::step::known;
-use crate::time::{Combination, Formulas, Scheme, SolvedFor, Step};
+use crate::time::{Formulas, Scheme, SolvedFor, Step};
 use crate::verification::Sample;
 
 /// A motion in equal steps by a scheme of one step, with a criterion J(m) = Σ Jⁿ(uⁿ) of which it gives value and gradient by m.
 ///
-/// The form is written with the operators of [`time`](crate::time) and reads the state before by them alone: derivatives by it are
-/// tangents with other weights, and a form that reads the unknown beside them is refused by name. The form of rates, of the step's unknown and adjoint state, has a test `by_name` per control.
+/// The form is written with the operators of [`time`](crate::time): derivatives by the state before are tangents with other weights. Where
+/// it reads the value before beside them ([`During::before`]), the form of rates has a test `by_before`. A form may read the unknown
+/// itself, which is the value at the end of the step, with schemes that read no second rates; with others it is refused by name. The
+/// form of rates, of the step's unknown and adjoint state, has a test `by_name` per control.
 pub struct MotionHistory<'a, const D: usize> {
     space: Arc<Space<D>>,
     steps: usize,
@@ -41,12 +47,25 @@ pub struct MotionHistory<'a, const D: usize> {
     controls: Controls<D>,
     motion: Option<FormAt<'a, D>>,
     rates: Option<RatesAt<'a, D>>,
+    second_rates: Option<SecondRatesOf<'a, D>>,
     criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
     equations: StepEquations<'a, D>,
     storage: Storage,
-    /// The form is affine and reads its unknown by operators alone, as was seen in one step.
-    is_checked: bool,
+    reading: Reading,
+    /// Whether the form of motion has asked for the value before the step.
+    before_is_read: Cell<bool>,
+}
+
+/// How a form reads its unknown, as far as was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reading {
+    /// Nothing is known but of the steps that were looked at.
+    Unseen,
+    /// By operators alone: an affine form, of which one step tells all.
+    ByOperators,
+    /// Itself, beside them.
+    Itself,
 }
 
 type FormAt<'a, const D: usize> =
@@ -82,11 +101,13 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             controls,
             motion: None,
             rates: None,
+            second_rates: None,
             criterion: Criterion::none(),
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             equations: StepEquations::new(space),
             storage: Storage::ALL,
-            is_checked: false,
+            reading: Reading::Unseen,
+            before_is_read: Cell::new(false),
         }
     }
 
@@ -127,7 +148,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self.controls.check(&self.space, self.steps)?;
         self.criterion.check(&self.space, self.steps)?;
         self.equations.forget();
-        self.is_checked = false;
+        self.reading = Reading::Unseen;
+        self.before_is_read.set(false);
         Ok(self.controls.set_values(m)?)
     }
 
@@ -142,8 +164,12 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     }
 
     fn form(&self, interval: &Interval, step: &Step<D>) -> Result<Box<dyn AnyForm<D> + 'a>, HistoryFailure> {
+        Ok(self.motion.as_ref().ok_or(HistoryFailure::Missing("motion"))?(&self.during(interval, step))?)
+    }
+
+    fn during<'s>(&'s self, interval: &Interval, step: &'s Step<D>) -> During<'s, D> {
         let at = At::new(&self.controls, interval.step(), None);
-        Ok(self.motion.as_ref().ok_or(HistoryFailure::Missing("motion"))?(&During { step, at })?)
+        During { step, at, before_is_read: &self.before_is_read }
     }
 
     /// The conditions on the unknown of a step; that of the start is a second rate.
@@ -162,14 +188,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         let guess = if interval.to > interval.from { &step.before.value } else { &step.before.second_rate };
         let conditions = self.conditions(interval)?;
         let unknown = self.equations.solve(interval.solution, form, &conditions, guess)?;
-        let states = [step.before];
-        let mut after = vec![];
-        for combination in &interval.formulas.end {
-            let mut part = known(combination, &states)?.values().to_vec();
-            add_scaled(&mut part, combination.unknown, unknown.values());
-            after.extend(part);
-        }
-        Ok(after)
+        interval.end_of(&step.before, &unknown)
     }
 
     #[inline(never)]
@@ -183,65 +202,76 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         let count = self.space.unknowns();
         let formulas = interval.formulas;
         let step = interval.step_from(&self.space, before)?;
-        // The step's unknown is the first of value, rate and second rate at its end of which it is a part.
-        let part = formulas.end.iter().position(|combination| combination.unknown != 0.0).unwrap_or(0);
-        let combination = &formulas.end[part];
-        let mut unknown = after[part * count..(part + 1) * count].to_vec();
-        add_scaled(&mut unknown, -1.0, known(combination, std::slice::from_ref(&step.before))?.values());
-        unknown.iter_mut().for_each(|value| *value /= combination.unknown);
-        let unknown = Field::from_values(&self.space, unknown)?;
-
-        let mut load = vec![0.0; count];
-        for (combination, slope) in formulas.end.iter().zip(slope.chunks(count)) {
-            add_scaled(&mut load, combination.unknown, slope);
-        }
+        let unknown = interval.unknown_of(&step.before, after)?;
+        let load = interval.slope_by_unknown(slope);
         let form = self.form(interval, &step)?;
         let conditions = self.conditions(interval)?;
         let adjoint = self.equations.adjoint(interval.solution, &*form, &conditions, &unknown, &load)?;
-        let at = At::new(&self.controls, interval.step(), None);
-        let during = During { step: &step, at };
+        let during = self.during(interval, &step);
+        let reads_before = self.before_is_read.get();
         let rates =
             self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&during, &unknown, &adjoint)?;
         let spaces = [&self.space, &self.equations.constants()?];
-        add_rates(
-            &*rates,
-            interval.step(),
-            (&self.controls, false),
-            spaces,
-            &self.equations.assembler,
-            gradient,
-        )?;
+        let controls = (&self.controls, reads_before);
+        let mut by_before =
+            add_rates(&*rates, interval.step(), controls, spaces, &self.equations.assembler, gradient)?;
+        by_before.resize(3 * count, 0.0);
 
-        let mut by_before = vec![0.0; 3 * count];
-        let mut add = |combination: &Combination, slope: &[f64]| {
-            for (weight, part) in
-                combination.states.first().into_iter().flatten().zip(by_before.chunks_mut(count))
-            {
-                add_scaled(part, *weight, slope);
-            }
-        };
-        formulas.end.iter().zip(slope.chunks(count)).for_each(|(combination, slope)| add(combination, slope));
+        for (combination, slope) in formulas.end.iter().zip(slope.chunks(count)) {
+            add_slope(combination, slope, &mut by_before);
+        }
         // What the form evaluates: its tangent by one of the three is that with the weight one there and what is known of it zero.
         let evaluated = evaluated(&step, &unknown)?;
-        if !self.is_checked {
-            let fixed = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
-            let form = self.form(interval, &fixed)?;
-            is_read_by_operators(&*form, &unknown, &evaluated, &self.equations.assembler)?;
-            self.is_checked = form.is_affine();
-        }
+        let directly = self.read_directly(interval, &step, (&unknown, &evaluated), &adjoint)?;
         for (place, combination) in formulas.evaluated.iter().enumerate() {
             if combination.states.iter().flatten().all(|weight| *weight == 0.0) {
                 continue;
             }
-            let mut weights = [0.0; 3];
-            weights[place] = 1.0;
-            let mut known = evaluated.clone();
-            known[place] = Field::zero(&self.space);
-            let alone = Step { weights, known, ..step.clone() };
-            let form = self.form(interval, &alone)?;
-            add(combination, &self.equations.transposed(&*form, &evaluated[place], &adjoint)?);
+            let mut alone = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
+            alone.weights[place] = 1.0;
+            let slope = match &directly {
+                None => {
+                    alone.known[place] = Field::zero(&self.space);
+                    let form = self.form(interval, &alone)?;
+                    self.equations.transposed(&*form, &evaluated[place], &adjoint)?
+                }
+                Some(directly) => {
+                    alone.known[place] = evaluated[place].minus(&unknown)?;
+                    let form = self.form(interval, &alone)?;
+                    let mut slope = self.equations.transposed(&*form, &unknown, &adjoint)?;
+                    add_scaled(&mut slope, -1.0, directly);
+                    slope
+                }
+            };
+            add_slope(combination, &slope, &mut by_before);
         }
         Ok(by_before)
+    }
+
+    /// T₀ᵀ p of a form that reads its unknown itself, with its tangent T₀ for weights zero; none of one that does not.
+    fn read_directly(
+        &mut self,
+        interval: &Interval,
+        step: &Step<D>,
+        (unknown, evaluated): (&Field<D>, &[Field<D>; 3]),
+        adjoint: &Field<D>,
+    ) -> Result<Option<Vec<f64>>, HistoryFailure> {
+        if self.reading == Reading::ByOperators {
+            return Ok(None);
+        }
+        let fixed = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
+        let form = self.form(interval, &fixed)?;
+        if self.reading == Reading::Unseen
+            && !reads_unknown_itself(&*form, unknown, evaluated, &self.equations.assembler)?
+        {
+            self.reading = if form.is_affine() { Reading::ByOperators } else { Reading::Unseen };
+            return Ok(None);
+        }
+        self.reading = Reading::Itself;
+        if self.scheme.reads_second_rates() {
+            return Err(refused(&*form));
+        }
+        Ok(Some(self.equations.transposed(&*form, unknown, adjoint)?))
     }
 }
 

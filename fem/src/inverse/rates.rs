@@ -14,7 +14,7 @@ pub(super) const BEFORE: &str = "before";
 /// Reason why it is wanted.
 pub(super) const OF_BEFORE: &str = "each step may depend on the state before it";
 /// Prefix of the names of test functions of rates.
-const BY: &str = "by_";
+pub(super) const BY: &str = "by_";
 
 /// Assembles the rates of a step: adds those by the controls to the gradient, and gives that by the state before, on the space
 /// of the states. Rates by numbers are tested with `constants`.

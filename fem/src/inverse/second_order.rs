@@ -1,6 +1,7 @@
 //! Second derivatives of reduced problems: the Hessian along a direction, and Taylor tests of both orders.
 
 use super::reduced_problem::ReducedProblem;
+use super::sweep::Work;
 use crate::linear_algebra::vector::dot;
 use crate::verification::{TaylorReport, taylor};
 
@@ -13,6 +14,25 @@ pub struct SecondOrder {
     pub gradient: Vec<f64>,
     /// (d²J/dm²) d, an entry per control value.
     pub along: Vec<f64>,
+}
+
+/// J, its gradient, and the Hessian along a direction, with what it took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hessian {
+    /// J(m).
+    pub value: f64,
+    /// dJ/dm.
+    pub gradient: Vec<f64>,
+    /// (d²J/dm²) d.
+    pub along: Vec<f64>,
+    /// Steps solved and stored.
+    pub work: Work,
+}
+
+impl From<Hessian> for SecondOrder {
+    fn from(found: Hessian) -> Self {
+        SecondOrder { value: found.value, gradient: found.gradient, along: found.along }
+    }
 }
 
 /// A reduced problem with a Hessian action.

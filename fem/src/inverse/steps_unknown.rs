@@ -1,8 +1,8 @@
 //! The step's unknown in a form of motion: read by the operators of [`time`](crate::time), or directly.
 //!
-//! The state before enters a form of motion by the known parts of what the operators give. With weights zero they give
-//! numbers that the unknown does not change, so that a form that still depends on it reads it beside them: as an acceleration in one
-//! scheme and a displacement in another, and with a derivative that the adjoint does not know.
+//! The state before enters a form of motion by the known parts of what the operators give. With weights zero they give numbers that the
+//! unknown does not change, and a form that still depends on it reads it beside them. Its derivative by it is then the tangent T₀ of
+//! the form with weights zero, and that by the known part of an operator the tangent with the weight one there, less T₀.
 
 use super::error::HistoryFailure;
 use crate::assemble::{Assembler, Parts};
@@ -23,25 +23,26 @@ pub(super) fn evaluated<const D: usize>(
     Ok(evaluated)
 }
 
-/// An error if a form with weights zero has another residual at the unknown than at other fields: those that it evaluates, and
-/// zero.
-pub(super) fn is_read_by_operators<const D: usize>(
+/// Whether a form with weights zero has another residual at the unknown than at other fields: those that it evaluates, and zero.
+pub(super) fn reads_unknown_itself<const D: usize>(
     without_weights: &dyn AnyForm<D>,
     unknown: &Field<D>,
     evaluated: &[Field<D>; 3],
     assembler: &Assembler<D>,
-) -> Result<(), HistoryFailure> {
+) -> Result<bool, HistoryFailure> {
     let space = unknown.space();
     let residual = |at: &Field<D>| without_weights.residual(assembler, &[at.view()], &[space], Parts::ALL);
     let (here, zero) = (residual(unknown)?, Field::zero(space));
     for other in evaluated.iter().chain([&zero]) {
         if residual(other)? != here {
-            let form = without_weights.name();
-            let fields = without_weights.fields();
-            let of_step = fields.iter().find(|field| field.role == Role::Unknown(0));
-            let unknown = of_step.map_or("u", |field| field.name);
-            return Err(HistoryFailure::UnknownItself { form, unknown });
+            return Ok(true);
         }
     }
-    Ok(())
+    Ok(false)
+}
+
+/// The error of a form that reads its unknown itself, where that may not be.
+pub(super) fn refused<const D: usize>(form: &dyn AnyForm<D>) -> HistoryFailure {
+    let of_step = form.fields().iter().find(|field| field.role == Role::Unknown(0));
+    HistoryFailure::UnknownItself { form: form.name(), unknown: of_step.map_or("u", |field| field.name) }
 }

@@ -41,6 +41,15 @@ pub struct Passage {
     pub rises: bool,
 }
 
+impl Passage {
+    /// The passage of zero between two values at two times, if one is positive and the other is not.
+    pub(crate) fn of_zero(times: [f64; 2], values: [f64; 2]) -> Option<Self> {
+        let part = values[0] / (values[0] - values[1]);
+        ((values[0] > 0.0) != (values[1] > 0.0))
+            .then(|| Passage { time: times[0] + part * (times[1] - times[0]), rises: values[1] > 0.0 })
+    }
+}
+
 /// A row or a column that a series does not have.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TimeSeriesError {
@@ -134,10 +143,9 @@ impl TimeSeries {
     pub fn passages(&self, name: &str, threshold: f64) -> Result<Vec<Passage>, TimeSeriesError> {
         let column = self.column(name)?;
         let pairs = self.times.windows(2).zip(column.windows(2));
-        let passed = pairs.filter(|(_, values)| (values[0] > threshold) != (values[1] > threshold));
-        let passages = passed.map(|(times, values)| {
-            let part = (threshold - values[0]) / (values[1] - values[0]);
-            Passage { time: times[0] + part * (times[1] - times[0]), rises: values[1] > threshold }
+        let passages = pairs.filter_map(|(times, values)| {
+            let above = [values[0] - threshold, values[1] - threshold];
+            Passage::of_zero([times[0], times[1]], above)
         });
         Ok(passages.collect())
     }

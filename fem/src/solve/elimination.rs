@@ -37,7 +37,13 @@ impl Elimination {
                 return Err(LinearAlgebraError::VectorNotFinite { what, index, value });
             }
         }
-        let free = (0..size).filter(|unknown| !prescribed.contains_key(unknown)).collect();
+        let mut free = Vec::with_capacity(size.saturating_sub(prescribed.len()));
+        let mut from = 0;
+        for &unknown in prescribed.keys() {
+            free.extend(from..unknown);
+            from = unknown + 1;
+        }
+        free.extend(from..size);
         Ok(Self { size, prescribed: prescribed.clone(), relations: BTreeMap::new(), free, restriction: None })
     }
 
@@ -108,6 +114,17 @@ impl Elimination {
     /// Number of all unknowns.
     pub fn size(&self) -> usize {
         self.size
+    }
+
+    /// The unknowns on which constraints act: those that are prescribed or given by others, and the free ones that give them.
+    pub(crate) fn held(&self) -> Vec<usize> {
+        let mut held: Vec<usize> = self.prescribed.keys().copied().collect();
+        for (unknown, relation) in &self.relations {
+            held.extend(relation.terms.iter().map(|(free, _)| *free).chain([*unknown]));
+        }
+        held.sort_unstable();
+        held.dedup();
+        held
     }
 
     /// Free unknowns, ascending.

@@ -106,6 +106,15 @@ pub enum StepFailure {
         /// The tolerance \[value\].
         tolerance: f64,
     },
+    /// A number of a state, which is watched, that does not exist.
+    #[error("the number `{name}` of the state at this time: {why}")]
+    Event {
+        /// Its name.
+        name: String,
+        /// The reason.
+        #[source]
+        why: Box<dyn std::error::Error + Send + Sync>,
+    },
     /// A tolerance that no step could keep.
     #[error("the tolerance {0} is no positive number")]
     Tolerance(f64),

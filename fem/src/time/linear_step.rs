@@ -1,9 +1,11 @@
 //! Steps whose equations are affine in the unknown: one matrix and one factor for as long as its weights stay.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::error::StepFailure;
 use super::mass::{Mass, diagonal, row_sums};
+use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Parts};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
@@ -21,6 +23,17 @@ pub(super) struct StepMatrix {
     matrix: BlockMatrix,
     /// Its lumped masses, where these are solved with.
     lumped: Option<Vec<f64>>,
+    /// The rows in which constraints act.
+    held: Vec<usize>,
+}
+
+/// The solution of a step's equations.
+pub(super) struct LinearStep {
+    /// The step's unknown.
+    pub unknown: Vec<f64>,
+    /// The residual there: computed in the rows in which constraints act, and where the equations were looked at, in all of them.
+    pub residual: Vec<f64>,
+    pub cost: StepCost,
 }
 
 /// Who assembles and solves a step.
@@ -46,7 +59,7 @@ pub(super) enum Check {
     Nothing,
 }
 
-/// The unknown that solves an affine form, from a guess that fulfils the constraints, and the residual on all unknowns there.
+/// The unknown that solves an affine form, from a guess that fulfils the constraints.
 #[inline(never)]
 pub(super) fn solve<const D: usize>(
     (form, weights): (&dyn AnyForm<D>, [f64; 3]),
@@ -55,34 +68,42 @@ pub(super) fn solve<const D: usize>(
     kept: &mut Option<StepMatrix>,
     means: &mut Means<'_, D>,
     check: Check,
-) -> Result<(Vec<f64>, Vec<f64>), StepFailure> {
+) -> Result<LinearStep, StepFailure> {
     let space = guess.space();
-    let residual_at = |values: &[f64]| {
+    let mut cost = StepCost::default();
+    let residual_at = |values: &[f64], cost: &mut StepCost| {
+        let begun = Instant::now();
         let view = FieldView { space, values, finite: false };
-        form.residual(means.assembler, &[view], &[space], Parts::ALL)
+        let residual = form.residual(means.assembler, &[view], &[space], Parts::ALL);
+        cost.residuals += 1;
+        cost.residual_seconds += begun.elapsed().as_secs_f64();
+        residual
     };
-    let before = residual_at(guess.values())?;
+    let before = residual_at(guess.values(), &mut cost)?;
     let load: Vec<f64> = elimination.reduce(&before)?.iter().map(|value| -value).collect();
     let known = kept.take().filter(|kept| kept.weights == weights && kept.free == elimination.free());
     // A relation may have other factors than before without another free unknown.
     let mut fresh = known.is_none() || !elimination.only_prescribes();
     let mut matrix = match known {
         Some(known) if !fresh => known,
-        _ => StepMatrix::assemble((form, weights), guess, elimination, means)?,
+        _ => StepMatrix::assemble((form, weights), guess, elimination, means, &mut cost)?,
     };
     loop {
+        let begun = Instant::now();
         let step = elimination.extend_by_zero(&means.solver.solve(&load, 0.0)?.solution)?;
-        let mut found = guess.values().to_vec();
-        add_scaled(&mut found, 1.0, &step);
-        let predicted = matrix.residual_after(&before, &step)?;
+        cost.solves += 1;
+        cost.solve_seconds += begun.elapsed().as_secs_f64();
+        let mut unknown = guess.values().to_vec();
+        add_scaled(&mut unknown, 1.0, &step);
         if check == Check::Nothing || matrix.lumped.is_some() {
+            let residual = matrix.residual_after(&before, &step);
             *kept = Some(matrix);
-            return Ok((found, predicted));
+            return Ok(LinearStep { unknown, residual, cost });
         }
-        let residual = residual_at(&found)?;
-        let Some(residual_of_row) = matrix.wrong_row(&residual, &load, &found, elimination)? else {
+        let residual = residual_at(&unknown, &mut cost)?;
+        let Some(residual_of_row) = matrix.wrong_row(&residual, &load, &unknown, elimination)? else {
             *kept = Some(matrix);
-            return Ok((found, residual));
+            return Ok(LinearStep { unknown, residual, cost });
         };
         if check == Check::Promise {
             return Err(StepFailure::CoefficientsChanged { residual: residual_of_row });
@@ -90,7 +111,7 @@ pub(super) fn solve<const D: usize>(
         if fresh {
             return Err(StepFailure::Inaccurate { residual: residual_of_row });
         }
-        matrix = StepMatrix::assemble((form, weights), guess, elimination, means)?;
+        matrix = StepMatrix::assemble((form, weights), guess, elimination, means, &mut cost)?;
         fresh = true;
     }
 }
@@ -103,7 +124,9 @@ impl StepMatrix {
         at: &Field<D>,
         elimination: &mut Elimination,
         means: &mut Means<'_, D>,
+        cost: &mut StepCost,
     ) -> Result<Self, StepFailure> {
+        let begun = Instant::now();
         let mut matrix = BlockMatrix::zero(means.pattern.sparsity());
         let arguments = (&[at.view()][..], &[at.space()][..]);
         form.assemble_tangent(means.assembler, arguments, Parts::ALL, means.pattern, &mut matrix)?;
@@ -115,7 +138,10 @@ impl StepMatrix {
             Some(masses) => diagonal(masses, elimination)?,
             None => elimination.reduce_matrix(&matrix)?,
         })?;
-        Ok(StepMatrix { weights, free: elimination.free().to_vec(), matrix, lumped })
+        cost.matrices += 1;
+        cost.matrix_seconds += begun.elapsed().as_secs_f64();
+        let (free, held) = (elimination.free().to_vec(), elimination.held());
+        Ok(StepMatrix { weights, free, matrix, lumped, held })
     }
 
     /// The residual of the first equation that does not hold, each beside its own terms with the largest value of the unknown: a
@@ -136,17 +162,17 @@ impl StepMatrix {
         Ok(wrong.next().map(|((row, _), _)| row))
     }
 
-    /// The residual after a step, by the matrix.
-    fn residual_after(&self, before: &[f64], step: &[f64]) -> Result<Vec<f64>, StepFailure> {
-        let mut after = before.to_vec();
-        match &self.lumped {
-            Some(masses) => {
-                let forces: Vec<f64> = masses.iter().zip(step).map(|(mass, step)| mass * step).collect();
-                add_scaled(&mut after, 1.0, &forces);
-            }
-            None => add_scaled(&mut after, 1.0, &self.matrix.multiply(step)?),
+    /// The residual after a step in the rows in which constraints act, by the matrix; the others are solved for.
+    fn residual_after(&self, before: &[f64], step: &[f64]) -> Vec<f64> {
+        let mut after = vec![0.0; before.len()];
+        for &row in &self.held {
+            let force = match &self.lumped {
+                Some(masses) => masses[row] * step[row],
+                None => self.matrix.row(row).map(|(column, value)| value * step[column]).sum(),
+            };
+            after[row] = before[row] + force;
         }
-        Ok(after)
+        after
     }
 }
 

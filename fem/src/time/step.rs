@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::operators::{scalar, vector};
 use super::scheme::{Combination, Formulas};
+use super::step_cost::StepCost;
 use crate::compiled_here::compiled_here;
 use crate::contract::Given;
 use crate::field::{Field, FieldError};
@@ -135,8 +136,11 @@ pub struct Taken<const D: usize> {
     pub to: f64,
     /// Newton's iterates; none where the form is affine, or the step explicit.
     pub history: Vec<NewtonStep>,
-    /// R(u) on all unknowns: reactions where values are prescribed, about zero elsewhere.
+    /// R(u) on all unknowns: reactions where values are prescribed, about zero elsewhere; of a step that is one residual and one solve
+    /// computed where constraints act, and zero elsewhere.
     pub residual: Vec<f64>,
+    /// Work of the step, part by part; none where Newton's method has solved it.
+    pub cost: Option<StepCost>,
     /// Estimate of the error that this step has added to the value, at the node where it is largest; none where the scheme has
     /// no rule for it.
     pub error: Option<f64>,

@@ -1,13 +1,15 @@
 //! The loop over steps in time.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::checkpoint::Checkpoint;
 use super::error::{StepError, StepFailure};
-use super::linear_step::{Check, Means, StepMatrix, solve};
+use super::linear_step::{Check, LinearStep, Means, StepMatrix, solve};
 use super::mass::Mass;
-use super::scheme::{Combination, Formulas, Scheme, SolvedFor};
+use super::scheme::{Formulas, Scheme, SolvedFor};
 use super::step::{State, Step, Taken, known};
+use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Parts};
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
@@ -171,6 +173,17 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self.take_within(size, self.state().time + size, f64::INFINITY)
     }
 
+    /// Takes one step that ends at a time.
+    pub(super) fn take_to(&mut self, end: f64) -> Result<Taken<D>, StepError> {
+        self.take_within(end - self.state().time, end, f64::INFINITY)
+    }
+
+    /// Stands again where it stood before.
+    pub(super) fn go_back(&mut self, to: Checkpoint<D>) {
+        (self.states, self.number) = (to.states, to.steps);
+        self.has_second_rate &= self.number > 0;
+    }
+
     /// Takes one step that ends at `end`, the last time and the size up to rounding, if its error is within a tolerance.
     pub(super) fn take_within(&mut self, size: f64, end: f64, tolerance: f64) -> Result<Taken<D>, StepError> {
         let from = self.state().time;
@@ -178,7 +191,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     }
 
     fn try_step(&mut self, end: f64, size: f64, tolerance: f64) -> Result<Taken<D>, StepFailure> {
-        let from = self.state().time;
+        let (begun, from) = (Instant::now(), self.state().time);
         if !(size > 0.0 && end.is_finite() && end > from) {
             return Err(StepFailure::StepSize(size));
         }
@@ -200,33 +213,29 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         }
         let step = Step::new(&self.states, end, &formulas)?;
         let form = (self.form)(&step);
-        let (x, residual, history) = match self.scheme.solved_for() {
+        let (x, residual, history, cost) = match self.scheme.solved_for() {
             SolvedFor::SecondRate => {
                 self.check_supports(&constraints, &formulas)?;
-                let (x, residual) = self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
-                (x, residual, vec![])
+                let (x, residual, cost) =
+                    self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
+                (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value if form.is_affine() => {
-                let (x, residual) = self.solve_affine(&*form, step.weights, &constraints)?;
-                (x, residual, vec![])
+                let (x, residual, cost) = self.solve_affine(&*form, step.weights, &constraints)?;
+                (x, residual, vec![], Some(cost))
             }
-            SolvedFor::Value => self.solve_nonlinear(form, size, &constraints)?,
-        };
-        let [value, rate, second_rate] = &formulas.end;
-        let state = State {
-            time: end,
-            value: self.at_end(value, &x)?,
-            rate: self.at_end(rate, &x)?,
-            second_rate: self.at_end(second_rate, &x)?,
-        };
-        let error = match self.scheme.error_factor() {
-            Some(factor) => {
-                let change = state.second_rate.minus(&self.state().second_rate)?;
-                let largest = change.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-                Some(factor * size * size * largest)
+            SolvedFor::Value => {
+                let (x, residual, history) = self.solve_nonlinear(form, size, &constraints)?;
+                (x, residual, history, None)
             }
-            None => None,
         };
+        let at_end = |which: usize| self.at_end(&formulas, which, &step, &x);
+        let state = State { time: end, value: at_end(0)?, rate: at_end(1)?, second_rate: at_end(2)? };
+        let error = self.scheme.error_factor().map(|factor| {
+            let ends = [&state, self.state()].map(|state| state.second_rate.values());
+            let changes = ends[0].iter().zip(ends[1]).map(|(after, before)| (after - before).abs());
+            factor * size * size * changes.fold(0.0, f64::max)
+        });
         if let Some(error) = error
             && error > tolerance
         {
@@ -236,12 +245,28 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self.states.insert(0, state);
         self.states.truncate(self.scheme.states().max(1));
         self.number += 1;
-        Ok(Taken { number: self.number - 1, from, to: end, history, residual, error, space })
+        let cost = cost.map(|cost| StepCost { seconds: begun.elapsed().as_secs_f64(), ..cost });
+        Ok(Taken { number: self.number - 1, from, to: end, history, residual, cost, error, space })
     }
 
-    /// A combination at the end of a step, with the step's unknown x.
-    fn at_end(&self, combination: &Combination, x: &Field<D>) -> Result<Field<D>, StepFailure> {
-        let known = known(combination, &self.states)?;
+    /// Value, rate or second rate at the end of a step, with the step's unknown x.
+    fn at_end(
+        &self,
+        formulas: &Formulas,
+        which: usize,
+        step: &Step<D>,
+        x: &Field<D>,
+    ) -> Result<Field<D>, StepFailure> {
+        let combination = &formulas.end[which];
+        let reads_states = combination.states.iter().flatten().any(|weight| *weight != 0.0);
+        if combination.unknown == 1.0 && !reads_states {
+            return Ok(x.clone());
+        }
+        // Where a form is evaluated at the end of the step, its known part is that.
+        let known = match *combination == formulas.evaluated[which] {
+            true => step.known[which].clone(),
+            false => known(combination, &self.states)?,
+        };
         Ok(match combination.unknown {
             0.0 => known,
             weight => Field::combination(&[(weight, x), (1.0, &known)])?,
@@ -263,7 +288,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             before: state,
         };
         let form = (self.form)(&step);
-        let (second_rate, _) = self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
+        let (second_rate, ..) = self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
         self.states[0].second_rate = second_rate;
         self.has_second_rate = true;
         Ok(())
@@ -298,7 +323,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         form: &dyn AnyForm<D>,
         weights: [f64; 3],
         constraints: &Constraints<D>,
-    ) -> Result<(Field<D>, Vec<f64>), StepFailure> {
+    ) -> Result<(Field<D>, Vec<f64>, StepCost), StepFailure> {
         let pattern = self.pattern(form)?;
         let state = &self.states[0];
         let mut elimination = Elimination::of(&[constraints])?;
@@ -321,9 +346,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             solver: self.solver.get(),
             mass: if of_second_rate { self.mass } else { Mass::Consistent },
         };
-        let (x, residual) =
+        let LinearStep { unknown, residual, cost } =
             solve((form, weights), &guess, &mut elimination, &mut self.kept, &mut means, check)?;
-        Ok((Field::from_values(guess.space(), x)?, residual))
+        Ok((Field::from_values(guess.space(), unknown)?, residual, cost))
     }
 
     fn solve_nonlinear(
