@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 20] = [
+const MAKERS: [Maker; 21] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -127,6 +127,13 @@ const MAKERS: [Maker; 20] = [
         pictures: &[
             ("out/die_on_slab.png", "die_on_slab.png"),
             ("out/die_on_slab_forces.png", "die_on_slab_forces.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "elastic_die"],
+        pictures: &[
+            ("out/elastic_die.png", "elastic_die.png"),
+            ("out/elastic_die_forces.png", "elastic_die_forces.png"),
         ],
     },
     Maker {
