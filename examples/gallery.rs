@@ -137,6 +137,13 @@ const MAKERS: [Maker; 21] = [
         ],
     },
     Maker {
+        arguments: &["--bin", "elastic_die"],
+        pictures: &[
+            ("out/elastic_die.png", "elastic_die.png"),
+            ("out/elastic_die_forces.png", "elastic_die_forces.png"),
+        ],
+    },
+    Maker {
         arguments: &[
             "--bin",
             "shape_optimisation",

@@ -65,13 +65,16 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let path = path.map_err(|error| error.to_string())?;
 
     let getfem: Run = serde_json::from_str(include_str!("../tests/getfem/shallow_ironing.json"))?;
-    out.line("| way | down | GetFEM | along | GetFEM |");
-    out.line("| --: | --: | --: | --: | --: |");
-    for (way, ..) in PUBLISHED {
+    out.line("| way | down | GetFEM | published, least | most | along | GetFEM | published, least | most |");
+    out.line("| --: | --: | --: | --: | --: | --: | --: | --: | --: |");
+    for (way, of_down, of_along) in PUBLISHED {
         let at = |curve: &[Forces]| curve.iter().copied().find(|forces| (forces.way - way).abs() < 1e-9);
         if let (Some(own), Some(theirs)) = (at(&ours), at(&getfem.curve)) {
-            let [down, along] = [(own.down, theirs.down), (own.along, theirs.along)];
-            out.line(format!("| {way} | {:.2} | {:.2} | {:.2} | {:.2} |", down.0, down.1, along.0, along.1));
+            let cells = |own: f64, theirs: f64, [least, most]: [f64; 2]| {
+                format!("{own:.2} | {theirs:.2} | {least} | {most}")
+            };
+            let down = cells(own.down, theirs.down, of_down);
+            out.line(format!("| {way} | {down} | {} |", cells(own.along, theirs.along, of_along)));
         }
     }
     draw(&ours, &getfem.curve)?;

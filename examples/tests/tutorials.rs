@@ -194,15 +194,33 @@ fn rows(printed: &str) -> Vec<Vec<f64>> {
     printed.lines().filter_map(cells).collect()
 }
 
-/// The forces of ironing at the end of pressing beside GetFEM's, whose contact is another formulation on one of the surfaces.
+/// The forces of ironing at the end of pressing and half of the way along: all four within what was published, as the program's table
+/// has it, and beside GetFEM's, whose contact is another formulation on one of the surfaces. Half the benchmark's fineness is taken: the
+/// published forces differ by a quarter, from a quarter of the fineness to all of it ours move by 0.4 % (down) and 7 % (along), and on
+/// the coarsest mesh the force along swings by a quarter from step to step, as the block stands on nodes or between them.
 #[test]
-fn ironing_presses_as_in_getfem() {
+fn ironing_is_within_the_published_band_and_near_getfem() {
     let printed =
-        run_with(env!("CARGO_BIN_EXE_shallow_ironing"), &["1", "8", "1"], "shallow_ironing_forces.png");
+        run_with(env!("CARGO_BIN_EXE_shallow_ironing"), &["2", "8", "25"], "shallow_ironing_forces.png");
     let rows = rows(&printed);
-    let [way, down, their_down, along, their_along] = rows[rows.len() - 1][..] else { panic!("{printed}") };
-    assert_eq!(way, 1.0);
-    assert!((down / their_down - 1.0).abs() < 0.03 && (along / their_along - 1.0).abs() < 0.1, "{printed}");
+    let table: Vec<&Vec<f64>> = rows.iter().filter(|row| row.len() == 9).collect();
+    assert_eq!(table.iter().map(|row| row[0]).collect::<Vec<_>>(), [1.0, 1.5], "{printed}");
+    for row in table {
+        for (force, beside_getfem) in [(&row[1..5], 0.03), (&row[5..9], 0.1)] {
+            let [own, getfem, least, most] = force[..] else { panic!("{printed}") };
+            assert!(own >= least && own <= most, "{printed}");
+            assert!((own / getfem - 1.0).abs() < beside_getfem, "{printed}");
+        }
+    }
+    // At the end of the way that is compared the block slides steadily: the force is that of no accidental place.
+    let steps: Vec<&Vec<f64>> = rows.iter().filter(|row| row.len() == 4).collect();
+    let last = steps[steps.len() - 1];
+    for step in &steps[steps.len() - 6..] {
+        assert!(
+            (step[1] / last[1] - 1.0).abs() < 0.005 && (step[2] / last[2] - 1.0).abs() < 0.01,
+            "{printed}"
+        );
+    }
 }
 
 /// At first the ring is a curved beam: P = δ E′I/R³ / (π k₁/4 − 2 k₂²/π), k₁ = 1 − α + β, k₂ = 1 − α, α = I/AR², β = 1.2 E′α/G (Roark,
@@ -234,6 +252,19 @@ fn a_die_slides_along_a_slab() {
     assert!(sliding.len() >= 5 && sliding.iter().all(|ratio| (0.3..0.45).contains(ratio)), "{printed}");
     let [least, most] = [f64::min, f64::max].map(|of| sliding.iter().copied().reduce(of).expect("some"));
     assert!(most - least < 0.05, "{printed}");
+}
+
+/// A die a thousand times as stiff as the slab gets through first touch, presses harder and harder, sticks as it begins to move and is then held
+/// back by friction and the slope in front of it. That both bodies have one force is the program's own check.
+#[test]
+fn an_elastic_die_slides_along_a_slab() {
+    let printed = run_with(env!("CARGO_BIN_EXE_elastic_die"), &["6", "5", "6"], "elastic_die.png");
+    let rows = rows(&printed);
+    let (pressing, sliding): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row[0] < 1.401);
+    assert!(pressing.is_sorted_by(|one, next| one[1] < next[1]) && pressing[0][1] > 0.0, "{printed}");
+    assert!(sliding.len() >= 6 && sliding[0][3] < 0.3, "{printed}");
+    assert!(sliding.iter().filter(|row| row[0] > 3.0).all(|row| (0.3..0.36).contains(&row[3])), "{printed}");
+    assert!(pressing.iter().all(|row| row[5] <= 15.0), "{printed}");
 }
 
 /// The numbers that stand after a word, one per line that has it.

@@ -18,7 +18,8 @@ pub mod two_bodies {
     pub use crate::operators::linear_elastic::stress;
     pub use crate::operators::loads::loads;
 
-    /// Data of laws between two bodies. Materials may differ from cell to cell.
+    /// Data of laws between two bodies. Materials may differ from cell to cell: where bodies touch, give a field with a value per cell, for a
+    /// function of position does not know which body is meant at a point of both (it is refused).
     #[includes(
         crate::operators::bodies::Data,
         crate::operators::variant::Data,

@@ -12,7 +12,7 @@ use forms_fem::prelude::*;
 
 use crate::layer::{Inside, plane_layers};
 use crate::setting::{Friction, LAMBDA, MU, YOUNG, close, data};
-use crate::two_bodies::{constraints, layers};
+use crate::two_bodies::{WIDTH, constraints, layers};
 
 fn between(friction: f64) -> law::Data<2> {
     let required = law::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (20.0 * YOUNG).into() };
@@ -125,6 +125,56 @@ fn sliding_surfaces_that_face_each_other_nowhere() {
     estimated[0].estimated_degree = Some(33);
     let note = estimated[0].note_on_quadrature().unwrap();
     assert!(note.starts_with("`Touch`: the rule has degree 33, an estimate"), "{note}");
+}
+
+/// A layer of two bodies, the upper one a hundred times as stiff, that touch where a function of position has its jump: it is refused where it
+/// is the other body's on a surface, and else there is the closed form's pressure, that of two springs in a row.
+#[test]
+fn a_modulus_that_jumps_where_bodies_touch() {
+    const STIFFER: f64 = 100.0;
+    const DOWN: f64 = 0.001;
+    let mesh = layers::<2>(CellShape::Quadrilateral, [3, 4], 0.0);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let cells = Space::discontinuous_scalar(&mesh, 0).unwrap();
+    let share = |touch: &Pairing| 1.0 / touch.surfaces.len() as f64;
+    let pressed = |modulus: &dyn Fn(f64) -> Given<f64, 2>, touch: Pairing| {
+        let required =
+            law::Required { lambda: modulus(LAMBDA), mu: modulus(MU), gamma0: modulus(20.0 * YOUNG) };
+        let data = law::Data { share: share(&touch), ..required.into() };
+        let regions = law::Regions::default().touch(touch).gamma_n("upper top");
+        let (held, model) = (constraints(&space, 0.0, DOWN), law::Model { data, regions });
+        let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held).unwrap();
+        let solved = problem.direct().unwrap().solve().map_err(|error| error.to_string())?;
+        Ok::<f64, String>(solved.reaction("lower bottom").unwrap()[1] / WIDTH)
+    };
+    let above = |from: f64| {
+        move |value: f64| {
+            Given::function(move |x: &[f64; 2]| if x[1] > from { STIFFER * value } else { value })
+        }
+    };
+    let by_cell = |value: f64| {
+        let of_cell = |x: &[f64; 2]| if x[1] > 0.5 { STIFFER * value } else { value };
+        Given::field(&Field::interpolate(&cells, of_cell).unwrap())
+    };
+    let (onto, both) =
+        (Pairing::onto("lower top", "upper bottom"), Pairing::between("lower top", "upper bottom"));
+    let expected = DOWN * (LAMBDA + 2.0 * MU) / (0.5 + 0.5 / STIFFER);
+    for pressure in [
+        pressed(&by_cell, both.clone()),
+        pressed(&by_cell, onto.clone()),
+        pressed(&above(0.5 + 1e-9), onto.clone()),
+    ] {
+        close("pressure", pressure.unwrap(), expected, 1e-10);
+    }
+    // The lower body's surface counts as the upper one's, and in the other case that of the upper one as the lower one's.
+    for (from, touch, surface, values) in
+        [(0.5 - 1e-9, onto, "lower top", [STIFFER, 1.0]), (0.5 + 1e-9, both, "upper bottom", [1.0, STIFFER])]
+    {
+        let told = pressed(&above(from), touch).unwrap_err();
+        let [on, inside] = values.map(|factor| factor * LAMBDA);
+        assert!(told.contains(&format!("`lambda` jumps at the surface \"{surface}\": at [")), "{told}");
+        assert!(told.contains(&format!("it is {on} on it and {inside} in the cell behind it")), "{told}");
+    }
 }
 
 /// F = diag(1, J): p = μ (1/J − J) − λ ln J/J. With all else at rest the cells beside the top would be turned inside out from

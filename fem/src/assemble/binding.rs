@@ -368,7 +368,7 @@ impl<'a, const D: usize> Binding<'a, D> {
 }
 
 /// An error of a form's contact pairs.
-pub(super) fn pair_error(form: &'static str, region: &Region, source: PairError) -> AssemblyError {
+pub(crate) fn pair_error(form: &'static str, region: &Region, source: PairError) -> AssemblyError {
     AssemblyError::Pairs { form, symbol: region.symbol, pairing: region.name.clone(), source }
 }
 

@@ -38,6 +38,24 @@ pub enum PairError {
         /// The centre of the first.
         position: Vec<f64>,
     },
+    /// A function of position among the data that is not the own body's on its surface.
+    #[error(
+        "`{field}` jumps at the surface \"{surface}\": at {position:?} it is {} on it and {} in the cell behind it. Where bodies touch, a \
+         function of position does not know which of them is meant: give a field with a value for each cell \
+         (`Given::field(&Field::interpolate(&Space::discontinuous_scalar(&mesh, 0)?, ..)?)`)",
+        .values[0],
+        .values[1]
+    )]
+    Jump {
+        /// Name of the data member.
+        field: &'static str,
+        /// The surface that is integrated over.
+        surface: String,
+        /// The centre of a facet.
+        position: Vec<f64>,
+        /// The values there, and just inside of the cell.
+        values: [f64; 2],
+    },
     /// A rigid surface that is to be integrated over.
     #[error(
         "the surface \"{surface}\" is rigid: there is nothing to integrate over on it. Let a body face it (`Pairing::onto(body, \

@@ -85,11 +85,18 @@ pub(super) struct Found<const D: usize> {
     pub remade: Vec<(usize, KeptList<D>)>,
 }
 
+/// A point of an own facet from which a ray goes along the unit normal, with the surface element there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RayStart<const D: usize> {
+    pub position: [f64; D],
+    pub normal: [f64; D],
+    pub element: f64,
+}
+
 /// Room for what is computed of one own facet.
 #[derive(Debug, Default)]
 pub(super) struct Room<const D: usize> {
-    /// Positions and normals.
-    pub points: Vec<([f64; D], [f64; D])>,
+    pub points: Vec<RayStart<D>>,
     pub candidates: Vec<usize>,
     /// The pairs with the opposite facets' indices.
     pub pairs: Vec<(usize, PairPoint<D>)>,

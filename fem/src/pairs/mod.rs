@@ -13,6 +13,7 @@
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
 //! report    the numbers of a pairing's points
 //! known     searches that were done
+//! jumping_data   functions of position that do not know on which body they are
 //! first_touch    a rigid approach until surfaces meet
 //! tunnelling     points that would pass through the opposite body between two displacements
 //! ```
@@ -28,6 +29,7 @@ mod error;
 mod first_touch;
 mod found;
 mod frame;
+mod jumping_data;
 mod known;
 mod opposite;
 mod pieces;
@@ -52,6 +54,7 @@ pub(crate) use self::displacement::{Displacement, DisplacementField};
 pub use self::error::PairError;
 pub use self::first_touch::{Approach, FirstTouch};
 use self::found::{Counts, Found, PairPoint, Room, Unit};
+pub(crate) use self::jumping_data::check as check_data;
 pub(crate) use self::known::KnownPairs;
 pub use self::report::PairReport;
 pub(crate) use self::rigid::coupled_facets;

@@ -3,9 +3,9 @@
 use forms_core::contract::Projection;
 
 use super::candidates::Beam;
-use super::found::{Found, PairPoint, Room};
+use super::found::{Found, PairPoint, RayStart, Room};
 use super::search::{Partner, Search, Sought, Viewpoint};
-use super::surface::{SurfaceFacet, dot, unit};
+use super::surface::{SurfaceFacet, dot};
 use super::{PairError, clip, pieces};
 use crate::quadrature::{QuadratureRule, facet_reference_rule};
 
@@ -38,20 +38,21 @@ impl<const D: usize> Search<'_, '_, D> {
         points.clear();
         points.extend(rule.points.iter().map(|s| {
             let point = own.at(s);
-            (point.position, point.long_normal())
+            let normal = point.long_normal();
+            let element = dot(&normal, &normal).sqrt();
+            RayStart { position: point.position, normal: normal.map(|n| n / element), element }
         }));
-        let elements: f64 = points.iter().zip(&rule.weights).map(|((_, n), w)| w * dot(n, n).sqrt()).sum();
-        found.counts().measure = elements;
-        let rays = points.iter().map(|(position, normal)| (*position, unit(normal)));
-        let (reach, diameter) = (self.reach(own), own.diameter());
-        let beam = Beam::new(own, rays, reach);
+        found.counts().measure = points.iter().zip(&rule.weights).map(|(point, w)| w * point.element).sum();
+        let diameter = own.diameter();
+        let reach = self.reach_of(diameter);
+        let beam = Beam::new(own, points.iter().map(|point| (point.position, point.normal)), reach);
         let made = self.candidates.of(index, &beam, diameter, |facet| self.may_face(own, facet), candidates);
         found.remade.extend(made.map(|list| (index, list)));
         for (q, s) in rule.points.iter().enumerate() {
-            let (position, normal) = room.points[q];
-            let from = Viewpoint { own, s: *s, position, normal: unit(&normal) };
+            let RayStart { position, normal, element } = room.points[q];
+            let from = Viewpoint { own, s: *s, position, normal };
             let sought = self.opposite_to(&from, &room.candidates, reach);
-            self.add(sought, &from, (rule.weights[q], dot(&normal, &normal).sqrt()), found, room);
+            self.add(sought, &from, (rule.weights[q], element), found, room);
         }
     }
 

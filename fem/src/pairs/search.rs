@@ -53,6 +53,12 @@ pub(super) enum Sought<const D: usize> {
     Open,
 }
 
+/// The best of the facets that were considered, with its distance, and whether one was met that is no partner.
+struct Best<const D: usize> {
+    partner: Option<(f64, Partner<D>)>,
+    rejected: bool,
+}
+
 /// A surface, the one opposite to it, and how points of the two belong together.
 pub(super) struct Search<'s, 'm, const D: usize> {
     pub mesh: &'m Mesh<D>,
@@ -140,7 +146,12 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
 
     /// The distance at which points of an own facet have partners.
     pub fn reach(&self, own: &SurfaceFacet<D>) -> f64 {
-        self.reach.unwrap_or_else(|| 2.0 * own.diameter())
+        self.reach_of(own.diameter())
+    }
+
+    /// The same by the facet's diameter.
+    pub fn reach_of(&self, diameter: f64) -> f64 {
+        self.reach.unwrap_or(2.0 * diameter)
     }
 
     /// Whether points of an own facet may face another one: on one surface not a neighbour.
@@ -195,12 +206,8 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         Some(Partner { facet, hit, gap })
     }
 
-    /// Candidates with lower bounds of their distance from a point, nearest points first: of these few are looked at. Rays
-    /// pass most candidates by, which is seen at once.
+    /// Candidates with lower bounds of their distance from a point, nearest points first: of these few are looked at.
     fn by_distance(&self, x: &[f64; D], candidates: &[usize]) -> Vec<(f64, usize)> {
-        if self.projection == Projection::Ray {
-            return candidates.iter().map(|facet| (0.0, *facet)).collect();
-        }
         let bound = |facet: &usize| {
             let off = minus(&self.opposite[*facet].centre, x);
             ((dot(&off, &off).sqrt() - self.opposite[*facet].radius).max(0.0), *facet)
@@ -233,34 +240,46 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
     /// The point opposite to x: of those accepted the one with the smallest |g|, or the nearest; of several the one on
     /// the facet with the lowest number.
     pub fn opposite_to(&self, from: &Viewpoint<D>, candidates: &[usize], reach: f64) -> Sought<D> {
-        let x = &from.position;
-        let (mut best, mut rejected): (Option<(f64, Partner<D>)>, bool) = (None, false);
-        for (bound, facet) in self.by_distance(x, candidates) {
-            if best.as_ref().is_some_and(|(least, _)| bound > *least) {
-                break;
+        let mut best = Best { partner: None, rejected: false };
+        match self.projection {
+            // Rays pass most candidates by, which is seen at once.
+            Projection::Ray => {
+                candidates.iter().for_each(|facet| self.consider(*facet, from, reach, &mut best))
             }
-            let Some(partner) = self.on_facet(facet, from) else { continue };
-            if !self.accepts(&partner, from, reach) {
-                rejected |= !partner.hit.at_rim;
-                continue;
-            }
-            let measure = match self.projection {
-                Projection::Ray => partner.gap.abs(),
-                Projection::Nearest => {
-                    let off = minus(&partner.hit.position, x);
-                    dot(&off, &off).sqrt()
+            Projection::Nearest => {
+                for (bound, facet) in self.by_distance(&from.position, candidates) {
+                    if best.partner.as_ref().is_some_and(|(least, _)| bound > *least) {
+                        break;
+                    }
+                    self.consider(facet, from, reach, &mut best);
                 }
-            };
-            let nearer = |(least, known): &(f64, Partner<D>)| (measure, facet) < (*least, known.facet);
-            if best.as_ref().is_none_or(nearer) {
-                best = Some((measure, partner));
             }
         }
-        match best {
+        match best.partner {
             // Beyond the end of a surface its nearest point is no opposite one.
             Some((_, partner)) if !partner.hit.at_rim => Sought::Found(partner),
-            None if rejected => Sought::Rejected,
+            None if best.rejected => Sought::Rejected,
             _ => Sought::Open,
+        }
+    }
+
+    /// Takes a facet's point if it is accepted and better than the best of the facets before.
+    fn consider(&self, facet: usize, from: &Viewpoint<D>, reach: f64, best: &mut Best<D>) {
+        let Some(partner) = self.on_facet(facet, from) else { return };
+        if !self.accepts(&partner, from, reach) {
+            best.rejected |= !partner.hit.at_rim;
+            return;
+        }
+        let measure = match self.projection {
+            Projection::Ray => partner.gap.abs(),
+            Projection::Nearest => {
+                let off = minus(&partner.hit.position, &from.position);
+                dot(&off, &off).sqrt()
+            }
+        };
+        let nearer = |(least, known): &(f64, Partner<D>)| (measure, facet) < (*least, known.facet);
+        if best.partner.as_ref().is_none_or(nearer) {
+            best.partner = Some((measure, partner));
         }
     }
 }

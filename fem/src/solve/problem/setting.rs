@@ -4,8 +4,9 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::untyped::UntypedProblem;
-use crate::assemble::AssemblyError;
+use crate::assemble::{AssemblyError, pair_error};
 use crate::constraints::Constraints;
+use crate::pairs::check_data;
 use crate::space::Space;
 
 impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
@@ -86,6 +87,17 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             source,
         })?;
         self.system.assembler = Cow::Owned(own);
+        Ok(())
+    }
+
+    /// Whether functions of position among the data are those of their bodies on the surfaces of pairs.
+    pub(super) fn check_data_on_pairs(&self) -> Result<(), AssemblyError> {
+        let (form, mesh) = (&self.system.form, self.system.spaces[0].mesh());
+        for region in &form.inputs().regions {
+            let Some(pairing) = &region.pairing else { continue };
+            check_data(mesh, pairing, form.inputs(), |field| form.fields()[field].name)
+                .map_err(|source| pair_error(form.name(), region, source))?;
+        }
         Ok(())
     }
 }
