@@ -137,15 +137,18 @@ fn a_modulus_that_jumps_where_bodies_touch() {
     let space = Space::vector(&mesh, 1).unwrap();
     let cells = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let share = |touch: &Pairing| 1.0 / touch.surfaces.len() as f64;
-    let pressed = |modulus: &dyn Fn(f64) -> Given<f64, 2>, touch: Pairing| {
+    let loaded = |modulus: &dyn Fn(f64) -> Given<f64, 2>, touch: Pairing, load: Given<[f64; 2], 2>| {
         let required =
             law::Required { lambda: modulus(LAMBDA), mu: modulus(MU), gamma0: modulus(20.0 * YOUNG) };
-        let data = law::Data { share: share(&touch), ..required.into() };
+        let data = law::Data { share: share(&touch), body_force: load, ..required.into() };
         let regions = law::Regions::default().touch(touch).gamma_n("upper top");
         let (held, model) = (constraints(&space, 0.0, DOWN), law::Model { data, regions });
         let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held).unwrap();
         let solved = problem.direct().unwrap().solve().map_err(|error| error.to_string())?;
         Ok::<f64, String>(solved.reaction("lower bottom").unwrap()[1] / WIDTH)
+    };
+    let pressed = |modulus: &dyn Fn(f64) -> Given<f64, 2>, touch: Pairing| {
+        loaded(modulus, touch, Given::constant([0.0; 2]))
     };
     let above = |from: f64| {
         move |value: f64| {
@@ -159,6 +162,15 @@ fn a_modulus_that_jumps_where_bodies_touch() {
     let (onto, both) =
         (Pairing::onto("lower top", "upper bottom"), Pairing::between("lower top", "upper bottom"));
     let expected = DOWN * (LAMBDA + 2.0 * MU) / (0.5 + 0.5 / STIFFER);
+    // A load that jumps there is that of the points in the cells. Of that of the upper body, 1 per volume, the lower one bears what
+    // it bears of a force in the upper one's middle.
+    let weight = |from: f64| {
+        let load = Given::function(move |x: &[f64; 2]| [0.0, if x[1] > from { -1.0 } else { 0.0 }]);
+        loaded(&by_cell, onto.clone(), load)
+    };
+    let with_weight = expected + 0.25 / (1.0 + STIFFER);
+    close("load", weight(0.5 + 1e-9).unwrap(), with_weight, 1e-10);
+    close("load", weight(0.5 - 1e-9).unwrap(), with_weight, 1e-10);
     for pressure in [
         pressed(&by_cell, both.clone()),
         pressed(&by_cell, onto.clone()),

@@ -14,18 +14,20 @@ const INSIDE: f64 = 1e-6;
 /// A relative difference of values so close to each other that no smooth function has.
 const JUMP: f64 = 1e-3;
 
-/// Looks at the functions of position among a form's data, by the names of its fields, at the facets that a pairing integrates over.
+/// Looks at the functions of position among a form's data at the facets that a pairing integrates over: those of the fields that are
+/// read there, which have a name.
 pub(crate) fn check<const D: usize>(
     mesh: &Mesh<D>,
     pairing: &Pairing,
     inputs: &Inputs<D>,
-    names: impl Fn(usize) -> &'static str,
+    name_of: impl Fn(usize) -> Option<&'static str>,
 ) -> Result<(), PairError> {
     for facing in &pairing.surfaces {
         // A surface that does not exist, or is rigid, is named where pairs are searched for.
         let Ok(facets) = mesh.facet_region(&facing.own) else { continue };
         for (field, source) in inputs.sources.iter().enumerate() {
             let Some(Source::Function { components, function, .. }) = source else { continue };
+            let Some(name) = name_of(field) else { continue };
             let [mut on, mut inside] = [vec![0.0; *components], vec![0.0; *components]];
             for facet in facets {
                 let (centre, cell) = (mesh.facet_centre(*facet), mesh.cell_centre(facet.cell as usize));
@@ -35,7 +37,7 @@ pub(crate) fn check<const D: usize>(
                 let jumps = |(on, inside): (&f64, &f64)| (on - inside).abs() > JUMP * size;
                 if let Some(component) = on.iter().zip(&inside).position(jumps) {
                     return Err(PairError::Jump {
-                        field: names(field),
+                        field: name,
                         surface: facing.own.clone(),
                         position: centre.to_vec(),
                         values: [on[component], inside[component]],

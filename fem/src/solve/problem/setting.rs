@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::untyped::UntypedProblem;
-use crate::assemble::{AssemblyError, pair_error};
+use crate::assemble::{AssemblyError, Parts, pair_error};
 use crate::constraints::Constraints;
 use crate::pairs::check_data;
 use crate::space::Space;
@@ -90,12 +90,19 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         Ok(())
     }
 
-    /// Whether functions of position among the data are those of their bodies on the surfaces of pairs.
+    /// Whether functions of position among the data that contact depends on are those of their bodies on the surfaces of pairs.
     pub(super) fn check_data_on_pairs(&self) -> Result<(), AssemblyError> {
         let (form, mesh) = (&self.system.form, self.system.spaces[0].mesh());
-        for region in &form.inputs().regions {
+        let regions = &form.inputs().regions;
+        if regions.iter().all(|region| region.pairing.is_none()) {
+            return Ok(());
+        }
+        let outline = form.outline(Parts::ALL);
+        for (number, region) in regions.iter().enumerate() {
             let Some(pairing) = &region.pairing else { continue };
-            check_data(mesh, pairing, form.inputs(), |field| form.fields()[field].name)
+            // Loads, too, may jump where bodies touch: what is read on cells alone is that of their points.
+            let read = |field: usize| outline.reads(number, field).then(|| form.fields()[field].name);
+            check_data(mesh, pairing, form.inputs(), read)
                 .map_err(|source| pair_error(form.name(), region, source))?;
         }
         Ok(())
