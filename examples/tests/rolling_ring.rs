@@ -39,6 +39,9 @@ fn a_ring_that_slides_comes_to_roll() {
     for (energy_at, friction_at) in energy.iter().zip(&friction) {
         assert!((energy_at + friction_at - energy[0]).abs() < 1e-9 * scale);
     }
+    // It falls freely by 0.2 under a weight of 0.02 per mass.
+    let touching = column("force_y").iter().zip(&t).find(|(force, _)| **force > 0.0).map(|(_, t)| *t);
+    assert!(touching.is_some_and(|t| (t - 20.0_f64.sqrt()).abs() < 0.03), "{touching:?}");
     let sliding = |t: f64| (4.6..8.0).contains(&t);
     let [along, pressing] = ["force_x", "force_y"].map(|name| {
         column(name).iter().zip(&t).filter(|(_, t)| sliding(**t)).map(|(force, _)| force).sum::<f64>()
