@@ -157,7 +157,7 @@ fn a_modulus_that_jumps_where_bodies_touch() {
     };
     let by_cell = |value: f64| {
         let of_cell = |x: &[f64; 2]| if x[1] > 0.5 { STIFFER * value } else { value };
-        Given::field(&Field::interpolate(&cells, of_cell).unwrap())
+        Given::field(Field::interpolate(&cells, of_cell).unwrap())
     };
     let (onto, both) =
         (Pairing::onto("lower top", "upper bottom"), Pairing::between("lower top", "upper bottom"));
