@@ -1,5 +1,5 @@
 //! A ring of rubber that is thrown along a flat: it falls, touches, and is spun by friction. Large displacements and strains, contact by
-//! Nitsche's method in mid-point schemes that know the energy ([`finite_impact`]).
+//! Nitsche's method in mid-point schemes that know the energy ([`forms_contact::finite_impact`]).
 //!
 //! Checks, of which each ends the program if it fails: energy and work of friction stay together what they were (`conserving`) or never grow
 //! (`hybrid`), and momentum changes by the impulses of weight and flat. Beside it stands the closed form of a rigid ring: friction on the
