@@ -37,7 +37,7 @@ const START: f64 = 2.5;
 /// The way down, then along \[mm\].
 const DOWN: f64 = 1.4;
 const ALONG: f64 = 4.0;
-/// How far points see \[mm\], and the degree of quadrature.
+/// The reach of contact points \[mm\], and the degree of quadrature.
 const REACH: f64 = 0.6;
 const DEGREE: usize = 4;
 

@@ -109,7 +109,7 @@ impl Analysis {
         Arc::ptr_eq(matrix.pattern(), &self.pattern) || **matrix.pattern() == *self.pattern
     }
 
-    /// What solves with a factor need, in less memory: no further matrix can be factored on it.
+    /// The part that solves with a factor need, in less memory: no further matrix can be factored on it.
     pub(super) fn for_solves(self) -> Self {
         Self { lower: None, ..self }
     }

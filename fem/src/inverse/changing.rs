@@ -28,7 +28,7 @@ pub(super) trait Linearised<const D: usize>: Evolution<Error = HistoryError> {
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryError>;
 
-    /// What the controls of the start are told in the end.
+    /// The derivatives by the controls of the start, told at the end.
     fn reverse_start_along(
         &mut self,
         along: &Controls<D>,

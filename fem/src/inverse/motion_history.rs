@@ -57,7 +57,7 @@ pub struct MotionHistory<'a, const D: usize> {
     before_is_read: Cell<bool>,
 }
 
-/// How a form reads its unknown, as far as was seen.
+/// The ways in which a form reads its unknown, as far as was seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reading {
     /// Nothing is known but of the steps that were looked at.

@@ -1,6 +1,6 @@
 //! Data that jump at a surface: functions of position that have another value on it than just inside of its body.
 //!
-//! Where bodies touch, a position is a point of both, and a modulus that is a function of position is that of one of them. Kernels
+//! A position at which bodies touch is a point of both, and a modulus that is a function of position is that of one of them. Kernels
 //! would then have a stress of the surface that is none of its body's, and contact would be that of another problem.
 
 use forms_core::contract::{Inputs, Pairing, Source};

@@ -9,7 +9,7 @@ const NEARLY_AS_LONG: f64 = 0.1;
 const SWEEPS: usize = 8;
 /// A moment of two axes below this part of their own is none: a ring has no longest axis.
 const NONE: f64 = 1e-9;
-/// Where the second axis is at least this part as long as the first \[both as squares\], they say little, and coordinates may cut along
+/// The ratio of the second axis to the first \[both as squares\] from which on they say little, and coordinates may cut along
 /// layers of cells: a cube's axes are whatever the diagonals of its cells make them.
 const ROUND: f64 = 0.5;
 

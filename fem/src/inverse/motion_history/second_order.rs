@@ -41,7 +41,7 @@ pub struct SecondOrderMotion<'f, const D: usize> {
 pub(super) type SecondRatesOf<'a, const D: usize> =
     Box<dyn Fn(&During<D>, &SecondOrderMotion<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
 
-/// What operators evaluate, as test functions of the derivatives by it are named.
+/// Arguments of operators, as test functions of the derivatives by it are named.
 const OPERATORS: [&str; 3] = ["value", "rate", "second_rate"];
 const ADJOINT: &str = "adjoint";
 
