@@ -6,7 +6,7 @@
 //! end. Their surfaces are paraboloids, exactly, where they may touch; further out they return to the plane, so that little of the half-spaces is
 //! missing. The force that comes out is compared with the one that the cut was made for.
 
-mod far_field;
+pub mod far_field;
 mod grading;
 mod tractions;
 

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::hertz::{POISSON, YOUNG};
 
 /// G \[MPa\].
-pub(super) const SHEAR_MODULUS: f64 = YOUNG / (2.0 * (1.0 + POISSON));
+pub const SHEAR_MODULUS: f64 = YOUNG / (2.0 * (1.0 + POISSON));
 
 /// A traction over a strip |x| < a of the boundary of the half-plane y > 0, as seen from afar.
 #[derive(Clone, Copy, Debug)]
@@ -57,16 +57,17 @@ pub(super) fn in_the_middle(force: f64, reach: f64) -> f64 {
     (1.0 - POISSON) / SHEAR_MODULUS * force / PI * ((2.0 / reach).ln() + 0.5)
 }
 
-/// Displacement of the half-space z > 0 under a force at the origin along z (Boussinesq).
-pub(super) fn pushed(force: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
+/// Displacement \[length\] of the half-space z > 0 under a force at the origin along z (Boussinesq), at a point with z ≥ 0 that is not the origin.
+pub fn pushed(force: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let r = (x * x + y * y + z * z).sqrt();
     let scale = force / (4.0 * PI * SHEAR_MODULUS);
     let aside = z / r.powi(3) - (1.0 - 2.0 * POISSON) / (r * (r + z));
     [x * aside, y * aside, z * z / r.powi(3) + 2.0 * (1.0 - POISSON) / r].map(|u| scale * u)
 }
 
-/// Displacement of the half-space z > 0 under a force at the origin along x (Cerruti; Johnson 1985, equation 3.75).
-pub(super) fn dragged(force: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
+/// Displacement \[length\] of the half-space z > 0 under a force at the origin along x (Cerruti; Johnson 1985, equation 3.75), at a point with z ≥ 0
+/// that is not the origin.
+pub fn dragged(force: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let r = (x * x + y * y + z * z).sqrt();
     let scale = force / (4.0 * PI * SHEAR_MODULUS);
     let (less, below) = (1.0 - 2.0 * POISSON, r + z);
@@ -76,63 +77,4 @@ pub(super) fn dragged(force: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
         scale * y * aside,
         scale * (x * z / r.powi(3) + less * x / (r * below)),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The stress of a displacement at a point, by differences of fourth order.
-    fn stress(displacement: impl Fn([f64; 3]) -> [f64; 3], at: [f64; 3]) -> [[f64; 3]; 3] {
-        let step = 1e-3;
-        let moved = |axis: usize, by: f64| {
-            let mut x = at;
-            x[axis] += by * step;
-            displacement(x)
-        };
-        let slope = |i: usize, j: usize| {
-            let difference = |by: f64| moved(j, by)[i] - moved(j, -by)[i];
-            (8.0 * difference(1.0) - difference(2.0)) / (12.0 * step)
-        };
-        let lambda = 2.0 * SHEAR_MODULUS * POISSON / (1.0 - 2.0 * POISSON);
-        let trace: f64 = (0..3).map(|k| slope(k, k)).sum();
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                let spread = if i == j { lambda * trace } else { 0.0 };
-                spread + SHEAR_MODULUS * (slope(i, j) + slope(j, i))
-            })
-        })
-    }
-
-    /// The tractions on a half sphere around the origin have the force as their resultant, and the boundary carries none.
-    fn carries(displacement: impl Fn([f64; 3]) -> [f64; 3] + Copy, force: [f64; 3]) {
-        let (rings, parts) = (40, 60);
-        let mut sum = [0.0; 3];
-        for ring in 0..rings {
-            // The middle of a ring of equal height: all patches have one area.
-            let z = (f64::from(ring) + 0.5) / f64::from(rings);
-            let radius = (1.0 - z * z).sqrt();
-            for part in 0..parts {
-                let angle = 2.0 * PI * (f64::from(part) + 0.5) / f64::from(parts);
-                let normal = [radius * angle.cos(), radius * angle.sin(), z];
-                let sigma = stress(displacement, normal);
-                let area = 2.0 * PI / f64::from(rings * parts);
-                for i in 0..3 {
-                    sum[i] += area * (0..3).map(|j| sigma[i][j] * normal[j]).sum::<f64>();
-                }
-            }
-        }
-        for (found, force) in sum.iter().zip(force) {
-            // What is outside pulls back; the sum over rings is of second order.
-            assert!((found + force).abs() < 2e-3, "{sum:?} is not {force}");
-        }
-        let sigma = stress(displacement, [0.6, 0.7, 0.0]);
-        assert!(sigma.iter().all(|row| row[2].abs() < 1e-8), "{sigma:?}");
-    }
-
-    #[test]
-    fn forces_on_a_half_space_in_space() {
-        carries(|x| pushed(1.0, x), [0.0, 0.0, 1.0]);
-        carries(|x| dragged(1.0, x), [1.0, 0.0, 0.0]);
-    }
 }
