@@ -2,7 +2,7 @@
 //! (22) and (21). Each mesh has a process of its own, so that the largest memory is its own.
 //!
 //! `cargo run --release -p forms-bench --example scaling [-- N_R ...]` (default 16 32 64 128 160; the last has 3.3
-//! million unknowns and needs about 10 GiB) prints a table and writes `out/scaling.csv` and `out/scaling.png`.
+//! million unknowns and needs about 8 GiB) prints a table and writes `out/scaling.csv` and `out/scaling.png`.
 
 use std::error::Error;
 use std::fmt::Write as _;

@@ -2,10 +2,9 @@
 
 /// Bytes per unknown of the direct contact problem in the plane with adjoint states, on Q2 elements: `AT_FIRST` + `PER_DOUBLING`
 /// log₂(unknowns), of which the second part is the Cholesky factor's. Fitted by hand to the five meshes of
-/// docs/scaling.md (33,792 to 3,287,040 unknowns), each of which it gives within 5 %. Since unknowns are ordered by the places of cells the
-/// finest takes a fifth less: the estimate is on the safe side.
-const AT_FIRST: f64 = 1000.0;
-const PER_DOUBLING: f64 = 103.0;
+/// docs/scaling.md (33,792 to 3,287,040 unknowns), each of which it gives within 5 %.
+const AT_FIRST: f64 = 1950.0;
+const PER_DOUBLING: f64 = 24.0;
 
 /// The memory that a contact problem in the plane with its adjoint states takes \[bytes\].
 pub fn of_contact(unknowns: f64) -> f64 {
