@@ -69,6 +69,14 @@ macro_rules! simd {
 }
 use simd;
 
+/// [`super::SimdLane::prefetch`].
+#[inline(always)]
+fn ask_for_line(values: &[f64], place: usize) {
+    if let Some(value) = values.get(place) {
+        simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
+    }
+}
+
 macro_rules! lane {
     ($lane:ident, $width:literal, $mask:ty, $add:ident, $sub:ident, $mul:ident, $div:ident, $fma:ident,
      $sqrt:ident, $min:ident, $max:ident, $splat:ident, $load:ident, $store:ident, $xor:ident, $andnot:ident, $features:literal) => {

@@ -9,7 +9,7 @@ use std::arch::x86_64::*;
 use forms_core::contract::Lane;
 
 use super::avx2_memory::{store_tile, transposed};
-use super::{Avx2, Avx512, simd};
+use super::{Avx2, Avx512, ask_for_line, simd};
 use crate::lanes::{Entries, SharedWork, SimdLane, Starts, WIDEST, store_entries};
 
 impl SimdLane for Avx512 {
@@ -17,9 +17,7 @@ impl SimdLane for Avx512 {
 
     #[inline(always)]
     fn prefetch(values: &[f64], place: usize) {
-        if let Some(value) = values.get(place) {
-            simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
-        }
+        ask_for_line(values, place);
     }
 
     #[inline(always)]
