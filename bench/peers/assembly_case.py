@@ -8,12 +8,15 @@ annulus     1 < r < 2, n across × 8 n around, isoparametric Q2; 3 × 3 Gauss po
 
 import argparse
 import json
+import os
 import resource
 import time
 
 import numpy as np
 
 LAMBDA, MU = 1.2, 0.8
+# Of compilers of kernels: the instructions that our side has.
+MARCH = os.environ.get("PEERS_MARCH", "native")
 DIVISIONS = {"triangles": 256, "tetrahedra": 32, "annulus": 64}
 
 

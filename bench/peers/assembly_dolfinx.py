@@ -9,9 +9,9 @@ from dolfinx import __version__, fem, mesh
 from dolfinx.fem import petsc
 from mpi4py import MPI
 
-from assembly_case import LAMBDA, MU, annulus_nodes, arguments, report, samples, timed
+from assembly_case import LAMBDA, MARCH, MU, annulus_nodes, arguments, report, samples, timed
 
-FLAGS = {"cffi_extra_compile_args": ["-O3", "-march=native", "-ffast-math"]}
+FLAGS = {"cffi_extra_compile_args": ["-O3", f"-march={MARCH}", "-mtune=native", "-ffast-math"]}
 
 
 def make_mesh(case, n):

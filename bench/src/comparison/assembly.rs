@@ -7,6 +7,7 @@ use std::process::Command;
 use forms_fem::output::{StandardOutput, tell};
 use serde::Serialize;
 
+use super::machine::{ARCHITECTURE, architecture};
 use super::process::{environment_python, output, peers, succeeds, system_python};
 use super::{ComparisonError, Options, Report};
 use crate::assembly::{Case, ContactUpdate, Measured};
@@ -76,8 +77,8 @@ fn known() -> [Peer; 4] {
         },
         Peer {
             name: "FreeFEM",
-            install: "Debian 12's packages freefem++ and libfreefem++",
-            present: succeeds("FreeFem++", &["-nw", "-v", "0", "-h"]) || on_path("FreeFem++"),
+            install: "Debian 12's packages freefem++ and libfreefem++, which has its plugins (elsewhere: FF_LOADPATH)",
+            present: freefem_runs(),
             command: freefem,
             samples: 1,
         },
@@ -91,9 +92,13 @@ fn known() -> [Peer; 4] {
     ]
 }
 
-fn on_path(program: &str) -> bool {
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    std::env::split_paths(&path).any(|directory| directory.join(program).exists())
+/// Whether FreeFEM runs the script on the smallest mesh: the program alone, without its plugins, does not.
+fn freefem_runs() -> bool {
+    let smallest = freefem(Case::Triangles).map(|mut command| {
+        command.args(["-divisions", "1", "-samples", "1"]);
+        output("FreeFEM", &mut command)
+    });
+    smallest.is_some_and(|text| text.is_ok_and(|text| read::<Measured>("FreeFEM", &text).is_ok()))
 }
 
 /// Runs this program again as a worker that prints what it measures.
@@ -187,6 +192,7 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
             };
             command.args([flags[0], &size, flags[1], &samples]);
             command.env("OMP_NUM_THREADS", "1").env("PYTHONDONTWRITEBYTECODE", "1");
+            command.env(ARCHITECTURE, architecture());
             match output(peer.name, &mut command).and_then(|text| read::<Measured>(peer.name, &text)) {
                 Ok(found) => found.into_iter().for_each(|found| keep(found, &mut programs)),
                 Err(error) => report.failures.push(error.to_string()),

@@ -7,6 +7,7 @@ use std::process::Command;
 use forms_fem::output::tell;
 use serde::{Deserialize, Serialize};
 
+use super::machine::{ARCHITECTURE, CHOSEN, INSTRUCTION_SET, architecture};
 use super::process::{environment_python, output, peers, succeeds, system_python, workspace};
 use super::{ComparisonError, Options, Report};
 use crate::basket::BASKET;
@@ -59,6 +60,9 @@ fn build() -> Result<PathBuf, ComparisonError> {
         "compare_with_peers",
         "--message-format=json",
     ]);
+    if let Some(set) = CHOSEN {
+        command.env(INSTRUCTION_SET, set);
+    }
     command.stderr(std::process::Stdio::inherit());
     let messages = output("cargo build", &mut command)?;
     let files = messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
@@ -106,7 +110,7 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
     let mut command = Command::new("bash");
     command.arg(peers().join("run_ffcx_kernels.sh"));
     command.args(["--variants", &variants(report).join(" ")]);
-    command.args(options.quick.then_some("--quick"));
+    command.args(options.quick.then_some("--quick")).env(ARCHITECTURE, architecture());
     if let Some(part) = &options.only_forms {
         command.args(["--only", part]);
     }

@@ -13,6 +13,8 @@ pub struct Machine {
     pub cores: usize,
     /// The instruction set that our kernels run with.
     pub instruction_set: String,
+    /// `-march` of the peers' compilers, where they compile with one.
+    pub architecture: String,
     /// Compilers and peers with their versions.
     pub versions: Vec<(String, String)>,
 }
@@ -46,10 +48,25 @@ impl Machine {
             .filter_map(|(name, program, arguments)| Some((name.to_owned(), first_line(program, arguments)?)))
             .collect();
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        Machine { processor, cores, instruction_set: instruction_set(), versions }
+        let instruction_set = forms_fem::lanes::InstructionSet::best().to_string();
+        Machine { processor, cores, instruction_set, architecture: architecture().to_owned(), versions }
     }
 }
 
-fn instruction_set() -> String {
-    forms_fem::lanes::InstructionSet::best().to_string()
+/// The variable that chooses the instruction set of a build (`fem/build.rs`).
+pub(super) const INSTRUCTION_SET: &str = "FORMS_INSTRUCTION_SET";
+
+/// The instruction set that this program was built for, where one was asked for.
+pub(super) const CHOSEN: Option<&str> = option_env!("FORMS_INSTRUCTION_SET");
+
+/// The variable that tells the harness and the peers' scripts their compilers' `-march`.
+pub(super) const ARCHITECTURE: &str = "PEERS_MARCH";
+
+/// `-march` of the peers' compilers: they have the instructions that ours has.
+pub(super) fn architecture() -> &'static str {
+    match CHOSEN {
+        Some("plain") => "x86-64",
+        Some("avx2") => "x86-64-v3",
+        _ => "native",
+    }
 }

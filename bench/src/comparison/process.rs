@@ -40,7 +40,10 @@ pub fn output(name: &str, command: &mut Command) -> Result<String, ComparisonErr
     let failed = |reason: String| ComparisonError::Program { program: name.to_owned(), reason };
     let output = command.output().map_err(|error| failed(error.to_string()))?;
     if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
+        // FreeFEM says what is wrong where it prints its results.
+        let streams = [&output.stderr, &output.stdout];
+        let said = streams.into_iter().find(|said| !said.is_empty()).unwrap_or(&output.stderr);
+        let said = String::from_utf8_lossy(said);
         let last: Vec<&str> = said.lines().rev().take(5).collect();
         return Err(failed(last.into_iter().rev().collect::<Vec<_>>().join("\n")));
     }

@@ -73,9 +73,12 @@ impl Report {
     }
 
     fn write_machine(&self, text: &mut String) {
-        let Machine { processor, cores, instruction_set, versions } = &self.machine;
+        let Machine { processor, cores, instruction_set, architecture, versions } = &self.machine;
         // Writing to a string does not fail.
-        let _ = writeln!(text, "{processor}, {cores} cores; our kernels run with {instruction_set}.\n");
+        let _ = writeln!(
+            text,
+            "{processor}, {cores} cores; our kernels run with {instruction_set}, the peers' are compiled for {architecture}.\n"
+        );
         for (name, version) in versions {
             let _ = writeln!(text, "- {name}: {version}");
         }
@@ -94,7 +97,7 @@ impl Report {
     fn write_kernels(&self, text: &mut String) {
         text.push_str(
             "## Element kernels\n\nNanoseconds per element matrix, least of the samples, one thread. Variants of FFCx: \
-             `old` is 0.5.0, `n` -march=native, `fm` -ffast-math. The error is the largest difference from FFCx \
+             `old` is 0.5.0, `n` the instructions named above, `fm` -ffast-math. The error is the largest difference from FFCx \
              (gcc -O2) over the largest entry.\n\n\
              | form | ours | FFCx at its best | variant | ratio | FFCx -O2 | ratio | error |\n\
              |---|--:|--:|---|--:|--:|--:|--:|\n",

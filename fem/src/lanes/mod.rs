@@ -116,7 +116,7 @@ pub(crate) trait SimdLane: Lane {
     /// When `target` is too short.
     #[inline(always)]
     fn store_transposed<const ADD: bool>(
-        source: &(impl Entries<Self> + ?Sized),
+        source: impl Entries<Self>,
         filled: usize,
         target: &mut [f64],
         stride: usize,
@@ -153,8 +153,9 @@ impl Starts {
     }
 }
 
-/// Entries of lane values by number. A trait and not a closure: closures do not inherit target features.
-pub(crate) trait Entries<L> {
+/// Entries of lane values by number. A trait and not a closure: closures do not inherit target features. Handed over by value, so that
+/// the compiler sees that what is written does not change where the entries are.
+pub(crate) trait Entries<L>: Copy {
     /// Their number.
     fn count(&self) -> usize;
     /// The k-th entry.
@@ -162,9 +163,9 @@ pub(crate) trait Entries<L> {
 }
 
 /// [`SimdLane::store_transposed`] as work of its own, without adding.
-pub(crate) struct Transposition<'a, E: ?Sized> {
+pub(crate) struct Transposition<'a, E> {
     /// The entries.
-    pub source: &'a E,
+    pub source: E,
     /// Number of lanes that are written.
     pub filled: usize,
     /// The destination.
@@ -173,7 +174,7 @@ pub(crate) struct Transposition<'a, E: ?Sized> {
     pub stride: usize,
 }
 
-impl<L: SimdLane, E: Entries<L> + ?Sized> SharedWork<L> for Transposition<'_, E> {
+impl<L: SimdLane, E: Entries<L>> SharedWork<L> for Transposition<'_, E> {
     type Output = ();
 
     #[inline(always)]
@@ -183,7 +184,7 @@ impl<L: SimdLane, E: Entries<L> + ?Sized> SharedWork<L> for Transposition<'_, E>
 }
 
 /// Entries in the order of memory.
-impl<L> Entries<L> for [L] {
+impl<L> Entries<L> for &[L] {
     #[inline(always)]
     fn count(&self) -> usize {
         self.len()
@@ -197,7 +198,7 @@ impl<L> Entries<L> for [L] {
 /// [`SimdLane::store_transposed`], one number at a time.
 #[inline(always)]
 fn store_entries<const ADD: bool, L: Lane>(
-    source: &(impl Entries<L> + ?Sized),
+    source: impl Entries<L>,
     range: std::ops::Range<usize>,
     filled: usize,
     target: &mut [f64],

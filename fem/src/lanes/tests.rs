@@ -162,7 +162,7 @@ impl LaneWork for Transposition {
 #[test]
 fn transposed_lanes_stand_one_after_the_other() {
     for set in of_machine() {
-        for count in [1, 3, 4, 9, 13, 36] {
+        for count in [1, 2, 3, 4, 6, 9, 13, 36] {
             for filled in [1, 3, 8] {
                 let (filled, found) = run_in(set, Transposition { count, filled });
                 for (index, value) in found.iter().enumerate() {
@@ -173,6 +173,64 @@ fn transposed_lanes_stand_one_after_the_other() {
             }
         }
     }
+}
+
+/// COUNT entries from each lane's place, and from the starts of lists of seven.
+struct Gathered<'a, const COUNT: usize> {
+    values: &'a [f64],
+    places: &'a [usize; WIDEST],
+    filled: usize,
+}
+
+impl<const COUNT: usize> LaneWork for Gathered<'_, COUNT> {
+    type Output = (usize, Vec<Vec<f64>>);
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let filled = self.filled.min(L::WIDTH);
+        let starts = Starts::new::<L>(2, filled, 7);
+        let (listed, from) =
+            (L::gather::<COUNT>(self.values, self.places), L::gather_from(self.values, &starts, 3));
+        let mut found = Vec::new();
+        for entries in [listed, from] {
+            let mut lanes = [0.0; WIDEST];
+            for k in 0..COUNT {
+                entries[k].store(&mut lanes);
+                found.push(lanes[..L::WIDTH].to_vec());
+            }
+        }
+        (filled, found)
+    }
+}
+
+fn gathers<const COUNT: usize>() {
+    let values: Vec<f64> = (0..69 + COUNT).map(|k| k as f64).collect();
+    let places = [3, 0, 69, 11, 12, 12, 40, 5];
+    for set in of_machine() {
+        for filled in [1, 3, 8] {
+            let (filled, found) = run_in(set, Gathered::<COUNT> { values: &values, places: &places, filled });
+            for (index, lanes) in found.iter().enumerate() {
+                for (lane, value) in lanes.iter().enumerate() {
+                    // Lanes that are not filled repeat the last cell.
+                    let start = 7 * (2 + lane.min(filled - 1)) + 3;
+                    let place = if index < COUNT { places[lane] } else { start };
+                    assert_eq!(
+                        *value,
+                        (place + index % COUNT) as f64,
+                        "{set}, entry {index} of {COUNT}, lane {lane}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn gathered_entries_stand_in_their_lanes() {
+    gathers::<1>();
+    gathers::<2>();
+    gathers::<3>();
+    gathers::<4>();
 }
 
 #[test]

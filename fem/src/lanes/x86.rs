@@ -1,6 +1,6 @@
 //! Lanes of x86-64: four doubles in AVX2, eight in AVX-512.
 //!
-//! The unsafe code of lanes stands here and in `gather_scatter` (and in `ordered`, for what those read). It has one reason: an intrinsic may run only where
+//! The unsafe code of lanes stands here, in `avx2_memory` and in `avx512_memory` (and in `ordered`, for what those read). It has one reason: an intrinsic may run only where
 //! the processor has its instructions. The two lane types are private to the package and reach other code only
 //! through [`run_avx2`] and [`run_avx512`], which check that first.
 
@@ -11,7 +11,8 @@
     allow(dead_code, reason = "kernels leave one set out, tests do not")
 )]
 
-mod gather_scatter;
+mod avx2_memory;
+mod avx512_memory;
 
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
@@ -67,6 +68,14 @@ macro_rules! simd {
     };
 }
 use simd;
+
+/// [`super::SimdLane::prefetch`].
+#[inline(always)]
+fn ask_for_line(values: &[f64], place: usize) {
+    if let Some(value) = values.get(place) {
+        simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
+    }
+}
 
 macro_rules! lane {
     ($lane:ident, $width:literal, $mask:ty, $add:ident, $sub:ident, $mul:ident, $div:ident, $fma:ident,

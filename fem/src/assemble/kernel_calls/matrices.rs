@@ -232,7 +232,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
                     }
                 }
             }
-            let source = &Ordered::new(blocks, order, size);
+            let source = Ordered::new(blocks, order, size);
             let target = sink.room(start, filled, size);
             L::call(Transposition { source, filled, target, stride: size });
             sink.filled(start, filled, size)?;

@@ -141,7 +141,7 @@ impl<const D: usize> ElementVectors<'_, D> {
             match order {
                 None => L::call(Transposition { source: &sums[..size], filled, target, stride: size }),
                 Some(order) => {
-                    let source = &Ordered::new(sums, order, size);
+                    let source = Ordered::new(sums, order, size);
                     L::call(Transposition { source, filled, target, stride: size });
                 }
             }

@@ -85,7 +85,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         let none = PointMap { measure: zero, determinant: zero, inverse: [[zero; D]; D], normal: [zero; D] };
         let mut batch = FixedBatch { tables, nodes, affine: none };
         if const { FixedTables::<S, D>::AFFINE } {
-            batch.affine = batch.map_of(&batch.jacobian(tables.geometry.slopes.entries()[0].entries()));
+            batch.affine = batch.map_of(&batch.edges());
         }
         batch
     }
@@ -108,6 +108,19 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
             Some(tangents) => surface(jacobian, tangents),
         };
         PointMap { measure, determinant, inverse, normal }
+    }
+
+    /// ∂x_i/∂ξ_j of affine cells: the edges from the first vertex.
+    #[inline(always)]
+    fn edges(&self) -> [[L; D]; D] {
+        let mut jacobian = [[L::splat(0.0); D]; D];
+        let nodes = self.nodes.entries();
+        for i in 0..D {
+            for j in 0..D {
+                jacobian[i][j] = nodes[j + 1][i] - nodes[0][i];
+            }
+        }
+        jacobian
     }
 
     /// ∂x_i/∂ξ_j.
@@ -282,11 +295,32 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
             if requirements.basis_value {
                 basis[node].value = L::splat(values[node]);
             }
-            if requirements.basis_gradient {
+            if requirements.basis_gradient && const { FixedTables::<S, D>::LINEAR } {
+                basis[node].gradient = barycentric(&map.inverse, node);
+            } else if requirements.basis_gradient {
                 basis[node].gradient = transformed(&map.inverse, &slopes[node]);
             }
         }
     }
+}
+
+/// The gradient of a barycentric coordinate of a straight simplex.
+#[inline(always)]
+fn barycentric<L: SimdLane, const D: usize>(inverse: &[[L; D]; D], vertex: usize) -> [L; D] {
+    let mut gradient = [L::splat(0.0); D];
+    for i in 0..D {
+        gradient[i] = if vertex > 0 { inverse[i][vertex - 1] } else { -sum(&inverse[i]) };
+    }
+    gradient
+}
+
+#[inline(always)]
+fn sum<L: SimdLane, const D: usize>(terms: &[L; D]) -> L {
+    let mut sum = terms[0];
+    for k in 1..D {
+        sum += terms[k];
+    }
+    sum
 }
 
 /// J⁻ᵀ ∇φ.

@@ -48,6 +48,12 @@ const fn lengths<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> [usize; 4]
     [nodes, <S::Points<f64> as Array<f64>>::LENGTH, K::TEST_COMPONENTS * K::TRIAL_COMPONENTS, pairs]
 }
 
+/// Whether there may be a reference tensor. Linear functions at one point need none: it would copy the blocks of their gradients.
+const fn has_tensor<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> bool {
+    let one_point = <S::Points<f64> as Array<f64>>::LENGTH == 1;
+    suits::<K, D>() && !(FixedTables::<S, D>::LINEAR && one_point)
+}
+
 impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrices<'_, K, S, D> {
     type Output = Box<dyn FixedIntegral>;
 
@@ -57,8 +63,11 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
         let [nodes, points, entries, pairs] = const { lengths::<K, S, D>() };
         let (test, trial) = K::zero_factors::<L>();
         let blocks = vec![L::splat(0.0); pairs * entries];
-        let tensor =
-            ReferenceTensor::for_kernel::<K, D>(&group.sides[0], [0, 0], &group.weights, K::SYMMETRIC);
+        let tensor = if const { has_tensor::<K, S, D>() } {
+            ReferenceTensor::for_kernel::<K, D>(&group.sides[0], [0, 0], &group.weights, K::SYMMETRIC)
+        } else {
+            None
+        };
         let buffers = Buffers {
             fields: FieldBuffers::new(&K::REQUIREMENTS, &tables),
             tests: vec![test; nodes * points],
@@ -96,7 +105,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
         while start < cells.count {
             let filled = L::WIDTH.min(cells.count - start);
             integral.blocks(cells, start, filled);
-            let source = &Ordered::new(&integral.buffers.blocks, &integral.order, size);
+            let source = Ordered::new(&integral.buffers.blocks, &integral.order, size);
             store(source, size, filled, &mut target[start * size..][..filled * size], add);
             start += filled;
         }
@@ -108,13 +117,15 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L,
     #[inline(always)]
     fn blocks(&mut self, cells: &ElementCells, start: usize, filled: usize) {
         let requirements = &K::REQUIREMENTS;
-        let [nodes, points, _, _] = const { lengths::<K, S, D>() };
+        let [nodes, points, entries, pairs] = const { lengths::<K, S, D>() };
         let Matrices { kernel, tables, tensor, buffers, .. } = self;
         let Buffers { fields, tests, trials, blocks, directions } = buffers;
+        // Of a known length: where loops are unrolled nothing is checked per entry.
+        let blocks = &mut blocks[..pairs * entries];
         let kernel = &*kernel;
         let batch = FixedBatch::<L, S, D>::load(requirements, tables, cells, start, filled, fields);
         let cell = kernel.cell(&batch.cell_geometry(requirements));
-        if const { suits::<K, D>() }
+        if const { has_tensor::<K, S, D>() }
             && let Some(tensor) = tensor
         {
             let map = batch.map_at(0);

@@ -33,7 +33,7 @@ struct Call<'a, T> {
 
 /// Writes results of `size` numbers each, or adds them to what is there.
 #[inline(always)]
-fn store<L: SimdLane>(source: &Ordered<L>, size: usize, filled: usize, target: &mut [f64], add: bool) {
+fn store<L: SimdLane>(source: Ordered<L>, size: usize, filled: usize, target: &mut [f64], add: bool) {
     if add {
         L::store_transposed::<true>(source, filled, target, size);
     } else {

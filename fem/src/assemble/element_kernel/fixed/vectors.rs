@@ -70,7 +70,7 @@ impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
                 2 => integral.sums::<2>(cells, start, filled),
                 _ => integral.sums::<MOST_COMPONENTS>(cells, start, filled),
             }
-            let source = &Ordered::new(&integral.sums, &integral.order, size);
+            let source = Ordered::new(&integral.sums, &integral.order, size);
             store(source, size, filled, &mut target[start * size..][..filled * size], add);
             start += filled;
         }

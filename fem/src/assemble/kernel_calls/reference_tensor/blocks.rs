@@ -161,22 +161,27 @@ pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const ENTRIES: usize, 
         }
     }
     let (directions, mut terms) = (&directions[..], &tensor.terms[..]);
-    let pairs = tensor.lengths.len();
-    let blocks = &mut blocks[..pairs * entries];
-    for pair in 0..pairs {
-        let (own, others) = terms.split_at(tensor.lengths[pair] as usize);
+    for (length, target) in tensor.lengths.iter().zip(blocks.chunks_exact_mut(entries)) {
+        let (own, others) = terms.split_at(*length as usize);
         terms = others;
         let mut sums = [zero; ENTRIES];
-        for term in 0..own.len() {
-            let (place, coefficient) = own[term];
-            let (block, coefficient) = (&directions[place as usize], L::splat(coefficient));
+        if let Some(((place, coefficient), own)) = own.split_first() {
+            let (block, coefficient) = (&directions[*place as usize], L::splat(*coefficient));
             for entry in 0..entries {
                 if K::NONZERO[entry] {
-                    sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
+                    sums[entry] = block[entry] * coefficient;
+                }
+            }
+            for term in 0..own.len() {
+                let (place, coefficient) = own[term];
+                let (block, coefficient) = (&directions[place as usize], L::splat(coefficient));
+                for entry in 0..entries {
+                    if K::NONZERO[entry] {
+                        sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
+                    }
                 }
             }
         }
-        let target = &mut blocks[pair * entries..][..entries];
         for entry in 0..entries {
             target[entry] = sums[entry];
         }

@@ -1,4 +1,4 @@
-//! Gather, scatter and transposition between memory and SIMD lanes.
+//! Gather, scatter and transposition between memory and the lanes of AVX-512.
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lanes are plain.
@@ -8,125 +8,16 @@ use std::arch::x86_64::*;
 
 use forms_core::contract::Lane;
 
-use super::{Avx2, Avx512, simd};
+use super::avx2_memory::{store_tile, transposed};
+use super::{Avx2, Avx512, ask_for_line, simd};
 use crate::lanes::{Entries, SharedWork, SimdLane, Starts, WIDEST, store_entries};
-
-impl SimdLane for Avx2 {
-    const REGISTERS: usize = 16;
-
-    #[inline(always)]
-    fn prefetch(values: &[f64], place: usize) {
-        if let Some(value) = values.get(place) {
-            simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
-        }
-    }
-
-    #[inline(always)]
-    fn call<W: SharedWork<Avx2>>(work: W) -> W::Output {
-        #[target_feature(enable = "avx2,fma")]
-        #[inline(never)]
-        fn enter<W: SharedWork<Avx2>>(work: W) -> W::Output {
-            work.run()
-        }
-        simd!(enter(work))
-    }
-    #[inline(always)]
-    fn store_transposed<const ADD: bool>(
-        source: &(impl Entries<Self> + ?Sized),
-        filled: usize,
-        target: &mut [f64],
-        stride: usize,
-    ) {
-        let (mut done, count) = (0, source.count());
-        if filled == Self::WIDTH {
-            assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
-            while let Some(first) = next_tile::<ADD>(done, count) {
-                let entry = |k: usize| std::ptr::from_ref(source.entry(first + k)).cast::<f64>();
-                let (a, b, c, d) = (entry(0), entry(1), entry(2), entry(3));
-                // SAFETY: each entry is four doubles; `first + 4 <= count`, and each lane has room for `count`.
-                unsafe { store_tile::<ADD>(a, b, c, d, target.as_mut_ptr().add(first), stride) };
-                done = first + 4;
-            }
-        }
-        store_entries::<ADD, _>(source, done..count, filled, target, stride);
-    }
-}
-
-/// The start of the next four of `count` entries. The last four may have been written in part before, which does not matter
-/// unless they are added.
-#[inline(always)]
-fn next_tile<const ADD: bool>(done: usize, count: usize) -> Option<usize> {
-    if done + 4 <= count {
-        Some(done)
-    } else if !ADD && done < count && count >= 4 {
-        Some(count - 4)
-    } else {
-        None
-    }
-}
-
-/// Writes or adds four numbers of a row.
-///
-/// # Safety
-/// Four numbers can be read and written there.
-#[inline(always)]
-unsafe fn store_row<const ADD: bool>(row: *mut f64, values: __m256d) {
-    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
-    unsafe { _mm256_storeu_pd(row, if ADD { _mm256_add_pd(_mm256_loadu_pd(row), values) } else { values }) }
-}
-
-/// Writes four lanes of four entries, lane by lane, or adds them.
-///
-/// # Safety
-/// Each entry can be read for four doubles, each of four rows of the target (`stride` apart) read and written for
-/// four.
-#[inline(always)]
-unsafe fn store_tile<const ADD: bool>(
-    a: *const f64,
-    b: *const f64,
-    c: *const f64,
-    d: *const f64,
-    target: *mut f64,
-    stride: usize,
-) {
-    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
-    unsafe {
-        // Two lanes of two entries side by side in each register: half of the shuffling is done by the loads.
-        let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
-        let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
-        store_row::<ADD>(target, _mm256_unpacklo_pd(ac, bd));
-        store_row::<ADD>(target.add(stride), _mm256_unpackhi_pd(ac, bd));
-        let (a, b, c, d) = (a.add(2), b.add(2), c.add(2), d.add(2));
-        let ac = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c));
-        let bd = _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d));
-        store_row::<ADD>(target.add(2 * stride), _mm256_unpacklo_pd(ac, bd));
-        store_row::<ADD>(target.add(3 * stride), _mm256_unpackhi_pd(ac, bd));
-    }
-}
-
-/// Four lanes of four entries → four entries of four lanes.
-#[inline(always)]
-fn transposed(a: Avx2, b: Avx2, c: Avx2, d: Avx2) -> [Avx2; 4] {
-    simd!({
-        let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
-        let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
-        [
-            Avx2(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
-            Avx2(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
-            Avx2(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
-            Avx2(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
-        ]
-    })
-}
 
 impl SimdLane for Avx512 {
     const REGISTERS: usize = 32;
 
     #[inline(always)]
     fn prefetch(values: &[f64], place: usize) {
-        if let Some(value) = values.get(place) {
-            simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
-        }
+        ask_for_line(values, place);
     }
 
     #[inline(always)]
@@ -170,7 +61,7 @@ impl SimdLane for Avx512 {
 
     #[inline(always)]
     fn store_transposed<const ADD: bool>(
-        source: &(impl Entries<Self> + ?Sized),
+        source: impl Entries<Self>,
         filled: usize,
         target: &mut [f64],
         stride: usize,
@@ -213,6 +104,19 @@ impl SimdLane for Avx512 {
 /// Entries per lane from which eight lanes of results and the values they are made from do not fit the first cache.
 const BEYOND_THE_FIRST_CACHE: usize = 256;
 
+/// The start of the next four of `count` entries. The last four may have been written in part before, which does not matter
+/// unless they are added.
+#[inline(always)]
+fn next_tile<const ADD: bool>(done: usize, count: usize) -> Option<usize> {
+    if done + 4 <= count {
+        Some(done)
+    } else if !ADD && done < count && count >= 4 {
+        Some(count - 4)
+    } else {
+        None
+    }
+}
+
 /// Writes the first `8 * squares` entries, lane by lane, or adds them, eight entries of eight lanes at a time. If FETCH,
 /// the lines that come next are asked for before they are written: otherwise the writes wait for them one after the other,
 /// which takes twice the time (docs/decisions/lanes.md).
@@ -222,7 +126,7 @@ const BEYOND_THE_FIRST_CACHE: usize = 256;
 /// doubles.
 #[inline(always)]
 unsafe fn store_squares<const ADD: bool, const FETCH: bool>(
-    source: &(impl Entries<Avx512> + ?Sized),
+    source: impl Entries<Avx512>,
     squares: usize,
     target: *mut f64,
     stride: usize,
@@ -252,7 +156,7 @@ unsafe fn store_squares<const ADD: bool, const FETCH: bool>(
 /// Each of eight rows of the target (`stride` apart) can be read and written at the entry's place.
 #[inline(always)]
 unsafe fn store_last<const ADD: bool>(
-    source: &(impl Entries<Avx512> + ?Sized),
+    source: impl Entries<Avx512>,
     k: usize,
     target: *mut f64,
     stride: usize,
