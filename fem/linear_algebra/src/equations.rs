@@ -1,5 +1,7 @@
 //! Square matrices as systems of equations: b − A x and the equation that holds worst in it, in one pass over the matrix.
 
+use std::fmt;
+
 use super::block_matrix::BlockMatrix;
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_size};
@@ -13,7 +15,7 @@ const UNDERFLOW: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 const PIECE: usize = 4096;
 
 /// A square matrix by what it takes to judge a solution.
-pub trait Equations {
+pub trait Equations: fmt::Debug {
     /// Writes b − A x, and returns the equation that holds worst, both the same for each number of threads. `room` is memory
     /// that is kept from one call to the next.
     fn residual(

@@ -35,6 +35,9 @@ pub enum Entries<'a> {
     Csr(&'a CsrMatrix),
     /// With an index per block.
     Block(&'a BlockMatrix),
+    /// Not kept as one matrix, for example the sum of the matrices of cells.
+    #[doc(hidden)]
+    Sum(&'a dyn Equations),
 }
 
 impl Equations for Entries<'_> {
@@ -49,6 +52,7 @@ impl Equations for Entries<'_> {
         match self {
             Entries::Csr(matrix) => Side::plain(matrix).residual(threads, x, b, rest, room),
             Entries::Block(matrix) => matrix.residual(threads, x, b, rest, room),
+            Entries::Sum(equations) => equations.residual(threads, x, b, rest, room),
         }
     }
 
@@ -56,6 +60,7 @@ impl Equations for Entries<'_> {
         match self {
             Entries::Csr(matrix) => Side::plain(matrix).products(x),
             Entries::Block(matrix) => matrix.products(x),
+            Entries::Sum(equations) => equations.products(x),
         }
     }
 
@@ -63,6 +68,7 @@ impl Equations for Entries<'_> {
         match self {
             Entries::Csr(matrix) => matrix.diagonal(),
             Entries::Block(matrix) => matrix.diagonal(),
+            Entries::Sum(equations) => equations.diagonal(),
         }
     }
 }
@@ -157,7 +163,14 @@ impl Jacobi {
     /// # Errors
     /// A zero, or what is not finite, on the diagonal; the error names the unknown.
     pub fn of(matrix: &CsrMatrix) -> Result<Self, LinearAlgebraError> {
-        let diagonal = matrix.diagonal();
+        Jacobi::of_diagonal(matrix.diagonal())
+    }
+
+    /// Of a matrix with this diagonal.
+    ///
+    /// # Errors
+    /// As [`Jacobi::of`].
+    pub fn of_diagonal(diagonal: Vec<f64>) -> Result<Self, LinearAlgebraError> {
         match diagonal.iter().position(|entry| *entry == 0.0 || !entry.is_finite()) {
             Some(unknown) => Err(LinearAlgebraError::Singular { unknown, ratio: diagonal[unknown].abs() }),
             None => Ok(Jacobi(diagonal.into_iter().map(f64::recip).collect())),

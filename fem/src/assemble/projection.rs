@@ -1,30 +1,29 @@
 //! The L² projection of derived fields, and of what is known at quadrature points, to a space.
 
+mod loads;
+mod mass;
+mod pieces;
+mod solve;
 mod start;
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use forms_core::contract::{Entity, Expression};
 
-use self::start::{Start, nearest_on_reference};
+use self::loads::{Systems, systems};
+use self::mass::MassByCells;
+use self::pieces::Pieces;
+use self::solve::{by_cells, by_factor, by_matrix};
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
-use crate::linear_algebra::{
-    Analysis, CsrMatrix, Entry, Jacobi, KrylovError, KrylovOptions, LinearAlgebraError, OnThreads, Ordering,
-    SymmetricFactor, cg,
-};
+use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError};
 use crate::solve::Elimination;
 use crate::space::Space;
-use crate::threads::Threads;
-
-/// Relative residual at which the coefficients of a projection are as good as rounding lets them be.
-const TOLERANCE: f64 = 1e-14;
-/// Iterations beyond which a factor is the better way.
-const ITERATIONS: usize = 300;
 
 /// Values of a function at the quadrature points of all cells of bodies, cell by cell.
 pub(crate) struct ValuesAtPoints<'a> {
@@ -83,52 +82,53 @@ impl<const D: usize> Assembler<D> {
     where
         Dim: Dimension<D>,
     {
-        let form = known.name;
         if let Some(region) = space.facet_region() {
             let (place, region) = ("all cells".to_owned(), region.to_owned());
-            return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
+            return Err(AssemblyError::OffItsFacets { form: known.name, field: "the space", place, region });
         }
+        let (systems, joined) = match self.project_by_cells(known, space)? {
+            ControlFlow::Break(found) => return Ok(found),
+            ControlFlow::Continue(left) => left,
+        };
         let mass = crate::norms::mass_matrix(&self.on_all_cells(), space, self.degree_of_mass(space))?;
-        self.project_with_mass(known, space, mass)
+        self.project_with_mass(known.name, space, (mass, systems), joined)
     }
 
-    /// The projection with the space's scalar mass matrix.
+    /// The projection without a matrix, or the systems and relations for which one is needed.
     #[inline(never)]
-    fn project_with_mass(
+    fn project_by_cells(
         &self,
         known: &ValuesAtPoints,
         space: &Arc<Space<D>>,
-        mut mass: CsrMatrix,
-    ) -> Result<Field<D>, AssemblyError> {
-        let (form, components) = (known.name, space.components());
-        let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
-        let mut load = vec![vec![0.0; space.node_count()]; components];
-        let (mut start, mut first) = (Start::new(space.node_count(), components), 0);
-        for block in self.mesh.body_blocks() {
-            let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), block.shape, known.degree);
-            let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
-            let tables = space.element_of(block.shape).tabulate(&rule.points);
-            let nearest = nearest_on_reference(&rule, &tables);
-            for cell in block.cells.clone() {
-                let points = first..first + rule.len();
-                first = points.end;
-                let values = &known.values[points.start * components..points.end * components];
-                let nodes = space.cell_nodes(cell);
-                let values_and_weights = values.chunks(components).zip(&known.weights[points]);
-                for (q, (value, weight)) in values_and_weights.enumerate() {
-                    for (node, number) in nodes.iter().enumerate() {
-                        let share = weight * tables.value[q * tables.nodes + node];
-                        for (load, value) in load.iter_mut().zip(value) {
-                            load[*number as usize] += share * value;
-                        }
-                    }
-                }
-                if let Some(nearest) = &nearest {
-                    start.add(nodes, nearest, values);
-                }
+    ) -> Result<ControlFlow<Field<D>, (Systems, Option<Constraints<D>>)>, AssemblyError> {
+        let form = known.name;
+        // Where nodes hang, the nearest of the continuous fields is asked for.
+        let joined = Constraints::joining(space)
+            .map_err(|source| AssemblyError::Hanging { form, source: Box::new(source) })?;
+        let pieces = Pieces::new(space);
+        let quadrature = |source| AssemblyError::Quadrature { form, source };
+        let systems = systems(known, &self.quadrature, space, &pieces, self.threads).map_err(quadrature)?;
+        if joined.is_none() {
+            let degree = self.degree_of_mass(space);
+            let mass = MassByCells::new(space, &pieces, degree, self.instructions).map_err(quadrature)?;
+            // Cells that are all but flat: the matrix says what is wrong, or its factor solves the systems.
+            if let Ok(found) = by_cells(&mass, &systems, self.threads) {
+                return Ok(ControlFlow::Break(of_components(space, found)));
             }
         }
-        let mut start = start.averages();
+        Ok(ControlFlow::Continue((systems, joined)))
+    }
+
+    /// The projection with the space's scalar mass matrix, on the free nodes of joined ones.
+    #[inline(never)]
+    fn project_with_mass(
+        &self,
+        form: &'static str,
+        space: &Arc<Space<D>>,
+        (mut mass, mut systems): (CsrMatrix, Systems),
+        joined: Option<Constraints<D>>,
+    ) -> Result<Field<D>, AssemblyError> {
+        let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
         // Cells that carry rigid surfaces have no quantities: the projection is zero there.
         let carriers = self.mesh.body_cells().end..self.mesh.cell_count();
         let nodes = carriers.flat_map(|cell| space.cell_nodes(cell));
@@ -136,39 +136,24 @@ impl<const D: usize> Assembler<D> {
         if !entries.is_empty() {
             mass = mass.plus(&entries).map_err(linear_algebra)?;
         }
-        // Where nodes hang, the nearest of the continuous fields is asked for.
-        let hanging = |source| AssemblyError::Hanging { form, source: Box::new(source) };
-        let mut elimination = match Constraints::joining(space).map_err(hanging)? {
-            Some(joined) => {
-                let found = Elimination::new(space.node_count(), &BTreeMap::new())
-                    .and_then(|all| all.with_relations(of_nodes(&joined, components)));
-                Some(found.map_err(linear_algebra)?)
-            }
-            None => None,
+        let Some(joined) = joined else {
+            return Ok(of_components(space, by_factor(&mass, systems).map_err(linear_algebra)?));
         };
-        if let Some(elimination) = &mut elimination {
-            mass = elimination.reduce_matrix(&mass.into()).map_err(linear_algebra)?;
-            for values in &mut load {
-                *values = elimination.reduce(values).map_err(linear_algebra)?;
-            }
-            start = vec![vec![0.0; mass.rows()]; components];
+        let elimination = Elimination::new(space.node_count(), &BTreeMap::new())
+            .and_then(|all| all.with_relations(of_nodes(&joined, space.components())));
+        let mut elimination = elimination.map_err(linear_algebra)?;
+        mass = elimination.reduce_matrix(&mass.into()).map_err(linear_algebra)?;
+        for (load, start) in &mut systems {
+            *load = elimination.reduce(load).map_err(linear_algebra)?;
+            *start = vec![0.0; mass.rows()];
         }
-        let mut coefficients = vec![0.0; space.unknowns()];
-        let found =
-            solve(&mass, load.into_iter().zip(start).collect(), self.threads).map_err(linear_algebra)?;
-        for (component, mut values) in found.into_iter().enumerate() {
-            if let Some(elimination) = &elimination {
-                values = elimination.extend_by_zero(&values).map_err(linear_algebra)?;
-            }
-            for (node, value) in values.into_iter().enumerate() {
-                coefficients[node * components + component] = value;
-            }
-        }
-        Ok(Field::of_known(space, coefficients))
+        let found = by_matrix(&mass, systems, self.threads).map_err(linear_algebra)?;
+        let extended = found.into_iter().map(|values| elimination.extend_by_zero(&values));
+        Ok(of_components(space, extended.collect::<Result<_, _>>().map_err(linear_algebra)?))
     }
 }
 
-compiled_here!(Assembler::<D>::project_with_mass);
+compiled_here!(Assembler::<D>::project_by_cells, Assembler::<D>::project_with_mass);
 
 /// The relations of a space's first component between nodes, which are those of all components.
 fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTreeMap<usize, Relation> {
@@ -181,44 +166,14 @@ fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTree
     relations.map(of_nodes).collect()
 }
 
-/// The systems of a mass matrix with some right-hand sides, each with a start.
-///
-/// The condition of a mass matrix scaled by its diagonal does not depend on the mesh, only on the element (Wathen 1987: 6.25
-/// for biquadratic quadrilaterals): some forty iterations reach rounding, where a factor would have many times the
-/// entries of the matrix.
-fn solve(
-    mass: &CsrMatrix,
-    loads: Vec<(Vec<f64>, Vec<f64>)>,
-    threads: Threads,
-) -> Result<Vec<Vec<f64>>, LinearAlgebraError> {
-    // As many right-hand sides at once as there are threads, and the threads that are left for each of them.
-    let at_once = threads.count().min(loads.len()).max(1);
-    let own = Threads::new(threads.count() / at_once);
-    let options = KrylovOptions {
-        tolerance: TOLERANCE,
-        max_iterations: ITERATIONS,
-        threads: own,
-        ..Default::default()
-    };
-    let inverse = Jacobi::of(mass)?;
-    let one = |(load, start): &(Vec<f64>, Vec<f64>)| -> Result<Vec<f64>, KrylovError> {
-        let mut values = start.clone();
-        cg(&OnThreads(mass, own), &mut &inverse, load, &mut values, &options)?;
-        Ok(values)
-    };
-    let mut found = Vec::with_capacity(loads.len());
-    for some in loads.chunks(at_once) {
-        found.extend(threads.run(some.iter().collect(), one));
-    }
-    match found.into_iter().collect::<Result<Vec<_>, _>>() {
-        Ok(found) => Ok(found),
-        // Cells that are all but flat: the factor says what is wrong, or solves the systems.
-        Err(_) => {
-            let analysis = Arc::new(Analysis::new(mass.pattern(), &Ordering::default())?);
-            let factor = SymmetricFactor::cholesky(&analysis, mass, Vec::new())?;
-            let mut found: Vec<Vec<f64>> = loads.into_iter().map(|(load, _)| load).collect();
-            found.iter_mut().try_for_each(|load| factor.solve_in_place(load))?;
-            Ok(found)
+/// The field with these values at the nodes, component by component.
+fn of_components<const D: usize>(space: &Arc<Space<D>>, found: Vec<Vec<f64>>) -> Field<D> {
+    let components = found.len();
+    let mut coefficients = vec![0.0; space.unknowns()];
+    for (component, values) in found.into_iter().enumerate() {
+        for (node, value) in values.into_iter().enumerate() {
+            coefficients[node * components + component] = value;
         }
     }
+    Field::of_known(space, coefficients)
 }

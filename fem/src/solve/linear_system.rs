@@ -44,6 +44,7 @@ pub fn solve_linear_transposed(
 pub const HOLDS: f64 = 1e-3;
 
 /// Cᵀ A C, or its transposed, by products with A.
+#[derive(Debug)]
 struct ReducedEquations<'a> {
     matrix: &'a BlockMatrix,
     elimination: &'a Elimination,

@@ -272,8 +272,18 @@ impl Lagrange {
             value[0] = 1.0;
             return;
         }
+        let nodes = lattice(self.shape, self.degree);
+        if self.shape.is_simplex() {
+            let first = self.values_along(1.0 - point.iter().sum::<f64>());
+            let others: [_; D] = std::array::from_fn(|k| self.values_along(point[k]));
+            for (value, steps) in value.iter_mut().zip(nodes) {
+                let along = (0..D).map(|k| others[k][usize::from(steps[k])]);
+                *value = first[self.first_step(steps)] * along.product::<f64>();
+            }
+            return;
+        }
         let (factors, first) = self.factors(point);
-        for (value, steps) in value.iter_mut().zip(lattice(self.shape, self.degree)) {
+        for (value, steps) in value.iter_mut().zip(nodes) {
             *value = first[self.first_step(steps)][0] * product(&factors, steps, &[0; D]);
         }
     }
@@ -327,6 +337,17 @@ impl Lagrange {
                 [scale * (p * root), scale * (dp * root + k * p), scale * (ddp * root + 2.0 * k * dp)];
         }
         factors
+    }
+
+    /// The values alone of [`Lagrange::ascending`].
+    fn values_along(&self, lambda: f64) -> [f64; MAXIMUM_DEGREE + 1] {
+        let k = self.degree as f64;
+        let mut values = [1.0; MAXIMUM_DEGREE + 1];
+        for n in 0..self.degree {
+            let m = n as f64;
+            values[n + 1] = 1.0 / (m + 1.0) * (values[n] * (k * lambda - m));
+        }
+        values
     }
 
     /// Number of steps along λ₀; 0 for the tensor elements.

@@ -20,8 +20,14 @@ impl<const D: usize> AffineInverse<D> {
         if !mesh.is_affine_on(shape) {
             return None;
         }
-        let centre = shape.centre();
-        let (image, jacobian) = mesh.map(cell, &centre);
+        // The Jacobian's columns are the edges from the first vertex.
+        let (centre, vertices) = (shape.centre::<D>(), mesh.cell(cell));
+        let [first, others @ ..] = vertices else { return None };
+        let (first, others) = (&mesh.nodes()[*first as usize], &others[..D]);
+        let edge = |i: usize, j: usize| mesh.nodes()[others[j] as usize][i] - first[i];
+        let jacobian: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| edge(i, j)));
+        let image = |i: usize| first[i] + (0..D).map(|j| jacobian[i][j] * centre[j]).sum::<f64>();
+        let image = std::array::from_fn(image);
         Some(AffineInverse { centre, image, inverse: inverse(&jacobian)? })
     }
 

@@ -1,5 +1,5 @@
 //! The start of the iteration for a projection: on each cell the polynomial that is nearest to the values, averaged at the nodes that
-//! cells share. Of what is smooth it is near the answer.
+//! cells share. Of what is smooth it is near the answer, and of a space without continuity, on affine cells, the answer.
 
 use std::sync::Arc;
 
@@ -9,43 +9,6 @@ use crate::quadrature::QuadratureRule;
 
 /// The ratio of pivots below which a rule has too few points to tell the basis functions apart.
 const INDEPENDENT: f64 = 1e-8;
-
-/// Sums of cellwise coefficients, one list for each component.
-pub(super) struct Start {
-    sums: Vec<Vec<f64>>,
-    counts: Vec<f64>,
-}
-
-impl Start {
-    /// Nothing on any node.
-    pub(super) fn new(nodes: usize, components: usize) -> Self {
-        Start { sums: vec![vec![0.0; nodes]; components], counts: vec![0.0; nodes] }
-    }
-
-    /// Adds the polynomial of a cell with these nodes: `nearest` has a row for each of them, `values` all components of each point.
-    pub(super) fn add(&mut self, nodes: &[u32], nearest: &[f64], values: &[f64]) {
-        let components = self.sums.len();
-        let points = values.len() / components;
-        for (number, row) in nodes.iter().zip(nearest.chunks(points)) {
-            self.counts[*number as usize] += 1.0;
-            for (component, sums) in self.sums.iter_mut().enumerate() {
-                let of_component = values.iter().skip(component).step_by(components);
-                let coefficient: f64 = row.iter().zip(of_component).map(|(a, value)| a * value).sum();
-                sums[*number as usize] += coefficient;
-            }
-        }
-    }
-
-    /// The averages; zero on nodes that no cell has added to.
-    pub(super) fn averages(mut self) -> Vec<Vec<f64>> {
-        for sums in &mut self.sums {
-            for (sum, count) in sums.iter_mut().zip(&self.counts) {
-                *sum /= count.max(1.0);
-            }
-        }
-        self.sums
-    }
-}
 
 /// The coefficients of the polynomial that is nearest to values at the points of a rule on the reference cell: one row for each node,
 /// in it a factor for each point. None where the rule has too few points.
@@ -62,12 +25,9 @@ fn factors<const D: usize>(
     tables: &Tables<D>,
 ) -> Result<Option<Vec<f64>>, LinearAlgebraError> {
     let (nodes, points) = (tables.nodes, rule.len());
-    let value = |q: usize, node: usize| tables.value[q * nodes + node];
-    let weighted = |q: usize, node: usize| rule.weights[q] * value(q, node);
-    let product = |i: usize, j: usize| (0..points).map(|q| weighted(q, i) * value(q, j)).sum::<f64>();
     let places = (0..nodes).flat_map(|i| (0..nodes).map(move |j| (i, j)));
-    let entries: Vec<(usize, usize, f64)> = places.map(|(i, j)| (i, j, product(i, j))).collect();
-    let mass = CsrMatrix::from_triplets(nodes, nodes, &entries)?;
+    let entries = places.zip(reference_mass(rule, tables)).map(|((i, j), entry)| (i, j, entry));
+    let mass = CsrMatrix::from_triplets(nodes, nodes, &entries.collect::<Vec<_>>())?;
     let analysis = Arc::new(Analysis::new(mass.pattern(), &Ordering::default())?);
     let factor = SymmetricFactor::cholesky(&analysis, &mass, Vec::new())?;
     if factor.smallest_pivot_ratio() < INDEPENDENT {
@@ -75,11 +35,24 @@ fn factors<const D: usize>(
     }
     let mut found = vec![0.0; nodes * points];
     for q in 0..points {
-        let mut column: Vec<f64> = (0..nodes).map(|node| weighted(q, node)).collect();
+        let basis = &tables.value[q * nodes..(q + 1) * nodes];
+        let mut column: Vec<f64> = basis.iter().map(|value| rule.weights[q] * value).collect();
         factor.solve_in_place(&mut column)?;
         for (node, coefficient) in column.into_iter().enumerate() {
             found[node * points + q] = coefficient;
         }
     }
     Ok(Some(found))
+}
+
+/// The mass matrix of the reference cell by a rule, row by row.
+pub(super) fn reference_mass<const D: usize>(rule: &QuadratureRule<D>, tables: &Tables<D>) -> Vec<f64> {
+    let n = tables.nodes;
+    let mut mass = vec![0.0; n * n];
+    for (weight, basis) in rule.weights.iter().zip(tables.value.chunks(n)) {
+        for (row, test) in mass.chunks_mut(n).zip(basis) {
+            row.iter_mut().zip(basis).for_each(|(entry, trial)| *entry += weight * test * trial);
+        }
+    }
+    mass
 }
