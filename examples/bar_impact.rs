@@ -38,7 +38,7 @@ fn release() -> f64 {
     TOUCH + 2.0 * LENGTH / wave_speed()
 }
 
-/// How contact enters a step, and the scheme.
+/// Contact's way into a step, and the scheme.
 #[derive(Clone, Copy)]
 enum Steps {
     /// At the time at which the scheme evaluates forces.

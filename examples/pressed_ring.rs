@@ -31,7 +31,7 @@ const OUTSIDE: f64 = 1.0;
 const TOOL: f64 = 0.4;
 /// The way of each tool \[mm\]; the walls meet after some 0.8.
 const WAY: f64 = 0.88;
-/// How far points see \[mm\].
+/// Reach of the points' sight \[mm\].
 const REACH: f64 = 0.2;
 /// Degree of quadrature.
 const DEGREE: usize = 4;
@@ -88,13 +88,13 @@ fn half_ring(along: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
     Ok(Arc::new(half.with_rigid_surfaces(&tools.each_ref().map(|(name, tool)| (*name, tool)))?))
 }
 
-/// What a step is told of.
+/// Setting of a step.
 struct Pressed {
     way: f64,
     /// Force of each tool on the whole ring, and of one wall on the other \[N/mm\].
     tool: f64,
     wall: f64,
-    /// What the whole ring stores per depth \[N\].
+    /// Energy of the whole ring per depth \[N\].
     energy: f64,
     /// The difference of the tools' forces beside one of them.
     unbalanced: f64,

@@ -118,7 +118,7 @@ fn friction_carries_the_shear_that_it_can() -> Outcome {
     Ok(())
 }
 
-/// What is wrong in the load at the top, and in the volume.
+/// Residuals of the load at the top, and in the volume.
 #[test]
 fn loads_that_are_not_balanced() -> Outcome {
     let u = sheared(&block());

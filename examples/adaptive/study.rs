@@ -8,7 +8,7 @@ use forms_fem::prelude::*;
 
 use crate::Outcome;
 
-/// What is known of one mesh.
+/// Figures of one mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Unknowns.

@@ -92,7 +92,7 @@ fn known() -> [Peer; 4] {
     ]
 }
 
-/// Whether FreeFEM runs the script on the smallest mesh: the program alone, without its plugins, does not.
+/// Success of FreeFEM's script on the smallest mesh: the program alone, without its plugins, does not run it.
 fn freefem_runs() -> bool {
     let smallest = freefem(Case::Triangles).map(|mut command| {
         command.args(["-divisions", "1", "-samples", "1"]);

@@ -55,7 +55,7 @@ pub enum ShapeError {
     /// ∇u_D is not finite.
     #[error("the gradient of the imposed displacement is not finite at {position:?}")]
     Slope {
-        /// Where.
+        /// Position \[length\].
         position: Vec<f64>,
     },
 }

@@ -166,7 +166,7 @@ where
     problem.assembler.functional(&moment::of_contact(&data, &touch, u)).unwrap()
 }
 
-/// What holds the tool is the sum of the tractions on it, and its moment is theirs.
+/// Balance of a tool: what holds it is the sum of the tractions on it, and its moment is theirs.
 #[test]
 fn reactions_are_the_resultant_of_the_tractions() {
     let mesh = with_tool::<2>();

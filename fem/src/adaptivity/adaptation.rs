@@ -71,7 +71,7 @@ pub struct Adaptation<'a, const D: usize> {
     surfaces: &'a [Surface<'a, D>],
 }
 
-/// What is computed on one mesh.
+/// Results of one mesh.
 #[derive(Clone, Debug)]
 pub struct AdaptiveSolution<const D: usize> {
     /// The solution.

@@ -51,9 +51,9 @@ pub enum FieldFileError {
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// What stands there.
+        /// Contents of the file there.
         found: String,
-        /// What a field of the space would have.
+        /// Value that a field of the space would have.
         expected: String,
     },
     /// The file breaks off.
@@ -71,9 +71,9 @@ pub enum FieldFileError {
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// What stands there.
+        /// Contents of the file there.
         found: String,
-        /// What ought to stand there.
+        /// Contents that ought to stand there.
         expected: String,
     },
     /// A coefficient is not finite.

@@ -52,7 +52,7 @@ pub struct ConstrainedStep {
     pub change: f64,
 }
 
-/// What was found.
+/// A minimum under constraints, with the history of the iteration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstrainedMinimum {
     /// m.

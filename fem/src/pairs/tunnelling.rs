@@ -106,7 +106,7 @@ fn relative<const D: usize>(own: &[[f64; D]], opposite: &[[f64; D]]) -> f64 {
     furthest(own) + furthest(opposite)
 }
 
-/// What contact can see behind the surfaces of a pairing.
+/// Depth to which contact can see behind the surfaces of a pairing.
 struct Visible {
     /// The reach of each own facet.
     reaches: HashMap<Facet, f64>,

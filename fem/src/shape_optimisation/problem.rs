@@ -16,13 +16,13 @@ pub trait ShapeProblem<const D: usize> {
     /// one that was not.
     ///
     /// # Errors
-    /// Why there is no solution; within a line search a shorter step is tried then.
+    /// The reason why there is no solution; within a line search a shorter step is tried then.
     fn solve(&self, mesh: &Arc<Mesh<D>>) -> Result<Values<Self::State>, Failure>;
 
     /// The derivatives by the movements of the mesh's nodes at a shape that was solved for.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The reason why there are none.
     fn derivatives(&self, movements: &Arc<Space<D>>, state: &mut Self::State)
     -> Result<Derivatives, Failure>;
 

@@ -37,7 +37,7 @@ pub enum CheckpointError {
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// What should stand there.
+        /// Contents that should stand there.
         expected: &'static str,
     },
     /// It was written on another space.

@@ -15,7 +15,7 @@ pub trait Scheme: Debug {
     /// Whether second rates of states are read, so that the first state needs one that agrees with the form.
     fn reads_second_rates(&self) -> bool;
 
-    /// What the step's unknown is.
+    /// Meaning of the step's unknown.
     fn solved_for(&self) -> SolvedFor {
         SolvedFor::Value
     }
@@ -30,7 +30,7 @@ pub trait Scheme: Debug {
     }
 }
 
-/// What the unknown of a step is.
+/// Meaning of a step's unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolvedFor {
     /// The value at the end of the step: an implicit step.

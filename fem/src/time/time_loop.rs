@@ -143,7 +143,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         &self.states[0]
     }
 
-    /// What a run that goes on later begins with.
+    /// The checkpoint with which a run that goes on later begins.
     pub fn checkpoint(&self) -> Checkpoint<D> {
         Checkpoint { states: self.states.clone(), steps: self.number }
     }

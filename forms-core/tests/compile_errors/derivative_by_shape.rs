@@ -1,6 +1,6 @@
 use forms_core::forms;
 
-/// What cannot be differentiated by the shape of the domain, and what the shape is not.
+/// Expressions that cannot be differentiated by the shape of the domain, and what the shape is not.
 #[forms(crate = forms_core)]
 pub mod moving {
     pub struct Data {

@@ -1,4 +1,4 @@
-//! What UFL, GetFEM, FreeFEM and scikit-fem call things, and values that are called like functions.
+//! Names that UFL, GetFEM, FreeFEM and scikit-fem have for things, and values that are called like functions.
 
 use forms_core::forms;
 

@@ -1,4 +1,4 @@
-//! What makes kernels slow, or keeps them from running: compiled without optimisation, or for the instructions of another
+//! Notices of kernels that are slow, or cannot run: compiled without optimisation, or for the instructions of another
 //! machine.
 
 use std::sync::Once;

@@ -176,7 +176,7 @@ struct Products<'a> {
     /// Determinants, or weights of points, from the first of these cells on.
     of_cells: &'a [f64],
     x: &'a [f64],
-    /// What products are added to.
+    /// Sums to which products are added.
     sums: &'a mut [f64],
 }
 

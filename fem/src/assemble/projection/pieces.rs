@@ -1,4 +1,4 @@
-//! What cells add to the nodes of a space, in sums that do not depend on the number of threads.
+//! Contributions of cells to the nodes of a space, in sums that do not depend on the number of threads.
 //!
 //! Cells are cut into pieces of a fixed size, each with numbers of its own for its nodes, so that a piece's part of a vector fits into a
 //! fast memory. A piece adds up its cells in their order; at a node of several pieces their sums are added in the order of the pieces.

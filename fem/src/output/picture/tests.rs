@@ -26,7 +26,7 @@ fn decode(bytes: &[u8]) -> (usize, usize, Vec<u8>) {
     (frame.width as usize, frame.height as usize, pixels)
 }
 
-/// Where the annulus of radii 20 and 30 is coloured and where the page is white, read from the picture.
+/// Places at which the annulus of radii 20 and 30 is coloured and the page is white, read from the picture.
 #[test]
 fn the_body_is_where_it_should_be() {
     let (mesh, _) = annulus();

@@ -15,7 +15,7 @@ pub enum FilePosition {
     Byte(usize),
 }
 
-/// What a flaw may leave undone.
+/// Result of a step of an import, whose error is a flaw of the file.
 pub(super) type Result<T> = std::result::Result<T, Flaw>;
 
 /// A problem, and where the file lists what it is about \[bytes\], if it is about one thing.

@@ -48,7 +48,7 @@ const fn lengths<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> [usize; 4]
     [nodes, <S::Points<f64> as Array<f64>>::LENGTH, K::TEST_COMPONENTS * K::TRIAL_COMPONENTS, pairs]
 }
 
-/// Whether there may be a reference tensor. Linear functions at one point need none: it would copy the blocks of their gradients.
+/// Possibility of a reference tensor. Linear functions at one point need none: it would copy the blocks of their gradients.
 const fn has_tensor<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> bool {
     let one_point = <S::Points<f64> as Array<f64>>::LENGTH == 1;
     suits::<K, D>() && !(FixedTables::<S, D>::LINEAR && one_point)

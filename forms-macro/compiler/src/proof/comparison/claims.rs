@@ -1,4 +1,4 @@
-//! What the compiler claims of an integral: constant, linear or symmetric, its cost, its zeros.
+//! Claims of the compiler about an integral: constant, linear or symmetric, its cost, its zeros.
 
 use super::{Comparison, Difference, MAGNITUDE, TOLERANCE, Tally};
 use crate::proof::assembly::{Basis, Points, bilinear, linear, reads};
