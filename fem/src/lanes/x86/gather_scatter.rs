@@ -15,6 +15,11 @@ impl SimdLane for Avx2 {
     const REGISTERS: usize = 16;
 
     #[inline(always)]
+    fn any(mask: __m256d) -> bool {
+        simd!(_mm256_movemask_pd(mask)) != 0
+    }
+
+    #[inline(always)]
     fn prefetch(values: &[f64], place: usize) {
         if let Some(value) = values.get(place) {
             simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
@@ -121,6 +126,11 @@ fn transposed(a: Avx2, b: Avx2, c: Avx2, d: Avx2) -> [Avx2; 4] {
 
 impl SimdLane for Avx512 {
     const REGISTERS: usize = 32;
+
+    #[inline(always)]
+    fn any(mask: __mmask8) -> bool {
+        mask != 0
+    }
 
     #[inline(always)]
     fn prefetch(values: &[f64], place: usize) {
