@@ -13,9 +13,10 @@ use std::process::ExitCode;
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies::sliding_bodies as law;
 use forms_contact::laws::two_bodies::two_bodies::Required;
+use forms_examples::die_forces::{self, DieForces};
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
-use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
+use forms_fem::output::picture::{Colour, FieldMap, Picture, Shown};
 use forms_fem::output::{StandardOutput, VtuFile, VtuSeries, program};
 use forms_fem::prelude::*;
 
@@ -42,14 +43,6 @@ fn die() -> Result<RigidSurface<3>, Box<dyn Error>> {
     let surface = RigidSurface::of_boundary(&sphere, "sphere")?;
     let points = surface.points().iter().map(|[x, y, z]| [x + START, *y, z + HEIGHT + RADIUS]);
     Ok(RigidSurface::new(points.collect(), surface.facets().to_vec())?)
-}
-
-/// Forces of the die on the whole slab at a place on its way \[N\].
-#[derive(Clone, Copy, Default)]
-struct Pressed {
-    way: f64,
-    down: f64,
-    along: f64,
 }
 
 /// The die's displacement: it goes down until the way is [`DOWN`], then along.
@@ -111,13 +104,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let space = Space::vector(&mesh, 1)?;
     let touch = Pairing::onto("top", "die").within_reach(REACH);
     out.line(format!("{} unknowns", space.unknowns()));
-    out.line("| way [mm] | down [N] | along [N] | along / down | unbalanced | Newton steps |");
-    out.line("| --: | --: | --: | --: | --: | --: |");
+    out.line(die_forces::HEADING);
 
     let start = Field::zero(&space);
     let mut frames = VtuSeries::new("out/die_on_slab.pvd")?;
     frames.write(0.0, &VtuFile::new(&mesh).point_data("displacement", &start)?)?;
-    let mut forces = vec![Pressed::default()];
+    let mut forces = vec![DieForces::default()];
     let solve = |step: &Increment<'_, Field<3>>| -> Result<Field<3>, Box<dyn Error>> {
         let way = step.factor;
         let problem = problem(&space, &touch, step.before, way)?;
@@ -125,38 +117,22 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let count = |newton: &NewtonStep| iterations += usize::from(newton.iteration > 0);
         let solved = problem.direct()?.increment(step).each_step(count).solve()?;
         let [held, base] = [solved.reaction("die")?, solved.reaction("bottom")?];
-        let size = held[2].abs();
-        let unbalanced = [0, 2].map(|axis| (held[axis] + base[axis]).abs() / size);
-        let unbalanced = unbalanced[0].max(unbalanced[1]);
-        if unbalanced > 1e-9 {
-            return Err(format!("the forces on die and base differ by {unbalanced:.1e} of them").into());
-        }
-        let pressed = Pressed { way, down: -2.0 * held[2], along: 2.0 * held[0] };
-        out.line(format!(
-            "| {way:.3} | {:.5} | {:.5} | {:.4} | {:.0e} | {} |",
-            pressed.down,
-            pressed.along,
-            pressed.along / pressed.down,
-            unbalanced,
-            iterations
-        ));
+        let unbalanced = die_forces::unbalanced(&held, &base)?;
+        let forces_here = DieForces { way, down: -2.0 * held[2], along: 2.0 * held[0] };
+        out.line(forces_here.row(unbalanced, iterations));
         frames.write(way, &VtuFile::new(&mesh).point_data("displacement", solved.field())?)?;
-        forces.push(pressed);
+        forces.push(forces_here);
         Ok(solved.into_field())
     };
-    let ways = (1..=pressing).map(|step| DOWN * step as f64 / pressing as f64);
-    let ways = ways.chain((1..=sliding).map(|step| DOWN + ALONG * step as f64 / sliding as f64));
+    let ways = die_forces::ways((DOWN, pressing), (ALONG, sliding));
     let path = LoadSteps::through(ways).advance(start, solve).map_err(|error| error.to_string())?;
 
     draw(&path.state, along, DOWN + ALONG, "out/die_on_slab.png")?;
-    let column = |value: fn(&Pressed) -> f64| forces.iter().map(value).collect::<Vec<_>>();
-    let ways = column(|pressed| pressed.way);
-    LinePlot::new()
-        .x_axis("way of the ball: down to 0.15 mm, then along [mm]", Scale::Linear)
-        .y_axis("force [N]", Scale::Linear)
-        .curve(Curve::new("down", &ways, &column(|pressed| pressed.down)).without_markers())
-        .curve(Curve::new("along", &ways, &column(|pressed| pressed.along)).without_markers().dashed())
-        .write_png("out/die_on_slab_forces.png")?;
+    die_forces::draw(
+        &forces,
+        "way of the ball: down to 0.15 mm, then along [mm]",
+        "out/die_on_slab_forces.png",
+    )?;
     Ok(())
 }
 

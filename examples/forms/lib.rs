@@ -2,6 +2,9 @@
 //! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`tests/compile_cost`).
 //! Contact by Nitsche's method stands in the package `forms-contact`. Beside them what the programs share.
 
+#[path = "../die_forces.rs"]
+pub mod die_forces;
+
 pub use forms_program::{command_line, memory};
 
 pub mod anisotropic_elasticity;

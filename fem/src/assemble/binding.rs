@@ -1,6 +1,7 @@
 //! A form bound to a mesh: every field checked and resolved, every parameter finite.
 
 pub(super) mod entities;
+mod functions_on_pairs;
 pub(super) mod notices;
 pub(super) mod outline;
 pub(super) mod owned_cells;

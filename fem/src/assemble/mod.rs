@@ -41,7 +41,6 @@ use std::sync::Arc;
 
 pub use action::TangentAction;
 pub(crate) use binding::outline::Outline;
-pub(crate) use binding::pair_error;
 pub use block_pattern::BlockPattern;
 pub(crate) use block_pattern::touched::TouchedEntries;
 pub use derived::{FacetSample, PointValues};

@@ -68,6 +68,18 @@ pub(crate) trait SimdLane: Lane {
     /// Number of values that the processor's registers hold.
     const REGISTERS: usize;
 
+    /// Whether a mask holds in some lane.
+    #[inline(always)]
+    fn any(mask: Self::Mask) -> bool {
+        let mut lanes = [0.0; WIDEST];
+        Self::select(mask, Self::splat(1.0), Self::splat(0.0)).store(&mut lanes);
+        let mut any = false;
+        for lane in 0..Self::WIDTH {
+            any |= lanes[lane] != 0.0;
+        }
+        any
+    }
+
     /// Runs some work in a function compiled for the lane type's instructions that is not inlined: what does
     /// not depend on the kernel is compiled once for all kernels.
     fn call<W: SharedWork<Self>>(work: W) -> W::Output;

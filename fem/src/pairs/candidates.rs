@@ -3,9 +3,14 @@
 //! Which facets are tried follows from the displacement alone: a list holds at least those that the rays of an iterate can meet,
 //! and at that iterate it is reduced to just those.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
 use std::sync::{Arc, OnceLock};
 
-use super::surface::{SurfaceFacet, dot, minus};
+use super::rays::Rays;
+use super::surface::{SurfaceFacet, dot, minus, splat};
+use crate::lanes::{SimdLane, WIDEST};
 use crate::locate::BoxGrid;
 
 /// The skin of an own facet's list, in its diameters.
@@ -32,19 +37,28 @@ pub(super) struct Beam<const D: usize> {
 }
 
 impl<const D: usize> Beam<D> {
-    /// The rays from some points along their normals.
-    pub fn new(own: &SurfaceFacet<D>, rays: impl Iterator<Item = ([f64; D], [f64; D])>, reach: f64) -> Self {
-        let (centre, direction) = (own.centre, own.at(&own.middle()).normal());
+    /// The ray from the middle of a facet along its normal.
+    pub fn along_normal_of(own: &SurfaceFacet<D>, reach: f64) -> Self {
+        let direction = own.at(&own.middle()).normal();
+        Beam { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
+    }
+
+    /// Grows until it holds some rays.
+    #[inline(always)]
+    pub fn hold<L: SimdLane>(&mut self, rays: &Rays<D, L>) {
+        let off = minus(&rays.x, &splat(&self.centre));
+        let turned = minus(&rays.n, &splat(&self.direction));
+        let mut lanes = [[0.0; WIDEST]; 2];
+        dot(&off, &off).store(&mut lanes[0]);
+        dot(&turned, &turned).store(&mut lanes[1]);
         let mut squares = [0.0_f64; 2];
-        for (position, normal) in rays {
-            for (square, off) in
-                squares.iter_mut().zip([minus(&position, &centre), minus(&normal, &direction)])
-            {
-                *square = square.max(dot(&off, &off));
+        for k in 0..2 {
+            for lane in 0..L::WIDTH {
+                squares[k] = squares[k].max(lanes[k][lane]);
             }
         }
-        let [radius, spread] = squares.map(f64::sqrt);
-        Beam { centre, radius, direction, spread, reach }
+        self.radius = self.radius.max(squares[0].sqrt());
+        self.spread = self.spread.max(squares[1].sqrt());
     }
 
     /// Half the length and half the width of what holds the rays.
@@ -93,7 +107,7 @@ pub(super) struct KeptList<const D: usize> {
 #[derive(Debug)]
 pub(super) struct KeptCandidates<const D: usize> {
     balls: Arc<[Ball<D>]>,
-    lists: Vec<Option<Arc<KeptList<D>>>>,
+    lists: Arc<Vec<Option<Arc<KeptList<D>>>>>,
 }
 
 /// The candidates at an iterate.
@@ -129,10 +143,12 @@ impl<const D: usize> Candidates<D> {
             moved <= 0.5 * USABLE * skins.fold(f64::INFINITY, f64::min)
         });
         let kept = match usable {
-            Some(known) => KeptCandidates { balls: Arc::clone(&known.balls), lists: known.lists.clone() },
+            Some(known) => {
+                KeptCandidates { balls: Arc::clone(&known.balls), lists: Arc::clone(&known.lists) }
+            }
             None => {
                 moved = 0.0;
-                KeptCandidates { balls: Arc::clone(&balls), lists: vec![None; own.len()] }
+                KeptCandidates { balls: Arc::clone(&balls), lists: Arc::new(vec![None; own.len()]) }
             }
         };
         Candidates { balls, largest, moved, kept, grid: OnceLock::new() }
@@ -182,8 +198,11 @@ impl<const D: usize> Candidates<D> {
     /// Candidates for the next iterate: the lists with those that were made for this one.
     pub fn keep(self, made: Vec<(usize, KeptList<D>)>) -> KeptCandidates<D> {
         let mut kept = self.kept;
-        for (own, list) in made {
-            kept.lists[own] = Some(Arc::new(list));
+        if !made.is_empty() {
+            let lists = Arc::make_mut(&mut kept.lists);
+            for (own, list) in made {
+                lists[own] = Some(Arc::new(list));
+            }
         }
         kept
     }
@@ -225,8 +244,10 @@ mod tests {
             let fresh = Candidates::new(own, opposite, None);
             let (mut made, mut one, mut other) = (vec![], vec![], vec![]);
             for (index, facet) in own.iter().enumerate() {
-                let ends = facet.parameters().iter().map(|s| facet.at(s));
-                let beam = Beam::new(facet, ends.map(|end| (end.position, end.normal())), 0.15);
+                let mut beam = Beam::along_normal_of(facet, 0.15);
+                for end in facet.parameters().iter().map(|s| facet.at(s)) {
+                    beam.hold(&Rays { x: end.position, n: end.normal() });
+                }
                 made.extend(keeping.of(index, &beam, 0.05, |_| true, &mut one).map(|list| (index, list)));
                 assert!(fresh.of(index, &beam, 0.05, |_| true, &mut other).is_some());
                 assert!(one == other && !one.is_empty());

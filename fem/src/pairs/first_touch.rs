@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use forms_core::contract::Pairing;
 
-use super::opposite::along_ray;
+use super::rays::along_ray;
 use super::surface::{SurfaceFacet, dot, minus, unit};
 use super::surfaces::Surfaces;
 use super::{Displacement, DisplacementField, PairError};

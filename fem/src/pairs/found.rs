@@ -7,7 +7,7 @@ use super::surface::SurfaceFacet;
 use crate::mesh::{Facet, Mesh};
 
 /// A quadrature point with its opposite point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PairPoint<const D: usize> {
     /// Reference coordinates in the own cell and in the opposite one.
     pub reference: [[f64; D]; 2],
@@ -85,18 +85,12 @@ pub(super) struct Found<const D: usize> {
     pub remade: Vec<(usize, KeptList<D>)>,
 }
 
-/// A point of an own facet from which a ray goes along the unit normal, with the surface element there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RayStart<const D: usize> {
-    pub position: [f64; D],
-    pub normal: [f64; D],
-    pub element: f64,
-}
+/// The index of the opposite facet of a pair that has its unit.
+const TAKEN: usize = usize::MAX;
 
 /// Room for what is computed of one own facet.
 #[derive(Debug, Default)]
 pub(super) struct Room<const D: usize> {
-    pub points: Vec<RayStart<D>>,
     pub candidates: Vec<usize>,
     /// The pairs with the opposite facets' indices.
     pub pairs: Vec<(usize, PairPoint<D>)>,
@@ -124,14 +118,21 @@ impl<const D: usize> Found<D> {
         room: &mut Room<D>,
     ) {
         let place = mesh.walk_of_facet(&[own.facet]);
-        while let Some((index, _)) = room.pairs.first().copied() {
+        for start in 0..room.pairs.len() {
+            let index = room.pairs[start].0;
+            if index == TAKEN {
+                continue;
+            }
             let (first, facet) = (self.points.len(), opposite[index].facet);
-            let is_of_facet = |other: usize| other == index || opposite[other].facet == facet;
-            let of_facet = room.pairs.iter().filter(|(other, _)| is_of_facet(*other));
-            self.points.extend(of_facet.map(|(_, point)| *point));
-            room.pairs.retain(|(other, _)| !is_of_facet(*other));
+            for (other, point) in &mut room.pairs[start..] {
+                if *other == index || (*other != TAKEN && opposite[*other].facet == facet) {
+                    *other = TAKEN;
+                    self.points.push(*point);
+                }
+            }
             let facets = [own.facet, facet];
             self.units.push(Unit { place, facets, points: first..self.points.len() });
         }
+        room.pairs.clear();
     }
 }

@@ -1,4 +1,9 @@
-//! Points of surfaces with tangents and normals, and flat facets.
+//! Points of surfaces with tangents and normals, and flat facets; one point, or several side by side in lanes.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::Lane;
 
 /// The flat facet that has three of a facet's corners, in the plane both, and how far the facet is from it.
 #[derive(Clone, Debug)]
@@ -13,63 +18,106 @@ pub(super) struct FlatFacet<const D: usize> {
 
 /// The normal of a surface and the vectors dual to its tangents.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame<const D: usize> {
+pub(super) struct Frame<const D: usize, L = f64> {
     /// Of the length of the surface element.
-    pub normal: [f64; D],
-    pub dual: [[f64; D]; 2],
+    pub normal: [L; D],
+    pub dual: [[L; D]; 2],
 }
 
 /// A point of a facet with the derivatives of its position.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SurfacePoint<const D: usize> {
-    pub position: [f64; D],
+pub(super) struct SurfacePoint<const D: usize, L = f64> {
+    pub position: [L; D],
     /// Derivatives along the facet's own coordinates; the second is zero in the plane.
-    pub tangents: [[f64; D]; 2],
+    pub tangents: [[L; D]; 2],
 }
 
-pub(super) fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    (0..D).map(|k| a[k] * b[k]).sum()
+#[inline(always)]
+pub(super) fn dot<L: Lane, const D: usize>(a: &[L; D], b: &[L; D]) -> L {
+    let mut sum = a[0] * b[0];
+    for k in 1..D {
+        sum += a[k] * b[k];
+    }
+    sum
 }
 
-pub(super) fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
-    std::array::from_fn(|k| a[k] - b[k])
+#[inline(always)]
+pub(super) fn minus<L: Lane, const D: usize>(a: &[L; D], b: &[L; D]) -> [L; D] {
+    let mut difference = *a;
+    for k in 0..D {
+        difference[k] = a[k] - b[k];
+    }
+    difference
 }
 
-pub(super) fn unit<const D: usize>(a: &[f64; D]) -> [f64; D] {
-    let length = dot(a, a).sqrt();
-    a.map(|a| a / length)
+#[inline(always)]
+pub(super) fn unit<L: Lane, const D: usize>(a: &[L; D]) -> [L; D] {
+    over(a, dot(a, a).sqrt())
 }
 
-fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
-    std::array::from_fn(|i| a[(i + 1) % D] * b[(i + 2) % D] - a[(i + 2) % D] * b[(i + 1) % D])
+/// A vector divided by a number.
+#[inline(always)]
+pub(super) fn over<L: Lane, const D: usize>(a: &[L; D], divisor: L) -> [L; D] {
+    let mut quotient = *a;
+    for k in 0..D {
+        quotient[k] = a[k] / divisor;
+    }
+    quotient
 }
 
-impl<const D: usize> SurfacePoint<D> {
+/// The same vector in all lanes.
+#[inline(always)]
+pub(super) fn splat<L: Lane, const D: usize>(a: &[f64; D]) -> [L; D] {
+    let mut lanes = [L::splat(0.0); D];
+    for k in 0..D {
+        lanes[k] = L::splat(a[k]);
+    }
+    lanes
+}
+
+#[inline(always)]
+fn cross<L: Lane, const D: usize>(a: &[L; D], b: &[L; D]) -> [L; D] {
+    let mut product = *a;
+    for i in 0..D {
+        let (j, k) = ((i + 1) % D, (i + 2) % D);
+        product[i] = a[j] * b[k] - a[k] * b[j];
+    }
+    product
+}
+
+impl<L: Lane, const D: usize> SurfacePoint<D, L> {
     /// The outward normal, of the length of the surface element.
-    pub fn long_normal(&self) -> [f64; D] {
+    #[inline(always)]
+    pub fn long_normal(&self) -> [L; D] {
         let [s, t] = &self.tangents;
-        match D {
-            2 => std::array::from_fn(|i| if i == 0 { s[1] } else { -s[0] }),
-            _ => cross(s, t),
+        if D == 2 {
+            let mut normal = *s;
+            (normal[0], normal[1]) = (s[1], -s[0]);
+            return normal;
         }
+        cross(s, t)
     }
 
     /// The outward unit normal.
-    pub fn normal(&self) -> [f64; D] {
+    #[inline(always)]
+    pub fn normal(&self) -> [L; D] {
         unit(&self.long_normal())
     }
 
-    pub fn frame(&self) -> Frame<D> {
+    #[inline(always)]
+    pub fn frame(&self) -> Frame<D, L> {
         let normal = self.long_normal();
         let square = dot(&normal, &normal);
         let [s, t] = &self.tangents;
         let dual = match D {
-            2 => [s.map(|s| s / square), [0.0; D]],
-            _ => [cross(t, &normal).map(|s| s / square), cross(&normal, s).map(|t| t / square)],
+            2 => [over(s, square), [L::splat(0.0); D]],
+            _ => [over(&cross(t, &normal), square), over(&cross(&normal, s), square)],
         };
         Frame { normal, dual }
     }
+}
 
+impl<const D: usize> SurfacePoint<D> {
     /// The surface element.
     pub fn element(&self) -> f64 {
         let [s, t] = &self.tangents;
@@ -82,29 +130,46 @@ impl<const D: usize> SurfacePoint<D> {
 }
 
 impl<const D: usize> Frame<D> {
+    /// The same frame in all lanes.
+    #[inline(always)]
+    fn in_lanes<L: Lane>(&self) -> Frame<D, L> {
+        Frame { normal: splat(&self.normal), dual: [splat(&self.dual[0]), splat(&self.dual[1])] }
+    }
+}
+
+impl<L: Lane, const D: usize> Frame<D, L> {
     /// The coordinates along the tangents at which a line through a point along n meets the tangent plane; `off` is the vector
     /// from where the frame stands to the point. No numbers where the line runs along the plane.
-    pub fn met_by(&self, off: &[f64; D], n: &[f64; D]) -> [f64; 2] {
+    #[inline(always)]
+    pub fn met_by(&self, off: &[L; D], n: &[L; D]) -> [L; 2] {
         let gap = -dot(&self.normal, off) / dot(&self.normal, n);
-        let foot: [f64; D] = std::array::from_fn(|k| off[k] + gap * n[k]);
-        self.dual.each_ref().map(|dual| dot(dual, &foot))
+        let mut foot = *off;
+        for k in 0..D {
+            foot[k] = off[k] + gap * n[k];
+        }
+        let second = if D == 2 { L::splat(0.0) } else { dot(&self.dual[1], &foot) };
+        [dot(&self.dual[0], &foot), second]
     }
 }
 
 impl<const D: usize> FlatFacet<D> {
     /// The intersection with a line through x along n, in coordinates of the facet.
-    pub fn met_by(&self, x: &[f64; D], n: &[f64; D]) -> [f64; 2] {
-        self.frame.met_by(&minus(x, &self.origin), n)
+    #[inline(always)]
+    pub fn met_by<L: Lane>(&self, x: &[L; D], n: &[L; D]) -> [L; 2] {
+        self.frame.in_lanes().met_by(&minus(x, &splat(&self.origin)), n)
     }
 
     /// The most by which coordinates at which a line along n meets the facet differ from those at which it meets the flat one.
-    pub fn doubt(&self, n: &[f64; D]) -> [f64; 2] {
-        let Some(away) = self.away else { return [f64::INFINITY; 2] };
+    #[inline(always)]
+    pub fn doubt<L: Lane>(&self, n: &[L; D]) -> [L; 2] {
+        let Some(away) = self.away else { return [L::splat(f64::INFINITY); 2] };
         if away == 0.0 {
-            return [0.0; 2];
+            return [L::splat(0.0); 2];
         }
         let normal = &self.frame.normal;
-        let slant = (dot(normal, normal).sqrt() / dot(normal, n)).abs();
-        self.slopes.map(|slope| away * slope * (1.0 + slant))
+        let slant = (L::splat(dot(normal, normal).sqrt()) / dot(&splat(normal), n)).abs();
+        let factor = L::splat(1.0) + slant;
+        let [first, second] = self.slopes;
+        [L::splat(away * first) * factor, L::splat(away * second) * factor]
     }
 }

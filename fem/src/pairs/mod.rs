@@ -7,12 +7,13 @@
 //! surface, frame   facets as parametrised surfaces, their points and normals
 //! surfaces, rigid   the surfaces of a pairing by name; those that are rigid
 //! rim       where a surface ends
-//! opposite  the point of one facet on a ray, or nearest to a point
+//! rays, nearest_on_rays   the point of one facet on a ray, and the nearest of some facets; many rays side by side
+//! opposite  the point of one facet nearest to a point
 //! candidates     the facets that rays may meet, kept while motions are small
-//! search, points, found   the opposite points of an own facet's points
+//! search, points, ray_points, found   the opposite points of an own facet's points
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
 //! report    the numbers of a pairing's points
-//! known     searches that were done
+//! known, surface_values   searches that were done, and the values by which they are told apart
 //! jumping_data   functions of position that do not know on which body they are
 //! first_touch    a rigid approach until surfaces meet
 //! tunnelling     points that would pass through the opposite body between two displacements
@@ -31,19 +32,22 @@ mod found;
 mod frame;
 mod jumping_data;
 mod known;
+mod nearest_on_rays;
 mod opposite;
 mod pieces;
 mod points;
+mod ray_points;
+mod rays;
 mod report;
 mod rigid;
 mod rim;
 mod search;
 mod surface;
+mod surface_values;
 mod surfaces;
 mod traces;
 mod tunnelling;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -53,9 +57,10 @@ use self::candidates::KeptCandidates;
 pub(crate) use self::displacement::{Displacement, DisplacementField};
 pub use self::error::PairError;
 pub use self::first_touch::{Approach, FirstTouch};
-use self::found::{Counts, Found, PairPoint, Room, Unit};
-pub(crate) use self::jumping_data::check as check_data;
+use self::found::{Counts, Found, PairPoint, Unit};
+pub(crate) use self::jumping_data::ReadFunction;
 pub(crate) use self::known::KnownPairs;
+use self::points::OfFacets;
 pub use self::report::PairReport;
 pub(crate) use self::rigid::coupled_facets;
 use self::search::Search;
@@ -63,6 +68,7 @@ use self::surfaces::Surfaces;
 pub use self::tunnelling::FollowedMotion;
 pub(crate) use self::tunnelling::Follower;
 use crate::element::CellShape;
+use crate::lanes::InstructionSet;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -107,6 +113,9 @@ impl<const D: usize> PairGroup<D> {
     }
 }
 
+/// What the units of a group have in common: the sides, the number of points, and whether the opposite surface is rigid.
+type GroupKey = ([(CellShape, u8); 2], usize, bool);
+
 /// The pairs of a mesh for a pairing and a rule.
 #[derive(Clone, Debug)]
 pub(crate) struct Pairs<const D: usize> {
@@ -146,12 +155,9 @@ impl<const D: usize> Pairs<D> {
             let facets = search.own.len();
             let parts = threads.count().min(facets.div_ceil(CHUNK)).max(1);
             let parts = (0..parts).map(|part| part * facets / parts..(part + 1) * facets / parts).collect();
-            let found = threads.run(parts, |part: Range<usize>| -> Result<Found<D>, PairError> {
-                let (mut found, mut room) = (Found::default(), Room::default());
-                for facet in part {
-                    search.add_pairs_of(facet, &mut found, &mut room)?;
-                }
-                Ok(found)
+            let instructions = InstructionSet::best().checked();
+            let found = threads.run(parts, |facets: Range<usize>| {
+                instructions.run_without_kernel(OfFacets { search: &search, facets })
             });
             let mut own = Counts::default();
             let mut remade = Vec::new();
@@ -201,27 +207,36 @@ impl<const D: usize> Pairs<D> {
 /// Units with like sides and numbers of points together, in the order of the walk.
 fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGroup<D>>> {
     let units = found.iter().flat_map(|part| part.units.iter().map(move |unit| (unit, &part.points)));
-    let mut units: Vec<(&Unit, &Vec<PairPoint<D>>)> = units.collect();
-    units.sort_by_key(|(unit, _)| unit.place);
-    let mut groups: BTreeMap<_, PairGroup<D>> = BTreeMap::new();
-    for (unit, points) in units {
+    let units: Vec<(&Unit, &Vec<PairPoint<D>>)> = units.collect();
+    let mut order: Vec<(u32, u32)> = units.iter().zip(0..).map(|((unit, _), k)| (unit.place, k)).collect();
+    order.sort_unstable();
+    let mut groups: Vec<(GroupKey, PairGroup<D>)> = Vec::new();
+    let mut last = 0;
+    for (_, number) in order {
+        let (unit, points) = units[number as usize];
         let side = |facet: Facet| (mesh.cell_shape(facet.cell as usize), facet.local);
         let (sides, count) = (unit.facets.map(side), unit.points.len());
-        let rigid = mesh.carries(unit.facets[1].cell);
-        let group = groups.entry((sides, count, rigid)).or_insert_with(|| PairGroup {
-            sides,
-            facets: vec![],
-            count,
-            points: vec![],
-            rigid_normals: vec![],
-        });
+        let key = (sides, count, mesh.carries(unit.facets[1].cell));
+        // Units of a kind follow each other more often than not.
+        if groups.get(last).is_none_or(|(known, _)| *known != key) {
+            last = groups.iter().position(|(known, _)| *known == key).unwrap_or(groups.len());
+        }
+        if last == groups.len() {
+            let (facets, points, rigid_normals) = (vec![], vec![], vec![]);
+            groups.push((key, PairGroup { sides, facets, count, points, rigid_normals }));
+        }
+        let group = &mut groups[last].1;
         group.facets.push(unit.facets);
+        group.points.reserve(count * PairGroup::<D>::STRIDE);
         for point in &points[unit.points.clone()] {
-            group.points.extend(point.reference.as_flattened());
-            group.points.extend([point.weight, point.gap]);
-            group.points.extend(point.toward);
-            group.rigid_normals.extend(point.rigid_normal.iter().flatten());
+            group.points.extend_from_slice(point.reference.as_flattened());
+            group.points.extend_from_slice(&[point.weight, point.gap]);
+            group.points.extend_from_slice(&point.toward);
+            if let Some(normal) = &point.rigid_normal {
+                group.rigid_normals.extend_from_slice(normal);
+            }
         }
     }
-    groups.into_values().map(Arc::new).collect()
+    groups.sort_unstable_by_key(|(key, _)| *key);
+    groups.into_iter().map(|(_, group)| Arc::new(group)).collect()
 }

@@ -1,14 +1,14 @@
-//! The point of a facet that lies opposite to a given one: where a ray meets it, or the nearest.
+//! The point of a facet that lies nearest to a given one.
 
 use super::rim::Rim;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus};
 use crate::mesh::geometry::inverse;
 
 /// A point this far outside a facet, in its own coordinates, still belongs to it.
-const INSIDE: f64 = 1e-8;
+pub(super) const INSIDE: f64 = 1e-8;
 
 /// Steps of Newton's method, at most.
-const STEPS: usize = 40;
+pub(super) const STEPS: usize = 40;
 
 /// A point of an opposite facet.
 #[derive(Clone, Copy, Debug)]
@@ -22,48 +22,8 @@ pub(super) struct Hit<const D: usize> {
     pub at_rim: bool,
 }
 
-/// Intersection of a facet with the line x + g n.
-pub(super) fn along_ray<const D: usize>(
-    facet: &SurfaceFacet<D>,
-    x: &[f64; D],
-    n: &[f64; D],
-) -> Option<Hit<D>> {
-    // The line passes the facet by where its distance from the centre exceeds the radius.
-    let off = minus(&facet.centre, x);
-    let along = dot(&off, n);
-    if dot(&off, &off) - along * along > facet.radius * facet.radius * (1.0 + 1e-6) {
-        return None;
-    }
-    let flat = facet.flat.met_by(x, n);
-    let doubt = facet.flat.doubt(n);
-    if facet.is_missed_by(&flat, &doubt.map(|doubt| doubt + INSIDE)) {
-        return None;
-    }
-    if facet.affine {
-        return facet.contains(&flat, INSIDE).then(|| hit(facet, flat, false));
-    }
-    let starts = flat.iter().all(|s| s.is_finite());
-    let mut s = if starts { facet.clamp(&flat) } else { facet.middle() };
-    let mut previous = f64::INFINITY;
-    for _ in 0..STEPS {
-        let point = facet.at(&s);
-        let step = point.frame().met_by(&minus(x, &point.position), n);
-        let length = step[0].abs().max(step[1].abs());
-        if !length.is_finite() {
-            return None;
-        }
-        let factor = 1.0 / length.max(1.0);
-        s = [s[0] + factor * step[0], s[1] + factor * step[1]];
-        // The error after a step is the square of its length.
-        if length < 1e-9 || (length < 1e-8 && length >= 0.5 * previous) {
-            return facet.contains(&s, INSIDE).then(|| hit(facet, s, false));
-        }
-        previous = length;
-    }
-    None
-}
-
-fn hit<const D: usize>(facet: &SurfaceFacet<D>, s: [f64; 2], at_rim: bool) -> Hit<D> {
+/// The point of a facet with given coordinates.
+pub(super) fn hit<const D: usize>(facet: &SurfaceFacet<D>, s: [f64; 2], at_rim: bool) -> Hit<D> {
     let point = facet.at(&s);
     Hit { s, position: point.position, normal: point.normal(), at_rim }
 }

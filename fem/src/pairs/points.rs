@@ -1,61 +1,52 @@
 //! The quadrature points of an own facet, each with its opposite point.
 
+use std::ops::Range;
+
 use forms_core::contract::Projection;
 
-use super::candidates::Beam;
-use super::found::{Found, PairPoint, RayStart, Room};
+use super::found::{Found, PairPoint, Room};
+use super::ray_points::RayRoom;
 use super::search::{Partner, Search, Sought, Viewpoint};
-use super::surface::{SurfaceFacet, dot};
+use super::surface::SurfaceFacet;
 use super::{PairError, clip, pieces};
+use crate::lanes::{LaneWork, SimdLane};
 use crate::quadrature::{QuadratureRule, facet_reference_rule};
 
 /// Gaps that differ by less than this part of the facet's diameter are of one surface.
 const SAME_GAP: f64 = 1e-8;
 
+/// The search for the points of some own facets.
+pub(super) struct OfFacets<'a, 's, 'm, const D: usize> {
+    pub search: &'a Search<'s, 'm, D>,
+    pub facets: Range<usize>,
+}
+
+impl<const D: usize> LaneWork for OfFacets<'_, '_, '_, D> {
+    type Output = Result<Found<D>, PairError>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let OfFacets { search, facets } = self;
+        let (mut found, mut room) = (Found::default(), Room::default());
+        if search.whole && search.projection == Projection::Ray {
+            let mut rays = RayRoom::<D, L>::new(&search.rules);
+            for index in facets {
+                found.begin();
+                search.add_rays_of(index, &mut found, &mut room, &mut rays);
+                found.end(search.mesh, &search.own[index], search.opposite, &mut room);
+            }
+        } else {
+            for index in facets {
+                found.begin();
+                search.add_pieces_of(index, &mut found, &mut room)?;
+                found.end(search.mesh, &search.own[index], search.opposite, &mut room);
+            }
+        }
+        Ok(found)
+    }
+}
+
 impl<const D: usize> Search<'_, '_, D> {
-    /// Adds the pairs of an own facet to what was found.
-    pub fn add_pairs_of(
-        &self,
-        index: usize,
-        found: &mut Found<D>,
-        room: &mut Room<D>,
-    ) -> Result<(), PairError> {
-        found.begin();
-        match self.whole && self.projection == Projection::Ray {
-            true => self.add_rays_of(index, found, room),
-            false => self.add_pieces_of(index, found, room)?,
-        }
-        found.end(self.mesh, &self.own[index], self.opposite, room);
-        Ok(())
-    }
-
-    /// The rays from the points of a whole facet.
-    fn add_rays_of(&self, index: usize, found: &mut Found<D>, room: &mut Room<D>) {
-        let own = &self.own[index];
-        let shape = self.mesh.cell_shape(own.facet.cell as usize);
-        let Some((_, rule)) = self.rules.iter().find(|(known, _)| *known == shape) else { return };
-        let Room { points, candidates, .. } = room;
-        points.clear();
-        points.extend(rule.points.iter().map(|s| {
-            let point = own.at(s);
-            let normal = point.long_normal();
-            let element = dot(&normal, &normal).sqrt();
-            RayStart { position: point.position, normal: normal.map(|n| n / element), element }
-        }));
-        found.counts().measure = points.iter().zip(&rule.weights).map(|(point, w)| w * point.element).sum();
-        let diameter = own.diameter();
-        let reach = self.reach_of(diameter);
-        let beam = Beam::new(own, points.iter().map(|point| (point.position, point.normal)), reach);
-        let made = self.candidates.of(index, &beam, diameter, |facet| self.may_face(own, facet), candidates);
-        found.remade.extend(made.map(|list| (index, list)));
-        for (q, s) in rule.points.iter().enumerate() {
-            let RayStart { position, normal, element } = room.points[q];
-            let from = Viewpoint { own, s: *s, position, normal };
-            let sought = self.opposite_to(&from, &room.candidates, reach);
-            self.add(sought, &from, (rule.weights[q], element), found, room);
-        }
-    }
-
     /// The points of pieces, or those that are nearest to the points of a whole facet.
     fn add_pieces_of(&self, index: usize, found: &mut Found<D>, room: &mut Room<D>) -> Result<(), PairError> {
         let own = &self.own[index];

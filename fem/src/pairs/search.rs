@@ -7,17 +7,18 @@ use forms_core::contract::{Facing, PairQuadrature, Pairing, Projection};
 
 use super::PairError;
 use super::candidates::{Beam, Candidates, KeptCandidates};
-use super::opposite::{Hit, along_ray, nearest};
+use super::opposite::{Hit, hit, nearest};
+use super::rays::{Rays, along_ray};
 use super::rim::Rim;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, unit};
 use super::surfaces::Surfaces;
 use crate::element::CellShape;
 use crate::locate::BoxGrid;
-use crate::mesh::Mesh;
+use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{Quadrature, QuadratureRule};
 
 /// Points are accepted whose surfaces face each other: the product of the normals is below this.
-const FACING: f64 = -0.1;
+pub(super) const FACING: f64 = -0.1;
 
 /// Points of one body count as separated by it up to this many diameters of a facet.
 const BEHIND: f64 = 4.0;
@@ -53,10 +54,16 @@ pub(super) enum Sought<const D: usize> {
     Open,
 }
 
-/// The best of the facets that were considered, with its distance, and whether one was met that is no partner.
-struct Best<const D: usize> {
-    partner: Option<(f64, Partner<D>)>,
-    rejected: bool,
+/// The number of facets that are in both of two ascending lists, and the first; none where there is none.
+fn in_both<const D: usize>(own: &[SurfaceFacet<D>], opposite: &[SurfaceFacet<D>]) -> Option<(usize, Facet)> {
+    let (mut shared, mut rest) = (None, opposite.iter().peekable());
+    for SurfaceFacet { facet, .. } in own {
+        while rest.next_if(|other| other.facet < *facet).is_some() {}
+        if rest.peek().is_some_and(|other| other.facet == *facet) {
+            shared.get_or_insert((0, *facet)).0 += 1;
+        }
+    }
+    shared
 }
 
 /// A surface, the one opposite to it, and how points of the two belong together.
@@ -77,7 +84,7 @@ pub(super) struct Search<'s, 'm, const D: usize> {
     /// Rules for whole facets of each shape.
     pub rules: Vec<(CellShape, QuadratureRule<2>)>,
     /// A surface that faces itself.
-    within: bool,
+    pub within: bool,
     /// The facets that rays may meet.
     pub candidates: Candidates<D>,
 }
@@ -97,14 +104,10 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             return Err(PairError::RigidSide { surface: facing.own.clone() });
         }
         let within = facing.own == facing.opposite;
-        let is_shared = |facet: &&SurfaceFacet<D>| {
-            !within && opposite.binary_search_by_key(&facet.facet, |other| other.facet).is_ok()
-        };
-        let shared: Vec<&SurfaceFacet<D>> = own.iter().filter(is_shared).collect();
-        if let Some(first) = shared.first() {
+        if !within && let Some((count, first)) = in_both(own, opposite) {
             let (own, opposite) = (facing.own.clone(), facing.opposite.clone());
-            let position = mesh.facet_centre(first.facet).to_vec();
-            return Err(PairError::Overlap { own, opposite, count: shared.len(), position });
+            let position = mesh.facet_centre(first).to_vec();
+            return Err(PairError::Overlap { own, opposite, count, position });
         }
         // Displaced surfaces have rays alone, and no pieces.
         let projection = if surfaces.displaced { Projection::Ray } else { pairing.projection };
@@ -169,8 +172,10 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         let (own, reach) = (&self.own[index], self.reach(&self.own[index]));
         let mut found = Vec::new();
         if self.projection == Projection::Ray && own.affine {
-            let corners = own.parameters().iter().map(|s| own.at(s));
-            let beam = Beam::new(own, corners.map(|corner| (corner.position, corner.normal())), reach);
+            let mut beam = Beam::along_normal_of(own, reach);
+            for corner in own.parameters().iter().map(|s| own.at(s)) {
+                beam.hold(&Rays { x: corner.position, n: corner.normal() });
+            }
             let may_face = |facet| self.may_face(own, facet);
             self.candidates.of(index, &beam, own.diameter(), may_face, &mut found);
             return found;
@@ -220,18 +225,20 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
     pub fn accepts(&self, partner: &Partner<D>, from: &Viewpoint<D>, reach: f64) -> bool {
         dot(&from.normal, &partner.hit.normal) < FACING
             && partner.gap.abs() <= reach
-            && !self.through_the_body(from, partner)
+            && !self.through_the_body((from.own, &from.s), (&self.opposite[partner.facet], &partner.hit.s))
     }
 
     /// Whether the body itself lies between a point and one that was found on its own surface: before anything was displaced
     /// the point lay behind the other one's surface, and near.
-    fn through_the_body(&self, from: &Viewpoint<D>, partner: &Partner<D>) -> bool {
+    pub fn through_the_body(
+        &self,
+        (own, from): (&SurfaceFacet<D>, &[f64; 2]),
+        (facet, s): (&SurfaceFacet<D>, &[f64; 2]),
+    ) -> bool {
         if !self.within {
             return false;
         }
-        let own = from.own;
-        let ((x, _), (y, normal)) =
-            (own.undisplaced(&from.s), self.opposite[partner.facet].undisplaced(&partner.hit.s));
+        let ((x, _), (y, normal)) = (own.undisplaced(from), facet.undisplaced(s));
         let off = minus(&x, &y);
         let distance = dot(&off, &off).sqrt();
         distance < BEHIND * own.diameter() && dot(&off, &normal) < -0.01 * distance
@@ -240,46 +247,48 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
     /// The point opposite to x: of those accepted the one with the smallest |g|, or the nearest; of several the one on
     /// the facet with the lowest number.
     pub fn opposite_to(&self, from: &Viewpoint<D>, candidates: &[usize], reach: f64) -> Sought<D> {
-        let mut best = Best { partner: None, rejected: false };
         match self.projection {
-            // Rays pass most candidates by, which is seen at once.
             Projection::Ray => {
-                candidates.iter().for_each(|facet| self.consider(*facet, from, reach, &mut best))
-            }
-            Projection::Nearest => {
-                for (bound, facet) in self.by_distance(&from.position, candidates) {
-                    if best.partner.as_ref().is_some_and(|(least, _)| bound > *least) {
-                        break;
+                let rays = Rays { x: from.position, n: from.normal };
+                let found = self.nearest_on_rays(from.own, &from.s, &rays, candidates, reach);
+                let facet = found.facet as usize;
+                match (found.found, found.rejected) {
+                    (true, _) => {
+                        let hit = hit(&self.opposite[facet], found.s, false);
+                        Sought::Found(Partner { facet, hit, gap: found.gap })
                     }
-                    self.consider(facet, from, reach, &mut best);
+                    (false, true) => Sought::Rejected,
+                    (false, false) => Sought::Open,
                 }
             }
-        }
-        match best.partner {
-            // Beyond the end of a surface its nearest point is no opposite one.
-            Some((_, partner)) if !partner.hit.at_rim => Sought::Found(partner),
-            None if best.rejected => Sought::Rejected,
-            _ => Sought::Open,
+            Projection::Nearest => self.nearest_to(from, candidates, reach),
         }
     }
 
-    /// Takes a facet's point if it is accepted and better than the best of the facets before.
-    fn consider(&self, facet: usize, from: &Viewpoint<D>, reach: f64, best: &mut Best<D>) {
-        let Some(partner) = self.on_facet(facet, from) else { return };
-        if !self.accepts(&partner, from, reach) {
-            best.rejected |= !partner.hit.at_rim;
-            return;
-        }
-        let measure = match self.projection {
-            Projection::Ray => partner.gap.abs(),
-            Projection::Nearest => {
-                let off = minus(&partner.hit.position, &from.position);
-                dot(&off, &off).sqrt()
+    /// The nearest point that is accepted.
+    fn nearest_to(&self, from: &Viewpoint<D>, candidates: &[usize], reach: f64) -> Sought<D> {
+        let (mut best, mut rejected): (Option<(f64, Partner<D>)>, bool) = (None, false);
+        for (bound, facet) in self.by_distance(&from.position, candidates) {
+            if best.as_ref().is_some_and(|(least, _)| bound > *least) {
+                break;
             }
-        };
-        let nearer = |(least, known): &(f64, Partner<D>)| (measure, facet) < (*least, known.facet);
-        if best.partner.as_ref().is_none_or(nearer) {
-            best.partner = Some((measure, partner));
+            let Some(partner) = self.on_facet(facet, from) else { continue };
+            if !self.accepts(&partner, from, reach) {
+                rejected |= !partner.hit.at_rim;
+                continue;
+            }
+            let off = minus(&partner.hit.position, &from.position);
+            let distance = dot(&off, &off).sqrt();
+            let nearer = |(least, known): &(f64, Partner<D>)| (distance, facet) < (*least, known.facet);
+            if best.as_ref().is_none_or(nearer) {
+                best = Some((distance, partner));
+            }
+        }
+        match best {
+            // Beyond the end of a surface its nearest point is no opposite one.
+            Some((_, partner)) if !partner.hit.at_rim => Sought::Found(partner),
+            None if rejected => Sought::Rejected,
+            _ => Sought::Open,
         }
     }
 }

@@ -1,10 +1,16 @@
 //! Facets as parametrised surfaces: positions, tangents, normals, what holds them.
 
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::Lane;
+
 use super::displacement::{CellDisplacement, Displacement};
 use super::frame::{FlatFacet, Frame};
-pub(super) use super::frame::{SurfacePoint, dot, minus, unit};
-use super::traces::{Coefficients, Traces};
+pub(super) use super::frame::{SurfacePoint, dot, minus, over, splat, unit};
+use super::traces::{Coefficients, NodeTrace, Traces};
 use crate::element::Lagrange;
+use crate::lanes::WIDEST;
 use crate::locate::{Corners, box_around};
 use crate::mesh::{CarriedSurface, Facet, Mesh};
 
@@ -58,14 +64,14 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         if degree <= 2 {
             let sum = polynomial.insert([[[0.0; D]; 3]; 3]);
             let geometry = mesh.element_of(shape);
-            traces.learn(geometry, local, &origin, &tangents);
             let nodes = mesh.cell(cell);
-            add_trace(sum, traces.get(geometry, local), |node| mesh.nodes()[nodes[node] as usize]);
+            let trace = traces.of(geometry, local, &origin, &tangents);
+            add_trace(sum, trace, |node| mesh.nodes()[nodes[node] as usize]);
             for field in displacement.iter().flat_map(|displacement| &displacement.fields) {
                 let element = Lagrange { shape, degree: field.space.degree };
-                traces.learn(element, local, &origin, &tangents);
                 let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
-                add_trace(sum, traces.get(element, local), |node| field.value_at(nodes[node]));
+                let trace = traces.of(element, local, &origin, &tangents);
+                add_trace(sum, trace, |node| field.value_at(nodes[node]));
             }
         }
         let displacement = displacement.filter(|_| degree > 2);
@@ -186,12 +192,16 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
 
     /// The largest distance between two corners, before they are displaced.
     pub fn diameter(&self) -> f64 {
-        let corners: Vec<_> = match self.rigid_normal {
-            None => self.vertices().map(|vertex| self.mesh.nodes()[vertex as usize]).collect(),
-            Some(_) => self.parameters().iter().map(|s| self.undisplaced(s).0).collect(),
-        };
+        let count = self.parameters().len();
+        let mut corners = [[0.0; D]; 4];
+        for (k, corner) in corners[..count].iter_mut().enumerate() {
+            *corner = match self.rigid_normal {
+                None => self.mesh.nodes()[self.vertices.0[k] as usize],
+                Some(_) => self.undisplaced(&self.parameters()[k]).0,
+            };
+        }
         let mut largest = 0.0_f64;
-        for (index, a) in corners.iter().enumerate() {
+        for (index, a) in corners[..count].iter().enumerate() {
             for b in &corners[..index] {
                 largest = largest.max(dot(&minus(a, b), &minus(a, b)));
             }
@@ -228,36 +238,60 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         std::array::from_fn(|k| self.origin[k] + s[0] * self.tangents[0][k] + s[1] * self.tangents[1][k])
     }
 
-    pub fn at(&self, &[s, t]: &[f64; 2]) -> SurfacePoint<D> {
-        let Some(polynomial) = &self.polynomial else {
-            let (position, jacobian) = self.map(&self.reference(&[s, t]));
-            return SurfacePoint { position, tangents: self.along(&jacobian) };
-        };
-        let [mut position, mut along, mut across] = [[0.0; D]; 3];
-        let c = |i: usize, j: usize, k: usize| polynomial[i][j][k];
+    /// The point, or points side by side, with these coordinates on its own reference cell.
+    #[inline(always)]
+    pub fn at<L: Lane>(&self, s: &[L; 2]) -> SurfacePoint<D, L> {
+        let Some(polynomial) = &self.polynomial else { return self.at_each(s) };
+        let zero = [L::splat(0.0); D];
+        let [mut position, mut along, mut across] = [zero; 3];
+        let [s, t] = *s;
+        let two = L::splat(2.0);
         for k in 0..D {
+            let c = |i: usize, j: usize| L::splat(polynomial[i][j][k]);
             // A point is evaluated some ten times: no term that vanishes.
             if D == 2 {
-                position[k] = c(0, 0, k) + s * (c(1, 0, k) + s * c(2, 0, k));
-                along[k] = c(1, 0, k) + 2.0 * s * c(2, 0, k);
+                let bend = c(2, 0);
+                position[k] = c(0, 0) + s * (c(1, 0) + s * bend);
+                along[k] = c(1, 0) + two * s * bend;
             } else if self.triangle {
-                let mixed = c(1, 1, k);
-                let (first, second) = (c(1, 0, k) + s * c(2, 0, k), c(0, 1, k) + t * c(0, 2, k));
-                position[k] = c(0, 0, k) + s * (first + t * mixed) + t * second;
-                along[k] = first + s * c(2, 0, k) + t * mixed;
-                across[k] = second + t * c(0, 2, k) + s * mixed;
+                let (mixed, bend, second_bend) = (c(1, 1), c(2, 0), c(0, 2));
+                let (first, second) = (c(1, 0) + s * bend, c(0, 1) + t * second_bend);
+                position[k] = c(0, 0) + s * (first + t * mixed) + t * second;
+                along[k] = first + s * bend + t * mixed;
+                across[k] = second + t * second_bend + s * mixed;
             } else {
                 // Each row with its derivative by t.
-                let row = |i: usize| {
-                    let [a, b, c] = [0, 1, 2].map(|j| c(i, j, k));
-                    [a + t * (b + t * c), b + 2.0 * t * c]
-                };
-                let [first, second, third] = [0, 1, 2].map(row);
+                let mut rows = [[L::splat(0.0); 2]; 3];
+                for i in 0..3 {
+                    let (constant, linear, bend) = (c(i, 0), c(i, 1), c(i, 2));
+                    rows[i] = [constant + t * (linear + t * bend), linear + two * t * bend];
+                }
+                let [first, second, third] = rows;
                 position[k] = first[0] + s * (second[0] + s * third[0]);
-                along[k] = second[0] + 2.0 * s * third[0];
+                along[k] = second[0] + two * s * third[0];
                 across[k] = first[1] + s * (second[1] + s * third[1]);
             }
         }
+        SurfacePoint { position, tangents: [along, across] }
+    }
+
+    /// The same where the position is no polynomial of degree two, lane by lane.
+    #[inline(never)]
+    fn at_each<L: Lane>(&self, s: &[L; 2]) -> SurfacePoint<D, L> {
+        let mut lanes = [[0.0; WIDEST]; 2];
+        s[0].store(&mut lanes[0]);
+        s[1].store(&mut lanes[1]);
+        let [mut position, mut along, mut across] = [[[0.0; WIDEST]; D]; 3];
+        for lane in 0..L::WIDTH {
+            let (x, jacobian) = self.map(&self.reference(&[lanes[0][lane], lanes[1][lane]]));
+            let tangents = self.along(&jacobian);
+            for k in 0..D {
+                position[k][lane] = x[k];
+                along[k][lane] = tangents[0][k];
+                across[k][lane] = tangents[1][k];
+            }
+        }
+        let [position, along, across] = [position, along, across].map(|lanes| lanes.map(|of| L::load(&of)));
         SurfacePoint { position, tangents: [along, across] }
     }
 
@@ -277,23 +311,22 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
     }
 
     /// Whether coordinates that may be wrong by so much lie beyond an edge.
-    pub fn is_missed_by(&self, s: &[f64; 2], doubt: &[f64; 2]) -> bool {
+    #[inline(always)]
+    pub fn is_missed_by<L: Lane>(&self, s: &[L; 2], doubt: &[L; 2]) -> L::Mask {
+        let one = L::splat(1.0);
         let beyond = match self.triangle {
-            true => s[0] + s[1] > 1.0 + doubt[0] + doubt[1],
-            false => s[0] > 1.0 + doubt[0] || s[1] > 1.0 + doubt[1],
+            true => (one + doubt[0] + doubt[1]).less(s[0] + s[1]),
+            false => L::or((one + doubt[0]).less(s[0]), (one + doubt[1]).less(s[1])),
         };
-        s[0] < -doubt[0] || s[1] < -doubt[1] || beyond
-    }
-
-    /// Coordinates on the facet, or near it, that are not far from given ones.
-    pub fn clamp(&self, s: &[f64; 2]) -> [f64; 2] {
-        s.map(|s| s.clamp(0.0, 1.0))
+        L::or(L::or(s[0].less(-doubt[0]), s[1].less(-doubt[1])), beyond)
     }
 
     /// Whether a point lies on the facet, enlarged by `tolerance` in its own coordinates.
-    pub fn contains(&self, s: &[f64; 2], tolerance: f64) -> bool {
-        let last = if self.triangle { s[0] + s[1] } else { s[0].max(s[1]) };
-        s[0] >= -tolerance && s[1] >= -tolerance && last <= 1.0 + tolerance
+    #[inline(always)]
+    pub fn contains<L: Lane>(&self, s: &[L; 2], tolerance: f64) -> L::Mask {
+        let last = if self.triangle { s[0] + s[1] } else { s[0].maximum(s[1]) };
+        let (least, most) = (L::splat(-tolerance), L::splat(1.0 + tolerance));
+        L::and(L::and(least.less_equal(s[0]), least.less_equal(s[1])), last.less_equal(most))
     }
 }
 
@@ -310,17 +343,14 @@ fn numbered(corners: impl Iterator<Item = u32>) -> ([u32; 4], usize) {
 /// Adds what the nodes of an element make of the position.
 fn add_trace<const D: usize>(
     sum: &mut Coefficients<[f64; D]>,
-    trace: &[(usize, Coefficients<f64>)],
+    trace: &[NodeTrace],
     value: impl Fn(usize) -> [f64; D],
 ) {
-    let columns = if D == 2 { 1 } else { 3 };
-    for (node, polynomial) in trace {
-        let value = value(*node);
-        for i in 0..3 {
-            for j in 0..columns {
-                for k in 0..D {
-                    sum[i][j][k] += polynomial[i][j] * value[k];
-                }
+    for of_node in trace {
+        let value = value(of_node.node);
+        for &(i, j, factor) in of_node.terms() {
+            for k in 0..D {
+                sum[i][j][k] += factor * value[k];
             }
         }
     }

@@ -8,6 +8,7 @@ use super::traces::Traces;
 use super::{PairError, rigid};
 use crate::element::Lagrange;
 use crate::mesh::{Facet, Mesh};
+use crate::space::Space;
 use crate::threads::Threads;
 
 /// Facets that a thread parametrises at a time.
@@ -29,7 +30,7 @@ fn facets<'m, const D: usize>(mesh: &'m Mesh<D>, name: &str) -> Result<&'m [Face
 }
 
 /// The names of a pairing's surfaces, each once.
-fn names(pairing: &Pairing) -> Vec<&str> {
+pub(super) fn names(pairing: &Pairing) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for name in pairing.surfaces.iter().flat_map(|facing| [&facing.own, &facing.opposite]) {
         if !names.contains(&name.as_str()) {
@@ -77,41 +78,32 @@ impl<'m, const D: usize> Surfaces<'m, D> {
     }
 }
 
-/// Degrees and values of the fields that displace a pairing's surfaces, at the nodes of their facets: what pairs depend on.
-pub(super) fn displacements<const D: usize>(
+/// The nodes of a space on the surfaces of a pairing, ascending: those whose values displace the surfaces.
+pub(super) fn nodes_on_surfaces<const D: usize>(
     mesh: &Mesh<D>,
     pairing: &Pairing,
-    displacement: &Displacement<D>,
-) -> Result<Vec<f64>, PairError> {
-    let mut values: Vec<f64> = displacement.fields.iter().map(|field| field.space.degree as f64).collect();
-    let mut known: Vec<(Lagrange, u8, Vec<usize>)> = Vec::new();
+    space: &Space<D>,
+) -> Result<Vec<u32>, PairError> {
+    let mut on_surfaces: Vec<u32> = Vec::new();
     for name in names(pairing) {
         if let Some(carried) = mesh.rigid_surface(name) {
-            for field in &displacement.fields {
-                let nodes = field.space.nodes_at(carried.cell, None);
-                values.extend(nodes.iter().flat_map(|node| field.value_at(*node)));
-            }
+            on_surfaces.extend(space.nodes_at(carried.cell, None));
             continue;
         }
         for facet in facets(mesh, name)? {
-            let shape = mesh.cell_shape(facet.cell as usize);
-            for field in &displacement.fields {
-                let element = Lagrange { shape, degree: field.space.degree };
-                let is_this =
-                    |known: &(Lagrange, u8, Vec<usize>)| known.0 == element && known.1 == facet.local;
-                let place = known.iter().position(is_this).unwrap_or_else(|| {
-                    // The one node of degree zero lies on no facet, and is read at all.
-                    let nodes = match element.degree {
-                        0 => vec![0],
-                        _ => element.facet_nodes(usize::from(facet.local)),
-                    };
-                    known.push((element, facet.local, nodes));
-                    known.len() - 1
-                });
-                let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
-                values.extend(known[place].2.iter().flat_map(|node| field.value_at(nodes[*node])));
+            let element = Lagrange { shape: mesh.cell_shape(facet.cell as usize), degree: space.degree };
+            let nodes = space.nodes_at(facet.cell, Some(facet.local));
+            match element.degree {
+                // The one node of degree zero lies on no facet, and is read at all.
+                0 => on_surfaces.push(nodes[0]),
+                _ => {
+                    let of_facet = element.facet_nodes(usize::from(facet.local));
+                    on_surfaces.extend(of_facet.into_iter().map(|node| nodes[node]));
+                }
             }
         }
     }
-    Ok(values)
+    on_surfaces.sort_unstable();
+    on_surfaces.dedup();
+    Ok(on_surfaces)
 }

@@ -6,11 +6,37 @@ use crate::element::lagrange::{Lagrange, MAXIMUM_NODES};
 /// The coefficients of a polynomial of degree two at most in each of two coordinates: of sⁱtʲ at `[i][j]`.
 pub(super) type Coefficients<T> = [[T; 3]; 3];
 
-/// The nodes of an element that have a trace on one of its facets, each with its polynomial.
+/// The nodes of an element that have a trace on one of its facets.
 #[derive(Debug)]
-pub(super) struct Trace {
+struct Trace {
     key: (CellShape, usize, usize),
-    pub nodes: Vec<(usize, Coefficients<f64>)>,
+    nodes: Vec<NodeTrace>,
+}
+
+/// The trace of a node's basis function: the terms of its polynomial that do not vanish.
+#[derive(Debug)]
+pub(super) struct NodeTrace {
+    pub node: usize,
+    terms: [(usize, usize, f64); 9],
+    count: usize,
+}
+
+impl NodeTrace {
+    fn of(node: usize, polynomial: &Coefficients<f64>) -> Self {
+        let mut trace = NodeTrace { node, terms: [(0, 0, 0.0); 9], count: 0 };
+        for (i, row) in polynomial.iter().enumerate() {
+            for (j, factor) in row.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+                trace.terms[trace.count] = (i, j, *factor);
+                trace.count += 1;
+            }
+        }
+        trace
+    }
+
+    /// The terms cᵢⱼ sⁱtʲ, as i, j and c.
+    pub fn terms(&self) -> &[(usize, usize, f64)] {
+        &self.terms[..self.count]
+    }
 }
 
 /// Traces that were computed.
@@ -18,19 +44,35 @@ pub(super) struct Trace {
 pub(super) struct Traces(Vec<Trace>);
 
 impl Traces {
-    /// Makes the trace of an element of degree two at most on a local facet known, whose coordinates are those of the cell from
-    /// `origin` along `tangents`.
-    pub fn learn<const D: usize>(
+    /// The trace of an element of degree two at most on a local facet, whose coordinates are those of the cell from `origin` along
+    /// `tangents`.
+    pub fn of<const D: usize>(
         &mut self,
         element: Lagrange,
         local: usize,
         origin: &[f64; D],
         tangents: &[[f64; D]; 2],
-    ) {
+    ) -> &[NodeTrace] {
         let key = (element.shape, local, element.degree);
-        if self.0.iter().any(|trace| trace.key == key) {
-            return;
-        }
+        let place = match self.0.iter().position(|trace| trace.key == key) {
+            Some(place) => place,
+            None => {
+                self.0.push(Trace::new(element, local, origin, tangents));
+                self.0.len() - 1
+            }
+        };
+        &self.0[place].nodes
+    }
+}
+
+impl Trace {
+    #[inline(never)]
+    fn new<const D: usize>(
+        element: Lagrange,
+        local: usize,
+        origin: &[f64; D],
+        tangents: &[[f64; D]; 2],
+    ) -> Self {
         let places = [0.0, 0.5, 1.0];
         // The values of all nodes at three places along each coordinate; in the plane the second one is zero.
         let values = places.map(|s| {
@@ -42,16 +84,11 @@ impl Traces {
                 value
             })
         });
-        let of_node = |node: usize| polynomial(|i, j| values[i][j][node], element.degree);
-        let nodes = (0..element.nodes()).map(|node| (node, of_node(node)));
-        let has_trace = |(_, c): &(usize, Coefficients<f64>)| c.iter().flatten().any(|c| *c != 0.0);
-        self.0.push(Trace { key, nodes: nodes.filter(has_trace).collect() });
-    }
-
-    /// A trace that is known.
-    pub fn get(&self, element: Lagrange, local: usize) -> &[(usize, Coefficients<f64>)] {
-        let key = (element.shape, local, element.degree);
-        self.0.iter().find(|trace| trace.key == key).map_or(&[], |trace| &trace.nodes)
+        let of_node =
+            |node: usize| NodeTrace::of(node, &polynomial(|i, j| values[i][j][node], element.degree));
+        let nodes = (0..element.nodes()).map(of_node);
+        let nodes = nodes.filter(|trace| trace.count > 0).collect();
+        Trace { key: (element.shape, local, element.degree), nodes }
     }
 }
 
@@ -87,17 +124,16 @@ mod tests {
                 let along = |k: usize| std::array::from_fn(|i| corner(k)[i] - origin[i]);
                 let tangents = [along(1), along(vertices.len() - 1)];
                 let mut traces = Traces::default();
-                traces.learn(element, local, &origin, &tangents);
-                assert_eq!(traces.get(element, local).len(), element.facet_nodes(local).len());
+                let nodes = traces.of(element, local, &origin, &tangents);
+                assert_eq!(nodes.len(), element.facet_nodes(local).len());
                 let (s, t) = (0.3, 0.25);
                 let at = std::array::from_fn(|k| origin[k] + s * tangents[0][k] + t * tangents[1][k]);
                 let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; 3]; MAXIMUM_NODES]);
                 element.evaluate(&at, &mut value, &mut gradient);
-                for (node, c) in traces.get(element, local) {
-                    let found: f64 = (0..3)
-                        .map(|i| (0..3).map(|j| c[i][j] * s.powi(i as i32) * t.powi(j as i32)).sum::<f64>())
-                        .sum();
-                    assert!((found - value[*node]).abs() < 1e-15, "{shape:?} {local} {node}");
+                for trace in nodes {
+                    let terms = trace.terms().iter();
+                    let found: f64 = terms.map(|&(i, j, c)| c * s.powi(i as i32) * t.powi(j as i32)).sum();
+                    assert!((found - value[trace.node]).abs() < 1e-15, "{shape:?} {local} {}", trace.node);
                 }
             }
         }

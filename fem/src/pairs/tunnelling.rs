@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use forms_core::contract::Pairing;
 
-use super::opposite::along_ray;
+use super::rays::along_ray;
 use super::surface::{SurfaceFacet, dot, minus};
 use super::surfaces::Surfaces;
 use super::traces::Traces;

@@ -4,6 +4,7 @@ mod assembly;
 mod errors;
 mod geometry;
 mod histories;
+mod jumping_data;
 mod patch;
 
 use forms_fem::prelude::*;

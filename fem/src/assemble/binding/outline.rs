@@ -58,12 +58,6 @@ impl<'a, const D: usize> Outline<'a, D> {
         Outline { described: Described::of(form), couplings: couplings(form, parts) }
     }
 
-    /// Whether a tangent of a region's integrals reads a field, both by index.
-    pub fn reads(&self, region: usize, field: usize) -> bool {
-        let of_region = self.couplings.iter().filter(|coupling| coupling.region == region);
-        of_region.flat_map(|coupling| coupling.requirements.fields).any(|slot| slot.field == field)
-    }
-
     /// Whether some of the integrals have tangents.
     pub fn has_tangent(&self) -> bool {
         !self.couplings.is_empty()

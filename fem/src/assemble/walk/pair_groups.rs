@@ -65,6 +65,7 @@ pub(in crate::assemble) fn pair_groups<const D: usize>(
     {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
     }
+    binding.check_functions_on_pairs(region, quadrature, degree, requirements)?;
     let pairs = binding.pairs(region, integral.displacement, quadrature, degree)?;
     let region = &binding.regions[region];
     groups_of(binding, &format!("the pairs `{}` ({})", region.symbol, region.name), &pairs)

@@ -15,6 +15,11 @@ impl SimdLane for Avx2 {
     const REGISTERS: usize = 16;
 
     #[inline(always)]
+    fn any(mask: __m256d) -> bool {
+        simd!(_mm256_movemask_pd(mask)) != 0
+    }
+
+    #[inline(always)]
     fn prefetch(values: &[f64], place: usize) {
         ask_for_line(values, place);
     }
@@ -28,6 +33,7 @@ impl SimdLane for Avx2 {
         }
         simd!(enter(work))
     }
+
     #[inline(always)]
     fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
         let mut largest = places[0];

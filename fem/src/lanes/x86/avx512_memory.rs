@@ -16,6 +16,11 @@ impl SimdLane for Avx512 {
     const REGISTERS: usize = 32;
 
     #[inline(always)]
+    fn any(mask: __mmask8) -> bool {
+        mask != 0
+    }
+
+    #[inline(always)]
     fn prefetch(values: &[f64], place: usize) {
         ask_for_line(values, place);
     }
@@ -29,6 +34,7 @@ impl SimdLane for Avx512 {
         }
         simd!(enter(work))
     }
+
     #[inline(always)]
     fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
         let mut largest = places[0];

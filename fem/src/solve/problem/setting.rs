@@ -4,9 +4,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::untyped::UntypedProblem;
-use crate::assemble::{AssemblyError, Parts, pair_error};
+use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
-use crate::pairs::check_data;
 use crate::space::Space;
 
 impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
@@ -87,24 +86,6 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             source,
         })?;
         self.system.assembler = Cow::Owned(own);
-        Ok(())
-    }
-
-    /// Whether functions of position among the data that contact depends on are those of their bodies on the surfaces of pairs.
-    pub(super) fn check_data_on_pairs(&self) -> Result<(), AssemblyError> {
-        let (form, mesh) = (&self.system.form, self.system.spaces[0].mesh());
-        let regions = &form.inputs().regions;
-        if regions.iter().all(|region| region.pairing.is_none()) {
-            return Ok(());
-        }
-        let outline = form.outline(Parts::ALL);
-        for (number, region) in regions.iter().enumerate() {
-            let Some(pairing) = &region.pairing else { continue };
-            // Loads, too, may jump where bodies touch: what is read on cells alone is that of their points.
-            let read = |field: usize| outline.reads(number, field).then(|| form.fields()[field].name);
-            check_data(mesh, pairing, form.inputs(), read)
-                .map_err(|source| pair_error(form.name(), region, source))?;
-        }
         Ok(())
     }
 }

@@ -100,7 +100,6 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
     pub fn solve(&mut self) -> Result<Solved<D, N>, SolveError> {
         let begun = Instant::now();
         self.share_cells()?;
-        self.check_data_on_pairs()?;
         let constraints = self.all_constraints()?;
         let constraints = constraints.each_ref().map(|one| &**one);
         let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;

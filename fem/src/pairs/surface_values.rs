@@ -1,0 +1,68 @@
+//! The values that displace a pairing's surfaces: what pairs depend on, by which known searches are told apart.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use forms_core::contract::Pairing;
+
+use super::known::{KEPT, keep};
+use super::surfaces::{names, nodes_on_surfaces};
+use super::{Displacement, PairError};
+use crate::mesh::Mesh;
+use crate::space::{Family, Space};
+
+/// The nodes of spaces on surfaces of one mesh that were looked up.
+#[derive(Debug, Default)]
+pub(super) struct SurfaceNodes(Mutex<Vec<NodesOfSpace>>);
+
+#[derive(Debug)]
+struct NodesOfSpace {
+    surfaces: Vec<String>,
+    degree: usize,
+    family: Family,
+    nodes: Arc<[u32]>,
+}
+
+impl SurfaceNodes {
+    fn of<const D: usize>(
+        &self,
+        mesh: &Mesh<D>,
+        pairing: &Pairing,
+        space: &Space<D>,
+    ) -> Result<Arc<[u32]>, PairError> {
+        let surfaces = names(pairing);
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_this = |known: &&NodesOfSpace| {
+            known.degree == space.degree && known.family == space.family && known.surfaces == surfaces
+        };
+        if let Some(known) = known.iter().find(is_this) {
+            return Ok(Arc::clone(&known.nodes));
+        }
+        let nodes: Arc<[u32]> = nodes_on_surfaces(mesh, pairing, space)?.into();
+        let surfaces = surfaces.into_iter().map(str::to_owned).collect();
+        let (degree, family) = (space.degree, space.family.clone());
+        keep(&mut known, NodesOfSpace { surfaces, degree, family, nodes: Arc::clone(&nodes) }, KEPT, |_| {
+            true
+        });
+        Ok(nodes)
+    }
+
+    /// Degrees and families of the fields that displace a pairing's surfaces, as numbers, and their values at the nodes there.
+    pub fn values<const D: usize>(
+        &self,
+        mesh: &Mesh<D>,
+        pairing: &Pairing,
+        displacement: &Displacement<D>,
+    ) -> Result<Vec<f64>, PairError> {
+        let mut values = Vec::new();
+        for field in &displacement.fields {
+            let nodes = self.of(mesh, pairing, field.space)?;
+            let discontinuous = f64::from(u8::from(field.space.family == Family::Discontinuous));
+            values.reserve(nodes.len() * D + 2);
+            values.extend([field.space.degree as f64, discontinuous]);
+            for node in &*nodes {
+                values.extend(field.value_at(*node));
+            }
+        }
+        Ok(values)
+    }
+}
