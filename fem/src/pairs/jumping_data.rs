@@ -36,8 +36,14 @@ pub(crate) struct ReadFunction<'a, const D: usize> {
 struct Smooth<const D: usize> {
     sought: Sought<D>,
     side: Side,
-    function: Weak<dyn Fn(&[f64; D], &mut [f64]) + Send + Sync>,
+    function: Weak<Function<D>>,
 }
+
+/// See [`PositionFunction`].
+type Function<const D: usize> = dyn Fn(&[f64; D], &mut [f64]) + Send + Sync;
+
+/// The points of the rule on a local facet of a shape, in the cell's reference coordinates.
+type FacetPoints<const D: usize> = ((CellShape, u8), Vec<[f64; D]>);
 
 /// Functions that were looked at, so that each is looked at once.
 pub(super) struct SmoothFunctions<const D: usize>(Mutex<Vec<Smooth<D>>>);
@@ -95,7 +101,7 @@ fn check_surface<const D: usize>(
 ) -> Result<(), PairError> {
     // A surface that does not exist, or is rigid, is named where pairs are searched for.
     let Ok(facets) = mesh.facet_region(surface) else { return Ok(()) };
-    let mut rules: Vec<((CellShape, u8), Vec<[f64; D]>)> = Vec::new();
+    let mut rules: Vec<FacetPoints<D>> = Vec::new();
     let [mut on, mut inside, mut further] = [(); 3].map(|()| vec![0.0; read.components]);
     for facet in facets {
         let cell = facet.cell as usize;
