@@ -9,59 +9,7 @@ use forms_fem::time::{
     BackwardDifferences, CentralDifferences, Combination, Formulas, GeneralisedAlpha, OneStepTheta, Scheme,
 };
 
-#[forms(dimension = 2)]
-mod hanging {
-    use forms_fem::time::operators::vector::{acceleration, displacement, velocity};
-
-    #[extends(forms_fem::time::operators::vector::Data)]
-    pub struct Data {
-        pub density: Param,
-        pub stiffness: Given<Scalar>,
-        pub pull: Param,
-    }
-    #[cells]
-    pub struct Omega;
-    #[facets]
-    pub struct Right;
-
-    pub fn motion(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        let w = displacement(u);
-        integral(
-            Omega,
-            density * dot(acceleration(u) + 0.3 * velocity(u), v) + stiffness * inner(eps(w), eps(v)),
-        ) + integral(Omega, (0.5 + dot(w, w)) * dot(w, v))
-            - integral(Right, pull * v[1])
-    }
-    /// As `motion`, with a hardening spring and a damper that read the unknown itself.
-    pub fn sprung(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        motion(u, v) + integral(Right, (1 + 9 * dot(u, u)) * dot(2 * u + 0.4 * velocity(u), v))
-    }
-    pub fn sprung_rates(
-        u: State<Vector>,
-        p: State<Vector>,
-        by_density: Test<Scalar>,
-        by_stiffness: Test<Scalar>,
-        by_pull: Test<Scalar>,
-    ) -> Form {
-        derivative(sprung(u, p), density, by_density)
-            + derivative(sprung(u, p), stiffness, by_stiffness)
-            + derivative(sprung(u, p), pull, by_pull)
-    }
-    pub fn misfit(u: Unknown<Vector>) -> Energy {
-        integral(Omega, sqr(u[1] - 0.01 * x[0]) / 2)
-    }
-    pub fn rates(
-        u: State<Vector>,
-        p: State<Vector>,
-        by_density: Test<Scalar>,
-        by_stiffness: Test<Scalar>,
-        by_pull: Test<Scalar>,
-    ) -> Form {
-        derivative(motion(u, p), density, by_density)
-            + derivative(motion(u, p), stiffness, by_stiffness)
-            + derivative(motion(u, p), pull, by_pull)
-    }
-}
+use crate::swinging_body::{Body, STEPS, swung};
 
 #[forms(dimension = 2)]
 mod heated {
@@ -147,89 +95,38 @@ fn same(label: &str, few: &[f64], all: &[f64]) {
     }
 }
 
-fn hung(during: &During<2>) -> Result<hanging::Model<2>, ControlError> {
-    let data = hanging::Data {
-        base: during.into(),
-        density: during.number("density")?,
-        stiffness: Given::field(&during.field("stiffness")?),
-        pull: during.number("pull")?,
-    };
-    Ok(hanging::Model { data, regions: hanging::Regions::default() })
-}
-
-/// Density, stiffness of each cell, a load per step, displacement and velocity at the start; J over all steps, and a point at the end.
+/// Density, stiffness of each cell, a load per step, displacement and velocity at the start; J over all steps, and a point after one: of a
+/// form that reads the unknown itself beside the operators, with schemes in which it is the value at the end of the step throughout.
 #[test]
-fn adjoints_of_motions_by_material_load_and_start() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.3], [4, 2], CellShape::Quadrilateral, 1).unwrap());
-    let space = Space::vector(&mesh, 1).unwrap();
-    let cells = Space::discontinuous_scalar(&mesh, 0).unwrap();
-    let mut held = Constraints::new(&space);
-    held.fix("left", |_| [0.0; 2]).unwrap();
-    let stiffness = Field::interpolate(&cells, |x| 3.0 + x[0]).unwrap();
-    let start = Field::interpolate(&space, |x| [0.0, 0.1 * x[0] * x[0]]).unwrap();
-    let rate = Field::interpolate(&space, |x| [0.05 * x[0], 0.0]).unwrap();
-    let pulls: Vec<f64> = (0..10).map(|n| 0.2 + 0.02 * f64::from(n)).collect();
-    let nothing = Given::constant(0.0);
-    let data = hanging::Data { base: Default::default(), density: 0.0, stiffness: nothing, pull: 0.0 };
-    let criterion = hanging::Model { data, regions: hanging::Regions::default() };
-    let observed = Observations::new(&space).at_point(&[0.83, 0.17], &[0.0, 0.05], 3.0).unwrap();
-    for (name, scheme) in [
-        ("trapezoidal", GeneralisedAlpha::trapezoidal()),
-        ("mid-point", GeneralisedAlpha::mid_point()),
-        ("generalised-α", GeneralisedAlpha::with_spectral_radius(0.5).unwrap()),
-    ] {
-        let controls = Controls::new()
-            .number("density", 1.3)
-            .field("stiffness", &stiffness)
-            .per_step("pull", &pulls)
-            .start("start", &start)
-            .start_rate("rate", &rate);
-        let mut motion = MotionHistory::new(&space, (10, 0.1), scheme, controls)
-            .motion(|during| Ok(hung(during)?.motion()))
-            .rates(|during, u, p| Ok(hung(during)?.rates(u, p)))
-            .criterion(|_| Ok(criterion.misfit()))
-            .observed(9, observed.clone())
-            .constrained(&held)
-            .options(NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() });
-        check(name, &mut motion, 0.02);
-        let m = motion.start();
-        let all = motion.gradient(&m).unwrap();
-        let few = motion.stored_states(3).gradient(&m).unwrap();
-        assert_eq!((all.work.steps_solved, few.work.most_stored), (10, 3));
-        same(name, &few.gradient, &all.gradient);
-    }
-    // The unknown itself beside the operators, with schemes in which it is the value at the end of the step throughout.
-    for (name, scheme) in [
-        ("mid-point", Box::new(GeneralisedAlpha::mid_point()) as Box<dyn Scheme>),
-        ("HHT's weights without accelerations", Box::new(Uneven)),
-    ] {
-        let controls = Controls::new()
-            .number("density", 1.3)
-            .field("stiffness", &stiffness)
-            .per_step("pull", &pulls)
-            .start("start", &start)
-            .start_rate("rate", &rate);
-        let mut motion = MotionHistory::new(&space, (10, 0.1), Chosen(scheme), controls)
-            .motion(|during| Ok(hung(during)?.sprung()))
-            .rates(|during, u, p| Ok(hung(during)?.sprung_rates(u, p)))
-            .criterion(|_| Ok(criterion.misfit()))
-            .observed(9, observed.clone())
-            .constrained(&held)
-            .options(NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() });
-        check(name, &mut motion, 0.02);
-    }
+fn adjoints_of_motions_that_read_the_unknown_itself() {
+    let body = Body::new([4, 2]);
+    let sprung = |scheme: Box<dyn Scheme>| {
+        body.history((STEPS, 0.15), scheme).motion(|during| Ok(swung(during, None)?.sprung()))
+    };
+    check("mid-point", &mut sprung(Box::new(GeneralisedAlpha::mid_point())), 0.02);
+    check("HHT's weights without accelerations", &mut sprung(Box::new(Uneven)), 0.02);
+    let mut backward = sprung(Box::new(BackwardDifferences::new(2).unwrap()));
+    check("BDF", &mut backward, 0.02);
+    let m = backward.start();
+    let all = backward.gradient(&m).unwrap();
+    let few = backward.stored_states(3).gradient(&m).unwrap();
+    assert_eq!((all.work.steps_solved, few.work.most_stored), (STEPS, 3));
+    same("few states", &few.gradient, &all.gradient);
+    let mut refused = sprung(Box::new(GeneralisedAlpha::trapezoidal()));
+    let found = refused.gradient(&m).map(|_| ()).unwrap_err().to_string();
+    assert!(found.contains("`sprung` reads its unknown `u` itself"), "{found}");
 }
 
-/// A scheme that is chosen when the program runs.
+/// Reads the state before the last one in the first step, too.
 #[derive(Debug)]
-struct Chosen(Box<dyn Scheme>);
+struct Greedy;
 
-impl Scheme for Chosen {
+impl Scheme for Greedy {
     fn reads_second_rates(&self) -> bool {
-        self.0.reads_second_rates()
+        false
     }
     fn formulas(&self, steps: &[f64]) -> Formulas {
-        self.0.formulas(steps)
+        BackwardDifferences::new(2).unwrap().formulas(&[steps[0]; 2])
     }
 }
 
@@ -327,6 +224,7 @@ fn what_does_not_fit_is_named() {
         ("not finite", ready(one()), vec![f64::NAN], "value NaN of the control `conductivity` is not finite"),
         ("unknown", ready(Controls::new().number("k", 1.0)), vec![1.0], "no number `conductivity`"),
         ("twice", ready(one().number("conductivity", 1.0)), vec![1.0; 2], "two controls are named"),
+        ("reserved", ready(one().number("value", 1.0)), vec![1.0; 2], "a control cannot be named `value`"),
         (
             "per step",
             ready(Controls::new().per_step("conductivity", &[1.0; 3])),
@@ -344,24 +242,24 @@ fn what_does_not_fit_is_named() {
         let found = message(&mut history, &m);
         assert!(found.contains(expected), "{label}: {found}");
     }
-    for mut history in [
-        motion(&space, BackwardDifferences::new(2).unwrap(), one()).observed(1, nodes()),
-        motion(&space, CentralDifferences, one()).observed(1, nodes()),
+    let greedy = motion(&space, Greedy, one()).observed(1, nodes());
+    let zero = MotionHistory::new(&space, &[0.1, 0.0][..], euler, one());
+    for (mut history, expected) in [
+        (greedy, "the scheme reads 2 states, and there are 1"),
+        (zero, "the step size 0 is no positive number"),
     ] {
         let found = message(&mut history, &[0.4]);
-        assert!(found.contains("has no adjoint here"), "{found}");
+        assert!(found.contains(expected), "{found}");
     }
-    let vectors = Space::vector(space.mesh(), 1).unwrap();
-    let cells = Space::discontinuous_scalar(vectors.mesh(), 0).unwrap();
-    let stiffness = Field::interpolate(&cells, |_| 2.0).unwrap();
-    let controls = Controls::new().number("density", 1.0).field("stiffness", &stiffness).number("pull", 0.1);
-    let mut sprung = MotionHistory::new(&vectors, (2, 0.1), GeneralisedAlpha::trapezoidal(), controls)
-        .motion(|during| Ok(hung(during)?.sprung()))
-        .rates(|during, u, p| Ok(hung(during)?.rates(u, p)))
-        .observed(1, Observations::new(&vectors).at_nodes(&Field::zero(&vectors), 1.0).unwrap());
-    let m = sprung.start();
-    let found = message(&mut sprung, &m);
-    assert!(found.contains("`sprung` reads its unknown `u` itself"), "{found}");
+    let body = Body::new([2, 1]);
+    let mut moving = body.history((STEPS, 0.04), CentralDifferences).constrained_at(|time| {
+        let mut moving = Constraints::new(&body.space);
+        moving.fix("left", |_| [time, 0.0])?;
+        Ok(moving)
+    });
+    let m = moving.start();
+    let found = message(&mut moving, &m);
+    assert!(found.contains("an explicit step keeps prescribed values as they are"), "{found}");
     assert!(Observations::new(&space).at_point(&[2.0, 0.0], &[0.0], 1.0).is_err());
     assert!(Observations::new(&space).at_point(&[0.5; 2], &[0.0; 2], 1.0).is_err());
 }

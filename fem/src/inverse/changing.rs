@@ -1,14 +1,25 @@
 //! Histories with the changes of their states along a direction of the controls: the sweep of second order.
 
-use super::controls::Controls;
-use super::error::HistoryError;
-use super::evolution::Evolution;
+use super::controls::{Controls, Start};
+use super::error::{HistoryError, HistoryFailure};
+use super::evolution::{ControlledEvolution, Evolution};
+
+/// An evolution whose criterion has a second derivative by its states.
+pub(super) trait CurvedCriterion<const D: usize>: ControlledEvolution<D> {
+    /// Adds slope and second derivative of a step's part of the criterion by a pair of values after the step.
+    fn add_criterion(
+        &self,
+        step: usize,
+        pair: [&[f64]; 2],
+        slopes: [&mut [f64]; 2],
+    ) -> Result<(), HistoryFailure>;
+}
 
 /// An evolution that is linearised along a direction of its controls. States are pairs, a state with its change after it, and so
 /// are slopes; the second half of the gradient is the change of the first.
-pub(super) trait Linearised<const D: usize>: Evolution<Error = HistoryError> {
+pub(super) trait Linearised<const D: usize>: CurvedCriterion<D> {
     /// The first state with its change.
-    fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryError>;
+    fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryFailure>;
 
     /// The pair after a step.
     fn advance_along(
@@ -16,7 +27,7 @@ pub(super) trait Linearised<const D: usize>: Evolution<Error = HistoryError> {
         along: &Controls<D>,
         step: usize,
         before: &[f64],
-    ) -> Result<Vec<f64>, HistoryError>;
+    ) -> Result<Vec<f64>, HistoryFailure>;
 
     /// The slopes by the pair before a step from those by the pair after it.
     fn reverse_along(
@@ -24,18 +35,20 @@ pub(super) trait Linearised<const D: usize>: Evolution<Error = HistoryError> {
         along: &Controls<D>,
         step: usize,
         pairs: [&[f64]; 2],
-        slope: &[f64],
-        gradient: &mut [f64],
-    ) -> Result<Vec<f64>, HistoryError>;
+        slopes: [&[f64]; 2],
+        gradients: [&mut [f64]; 2],
+    ) -> Result<Vec<f64>, HistoryFailure>;
 
-    /// The derivatives by the controls of the start, told at the end.
+    /// The slopes by the parts of the first pair that are controls, from those by the whole pair.
     fn reverse_start_along(
         &mut self,
-        along: &Controls<D>,
-        start: &[f64],
+        _along: &Controls<D>,
+        _start: &[f64],
         slope: &[f64],
-        gradient: &mut [f64],
-    ) -> Result<(), HistoryError>;
+        _gradients: [&mut [f64]; 2],
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        Ok(slope.to_vec())
+    }
 }
 
 /// A history of pairs.
@@ -45,8 +58,12 @@ pub(super) struct Changing<'h, H, const D: usize> {
 }
 
 /// The first and the second half of a pair.
-pub(super) fn halves(pair: &[f64]) -> (&[f64], &[f64]) {
-    pair.split_at(pair.len() / 2)
+pub(super) fn halves(pair: &[f64]) -> [&[f64]; 2] {
+    pair.split_at(pair.len() / 2).into()
+}
+
+fn halves_mut(pair: &mut [f64]) -> [&mut [f64]; 2] {
+    pair.split_at_mut(pair.len() / 2).into()
 }
 
 impl<H: Linearised<D>, const D: usize> Evolution for Changing<'_, H, D> {
@@ -61,15 +78,15 @@ impl<H: Linearised<D>, const D: usize> Evolution for Changing<'_, H, D> {
     }
 
     fn start(&mut self) -> Result<Vec<f64>, HistoryError> {
-        self.history.start_along(&self.along)
+        self.history.start_along(&self.along).map_err(|why| why.at(0))
     }
 
     fn advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryError> {
-        self.history.advance_along(&self.along, step, before)
+        self.history.advance_along(&self.along, step, before).map_err(|why| why.at(step))
     }
 
     fn cost(&mut self, step: usize, before: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
-        self.history.cost(step, halves(before).0, halves(after).0)
+        self.history.cost(step, halves(before)[0], halves(after)[0])
     }
 
     fn reverse(
@@ -77,10 +94,17 @@ impl<H: Linearised<D>, const D: usize> Evolution for Changing<'_, H, D> {
         step: usize,
         before: &[f64],
         after: &[f64],
-        slope: Vec<f64>,
+        mut slope: Vec<f64>,
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryError> {
-        self.history.reverse_along(&self.along, step, [before, after], &slope, gradient)
+        let count = self.history.space().unknowns();
+        let [of_state, of_change] = halves_mut(&mut slope);
+        let pair = halves(after).map(|half| &half[..count]);
+        let (pairs, gradients) = ([before, after], halves_mut(gradient));
+        self.history
+            .add_criterion(step, pair, [&mut of_state[..count], &mut of_change[..count]])
+            .and_then(|()| self.history.reverse_along(&self.along, step, pairs, halves(&slope), gradients))
+            .map_err(|why| why.at(step))
     }
 
     fn reverse_start(
@@ -89,6 +113,17 @@ impl<H: Linearised<D>, const D: usize> Evolution for Changing<'_, H, D> {
         slope: &[f64],
         gradient: &mut [f64],
     ) -> Result<(), HistoryError> {
-        self.history.reverse_start_along(&self.along, start, slope, gradient)
+        let slope = self
+            .history
+            .reverse_start_along(&self.along, start, slope, halves_mut(gradient))
+            .map_err(|why| why.at(0))?;
+        let (controls, count) = (self.history.controls(), self.history.space().unknowns());
+        for (slope, gradient) in halves(&slope).into_iter().zip(halves_mut(gradient)) {
+            controls.add_start(Start::Value, &slope[..count], gradient);
+            if let Some(by_rate) = slope.get(count..2 * count) {
+                controls.add_start(Start::Rate, by_rate, gradient);
+            }
+        }
+        Ok(())
     }
 }

@@ -2,10 +2,20 @@
 //! of them is.
 
 /// Methods of a history with the members `controls`, `criterion`, `constraints`, `equations` and `storage`, and a method `begin`.
-/// Conditions are a function of a moment, which the text names.
+/// Conditions are a function of a moment, which the text names; second rates have tests of the names given.
 macro_rules! choices_of {
-    ($history:ident, constrained_at $moment:ty, $text:literal) => {
+    ($history:ident, constrained_at $moment:ty, $text:literal, second_rates by $tests:expr) => {
         impl<'a, const D: usize> $history<'a, D> {
+            /// Jⁿ, an energy of the state (of motions, the value) after the step, whose slope is the adjoint's load. A criterion of the last
+            /// step alone has a factor that is zero in the others. Of motions it depends on no control.
+            pub fn criterion<F: Form<D> + Functional<D> + 'a>(
+                mut self,
+                energy: impl Fn(&At<D>) -> Result<F, ControlError> + 'a,
+            ) -> Self {
+                self.criterion.energy = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
+                self
+            }
+
             /// Observations of the value at the end of a step, numbered from 0, that add to the criterion.
             pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
                 self.criterion.observations.entry(step).or_default().push(observations);
@@ -89,6 +99,42 @@ macro_rules! choices_of {
                 let mut found = gradient_stored(self, &storage)?;
                 self.criterion.add_cost_of_controls(m, &mut found).map_err(|why| why.at(0))?;
                 Ok(found)
+            }
+
+            /// J with its gradient and its Hessian applied to a direction, exact for the discrete equations where no switch of the form
+            /// changes. States and their changes count as one for `stored_states`.
+            ///
+            /// # Errors
+            /// [`HistoryError`], which names the step.
+            #[inline(never)]
+            pub fn hessian(&mut self, m: &[f64], direction: &[f64]) -> Result<Hessian, HistoryError> {
+                self.begin(m).and_then(|()| self.criterion.exists()).map_err(|why| why.at(0))?;
+                let along = self.controls.directed(direction, $tests);
+                let along = along.map_err(|why| HistoryFailure::from(why).at(0))?;
+                let storage = self.storage.clone();
+                let found = gradient_stored(&mut Changing { history: &mut *self, along }, &storage)?;
+                self.criterion.hessian(found, m, direction).map_err(|why| why.at(0))
+            }
+        }
+
+        impl<const D: usize> CurvedCriterion<D> for $history<'_, D> {
+            fn add_criterion(
+                &self,
+                step: usize,
+                pair: [&[f64]; 2],
+                [slope, change]: [&mut [f64]; 2],
+            ) -> Result<(), HistoryFailure> {
+                let [value, dvalue] = pair.map(|values| Field::from_values(&self.space, values.to_vec()));
+                let (value, dvalue) = (value?, dvalue?);
+                let (at, assembler) = (At::new(&self.controls, step, None), &self.equations.assembler);
+                self.criterion.add_slope(&at, assembler, &value, slope)?;
+                self.criterion.add_curvature(&at, assembler, [&value, &dvalue], change)
+            }
+        }
+
+        impl<const D: usize> TwiceDifferentiable for $history<'_, D> {
+            fn second_order(&mut self, m: &[f64], direction: &[f64]) -> Result<SecondOrder, HistoryError> {
+                Ok(self.hessian(m, direction)?.into())
             }
         }
 

@@ -75,6 +75,14 @@ pub enum ControlError {
         /// The name.
         name: String,
     },
+    /// A control with the name of what a step reads.
+    #[error(
+        "a control cannot be named `{name}`: `by_{name}` tests the derivative by something that steps read"
+    )]
+    Reserved {
+        /// The name.
+        name: String,
+    },
     /// Another number of values than of steps.
     #[error("the control `{name}` has {found} values, one per step, and there are {steps} steps")]
     Steps {
@@ -202,12 +210,18 @@ impl<const D: usize> Controls<D> {
 
     /// A direction of the controls, as values of them. Their names are not those that a form of second rates tests otherwise.
     pub(super) fn directed(&self, direction: &[f64], others: &[&str]) -> Result<Self, ControlError> {
-        if let Some(name) = self.tested().find(|name| others.contains(name)) {
-            return Err(ControlError::Twice { name: name.to_owned() });
-        }
+        self.are_not(others)?;
         let mut along = self.clone();
         along.set_values(direction)?;
         Ok(along)
+    }
+
+    /// Whether none has a name that tests something else.
+    pub(super) fn are_not(&self, others: &[&str]) -> Result<(), ControlError> {
+        match self.tested().find(|name| others.contains(name)) {
+            Some(name) => Err(ControlError::Reserved { name: name.to_owned() }),
+            None => Ok(()),
+        }
     }
 
     fn unknown(&self, name: &str, kind: &'static str) -> ControlError {

@@ -9,6 +9,7 @@ use crate::field::FieldError;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::solve::{SolveError, SolverError};
 use crate::space::SpaceError;
+use crate::time::StepFailure;
 
 /// A history of which value or gradient could not be computed.
 #[derive(Debug, Error)]
@@ -45,7 +46,8 @@ pub enum HistoryFailure {
     },
     /// A test function of the rates that belongs to no control.
     #[error(
-        "the test function `{test}` of `{form}` belongs to no control: it is `by_` and a control's name, or `by_before`"
+        "the test function `{test}` of `{form}` belongs to no control: it is `by_` and a control's name, `by_before`, or of \
+         motions `by_value`, `by_rate`, `by_second_rate`"
     )]
     UnknownTest {
         /// The form of the rates.
@@ -75,14 +77,9 @@ pub enum HistoryFailure {
         /// The step observed.
         step: usize,
     },
-    /// A scheme that reads several states, or is explicit.
-    #[error(
-        "{scheme} has no adjoint here: those of implicit schemes are there that read the last state alone"
-    )]
-    Scheme {
-        /// The scheme with its parameters.
-        scheme: String,
-    },
+    /// A step in time that was not taken.
+    #[error(transparent)]
+    Step(Box<StepFailure>),
     /// Steps that do not go on.
     #[error("the step size {0} is no positive number")]
     StepSize(f64),
@@ -149,6 +146,12 @@ pub enum HistoryFailure {
     /// No space of constants on the mesh.
     #[error(transparent)]
     Space(#[from] SpaceError),
+}
+
+impl From<StepFailure> for HistoryFailure {
+    fn from(error: StepFailure) -> Self {
+        HistoryFailure::Step(Box::new(error))
+    }
 }
 
 impl From<SolveError> for HistoryFailure {

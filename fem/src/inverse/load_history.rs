@@ -5,7 +5,8 @@ mod second_order;
 use std::sync::Arc;
 
 pub use self::second_order::SecondOrderState;
-use self::second_order::SecondRatesAt;
+use self::second_order::{ADJOINT, STATE, SecondRatesAt};
+use super::changing::{Changing, CurvedCriterion};
 use super::choices::choices_of;
 use super::controls::{At, ControlError, Controls, Start};
 use super::criterion::Criterion;
@@ -13,8 +14,9 @@ use super::differentiable_map::Part;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
-use super::rates::add_rates;
+use super::rates::{BEFORE, add_rates};
 use super::reduced_problem::ReducedProblem;
+use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
 use super::shelf::Storage;
 use super::step_equations::{Solution, StepEquations};
 use super::sweep::{Gradient, gradient_stored, value_of};
@@ -91,16 +93,6 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         self
     }
 
-    /// Jⁿ, an energy of the state after the step, whose slope is the adjoint's load. A criterion of the last step alone has a factor
-    /// that is zero in the others.
-    pub fn criterion<F: Form<D> + Functional<D> + 'a>(
-        mut self,
-        energy: impl Fn(&At<D>) -> Result<F, ControlError> + 'a,
-    ) -> Self {
-        self.criterion.energy = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
-        self
-    }
-
     /// The controls with their last values.
     pub fn controls(&self) -> &Controls<D> {
         &self.controls
@@ -125,6 +117,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 
     fn begin(&mut self, m: &[f64]) -> Result<(), HistoryFailure> {
         self.controls.check(&self.space, self.steps)?;
+        self.controls.are_not(&[BEFORE])?;
         if let Some(name) = self.controls.start_name(Start::Rate) {
             return Err(ControlError::NoRate { name: name.to_owned() }.into());
         }
@@ -244,11 +237,12 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     }
 }
 
-choices_of!(LoadHistory, constrained_at usize, "the number of the step");
+choices_of!(LoadHistory, constrained_at usize, "the number of the step", second_rates by &[STATE, ADJOINT]);
 
 compiled_here!(
     LoadHistory::<D>::new,
     LoadHistory::<D>::gradient,
+    LoadHistory::<D>::hessian,
     LoadHistory::<D>::states,
     LoadHistory::<D>::try_advance,
     LoadHistory::<D>::try_reverse,

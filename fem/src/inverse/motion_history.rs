@@ -1,49 +1,59 @@
 //! Motions: steps in time of one form by a scheme, with a criterion and its discrete adjoint.
 
+mod lumped;
+mod reverse;
 mod second_order;
 
 use std::cell::Cell;
 use std::sync::Arc;
 
 pub use self::second_order::SecondOrderMotion;
-use self::second_order::SecondRatesOf;
+use self::second_order::{ADJOINT, SecondRatesOf};
+use super::changing::{Changing, CurvedCriterion};
 use super::choices::choices_of;
 use super::controls::{At, ControlError, Controls, Start};
 use super::criterion::Criterion;
 use super::differentiable_map::Part;
-use super::during::{During, Interval, add_slope, of_start};
+use super::during::During;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
+use super::interval::{Interval, of_start};
 use super::observations::Observations;
-use super::rates::add_rates;
+use super::rates::{BEFORE, OPERATORS};
 use super::reduced_problem::ReducedProblem;
+use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
 use super::shelf::Storage;
 use super::step_equations::{Solution, StepEquations};
-use super::steps_unknown::{evaluated, reads_unknown_itself, refused};
+use super::step_sizes::StepSizes;
 use super::sweep::{Gradient, gradient_stored, value_of};
 use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Form, Functional};
 use crate::field::Field;
-use crate::linear_algebra::vector::add_scaled;
 use crate::solve::any_form::AnyForm;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
-use crate::time::{Formulas, Scheme, SolvedFor, Step};
+use crate::time::central_differences::supports_stand;
+use crate::time::{Mass, Scheme, SolvedFor, Step, StepFailure};
 use crate::verification::Sample;
 
-/// A motion in equal steps by a scheme of one step, with a criterion J(m) = Σ Jⁿ(uⁿ) of which it gives value and gradient by m.
+/// A motion in steps by a scheme, with a criterion J(m) = Σ Jⁿ(uⁿ) of which it gives value and gradient by m.
 ///
-/// The form is written with the operators of [`time`](crate::time): derivatives by the state before are tangents with other weights. Where
-/// it reads the value before beside them ([`During::before`]), the form of rates has a test `by_before`. A form may read the unknown
-/// itself, which is the value at the end of the step, with schemes that read no second rates; with others it is refused by name. The
-/// form of rates, of the step's unknown and adjoint state, has a test `by_name` per control.
+/// The form is written with the operators of [`time`](crate::time), and the form of rates, of the step's unknown and adjoint state, has a
+/// test `by_name` per control. Derivatives by the states before are tangents with other weights; where the rates have tests
+/// `by_value`, `by_rate` and `by_second_rate`, of the derivatives by `known_value`, `known_rate` and `known_second_rate`, they are
+/// taken from these, which takes a fraction of the time. Where the form reads the value before beside the operators
+/// ([`During::before`]), the rates have a test `by_before`. It may read the unknown itself, which is the value at the end of the step, with
+/// schemes that read no second rates; with others it is refused by name.
+///
+/// A scheme that reads k states begins with one, and with the formulas that it has for fewer; each stored state is then k states.
+/// Controls of the start of explicit steps have to be what the conditions prescribe; the gradient by what is prescribed is zero.
 pub struct MotionHistory<'a, const D: usize> {
     space: Arc<Space<D>>,
-    steps: usize,
-    size: f64,
+    sizes: StepSizes,
     scheme: Box<dyn Scheme + 'a>,
+    mass: Mass,
     controls: Controls<D>,
     motion: Option<FormAt<'a, D>>,
     rates: Option<RatesAt<'a, D>>,
@@ -75,29 +85,29 @@ type RatesAt<'a, const D: usize> =
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 impl<'a, const D: usize> MotionHistory<'a, D> {
-    /// Equal steps of a size from time zero, at rest unless the start is a control.
+    /// Steps from time zero, `(200, 0.01)` equal ones or the size of each, at rest unless the start is a control.
     pub fn new(
         space: &Arc<Space<D>>,
-        (steps, size): (usize, f64),
+        sizes: impl Into<StepSizes>,
         scheme: impl Scheme + 'a,
         controls: Controls<D>,
     ) -> Self {
-        Self::of(space, (steps, size), Box::new(scheme), controls)
+        Self::of(space, sizes.into(), Box::new(scheme), controls)
     }
 
     #[inline(never)]
     fn of(
         space: &Arc<Space<D>>,
-        (steps, size): (usize, f64),
+        sizes: StepSizes,
         scheme: Box<dyn Scheme + 'a>,
         controls: Controls<D>,
     ) -> Self {
         let unconstrained = Constraints::new(space);
         MotionHistory {
             space: Arc::clone(space),
-            steps,
-            size,
+            sizes,
             scheme,
+            mass: Mass::Consistent,
             controls,
             motion: None,
             rates: None,
@@ -129,36 +139,60 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self
     }
 
-    /// Jⁿ, an energy of the value after the step, which depends on no control.
-    pub fn criterion<F: Form<D> + Functional<D> + 'a>(
-        mut self,
-        energy: impl Fn(&At<D>) -> Result<F, ControlError> + 'a,
-    ) -> Self {
-        self.criterion.energy = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
+    /// The mass matrix of explicit steps, and of the first state's second rate. Lumped masses are those of the start.
+    pub fn mass(mut self, mass: Mass) -> Self {
+        self.mass = mass;
         self
     }
 
     fn begin(&mut self, m: &[f64]) -> Result<(), HistoryFailure> {
-        if self.scheme.states() != 1 || self.scheme.solved_for() != SolvedFor::Value {
-            return Err(HistoryFailure::Scheme { scheme: format!("{:?}", self.scheme) });
+        if let Some(size) = self.sizes.unfit() {
+            return Err(HistoryFailure::StepSize(size));
         }
-        if !(self.size > 0.0 && self.size.is_finite()) {
-            return Err(HistoryFailure::StepSize(self.size));
-        }
-        self.controls.check(&self.space, self.steps)?;
-        self.criterion.check(&self.space, self.steps)?;
+        self.controls.check(&self.space, self.sizes.count())?;
+        self.controls.are_not(&[&OPERATORS[..], &[BEFORE]].concat())?;
+        self.criterion.check(&self.space, self.sizes.count())?;
         self.equations.forget();
         self.reading = Reading::Unseen;
         self.before_is_read.set(false);
         Ok(self.controls.set_values(m)?)
     }
 
-    fn interval<'f>(&self, step: usize, formulas: &'f Formulas) -> Interval<'f> {
-        let at = |step: usize| self.size * step as f64;
-        Interval { solution: Solution::Step(step), formulas, from: at(step), to: at(step + 1) }
+    /// The states in a row.
+    fn states(&self) -> usize {
+        self.scheme.states().max(1)
     }
 
-    /// The value in a row of value, rate and second rate.
+    fn interval(&self, step: usize) -> Result<Interval, HistoryFailure> {
+        let known = self.states().min(step + 1);
+        let formulas = self.scheme.formulas(&self.sizes.newest_first(step, known));
+        let read = formulas.states();
+        if read > known {
+            return Err(StepFailure::MissingStates { read, known }.into());
+        }
+        Ok(Interval {
+            solution: Solution::Step(step),
+            formulas,
+            solved_for: self.scheme.solved_for(),
+            times: self.sizes.times(step),
+            unknowns: self.space.unknowns(),
+            states: self.states(),
+        })
+    }
+
+    /// The start at time zero, where a second rate is found from the form.
+    fn interval_at_start(&self) -> Interval {
+        Interval {
+            solution: Solution::Start,
+            formulas: of_start(),
+            solved_for: SolvedFor::SecondRate,
+            times: [0.0; 2],
+            unknowns: self.space.unknowns(),
+            states: self.states(),
+        }
+    }
+
+    /// The value in a row.
     fn value_in(&self, row: &[f64]) -> Result<Field<D>, HistoryFailure> {
         Ok(Field::from_values(&self.space, row[..self.space.unknowns()].to_vec())?)
     }
@@ -172,10 +206,13 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         During { step, at, before_is_read: &self.before_is_read }
     }
 
-    /// The conditions on the unknown of a step; that of the start is a second rate.
+    /// The conditions on the unknown of a step, which is a value or a second rate.
     fn conditions(&self, interval: &Interval) -> Result<Constraints<D>, HistoryFailure> {
-        let constraints = (self.constraints)(interval.to)?;
-        Ok(if interval.to > interval.from { constraints } else { constraints.homogeneous() })
+        let constraints = (self.constraints)(interval.times[1])?;
+        Ok(match interval.solved_for {
+            SolvedFor::Value => constraints,
+            SolvedFor::SecondRate => constraints.homogeneous(),
+        })
     }
 
     #[inline(never)]
@@ -185,93 +222,40 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         if form.is_on_displaced_surfaces() {
             return Err(HistoryFailure::Sliding { form: form.name() });
         }
-        let guess = if interval.to > interval.from { &step.before.value } else { &step.before.second_rate };
-        let conditions = self.conditions(interval)?;
-        let unknown = self.equations.solve(interval.solution, form, &conditions, guess)?;
-        interval.end_of(&step.before, &unknown)
-    }
-
-    #[inline(never)]
-    fn reverse_by(
-        &mut self,
-        interval: &Interval,
-        [before, after]: [&[f64]; 2],
-        slope: &[f64],
-        gradient: &mut [f64],
-    ) -> Result<Vec<f64>, HistoryFailure> {
-        let count = self.space.unknowns();
-        let formulas = interval.formulas;
-        let step = interval.step_from(&self.space, before)?;
-        let unknown = interval.unknown_of(&step.before, after)?;
-        let load = interval.slope_by_unknown(slope);
-        let form = self.form(interval, &step)?;
-        let conditions = self.conditions(interval)?;
-        let adjoint = self.equations.adjoint(interval.solution, &*form, &conditions, &unknown, &load)?;
-        let during = self.during(interval, &step);
-        let reads_before = self.before_is_read.get();
-        let rates =
-            self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&during, &unknown, &adjoint)?;
-        let spaces = [&self.space, &self.equations.constants()?];
-        let controls = (&self.controls, reads_before);
-        let mut by_before =
-            add_rates(&*rates, interval.step(), controls, spaces, &self.equations.assembler, gradient)?;
-        by_before.resize(3 * count, 0.0);
-
-        for (combination, slope) in formulas.end.iter().zip(slope.chunks(count)) {
-            add_slope(combination, slope, &mut by_before);
+        if interval.is_explicit_step() {
+            supports_stand(&step.known[0], &(self.constraints)(step.end)?)?;
         }
-        // What the form evaluates: its tangent by one of the three is that with the weight one there and what is known of it zero.
-        let evaluated = evaluated(&step, &unknown)?;
-        let directly = self.read_directly(interval, &step, (&unknown, &evaluated), &adjoint)?;
-        for (place, combination) in formulas.evaluated.iter().enumerate() {
-            if combination.states.iter().flatten().all(|weight| *weight == 0.0) {
-                continue;
+        let conditions = self.conditions(interval)?;
+        let unknown = match (interval.masses(before), interval.solved_for) {
+            (Some(masses), _) => self.by_masses(&*form, masses, &conditions)?,
+            (None, SolvedFor::Value) => {
+                self.equations.solve(interval.solution, form, &conditions, &step.before.value)?
             }
-            let mut alone = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
-            alone.weights[place] = 1.0;
-            let slope = match &directly {
-                None => {
-                    alone.known[place] = Field::zero(&self.space);
-                    let form = self.form(interval, &alone)?;
-                    self.equations.transposed(&*form, &evaluated[place], &adjoint)?
-                }
-                Some(directly) => {
-                    alone.known[place] = evaluated[place].minus(&unknown)?;
-                    let form = self.form(interval, &alone)?;
-                    let mut slope = self.equations.transposed(&*form, &unknown, &adjoint)?;
-                    add_scaled(&mut slope, -1.0, directly);
-                    slope
-                }
-            };
-            add_slope(combination, &slope, &mut by_before);
-        }
-        Ok(by_before)
+            (None, SolvedFor::SecondRate) => {
+                self.equations.solve(interval.solution, form, &conditions, &step.before.second_rate)?
+            }
+        };
+        Ok(interval.end_of(before, unknown.values()))
     }
 
-    /// T₀ᵀ p of a form that reads its unknown itself, with its tangent T₀ for weights zero; none of one that does not.
-    fn read_directly(
-        &mut self,
-        interval: &Interval,
-        step: &Step<D>,
-        (unknown, evaluated): (&Field<D>, &[Field<D>; 3]),
-        adjoint: &Field<D>,
-    ) -> Result<Option<Vec<f64>>, HistoryFailure> {
-        if self.reading == Reading::ByOperators {
-            return Ok(None);
+    /// The row of the first state, without its second rate.
+    fn start_of(&self, controls: &Controls<D>) -> Vec<f64> {
+        let count = self.space.unknowns();
+        let mut start = controls.start_values(Start::Value, count);
+        start.extend(controls.start_values(Start::Rate, count));
+        start.resize(3 * self.states() * count, 0.0);
+        start
+    }
+
+    /// The slope by a first state, without what the conditions prescribe in explicit steps.
+    fn slope_by_start(&self, mut slope: Vec<f64>) -> Result<Vec<f64>, HistoryFailure> {
+        if self.scheme.solved_for() == SolvedFor::SecondRate {
+            let count = self.space.unknowns();
+            for unknown in (self.constraints)(0.0)?.prescribed().keys() {
+                (slope[*unknown], slope[count + unknown]) = (0.0, 0.0);
+            }
         }
-        let fixed = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
-        let form = self.form(interval, &fixed)?;
-        if self.reading == Reading::Unseen
-            && !reads_unknown_itself(&*form, unknown, evaluated, &self.equations.assembler)?
-        {
-            self.reading = if form.is_affine() { Reading::ByOperators } else { Reading::Unseen };
-            return Ok(None);
-        }
-        self.reading = Reading::Itself;
-        if self.scheme.reads_second_rates() {
-            return Err(refused(&*form));
-        }
-        Ok(Some(self.equations.transposed(&*form, unknown, adjoint)?))
+        Ok(slope)
     }
 }
 
@@ -279,7 +263,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
     type Error = HistoryError;
 
     fn steps(&self) -> usize {
-        self.steps
+        self.sizes.count()
     }
 
     fn control_count(&self) -> usize {
@@ -287,21 +271,23 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
     }
 
     fn start(&mut self) -> Result<Vec<f64>, HistoryError> {
-        let count = self.space.unknowns();
-        let mut start = self.controls.start_values(Start::Value, count);
-        start.extend(self.controls.start_values(Start::Rate, count));
-        start.extend(vec![0.0; count]);
-        if !self.scheme.reads_second_rates() {
-            return Ok(start);
-        }
-        let start_formulas = of_start();
-        let interval = Interval::at_start(&start_formulas);
-        self.advance_by(&interval, &start).map_err(|why| why.at(0))
+        let mut start = || {
+            let mut start = self.start_of(&self.controls);
+            if self.lumps() {
+                let masses = self.masses_at(&start)?;
+                start.extend(masses);
+            }
+            match self.scheme.reads_second_rates() {
+                true => self.advance_by(&self.interval_at_start(), &start),
+                false => Ok(start),
+            }
+        };
+        start().map_err(|why: HistoryFailure| why.at(0))
     }
 
     fn advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryError> {
-        let formulas = self.scheme.formulas(&[self.size]);
-        self.advance_by(&self.interval(step, &formulas), before).map_err(|why| why.at(step))
+        let mut advance = || self.advance_by(&self.interval(step)?, before);
+        advance().map_err(|why| why.at(step))
     }
 
     fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
@@ -326,8 +312,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
             let at = At::new(&self.controls, step, None);
             let own = &mut slope[..value.values().len()];
             self.criterion.add_slope(&at, &self.equations.assembler, &value, own)?;
-            let formulas = self.scheme.formulas(&[self.size]);
-            self.reverse_by(&self.interval(step, &formulas), [before, after], &slope, gradient)
+            self.reverse_by(&self.interval(step)?, [before, after], &slope, gradient)
         };
         reverse().map_err(|why| why.at(step))
     }
@@ -338,24 +323,35 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
         slope: &[f64],
         gradient: &mut [f64],
     ) -> Result<(), HistoryError> {
+        let mut reverse = || {
+            let mut slope = slope.to_vec();
+            if self.scheme.reads_second_rates() {
+                slope = self.reverse_by(&self.interval_at_start(), [start, start], &slope, gradient)?;
+            }
+            if self.lumps() {
+                self.reverse_masses(start, &mut slope, gradient)?;
+            }
+            self.slope_by_start(slope)
+        };
+        let slope = reverse().map_err(|why: HistoryFailure| why.at(0))?;
         let count = self.space.unknowns();
-        let mut slope = slope.to_vec();
-        if self.scheme.reads_second_rates() {
-            let start_formulas = of_start();
-            let interval = Interval::at_start(&start_formulas);
-            slope = self.reverse_by(&interval, [start, start], &slope, gradient).map_err(|why| why.at(0))?;
-        }
         self.controls.add_start(Start::Value, &slope[..count], gradient);
         self.controls.add_start(Start::Rate, &slope[count..2 * count], gradient);
         Ok(())
     }
 }
 
-choices_of!(MotionHistory, constrained_at f64, "the time at the end of a step");
+choices_of!(
+    MotionHistory,
+    constrained_at f64,
+    "the time at the end of a step",
+    second_rates by &[ADJOINT]
+);
 
 compiled_here!(
     MotionHistory::<D>::of,
     MotionHistory::<D>::gradient,
+    MotionHistory::<D>::hessian,
     MotionHistory::<D>::advance_by,
     MotionHistory::<D>::reverse_by,
 );

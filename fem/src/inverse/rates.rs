@@ -13,8 +13,15 @@ use crate::space::Space;
 pub(super) const BEFORE: &str = "before";
 /// Reason why it is wanted.
 pub(super) const OF_BEFORE: &str = "each step may depend on the state before it";
+/// What the operators of [`time`](crate::time) evaluate, as test functions of the derivatives by it are named.
+pub(super) const OPERATORS: [&str; 3] = ["value", "rate", "second_rate"];
 /// Prefix of the names of test functions of rates.
-pub(super) const BY: &str = "by_";
+const BY: &str = "by_";
+
+/// Whether a form of rates has the test function of the derivative by this.
+pub(super) fn is_tested<const D: usize>(rates: &dyn AnyForm<D>, name: &str) -> bool {
+    rates.fields().iter().any(|field| field.name.strip_prefix(BY) == Some(name))
+}
 
 /// Assembles the rates of a step: adds those by the controls to the gradient, and gives that by the state before, on the space
 /// of the states. Rates by numbers are tested with `constants`.

@@ -100,11 +100,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         constraints: &Constraints<D>,
         start: &Field<D>,
     ) -> Result<Field<D>, HistoryFailure> {
-        let mut sources = form.inputs().sources.iter().zip(form.fields());
-        let history = sources.find(|(source, _)| matches!(source, Some(Source::History(_))));
-        if let Some((_, field)) = history {
-            return Err(HistoryFailure::QuadratureValues { form: form.name(), field: field.name });
-        }
+        reads_no_history(&*form)?;
         let (affine, pattern) = (form.is_affine(), self.pattern(&*form, start)?);
         let (assembler, options) = (&self.assembler, self.options.clone());
         let owned = OwnedForm { form, assembler, pattern: &pattern, constraints, start, options };
@@ -115,7 +111,8 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         Ok(solution)
     }
 
-    fn tangent(&mut self, form: &dyn AnyForm<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
+    /// The tangent of a form at a field.
+    pub fn tangent(&mut self, form: &dyn AnyForm<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
         let pattern = self.pattern(form, at)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         let arguments = (&[at.view()][..], &[&self.space][..]);
@@ -175,6 +172,15 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         p: &Field<D>,
     ) -> Result<Vec<f64>, HistoryFailure> {
         Ok(self.tangent(form, at)?.multiply_transposed(p.values())?)
+    }
+}
+
+/// Refuses forms of values at quadrature points that steps would write.
+pub(super) fn reads_no_history<const D: usize>(form: &dyn AnyForm<D>) -> Result<(), HistoryFailure> {
+    let mut sources = form.inputs().sources.iter().zip(form.fields());
+    match sources.find(|(source, _)| matches!(source, Some(Source::History(_)))) {
+        Some((_, field)) => Err(HistoryFailure::QuadratureValues { form: form.name(), field: field.name }),
+        None => Ok(()),
     }
 }
 

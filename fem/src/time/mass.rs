@@ -16,7 +16,7 @@ pub enum Mass {
 }
 
 /// The row sums of a mass matrix.
-pub(super) fn row_sums(matrix: &BlockMatrix) -> Result<Vec<f64>, StepFailure> {
+pub(crate) fn row_sums(matrix: &BlockMatrix) -> Result<Vec<f64>, StepFailure> {
     let masses = matrix.multiply(&vec![1.0; matrix.columns()])?;
     match masses.iter().position(|mass| !(mass.is_finite() && *mass > 0.0)) {
         Some(unknown) => Err(StepFailure::NoMass { unknown, mass: masses[unknown] }),

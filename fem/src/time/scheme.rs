@@ -30,6 +30,29 @@ pub trait Scheme: Debug {
     }
 }
 
+/// A scheme that is chosen when the program runs.
+impl<S: Scheme + ?Sized> Scheme for Box<S> {
+    fn states(&self) -> usize {
+        (**self).states()
+    }
+
+    fn reads_second_rates(&self) -> bool {
+        (**self).reads_second_rates()
+    }
+
+    fn solved_for(&self) -> SolvedFor {
+        (**self).solved_for()
+    }
+
+    fn formulas(&self, steps: &[f64]) -> Formulas {
+        (**self).formulas(steps)
+    }
+
+    fn error_factor(&self) -> Option<f64> {
+        (**self).error_factor()
+    }
+}
+
 /// Meaning of a step's unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolvedFor {
@@ -52,7 +75,7 @@ pub struct Formulas {
 
 impl Formulas {
     /// The number of states that they read.
-    pub(super) fn states(&self) -> usize {
+    pub(crate) fn states(&self) -> usize {
         let all = self.evaluated.iter().chain(&self.end);
         all.map(|combination| combination.states.len()).max().unwrap_or(0)
     }

@@ -80,7 +80,7 @@ impl<const D: usize> Step<D> {
 
 /// The part of a combination that the states give.
 #[inline(never)]
-pub(crate) fn known<const D: usize>(
+pub(super) fn known<const D: usize>(
     combination: &Combination,
     states: &[State<D>],
 ) -> Result<Field<D>, FieldError> {

@@ -4,17 +4,14 @@
 //! R_uᵀ δpⁿ = −δ(J_u) − (δR_u)ᵀ pⁿ − δ((∂Rⁿ⁺¹/∂uⁿ)ᵀ pⁿ⁺¹); the Hessian's action is the sum of δ((∂Rⁿ/∂m)ᵀ pⁿ).
 
 use super::LoadHistory;
-use crate::compiled_here::compiled_here;
 use crate::contract::Form;
 use crate::field::Field;
-use crate::inverse::changing::{Changing, Linearised, halves};
+use crate::inverse::changing::{Linearised, halves};
 use crate::inverse::controls::{At, ControlError, Controls, Start};
-use crate::inverse::error::{HistoryError, HistoryFailure};
+use crate::inverse::error::HistoryFailure;
 use crate::inverse::evolution::Evolution;
 use crate::inverse::rates::{BEFORE, OF_BEFORE, Own, add_rates, rows};
-use crate::inverse::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
 use crate::inverse::step_equations::Solution;
-use crate::inverse::sweep::gradient_stored;
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::Transpose;
 use crate::solve::any_form::AnyForm;
@@ -39,8 +36,8 @@ pub struct SecondOrderState<'f, const D: usize> {
 pub(super) type SecondRatesAt<'a, const D: usize> =
     Box<dyn Fn(&At<D>, &SecondOrderState<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
 
-const STATE: &str = "state";
-const ADJOINT: &str = "adjoint";
+pub(super) const STATE: &str = "state";
+pub(super) const ADJOINT: &str = "adjoint";
 
 impl<'a, const D: usize> LoadHistory<'a, D> {
     /// The change of a step's rates: with the work R(u, before, m; p) of the step, the derivative of
@@ -59,31 +56,6 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     ) -> Self {
         self.second_rates = Some(Box::new(move |at, states| Ok(Box::new(form(at, states)?))));
         self
-    }
-
-    /// J with its gradient and its Hessian applied to a direction, exact for the discrete equations where no switch of the form changes.
-    /// States and their changes count as one for `stored_states`.
-    ///
-    /// # Errors
-    /// [`HistoryError`], which names the step.
-    #[inline(never)]
-    pub fn hessian(&mut self, m: &[f64], direction: &[f64]) -> Result<Hessian, HistoryError> {
-        let along = self.begin_along(m, direction).map_err(|why| why.at(0))?;
-        let storage = self.storage.clone();
-        let found = gradient_stored(&mut Changing { history: &mut *self, along }, &storage)?;
-        self.criterion.hessian(found, m, direction).map_err(|why| why.at(0))
-    }
-
-    /// The direction as values of the controls.
-    fn begin_along(&mut self, m: &[f64], direction: &[f64]) -> Result<Controls<D>, HistoryFailure> {
-        self.begin(m).and_then(|()| self.criterion.exists())?;
-        Ok(self.controls.directed(direction, &[STATE, ADJOINT])?)
-    }
-}
-
-impl<const D: usize> TwiceDifferentiable for LoadHistory<'_, D> {
-    fn second_order(&mut self, m: &[f64], direction: &[f64]) -> Result<SecondOrder, HistoryError> {
-        Ok(self.hessian(m, direction)?.into())
     }
 }
 
@@ -110,24 +82,6 @@ impl<const D: usize> LoadHistory<'_, D> {
         rows(&*form, &own, step, &self.controls, spaces, &self.equations.assembler, action)
     }
 
-    fn try_advance_along(
-        &mut self,
-        along: &Controls<D>,
-        step: usize,
-        before: &[f64],
-    ) -> Result<Vec<f64>, HistoryFailure> {
-        let (before, change) = halves(before);
-        let mut after = self.try_advance(step, before)?;
-        let zero = Field::zero(&self.space);
-        let (before, dbefore) = (self.field(before)?, self.field(change)?);
-        let u = self.field(&after)?;
-        let mut unused = vec![0.0; self.control_count()];
-        let states = [&u, &zero, &zero, &dbefore, &zero];
-        let [_, _, load] = self.second_rows(along, step, &before, states, &mut unused)?;
-        after.extend(self.linearised(step, [&before, &u], &load, Transpose::No)?.values());
-        Ok(after)
-    }
-
     /// x with R_u x = −load or R_uᵀ x = −load.
     fn linearised(
         &mut self,
@@ -140,25 +94,44 @@ impl<const D: usize> LoadHistory<'_, D> {
         let constraints = (self.constraints)(step)?;
         self.equations.linearised(Solution::Step(step), &*form, &constraints, u, load, transpose)
     }
+}
 
-    #[inline(never)]
-    fn try_reverse_along(
+impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
+    fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryFailure> {
+        let count = self.space.unknowns();
+        Ok([&self.controls, along].map(|controls| controls.start_values(Start::Value, count)).concat())
+    }
+
+    fn advance_along(
+        &mut self,
+        along: &Controls<D>,
+        step: usize,
+        before: &[f64],
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        let [before, change] = halves(before);
+        let mut after = self.try_advance(step, before)?;
+        let zero = Field::zero(&self.space);
+        let (before, dbefore) = (self.field(before)?, self.field(change)?);
+        let u = self.field(&after)?;
+        let mut unused = vec![0.0; self.control_count()];
+        let states = [&u, &zero, &zero, &dbefore, &zero];
+        let [_, _, load] = self.second_rows(along, step, &before, states, &mut unused)?;
+        after.extend(self.linearised(step, [&before, &u], &load, Transpose::No)?.values());
+        Ok(after)
+    }
+
+    fn reverse_along(
         &mut self,
         along: &Controls<D>,
         step: usize,
         [before, after]: [&[f64]; 2],
-        slope: &[f64],
-        gradient: &mut [f64],
+        [slope, change]: [&[f64]; 2],
+        [gradient, action]: [&mut [f64]; 2],
     ) -> Result<Vec<f64>, HistoryFailure> {
-        let (gradient, action) = gradient.split_at_mut(gradient.len() / 2);
-        let ((before, dbefore), (u, du)) = (halves(before), halves(after));
+        let ([before, dbefore], [u, du]) = (halves(before), halves(after));
         let [before, dbefore, u, du] = [before, dbefore, u, du].map(|values| self.field(values));
         let (before, dbefore, u, du) = (before?, dbefore?, u?, du?);
-        let (mut slope, mut change) = (halves(slope).0.to_vec(), halves(slope).1.to_vec());
-        let (at, assembler) = (At::new(&self.controls, step, None), &self.equations.assembler);
-        self.criterion.add_slope(&at, assembler, &u, &mut slope)?;
-        self.criterion.add_curvature(&at, assembler, [&u, &du], &mut change)?;
-        let p = self.linearised(step, [&before, &u], &slope, Transpose::Yes)?;
+        let p = self.linearised(step, [&before, &u], slope, Transpose::Yes)?;
         let at = At::new(&self.controls, step, Some(&before));
         let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &u, &p)?;
         let spaces = [&self.space, &self.equations.constants()?];
@@ -169,6 +142,7 @@ impl<const D: usize> LoadHistory<'_, D> {
         // Without a change of p first, which is found from it.
         let states = [&u, &p, &du, &dbefore, &zero];
         let [by_state, _, _] = self.second_rows(along, step, &before, states, &mut unused)?;
+        let mut change = change.to_vec();
         add_scaled(&mut change, 1.0, &by_state);
         let dp = self.linearised(step, [&before, &u], &change, Transpose::Yes)?;
         let states = [&u, &p, &du, &dbefore, &dp];
@@ -177,49 +151,3 @@ impl<const D: usize> LoadHistory<'_, D> {
         Ok(by_before)
     }
 }
-
-impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
-    fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryError> {
-        let mut start = self.start()?;
-        start.extend(along.start_values(Start::Value, self.space.unknowns()));
-        Ok(start)
-    }
-
-    fn advance_along(
-        &mut self,
-        along: &Controls<D>,
-        step: usize,
-        before: &[f64],
-    ) -> Result<Vec<f64>, HistoryError> {
-        self.try_advance_along(along, step, before).map_err(|why| why.at(step))
-    }
-
-    fn reverse_along(
-        &mut self,
-        along: &Controls<D>,
-        step: usize,
-        pairs: [&[f64]; 2],
-        slope: &[f64],
-        gradient: &mut [f64],
-    ) -> Result<Vec<f64>, HistoryError> {
-        self.try_reverse_along(along, step, pairs, slope, gradient).map_err(|why| why.at(step))
-    }
-
-    fn reverse_start_along(
-        &mut self,
-        _: &Controls<D>,
-        start: &[f64],
-        slope: &[f64],
-        gradient: &mut [f64],
-    ) -> Result<(), HistoryError> {
-        let (gradient, action) = gradient.split_at_mut(gradient.len() / 2);
-        self.reverse_start(halves(start).0, halves(slope).0, gradient)?;
-        self.reverse_start(halves(start).1, halves(slope).1, action)
-    }
-}
-
-compiled_here!(
-    LoadHistory::<D>::hessian,
-    LoadHistory::<D>::try_advance_along,
-    LoadHistory::<D>::try_reverse_along,
-);

@@ -9,15 +9,14 @@ use crate::assemble::Parts;
 use crate::compiled_here::compiled_here;
 use crate::contract::Form;
 use crate::field::Field;
-use crate::inverse::changing::{Changing, Linearised, halves};
-use crate::inverse::controls::{At, ControlError, Controls, Start};
-use crate::inverse::during::{During, Interval, add_slope, of_start};
-use crate::inverse::error::{HistoryError, HistoryFailure};
+use crate::inverse::changing::{Linearised, halves};
+use crate::inverse::controls::{At, ControlError, Controls};
+use crate::inverse::during::During;
+use crate::inverse::error::HistoryFailure;
 use crate::inverse::evolution::Evolution;
-use crate::inverse::rates::{BY, Own, rows};
-use crate::inverse::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
+use crate::inverse::interval::Interval;
+use crate::inverse::rates::{OPERATORS, Own, is_tested, rows};
 use crate::inverse::steps_unknown::evaluated;
-use crate::inverse::sweep::gradient_stored;
 use crate::linear_algebra::vector::{add_scaled, largest};
 use crate::solve::Transpose;
 use crate::solve::any_form::AnyForm;
@@ -41,9 +40,7 @@ pub struct SecondOrderMotion<'f, const D: usize> {
 pub(super) type SecondRatesOf<'a, const D: usize> =
     Box<dyn Fn(&During<D>, &SecondOrderMotion<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
 
-/// Arguments of operators, as test functions of the derivatives by it are named.
-const OPERATORS: [&str; 3] = ["value", "rate", "second_rate"];
-const ADJOINT: &str = "adjoint";
+pub(super) const ADJOINT: &str = "adjoint";
 
 impl<'a, const D: usize> MotionHistory<'a, D> {
     /// The change of a step's rates: with the work R(u, m; p) of the step, the derivative of
@@ -63,27 +60,6 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     ) -> Self {
         self.second_rates = Some(Box::new(move |during, states| Ok(Box::new(form(during, states)?))));
         self
-    }
-
-    /// J with its gradient and its Hessian applied to a direction, exact for the discrete equations where no switch of the form changes.
-    /// States and their changes count as one for `stored_states`.
-    ///
-    /// # Errors
-    /// [`HistoryError`], which names the step.
-    #[inline(never)]
-    pub fn hessian(&mut self, m: &[f64], direction: &[f64]) -> Result<Hessian, HistoryError> {
-        let along = self.begin_along(m, direction).map_err(|why| why.at(0))?;
-        let storage = self.storage.clone();
-        let found = gradient_stored(&mut Changing { history: &mut *self, along }, &storage)?;
-        self.criterion.hessian(found, m, direction).map_err(|why| why.at(0))
-    }
-
-    /// The direction as values of the controls.
-    fn begin_along(&mut self, m: &[f64], direction: &[f64]) -> Result<Controls<D>, HistoryFailure> {
-        self.begin(m).and_then(|()| self.criterion.exists())?;
-        self.controls
-            .directed(direction, &[&OPERATORS[..], &[ADJOINT]].concat())
-            .map_err(HistoryFailure::from)
     }
 
     /// The rows of the second rates by what is evaluated and by the adjoint state; those by the controls are added to `action`.
@@ -109,8 +85,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             wanted: false,
         });
         for (place, own) in own.iter_mut().enumerate() {
-            let is_tested = second.fields().iter().any(|field| field.name.strip_prefix(BY) == Some(own.name));
-            own.wanted = !is_tested && self.reads(interval, step, u, place)?;
+            own.wanted = !is_tested(&*second, own.name) && self.reads(interval, step, u, place)?;
         }
         let adjoint = Own { name: ADJOINT, meaning: "the equations of the step change", wanted: true };
         let [value, rate, second_rate] = own;
@@ -158,16 +133,25 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         interval: &Interval,
         before: &[f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
-        let (before, change) = halves(before);
+        let [before, change] = halves(before);
         let mut after = self.advance_by(interval, before)?;
         let [step, changing] = [before, change].map(|row| interval.step_from(&self.space, row));
         let (step, changing) = (step?, changing?);
-        let (unknown, zero) = (interval.unknown_of(&step.before, &after)?, Field::zero(&self.space));
+        let (unknown, zero) = (interval.unknown_of(&self.space, before, &after)?, Field::zero(&self.space));
         let mut unused = vec![0.0; self.control_count()];
-        let states = [&unknown, &zero, &zero];
-        let [.., load] = self.second_rows(along, (interval, &step), states, &changing.known, &mut unused)?;
-        let change = self.linearised((interval, &step), &unknown, &load, Transpose::No)?;
-        after.extend(interval.end_of(&changing.before, &change)?);
+        let Some(masses) = interval.masses(before) else {
+            let states = [&unknown, &zero, &zero];
+            let [.., load] =
+                self.second_rows(along, (interval, &step), states, &changing.known, &mut unused)?;
+            let dunknown = self.linearised((interval, &step), &unknown, &load, Transpose::No)?;
+            after.extend(interval.end_of(change, dunknown.values()));
+            return Ok(after);
+        };
+        let [.., mut load] =
+            self.second_rows(along, (interval, &step), [&zero; 3], &changing.known, &mut unused)?;
+        add_products(&mut load, interval.masses(change).unwrap_or_default(), unknown.values());
+        let dunknown = self.divided(&load, masses, &self.conditions(interval)?)?;
+        after.extend(interval.end_of(change, dunknown.values()));
         Ok(after)
     }
 
@@ -178,54 +162,116 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         interval: &Interval,
         [before, after]: [&[f64]; 2],
         [slope, change]: [&[f64]; 2],
-        gradient: &mut [f64],
+        [gradient, action]: [&mut [f64]; 2],
     ) -> Result<Vec<f64>, HistoryFailure> {
-        let (gradient, action) = gradient.split_at_mut(gradient.len() / 2);
-        let ((before, dbefore), (after, dafter)) = (halves(before), halves(after));
+        let ([before, dbefore], [after, dafter]) = (halves(before), halves(after));
         let mut by_before = self.reverse_by(interval, [before, after], slope, gradient)?;
         let [step, changing] = [before, dbefore].map(|row| interval.step_from(&self.space, row));
         let (step, changing) = (step?, changing?);
-        let unknown = interval.unknown_of(&step.before, after)?;
-        let changes = evaluated(&changing, &interval.unknown_of(&changing.before, dafter)?)?;
-        let load = interval.slope_by_unknown(slope);
-        let p = self.linearised((interval, &step), &unknown, &load, Transpose::Yes)?;
-        // Without a change of p first, which is found from it.
+        let unknown = interval.unknown_of(&self.space, before, after)?;
+        let dunknown = interval.unknown_of(&self.space, dbefore, dafter)?;
+        self.see_reading(interval, &step, &unknown)?;
+        let lumped = match (interval.masses(before), interval.masses(dbefore)) {
+            (Some(masses), Some(dmasses)) => Some((masses, dmasses, self.conditions(interval)?)),
+            _ => None,
+        };
         let zero = Field::zero(&self.space);
+        // With lumped masses the form is evaluated at the second rate zero.
+        let (at, weights, changes) = match &lumped {
+            None => (&unknown, step.weights, evaluated(&changing, &dunknown)?),
+            Some(_) => (&zero, [0.0; 3], changing.known),
+        };
+        let adjoint = |history: &mut Self, load: &[f64]| match &lumped {
+            None => history.linearised((interval, &step), &unknown, load, Transpose::Yes),
+            Some((masses, _, conditions)) => history.divided(load, masses, conditions),
+        };
+        let p = adjoint(self, &interval.slope_by_unknown(slope))?;
+        // Without a change of p first, which is found from it.
         let mut unused = vec![0.0; action.len()];
-        let states = [&unknown, &p, &zero];
-        let by_evaluated = self.second_rows(along, (interval, &step), states, &changes, &mut unused)?;
+        let by_evaluated =
+            self.second_rows(along, (interval, &step), [at, &p, &zero], &changes, &mut unused)?;
         let mut load = interval.slope_by_unknown(change);
-        for (weight, row) in step.weights.iter().zip(&by_evaluated) {
+        for (weight, row) in weights.iter().zip(&by_evaluated) {
             add_scaled(&mut load, *weight, row);
         }
-        let dp = self.linearised((interval, &step), &unknown, &load, Transpose::Yes)?;
-        let states = [&unknown, &p, &dp];
-        let by_evaluated = self.second_rows(along, (interval, &step), states, &changes, action)?;
-        let count = self.space.unknowns();
-        let mut change_before = vec![0.0; 3 * count];
-        let of_end = interval.formulas.end.iter().zip(change.chunks(count));
-        of_end.for_each(|(combination, slope)| add_slope(combination, slope, &mut change_before));
-        let of_evaluated = interval.formulas.evaluated.iter().zip(&by_evaluated);
-        of_evaluated.for_each(|(combination, slope)| add_slope(combination, slope, &mut change_before));
+        if let Some((_, dmasses, _)) = &lumped {
+            add_products(&mut load, dmasses, p.values());
+        }
+        let dp = adjoint(self, &load)?;
+        let by_evaluated = self.second_rows(along, (interval, &step), [at, &p, &dp], &changes, action)?;
+        let mut change_before = interval.slope_before(change);
+        for (combination, slope) in interval.formulas.evaluated.iter().zip(&by_evaluated) {
+            interval.add_slope(combination, slope, &mut change_before);
+        }
+        if lumped.is_some() {
+            interval.add_by_masses([&unknown, &dp], &mut change_before);
+            interval.add_by_masses([&dunknown, &p], &mut change_before);
+        }
         by_before.extend(change_before);
         Ok(by_before)
     }
+
+    /// The change of the masses at a start.
+    fn masses_along(
+        &mut self,
+        along: &Controls<D>,
+        [start, change]: [&[f64]; 2],
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        let interval = self.interval_at_start();
+        let [step, changing] = [start, change].map(|row| interval.step_from(&self.space, row));
+        let (step, changing, zero) = (step?, changing?, Field::zero(&self.space));
+        let mut unused = vec![0.0; self.control_count()];
+        let mut at = |u: &Field<D>| {
+            self.second_rows(along, (&interval, &step), [u, &zero, &zero], &changing.known, &mut unused)
+        };
+        let ones = Field::from_values(zero.space(), vec![1.0; zero.values().len()])?;
+        let ([.., mut masses], [.., without]) = (at(&ones)?, at(&zero)?);
+        add_scaled(&mut masses, -1.0, &without);
+        Ok(masses)
+    }
+
+    /// Adds the changes of the derivatives of the masses at a start.
+    fn reverse_masses_along(
+        &mut self,
+        along: &Controls<D>,
+        start: [&[f64]; 2],
+        [slope, change]: [&mut [f64]; 2],
+        action: &mut [f64],
+    ) -> Result<(), HistoryFailure> {
+        let interval = self.interval_at_start();
+        let [step, changing] = start.map(|row| interval.step_from(&self.space, row));
+        let (step, changing) = (step?, changing?);
+        let own = 3 * interval.states * interval.unknowns;
+        let tests = self.masses_tested_with(&slope[own..])?.into_iter();
+        for ((u, p), (_, dp)) in tests.zip(self.masses_tested_with(&change[own..])?) {
+            let rows = self.second_rows(along, (&interval, &step), [&u, &p, &dp], &changing.known, action)?;
+            for (combination, slope) in interval.formulas.evaluated.iter().zip(&rows) {
+                interval.add_slope(combination, slope, change);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Adds the products of two vectors' entries.
+fn add_products(sum: &mut [f64], one: &[f64], other: &[f64]) {
+    sum.iter_mut().zip(one).zip(other).for_each(|((sum, one), other)| *sum += one * other);
 }
 
 impl<const D: usize> Linearised<D> for MotionHistory<'_, D> {
-    fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryError> {
-        let count = self.space.unknowns();
-        let mut start = vec![];
-        for controls in [&self.controls, along] {
-            start.extend(controls.start_values(Start::Value, count));
-            start.extend(controls.start_values(Start::Rate, count));
-            start.extend(vec![0.0; count]);
+    fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryFailure> {
+        let [mut start, mut change] = [&self.controls, along].map(|controls| self.start_of(controls));
+        if self.lumps() {
+            let masses = self.masses_at(&start)?;
+            let dmasses = self.masses_along(along, [&start, &change])?;
+            start.extend(masses);
+            change.extend(dmasses);
         }
-        if !self.scheme.reads_second_rates() {
-            return Ok(start);
+        start.extend(change);
+        match self.scheme.reads_second_rates() {
+            true => self.advance_along_by(along, &self.interval_at_start(), &start),
+            false => Ok(start),
         }
-        let formulas = of_start();
-        self.advance_along_by(along, &Interval::at_start(&formulas), &start).map_err(|why| why.at(0))
     }
 
     fn advance_along(
@@ -233,33 +279,19 @@ impl<const D: usize> Linearised<D> for MotionHistory<'_, D> {
         along: &Controls<D>,
         step: usize,
         before: &[f64],
-    ) -> Result<Vec<f64>, HistoryError> {
-        let formulas = self.scheme.formulas(&[self.size]);
-        let interval = self.interval(step, &formulas);
-        self.advance_along_by(along, &interval, before).map_err(|why| why.at(step))
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        self.advance_along_by(along, &self.interval(step)?, before)
     }
 
     fn reverse_along(
         &mut self,
         along: &Controls<D>,
         step: usize,
-        [before, after]: [&[f64]; 2],
-        slope: &[f64],
-        gradient: &mut [f64],
-    ) -> Result<Vec<f64>, HistoryError> {
-        let mut reverse = || {
-            let (mut slope, mut change) = (halves(slope).0.to_vec(), halves(slope).1.to_vec());
-            let [value, dvalue] = [halves(after).0, halves(after).1].map(|row| self.value_in(row));
-            let (value, dvalue) = (value?, dvalue?);
-            let (at, assembler) = (At::new(&self.controls, step, None), &self.equations.assembler);
-            let count = value.values().len();
-            self.criterion.add_slope(&at, assembler, &value, &mut slope[..count])?;
-            self.criterion.add_curvature(&at, assembler, [&value, &dvalue], &mut change[..count])?;
-            let formulas = self.scheme.formulas(&[self.size]);
-            let interval = self.interval(step, &formulas);
-            self.reverse_along_by(along, &interval, [before, after], [&slope, &change], gradient)
-        };
-        reverse().map_err(|why: HistoryFailure| why.at(step))
+        pairs: [&[f64]; 2],
+        slopes: [&[f64]; 2],
+        gradients: [&mut [f64]; 2],
+    ) -> Result<Vec<f64>, HistoryFailure> {
+        self.reverse_along_by(along, &self.interval(step)?, pairs, slopes, gradients)
     }
 
     fn reverse_start_along(
@@ -267,34 +299,21 @@ impl<const D: usize> Linearised<D> for MotionHistory<'_, D> {
         along: &Controls<D>,
         start: &[f64],
         slope: &[f64],
-        gradient: &mut [f64],
-    ) -> Result<(), HistoryError> {
+        [gradient, action]: [&mut [f64]; 2],
+    ) -> Result<Vec<f64>, HistoryFailure> {
         let mut slope = slope.to_vec();
         if self.scheme.reads_second_rates() {
-            let formulas = of_start();
-            let (interval, slopes) = (Interval::at_start(&formulas), halves(&slope));
-            let found =
-                self.reverse_along_by(along, &interval, [start, start], [slopes.0, slopes.1], gradient);
-            slope = found.map_err(|why| why.at(0))?;
+            let gradients = [&mut *gradient, &mut *action];
+            let interval = self.interval_at_start();
+            slope = self.reverse_along_by(along, &interval, [start; 2], halves(&slope), gradients)?;
         }
-        let (gradient, action) = gradient.split_at_mut(gradient.len() / 2);
-        for (slope, gradient) in [(halves(&slope).0, gradient), (halves(&slope).1, action)] {
-            let count = slope.len() / 3;
-            self.controls.add_start(Start::Value, &slope[..count], gradient);
-            self.controls.add_start(Start::Rate, &slope[count..2 * count], gradient);
+        let (slope, change) = slope.split_at_mut(start.len() / 2);
+        if self.lumps() {
+            self.reverse_masses_along(along, halves(start), [slope, change], action)?;
+            self.reverse_masses(halves(start)[0], slope, gradient)?;
         }
-        Ok(())
+        Ok([self.slope_by_start(slope.to_vec())?, self.slope_by_start(change.to_vec())?].concat())
     }
 }
 
-impl<const D: usize> TwiceDifferentiable for MotionHistory<'_, D> {
-    fn second_order(&mut self, m: &[f64], direction: &[f64]) -> Result<SecondOrder, HistoryError> {
-        Ok(self.hessian(m, direction)?.into())
-    }
-}
-
-compiled_here!(
-    MotionHistory::<D>::hessian,
-    MotionHistory::<D>::advance_along_by,
-    MotionHistory::<D>::reverse_along_by,
-);
+compiled_here!(MotionHistory::<D>::advance_along_by, MotionHistory::<D>::reverse_along_by);
