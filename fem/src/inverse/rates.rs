@@ -13,7 +13,7 @@ use crate::space::Space;
 pub(super) const BEFORE: &str = "before";
 /// Reason why it is wanted.
 pub(super) const OF_BEFORE: &str = "each step may depend on the state before it";
-/// What the operators of [`time`](crate::time) evaluate, as test functions of the derivatives by it are named.
+/// Quantities that the operators of [`time`](crate::time) evaluate, as test functions of the derivatives by it are named.
 pub(super) const OPERATORS: [&str; 3] = ["value", "rate", "second_rate"];
 /// Prefix of the names of test functions of rates.
 const BY: &str = "by_";

@@ -113,7 +113,7 @@ impl<const D: usize> PairGroup<D> {
     }
 }
 
-/// What the units of a group have in common: the sides, the number of points, and whether the opposite surface is rigid.
+/// Common properties of the units of a group: the sides, the number of points, and whether the opposite surface is rigid.
 type GroupKey = ([(CellShape, u8); 2], usize, bool);
 
 /// The pairs of a mesh for a pairing and a rule.

@@ -61,7 +61,7 @@ impl<const D: usize> Search<'_, '_, D> {
         best
     }
 
-    /// Where the body itself does not lie between points of an own facet and those that were found.
+    /// The mask of points of an own facet that see what was found without looking through the body itself.
     #[inline(never)]
     fn not_through_the_body<L: SimdLane>(
         &self,

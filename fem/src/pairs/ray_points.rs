@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// What a ray meets does not depend on those beside it: pairs have the same bits with any number of lanes.
+    /// Bits of pairs do not depend on the number of lanes: what a ray meets does not depend on those beside it.
     #[test]
     fn lanes_have_the_bits_of_single_rays() {
         for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
