@@ -168,11 +168,13 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
             ] {
                 let seen = facets_in_plane(&mesh, region, [x, y])?;
                 let lower = [0.0, if y == 2 { -RADIUS } else { 0.0 }];
-                MeshDrawing::new(&seen)
+                let drawing = MeshDrawing::new(&seen)
                     .title(&format!("Ball, {} cells: {title}", mesh.cell_count()))
                     .length_unit("mm")
-                    .window([lower[0], lower[0] + SEEN], [lower[1], lower[1] + SEEN])
-                    .write_png(options.out.join(format!("adaptive_hertz_ball_{name}.png")))?;
+                    .window([lower[0], lower[0] + SEEN], [lower[1], lower[1] + SEEN]);
+                // The axes of a drawing are x and y.
+                let drawing = if y == 2 { drawing.without_axes() } else { drawing };
+                drawing.write_png(options.out.join(format!("adaptive_hertz_ball_{name}.png")))?;
             }
             (series, "ball")
         }
