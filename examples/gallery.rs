@@ -32,7 +32,7 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 22] = [
+const MAKERS: [Maker; 23] = [
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -107,6 +107,24 @@ const MAKERS: [Maker; 22] = [
     Maker {
         arguments: &["--bin", "adaptive_hertz", "--", "cylinder"],
         pictures: &[("out/adaptive_hertz/adaptive_hertz_cylinder.png", "adaptive_hertz_cylinder.png")],
+    },
+    Maker {
+        arguments: &[
+            "--bin",
+            "adaptive_hertz",
+            "--",
+            "ball",
+            "--uniform",
+            "4",
+            "--unknowns",
+            "30000",
+            "--linear",
+            "multigrid",
+        ],
+        pictures: &[(
+            "out/adaptive_hertz/adaptive_hertz_ball_contact.png",
+            "adaptive_hertz_ball_contact.png",
+        )],
     },
     Maker {
         arguments: &["--bin", "adaptive_cylinder", "--", "--unknowns", "12000", "--reference", "100000"],

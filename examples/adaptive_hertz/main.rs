@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release --bin adaptive_hertz -- cylinder` or `-- ball`
 
+mod facets;
 mod measurements;
 
 use std::error::Error;
@@ -11,16 +12,16 @@ use std::sync::Arc;
 
 use clap::{Parser, ValueEnum};
 use forms_contact::hertz::{
-    Body, CYLINDER_PRESSED, FREE, Hertz, QUARTER_PRESSED, RADIUS, body_on, cylinder_mesh, cylinder_on,
-    estimate, onto_body, quarter_mesh,
+    Body, CONTACT, CYLINDER_PRESSED, FREE, Hertz, QUARTER_PRESSED, RADIUS, body_on, cylinder_mesh,
+    cylinder_on, estimate, onto_body, quarter_mesh,
 };
 use forms_examples::command_line::program_with_options;
-use forms_examples::memory::peak_megabytes;
 use forms_fem::adaptivity::{Adaptation, AdaptiveSolution, ErrorEstimate};
 use forms_fem::output::StandardOutput;
 use forms_fem::output::picture::{Curve, LinePlot, MeshDrawing, Picture, Scale};
 use forms_fem::prelude::*;
 
+use facets::facets_in_plane;
 use measurements::{LinearMethod, Row, TOLERANCE, settled, solve};
 
 /// Errors of writing files have no common type.
@@ -28,6 +29,8 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// Cells each way of the first mesh.
 const FIRST: usize = 4;
+/// Width and height of the ball's pictures \[mm\]; the radius of contact is 0.65 mm.
+const SEEN: f64 = 0.9;
 
 /// The contact.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -114,7 +117,7 @@ fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
     Ok(([uniform, adaptive], found.mesh.mesh().clone()))
 }
 
-fn ball(options: &Options) -> Outcome<Series> {
+fn ball(options: &Options) -> Outcome<(Series, Arc<Mesh<3>>)> {
     let way = options.way * QUARTER_PRESSED;
     let (mut uniform, mut adaptive) = (vec![], vec![]);
     for divisions in options.divisions() {
@@ -131,8 +134,17 @@ fn ball(options: &Options) -> Outcome<Series> {
     };
     let surfaces = onto_body::<3>();
     let cycle = Adaptation::to_unknowns(options.unknowns);
-    cycle.onto(&[("bottom", &surfaces)]).run(quarter_mesh(Body::Ball, FIRST)?, on_mesh, |_| ())?;
-    Ok([uniform, adaptive])
+    let first = quarter_mesh(Body::Ball, FIRST)?;
+    let found = cycle.onto(&[("bottom", &surfaces)]).run(first, on_mesh, |_| ())?;
+    Ok(([uniform, adaptive], found.mesh.mesh().clone()))
+}
+
+/// The unknowns of a uniform mesh whose cells are as small as the smallest of a mesh, by the adaptive meshes' first one, which is uniform.
+fn as_uniform(contact: Contact, [first, row]: [&Row; 2]) -> f64 {
+    // Uniform meshes of degree 2 have (2n + 1) nodes each way, and cells whose size is as 1/n.
+    let dimension = if contact == Contact::Ball { 3 } else { 2 };
+    let divisions = (FIRST as f64 * first.smallest / row.smallest).round();
+    f64::from(dimension) * (2.0 * divisions + 1.0).powi(dimension)
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
@@ -148,10 +160,27 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
                 .write_png(options.out.join("adaptive_hertz_mesh.png"))?;
             (series, "cylinder")
         }
-        Contact::Ball => (ball(options)?, "ball"),
+        Contact::Ball => {
+            let (series, mesh) = ball(options)?;
+            for (region, [x, y], title, name) in [
+                (CONTACT, [0, 1], "where it may touch, from below", "contact"),
+                ("front", [0, 2], "the plane y = 0", "section"),
+            ] {
+                let seen = facets_in_plane(&mesh, region, [x, y])?;
+                let lower = [0.0, if y == 2 { -RADIUS } else { 0.0 }];
+                let drawing = MeshDrawing::new(&seen)
+                    .title(&format!("Ball, {} cells: {title}", mesh.cell_count()))
+                    .length_unit("mm")
+                    .window([lower[0], lower[0] + SEEN], [lower[1], lower[1] + SEEN]);
+                // The axes of a drawing are x and y.
+                let drawing = if y == 2 { drawing.without_axes() } else { drawing };
+                drawing.write_png(options.out.join(format!("adaptive_hertz_ball_{name}.png")))?;
+            }
+            (series, "ball")
+        }
     };
-    out.line("| meshes | unknowns | P | a | p0 | p0 on the axis | recovered | profile | smallest cell | Newton steps | iterations | s |");
-    out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    out.line("| meshes | cells | unknowns | P | a | p0 | p0 on the axis | recovered | profile | smallest cell | Newton steps | iterations | s | MB so far | unknowns of a uniform mesh with such cells |");
+    out.line(format!("|{}", " --- |".repeat(15)));
     let mut plot = LinePlot::new()
         .title(&format!("Hertz, {name}"))
         .x_axis("unknowns", Scale::Logarithmic)
@@ -160,7 +189,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         .size(360.0, 280.0);
     for (meshes, rows) in ["uniform", "adaptive"].into_iter().zip(&series) {
         for row in rows {
-            out.line(format!("| {meshes} | {row} |"));
+            let evenly = as_uniform(options.contact, [&series[1][0], row]);
+            out.line(format!("| {meshes} | {row} | {evenly:.3e} |"));
         }
         let (x, y): (Vec<f64>, Vec<f64>) = rows.iter().map(|row| (row.unknowns as f64, row.larger())).unzip();
         plot = plot.curve(Curve::new(meshes, &x, &y));
@@ -172,18 +202,6 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
             Some(unknowns) => format!("{meshes}: a and p0 within {limit} % from {unknowns} unknowns on"),
             None => format!("{meshes}: a and p0 not within {limit} %"),
         });
-    }
-    if let [Some(first), Some(last)] = [series[1].first(), series[1].last()] {
-        // Uniform meshes of degree 2 have (2n + 1) nodes each way, and cells whose size is as 1/n.
-        let dimension = if options.contact == Contact::Ball { 3 } else { 2 };
-        let divisions = (FIRST as f64 * first.smallest / last.smallest).round();
-        let unknowns = f64::from(dimension) * (2.0 * divisions + 1.0).powi(dimension);
-        out.line(format!(
-            "a uniform mesh with cells as small as the smallest: {divisions} each way, {unknowns:.3e} unknowns"
-        ));
-    }
-    if let Some(peak) = peak_megabytes() {
-        out.line(format!("peak memory: {peak:.0} MB"));
     }
     plot.write_png(options.out.join(format!("adaptive_hertz_{name}.png")))?;
     Ok(())

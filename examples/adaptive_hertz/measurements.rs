@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::ValueEnum;
 use forms_contact::ContactProblem;
 use forms_contact::hertz::{CONTACT, Hertz, Measured};
+use forms_examples::memory::peak_megabytes;
 use forms_fem::output::tell;
 use forms_fem::prelude::*;
 
@@ -26,6 +27,8 @@ pub enum LinearMethod {
 /// Measurements on one mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
+    /// Cells.
+    pub cells: usize,
     /// Unknowns.
     pub unknowns: usize,
     /// The force of the whole body.
@@ -44,6 +47,8 @@ pub struct Row {
     pub iterations: Option<usize>,
     /// Seconds by the clock to solve.
     pub seconds: f64,
+    /// Most memory of the program so far \[MB\], where the system tells.
+    pub memory: Option<f64>,
 }
 
 impl Row {
@@ -56,12 +61,13 @@ impl Row {
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([a, axis, middle], profile) = (self.errors.map(|error| 100.0 * error), 100.0 * self.profile);
-        let Row { unknowns, force, smallest, steps, seconds, .. } = self;
+        let Row { cells, unknowns, force, smallest, steps, seconds, .. } = self;
         let recovered = self.recovered.map_or("–".to_owned(), |error| format!("{:+.2} %", 100.0 * error));
         let iterations = self.iterations.map_or("–".to_owned(), |count| count.to_string());
+        let memory = self.memory.map_or("–".to_owned(), |memory| format!("{memory:.0}"));
         write!(
             f,
-            "{unknowns} | {force:.4} | {a:+.2} % | {middle:+.2} % | {axis:+.2} % | {recovered} | {profile:.2} % | {smallest:.4} | {steps} | {iterations} | {seconds:.2}"
+            "{cells} | {unknowns} | {force:.4} | {a:+.2} % | {middle:+.2} % | {axis:+.2} % | {recovered} | {profile:.2} % | {smallest:.4} | {steps} | {iterations} | {seconds:.2} | {memory}"
         )
     }
 }
@@ -133,6 +139,7 @@ where
     let recovered = recovered_peak(problem, &u, measured.reach)?.map(|peak| peak / hertz.peak - 1.0);
     let row = Row {
         recovered,
+        cells: mesh.cell_count(),
         unknowns: problem.space.unknowns(),
         force: measured.force,
         errors: measured.errors(&hertz),
@@ -141,7 +148,8 @@ where
         iterations,
         smallest: (0..mesh.cell_count()).map(|cell| mesh.diameter(cell)).fold(f64::INFINITY, f64::min),
         seconds,
+        memory: peak_megabytes(),
     };
-    tell(format!("{} cells: {row}", mesh.cell_count()));
+    tell(format!("{row}"));
     Ok((u, row))
 }
