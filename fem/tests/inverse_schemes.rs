@@ -1,7 +1,5 @@
 //! Adjoints of motions by schemes that read several states, and by explicit ones: beside adjoints of one degree of freedom that are written
-//! out by hand, beside the loop over the same steps, beside differences, and the time that they take.
-
-use std::time::Instant;
+//! out by hand, beside the loop over the same steps, beside differences.
 
 use forms_fem::inverse::{ControlError, Controls, During, MotionHistory, Observations, ReducedProblem};
 use forms_fem::prelude::*;
@@ -286,36 +284,5 @@ fn gradients_beside_differences() {
         let error = (slope / difference - 1.0).abs();
         println!("{name}: {slope:.12e} and {difference:.12e} by differences: {error:.1e}");
         assert!(error < 1e-8, "{name}: {slope} {difference}");
-    }
-}
-
-/// Forward and back beside forward, with rates that give all derivatives. FORMS_SWEEPS=1: on a mesh whose times count, at most threefold.
-#[test]
-fn adjoints_take_a_few_times_the_steps() {
-    let sweep = std::env::var_os("FORMS_SWEEPS").is_some();
-    let body = Body::new(if sweep { [120, 36] } else { [8, 2] });
-    let size = if sweep { 1e-3 } else { 1e-2 };
-    let second = || body.history((STEPS, 0.15), BackwardDifferences::new(2).unwrap());
-    let lumped = || body.history((STEPS, size), CentralDifferences).mass(Mass::Lumped);
-    for (name, mut history) in [
-        ("BDF 2, tangents", second()),
-        ("BDF 2", second().rates(|during, u, p| Ok(swung(during, None)?.all_rates(u, p)))),
-        ("lumped masses, tangents", lumped()),
-        ("lumped masses", lumped().rates(|during, u, p| Ok(swung(during, None)?.all_rates(u, p)))),
-    ] {
-        let m = history.start();
-        let (mut forward, mut both) = (f64::INFINITY, f64::INFINITY);
-        // The shortest of some times: what other programs take does not count.
-        for _ in 0..if sweep { 5 } else { 1 } {
-            let begun = Instant::now();
-            let value = history.value(&m).unwrap();
-            forward = forward.min(begun.elapsed().as_secs_f64());
-            let begun = Instant::now();
-            let found = history.gradient(&m).unwrap();
-            both = both.min(begun.elapsed().as_secs_f64());
-            assert!((found.value - value).abs() <= 1e-12 * value.abs());
-        }
-        println!("{name}: forward {forward:.4} s, with the adjoint {both:.4} s: {:.2}", both / forward);
-        assert!(!sweep || name.contains("tangents") || both < 3.0 * forward, "{name}: {}", both / forward);
     }
 }
