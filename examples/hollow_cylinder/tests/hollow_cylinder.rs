@@ -236,7 +236,7 @@ fn what_needs_too_much_memory_is_refused() {
     let output = run(&["--radial", "2000"], directory.path());
     let errors = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{errors}");
-    assert!(errors.starts_with("error: --radial 2000: 512128000 unknowns need about 20"), "{errors}");
+    assert!(errors.starts_with("error: --radial 2000: 512128000 unknowns need about 13"), "{errors}");
     assert!(errors.contains("are available (--any-memory"), "{errors}");
     assert_eq!(errors.lines().count(), 1, "{errors}");
     assert_eq!(names_in(directory.path()), Vec::<String>::new(), "nothing was made");
