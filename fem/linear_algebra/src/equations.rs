@@ -17,15 +17,18 @@ const PIECE: usize = 4096;
 /// A square matrix by what it takes to judge a solution.
 pub trait Equations: fmt::Debug {
     /// Writes b − A x, and returns the equation that holds worst, both the same for each number of threads. `room` is memory
-    /// that is kept from one call to the next.
+    /// that is kept from one call to the next. From the products, unless there is a quicker way.
     fn residual(
         &self,
-        threads: Threads,
+        _threads: Threads,
         x: &[f64],
         b: &[f64],
         rest: &mut Vec<f64>,
-        room: &mut Vec<f64>,
-    ) -> Result<WorstRow, LinearAlgebraError>;
+        _room: &mut Vec<f64>,
+    ) -> Result<WorstRow, LinearAlgebraError> {
+        let (sums, sizes) = self.products(x)?;
+        judged((&sums, &sizes), b, rest)
+    }
 
     /// A x, and of each row Σ |a_ij x_j|.
     fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError>;
@@ -77,7 +80,7 @@ impl WorstRow {
 }
 
 /// Sums and sizes to residuals, with the worst of them.
-pub fn judged(
+fn judged(
     (sums, sizes): (&[f64], &[f64]),
     b: &[f64],
     rest: &mut Vec<f64>,

@@ -4,7 +4,7 @@ use super::elimination::Elimination;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::Residual;
-use crate::linear_algebra::equations::{Equations, WorstRow, judged};
+use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
 use crate::threads::Threads;
@@ -52,18 +52,6 @@ struct ReducedEquations<'a> {
 }
 
 impl Equations for ReducedEquations<'_> {
-    fn residual(
-        &self,
-        _: Threads,
-        x: &[f64],
-        b: &[f64],
-        rest: &mut Vec<f64>,
-        _: &mut Vec<f64>,
-    ) -> Result<WorstRow, LinearAlgebraError> {
-        let (sums, sizes) = self.products(x)?;
-        judged((&sums, &sizes), b, rest)
-    }
-
     fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
         let full = self.elimination.extend_by_zero(x)?;
         let (sums, sizes) = match self.transpose {

@@ -14,7 +14,7 @@ use super::pieces::{CellsOfPiece, Pieces};
 use super::start::reference_mass;
 use crate::element::MAXIMUM_NODES;
 use crate::lanes::{Checked, InstructionSet, LaneWork, SimdLane, WIDEST};
-use crate::linear_algebra::equations::{Equations, WorstRow, judged};
+use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::{Entries, LinearAlgebraError, LinearOperator, OperatorError};
 use crate::mesh::Mesh;
 use crate::mesh::geometry::determinant;
@@ -285,18 +285,6 @@ impl LinearOperator for OnThreads<'_> {
 }
 
 impl Equations for OnThreads<'_> {
-    fn residual(
-        &self,
-        _: Threads,
-        x: &[f64],
-        b: &[f64],
-        rest: &mut Vec<f64>,
-        _: &mut Vec<f64>,
-    ) -> Result<WorstRow, LinearAlgebraError> {
-        let (sums, sizes) = self.products(x)?;
-        judged((&sums, &sizes), b, rest)
-    }
-
     fn products(&self, x: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
         let (mut sums, mut sizes) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         let absolute: Vec<f64> = x.iter().map(|x| x.abs()).collect();
