@@ -1,7 +1,5 @@
 //! Conventions at kinks, and branches that are not taken: a NaN there reaches nothing.
 
-mod toy_backend;
-
 use forms_core::contract::{self, *};
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;

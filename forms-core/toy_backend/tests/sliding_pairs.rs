@@ -1,8 +1,6 @@
 //! Pairs of displaced surfaces: the motion of the opposite point in tangents, second derivatives of energies and
 //! derivatives by the shape, against differences of what rays find.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;

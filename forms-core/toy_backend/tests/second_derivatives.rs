@@ -1,14 +1,12 @@
 //! Second derivatives on quadratic simplices, in 2D and 3D: values against closed forms, tangents against
 //! differences; what is proved of them.
 
-mod toy_backend;
-
 use forms_core::contract::{self, *};
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::{Mesh, determinant};
-use toy_backend::operator::operator_module;
+use toy_backend::operator_module;
 use toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression, residual, tangent};

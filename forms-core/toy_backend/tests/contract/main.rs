@@ -1,8 +1,6 @@
 //! The contract, through a backend that knows nothing else: closed forms, both plans, lane types.
 
 mod plans;
-#[path = "../toy_backend/mod.rs"]
-mod toy_backend;
 
 use forms_core::contract::{self, *};
 use forms_core::contract::{Dim, Dimension};

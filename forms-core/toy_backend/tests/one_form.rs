@@ -1,7 +1,5 @@
 //! `form!`: one expression, compiled like a module, against the module that says the same.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::{form, forms};
 use toy_backend::mesh::Mesh;

@@ -1,8 +1,6 @@
 //! Imports: functions of one forms module in another give what the same text written there gives, whatever the order of
 //! the modules, the way of the import and the names in between.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;

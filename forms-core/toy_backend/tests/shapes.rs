@@ -1,7 +1,5 @@
 //! Declared shapes: fixed extents beside the dimension, and rank 4, of unknowns, data and results.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;

@@ -2,8 +2,6 @@
 //! differences, one lane and four.
 
 mod spectral;
-#[path = "../toy_backend/mod.rs"]
-mod toy_backend;
 
 use forms_core::contract::*;
 use forms_core::contract::{Dim, Dimension};

@@ -3,8 +3,8 @@
 use forms_core::contract::{Dim, Dimension, Entity, Form, Functional};
 use forms_core::forms;
 
-use crate::toy_backend::{Nodal, expression};
 use crate::{LAMBDA, MU, State, close};
+use toy_backend::{Nodal, expression};
 
 #[forms(crate = forms_core)]
 pub mod hencky {

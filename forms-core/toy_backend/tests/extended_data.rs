@@ -1,8 +1,6 @@
 //! Data that extend another module's, and defaults: what forms read through a base is what they read from members of their
 //! own.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::contract::{Dim, Dimension};
 use forms_core::{form, forms};

@@ -1,13 +1,11 @@
 //! Limits, jumps and averages on interior facets, in 2D and 3D: values against plain floating-point code,
 //! tangents against differences.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, slope, value};
 use toy_backend::mesh::Mesh;
-use toy_backend::operator::operator_module;
+use toy_backend::operator_module;
 use toy_backend::plain::{Components, Matrix, assert_values, dot, matrix, vector};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, expression};

@@ -1,8 +1,6 @@
 //! Forms on interior facets, in 2D and 3D: interior penalties, fluxes with kinks, energies of jumps, against
 //! loops written out; what is proved of each pair of sides.
 
-mod toy_backend;
-
 use forms_core::contract::{self, *};
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;

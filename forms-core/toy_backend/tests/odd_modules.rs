@@ -1,7 +1,5 @@
 //! Odd but legal modules compile, and mean what they say.
 
-mod toy_backend;
-
 use forms_core::contract::{self, *};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;

@@ -1,7 +1,5 @@
 //! Functions are inlined at each call: what is shared stays shared, whatever the depth of the calls.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::forms;
 use toy_backend::mesh::Mesh;

@@ -1,7 +1,6 @@
 //! Every operator in 2D and 3D: its value against plain floating-point code, its tangent against
 //! differences of the residual and by a Taylor test.
 
-mod toy_backend;
 #[macro_use]
 mod operators;
 

@@ -1,6 +1,5 @@
 //! Tensor algebra in 2D and 3D: products of any rank, norms, curls, slices, functions.
 
-mod toy_backend;
 #[macro_use]
 mod operators;
 

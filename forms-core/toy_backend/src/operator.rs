@@ -2,7 +2,7 @@
 
 /// A module with an operator's value and a form that holds it, and the test of both in the plane and in space. The file has a
 /// `State` of a vector u and a scalar s, which checks values.
-#[allow(unused_macros, reason = "each test program uses a part of the backend")]
+#[macro_export]
 macro_rules! operator_module {
     (
         $name:ident: $rank:ident tested by $test:ident,
@@ -45,6 +45,3 @@ macro_rules! operator_module {
         }
     };
 }
-
-#[allow(unused_imports)]
-pub(crate) use operator_module;

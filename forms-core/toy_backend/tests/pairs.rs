@@ -1,8 +1,6 @@
 //! Forms on contact pairs, in 2D and 3D: what is read at the opposite point, Nitsche's method with friction between two
 //! bodies against loops written out and differences, energies of the gap.
 
-mod toy_backend;
-
 use forms_core::contract::{self, *};
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;

@@ -1,7 +1,5 @@
 //! Data that include other modules' data: the members are the struct's own, in one flat literal, with their defaults.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::forms;
 use toy_backend::mesh::Mesh;

@@ -7,11 +7,11 @@
 pub use forms_core::contract::*;
 pub use forms_core::forms;
 
-pub use crate::toy_backend::mesh::{Mesh, determinant, inverse};
-pub(crate) use crate::toy_backend::operator::operator_module;
-pub use crate::toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace};
-pub use crate::toy_backend::random::Random;
-pub use crate::toy_backend::{Nodal, differences, expression, residual, tangent};
+pub use toy_backend::mesh::{Mesh, determinant, inverse};
+pub use toy_backend::operator_module;
+pub use toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace};
+pub use toy_backend::random::Random;
+pub use toy_backend::{Nodal, differences, expression, residual, tangent};
 
 /// The state at a point: what the independent evaluations read.
 pub struct At {

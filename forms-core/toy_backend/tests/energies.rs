@@ -1,7 +1,5 @@
 //! Energies: residual and tangent by the compiler against closed forms and against nested derivatives.
 
-mod toy_backend;
-
 use forms_core::contract::*;
 use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;

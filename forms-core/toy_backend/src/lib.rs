@@ -1,8 +1,5 @@
-//! A backend of three hundred lines that knows nothing but the contract: linear or quadratic simplices,
-//! dense matrices.
-//!
-//! Each test file uses a part of it.
-#![allow(dead_code)]
+//! A backend of a thousand lines that knows nothing but the contract: linear or quadratic simplices, dense matrices. The
+//! operators of the language are tested on it.
 
 pub mod differences;
 pub mod interpolate;
