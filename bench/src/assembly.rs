@@ -4,7 +4,7 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Instant;
 
-use forms_fem::assemble::{Assembler, BlockPattern, Parts, TangentAction};
+use forms_fem::assemble::{Assembler, Parts, TangentAction};
 use forms_fem::dimension::{Dim, Dimension};
 use forms_fem::element::CellShape;
 use forms_fem::field::Field;
@@ -177,7 +177,7 @@ where
     let form = elasticity::<D>(&CONSTANTS);
     let (u, spaces) = (Field::zero(&space), [&space]);
     let make = || -> Result<_, Box<dyn Error>> {
-        let pattern = BlockPattern::for_form(&form, &spaces, &spaces)?;
+        let pattern = assembler.pattern(&form, &spaces, &spaces)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         assembler.assemble_tangent(&form, &[&u], &spaces, Parts::ALL, &pattern, &mut matrix)?;
         Ok((pattern, matrix))

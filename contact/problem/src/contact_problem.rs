@@ -72,7 +72,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         let pattern = if on_pairs {
             None
         } else {
-            let pattern = BlockPattern::new(&[space], &[space]);
+            let pattern = assembler.pattern_of_spaces(&[space], &[space]);
             let refused = |source| AssemblyError::LinearAlgebra { form: direct.name(), source };
             Some(Arc::new(pattern.map_err(refused)?))
         };

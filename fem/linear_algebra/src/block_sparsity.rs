@@ -148,12 +148,29 @@ impl BlockSparsity {
         pairs: Vec<Vec<BlockRows>>,
     ) -> Result<Self, LinearAlgebraError> {
         check_size("the list of rows of pairs", rows.len(), pairs.len())?;
+        for (row, pairs) in rows.iter().zip(&pairs) {
+            check_size("a row of pairs", columns.len(), pairs.len())?;
+            for (column, pair) in columns.iter().zip(pairs) {
+                pair.check(row, column)?;
+            }
+        }
+        Self::of_checked(rows, columns, pairs)
+    }
+
+    /// The same from blocks that are known to fit: as many pairs as sets, rows strictly ascending.
+    ///
+    /// # Errors
+    /// If sizes pass 32 bits.
+    #[doc(hidden)]
+    pub fn of_checked(
+        rows: Vec<NodeSet>,
+        columns: Vec<NodeSet>,
+        pairs: Vec<Vec<BlockRows>>,
+    ) -> Result<Self, LinearAlgebraError> {
         let mut all = Vec::new();
         let mut entries = 0;
         for (row, pairs) in rows.iter().zip(pairs) {
-            check_size("a row of pairs", columns.len(), pairs.len())?;
             for (column, mut pair) in columns.iter().zip(pairs) {
-                pair.check(row, column)?;
                 pair.block = row.components * column.components;
                 pair.first_value = entries;
                 entries += pair.blocks() * pair.block;

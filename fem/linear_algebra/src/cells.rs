@@ -17,9 +17,25 @@ pub struct Cells {
 impl Cells {
     /// Adds a cell with the coordinates of its centre \[length\], zero beyond the dimension, and its unknowns.
     pub fn add(&mut self, centre: [f64; 3], unknowns: impl IntoIterator<Item = u32>) {
+        self.add_by(centre, |own| own.extend(unknowns));
+    }
+
+    /// The same with a function that appends the cell's unknowns to those of all cells before it.
+    #[doc(hidden)]
+    #[inline]
+    pub fn add_by(&mut self, centre: [f64; 3], append: impl FnOnce(&mut Vec<u32>)) {
         self.centres.push(centre);
-        self.unknowns.extend(unknowns);
+        append(&mut self.unknowns);
         self.ends.push(self.unknowns.len());
+    }
+
+    /// Adds other cells after its own.
+    #[doc(hidden)]
+    pub fn append(&mut self, others: &Cells) {
+        let own = self.unknowns.len();
+        self.centres.extend_from_slice(&others.centres);
+        self.unknowns.extend_from_slice(&others.unknowns);
+        self.ends.extend(others.ends.iter().map(|end| own + end));
     }
 
     /// Number of cells.
@@ -54,13 +70,13 @@ impl Cells {
 
     /// An error unless all unknowns are among so many.
     pub(super) fn check(&self, size: usize) -> Result<(), LinearAlgebraError> {
-        match self.unknowns.iter().find(|unknown| **unknown as usize >= size) {
-            Some(&index) => Err(LinearAlgebraError::IndexOutOfRange {
+        match self.unknowns.iter().max() {
+            Some(&index) if index as usize >= size => Err(LinearAlgebraError::IndexOutOfRange {
                 what: "unknown of a cell",
                 index: index as usize,
                 size,
             }),
-            None => Ok(()),
+            _ => Ok(()),
         }
     }
 }

@@ -3,6 +3,8 @@
 
 pub(super) mod block_index;
 mod cells;
+mod on_threads;
+mod rows;
 pub(super) mod sparsity;
 pub(super) mod touched;
 
@@ -24,6 +26,7 @@ use crate::compiled_here::compiled_here;
 use crate::field::FieldView;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::space::Space;
+use crate::threads::Threads;
 
 /// The positions of a matrix over the unknowns of several spaces in a row, with what is needed to find the blocks
 /// of an element matrix.
@@ -94,7 +97,8 @@ impl<const D: usize> BlockPattern<D> {
     /// The pattern of a form's tangent: the nodes that its integrals couple, and nothing else. A pair of test
     /// and trial space that no integral couples has no entries; an integral over a facet region couples the
     /// nodes of the cells that own its facets, one over interior facets those of both cells, one over contact pairs those of
-    /// the cells on which the points of the compiler's estimate of the degree lie.
+    /// the cells on which the points of the compiler's estimate of the degree lie. Made on the calling thread;
+    /// [`Assembler::pattern`] has several.
     ///
     /// # Errors
     /// When the form has other test functions or unknowns than the spaces, a region does not exist, surfaces cannot be paired, the
@@ -105,7 +109,8 @@ impl<const D: usize> BlockPattern<D> {
         trials: &[&Arc<Space<D>>],
     ) -> Result<Self, AssemblyError> {
         let form = Outline::of(form, Parts::ALL);
-        Self::for_cells(&form, tests, &without_coefficients(trials), None, PairSearch::default())
+        let search = PairSearch::default();
+        Self::for_cells(&form, tests, &without_coefficients(trials), (None, search), Threads::ONE)
     }
 
     /// The pattern of the part of a form's tangent that an assembler assembles.
@@ -125,7 +130,8 @@ impl<const D: usize> BlockPattern<D> {
         unknowns: &[FieldView<D>],
         assembler: &Assembler<D>,
     ) -> Result<Self, AssemblyError> {
-        Self::for_cells(form, tests, unknowns, assembler.owned.as_ref(), PairSearch::of(assembler))
+        let search = PairSearch::of(assembler);
+        Self::for_cells(form, tests, unknowns, (assembler.owned.as_ref(), search), assembler.threads)
     }
 
     /// Whether everything that a form's pairs of displaced surfaces couple at an iterate has its place.
@@ -139,8 +145,8 @@ impl<const D: usize> BlockPattern<D> {
         form: &Outline<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
-        owned: Option<&Arc<OwnedCells>>,
-        mut search: PairSearch<D>,
+        (owned, mut search): (Option<&Arc<OwnedCells>>, PairSearch<D>),
+        threads: Threads,
     ) -> Result<Self, AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|unknown| unknown.space).collect();
         let trials = &trials[..];
@@ -199,18 +205,27 @@ impl<const D: usize> BlockPattern<D> {
                 }
             }
         }
-        let pattern = Self::from_coupled(tests, trials, coupled)
+        let pattern = Self::from_coupled(tests, trials, coupled, threads)
             .map_err(|source| AssemblyError::LinearAlgebra { form: name, source })?;
         Ok(BlockPattern { owned: owned.cloned(), search, ..pattern })
     }
 
     /// The pattern for test and trial spaces on one mesh in which all nodes of a cell are coupled, whatever
-    /// the form; with a space on facets, all nodes at each of its facets.
+    /// the form; with a space on facets, all nodes at each of its facets. Made on the calling thread;
+    /// [`Assembler::pattern_of_spaces`] has several.
     ///
     /// # Errors
     /// When the matrix is too large to be numbered.
-    #[inline(never)]
     pub fn new(tests: &[&Arc<Space<D>>], trials: &[&Arc<Space<D>>]) -> Result<Self, LinearAlgebraError> {
+        Self::for_spaces(tests, trials, Threads::ONE)
+    }
+
+    #[inline(never)]
+    fn for_spaces(
+        tests: &[&Arc<Space<D>>],
+        trials: &[&Arc<Space<D>>],
+        threads: Threads,
+    ) -> Result<Self, LinearAlgebraError> {
         let of_pair = |test: &'_ Arc<Space<D>>, trial: &'_ Arc<Space<D>>| -> Vec<(u32, u8)> {
             let facets = if test.facet_region().is_some() { &test.facets } else { &trial.facets };
             facets.iter().map(|(facet, _)| (facet.cell, facet.local)).collect()
@@ -231,7 +246,7 @@ impl<const D: usize> BlockPattern<D> {
             }
             coupled.push(row);
         }
-        Self::from_coupled(tests, trials, coupled)
+        Self::from_coupled(tests, trials, coupled, threads)
     }
 
     #[inline(never)]
@@ -239,9 +254,10 @@ impl<const D: usize> BlockPattern<D> {
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
         coupled: Vec<Vec<Coupled>>,
+        threads: Threads,
     ) -> Result<Self, LinearAlgebraError> {
         let (mut pairs, mut maps) = (Vec::new(), Vec::new());
-        let cells = coupled_cells(tests, trials, &coupled);
+        let cells = coupled_cells(tests, trials, &coupled, threads);
         for (test, coupled) in tests.iter().zip(coupled) {
             let (mut row_of_pairs, mut row_of_maps) = (Vec::new(), Vec::new());
             for (trial, Coupled { cells, mut across, nodes_across, others }) in trials.iter().zip(coupled) {
@@ -273,7 +289,8 @@ impl<const D: usize> BlockPattern<D> {
                 let cliques = walked.iter().map(nodes).chain(nodes_across).chain(others);
                 let (rows, columns) = cliques.unzip();
                 let cliques = Cliques { rows, columns };
-                let (blocks, places) = couple(&cliques, (test.node_count(), trial.node_count()), mapped);
+                let nodes = (test.node_count(), trial.node_count());
+                let (blocks, places) = couple(&cliques, nodes, mapped, threads);
                 row_of_pairs.push(blocks);
                 row_of_maps.push((mapped > 0).then_some(BlockIndex { places, starts, walk, across }));
             }
@@ -283,7 +300,7 @@ impl<const D: usize> BlockPattern<D> {
         let sets = |spaces: &[&Arc<Space<D>>]| {
             NodeSet::in_a_row(spaces.iter().map(|space| (space.node_count(), space.components())))
         };
-        let sparsity = BlockSparsity::new(sets(tests), sets(trials), pairs)?;
+        let sparsity = BlockSparsity::of_checked(sets(tests), sets(trials), pairs)?;
         let sparsity = match cells {
             Some(cells) => Arc::new(sparsity.with_cells(cells)?),
             None => Arc::new(sparsity),
@@ -356,7 +373,7 @@ impl<const D: usize> BlockPattern<D> {
 }
 
 compiled_here!(
-    BlockPattern::<D>::new,
+    BlockPattern::<D>::for_spaces,
     BlockPattern::<D>::for_cells,
     BlockPattern::<D>::check,
     PairSearch::<D>::covers

@@ -137,14 +137,26 @@ pub(crate) trait SimdLane: Lane {
     }
 }
 
-/// Starts of the lists of a batch's cells.
+/// Starts of the lists of a batch's cells, one per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Starts {
     places: [usize; WIDEST],
+    /// Of the places in the lanes of the type that they were made for.
     largest: usize,
 }
 
 impl Starts {
+    /// Any places.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn at<L: Lane>(places: &[usize; WIDEST]) -> Self {
+        let mut largest = places[0];
+        for lane in 1..L::WIDTH {
+            largest = if places[lane] > largest { places[lane] } else { largest };
+        }
+        Starts { places: *places, largest }
+    }
+
     /// Lists of one length, one after the other: those of `filled` cells from `first` on, in the lanes of a type; other
     /// lanes repeat the last.
     #[inline(always)]

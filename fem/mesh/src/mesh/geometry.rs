@@ -42,6 +42,33 @@ impl<const D: usize> Mesh<D> {
         self.map(cell, &self.cell_shape(cell).centre()).0
     }
 
+    /// Calls `visit` with each of some cells and its [`Mesh::cell_centre`]; basis functions are evaluated once for each run of cells
+    /// of one shape.
+    ///
+    /// # Panics
+    /// When a cell is not below [`Mesh::cell_count`].
+    #[doc(hidden)]
+    pub fn visit_centres(&self, cells: impl Iterator<Item = u32>, mut visit: impl FnMut(u32, &[f64; D])) {
+        let mut value = [0.0; MAXIMUM_GEOMETRY_NODES];
+        let mut gradient = [[0.0; D]; MAXIMUM_GEOMETRY_NODES];
+        let mut known = None;
+        for cell in cells {
+            let shape = self.cell_shape(cell as usize);
+            if known != Some(shape) {
+                self.cell_element(cell as usize).evaluate(&shape.centre(), &mut value, &mut gradient);
+                known = Some(shape);
+            }
+            let mut position = [0.0; D];
+            for (node, phi) in self.cell(cell as usize).iter().zip(&value) {
+                let x = &self.nodes[*node as usize];
+                for i in 0..D {
+                    position[i] += phi * x[i];
+                }
+            }
+            visit(cell, &position);
+        }
+    }
+
     /// The image of the centre of the facet's reference cell \[length\].
     ///
     /// # Panics

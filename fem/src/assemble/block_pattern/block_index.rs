@@ -54,7 +54,7 @@ impl Slot for u32 {
 }
 
 /// Slots in the smallest type that holds those of the longest row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::assemble) enum Slots {
     Bytes(Vec<u8>),
     Words(Vec<u16>),
@@ -62,20 +62,6 @@ pub(in crate::assemble) enum Slots {
 }
 
 impl Slots {
-    /// Zeros, of one byte each.
-    pub fn new(count: usize) -> Self {
-        Slots::Bytes(vec![0; count])
-    }
-
-    /// The same in the next larger type.
-    pub fn widened(self) -> Self {
-        match self {
-            Slots::Bytes(places) => Slots::Words(places.into_iter().map(u16::from).collect()),
-            Slots::Words(places) => Slots::Long(places.into_iter().map(u32::from).collect()),
-            Slots::Long(places) => Slots::Long(places),
-        }
-    }
-
     /// Adds a run of them to a list.
     pub fn copy(&self, run: Range<usize>, to: &mut Vec<u32>) {
         match self {

@@ -1,14 +1,16 @@
 //! Sparsity from cliques: the blocks of sets of coupled nodes, and their slots in the rows.
 //!
-//! Row by row: the columns of all cliques around a node, each once, in ascending order; and, while they are at hand, the
-//! places of these columns for the cells whose places are kept.
+//! Each thread makes a run of rows, those that its run of cliques touches first (as in `scatter/partition.rs`), and writes the places
+//! for its cliques. Places that it finds for cliques of later threads are written afterwards. A row does not depend on who makes it.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops that are to be vectorised are plain.
-#![allow(clippy::needless_range_loop)]
+use std::ops::Range;
 
 use super::block_index::{Slot, Slots};
-use crate::lanes::{InstructionSet, LaneWork, SimdLane};
+use super::rows::{MadeRows, RowsOfThread};
+use crate::assemble::scatter::partition::Partition;
+use crate::lanes::InstructionSet;
 use crate::linear_algebra::BlockRows;
+use crate::threads::Threads;
 
 /// Sets of test and trial nodes that are all coupled with each other.
 pub(in crate::assemble) struct Cliques<'a> {
@@ -18,49 +20,16 @@ pub(in crate::assemble) struct Cliques<'a> {
     pub columns: Vec<&'a [u32]>,
 }
 
-/// The cliques of each row node, with the node's place in them.
-struct Around {
-    starts: Vec<usize>,
-    members: Vec<(u32, u32)>,
-}
-
-impl Around {
-    fn new(cliques: &Cliques, nodes: usize) -> Self {
-        let mut starts = vec![0_usize; nodes + 1];
-        for &node in cliques.rows.iter().flat_map(|nodes| *nodes) {
-            starts[node as usize + 1] += 1;
-        }
-        for node in 0..nodes {
-            starts[node + 1] += starts[node];
-        }
-        let mut members = vec![(0_u32, 0_u32); starts[nodes]];
-        for (clique, nodes) in cliques.rows.iter().enumerate() {
-            for (place, &node) in nodes.iter().enumerate() {
-                let next = &mut starts[node as usize];
-                members[*next] = (clique as u32, place as u32);
-                *next += 1;
-            }
-        }
-        Around { starts, members }
-    }
-
-    /// Each start has moved to its successor.
-    #[inline(always)]
-    fn node(&self, node: usize) -> &[(u32, u32)] {
-        let start = if node == 0 { 0 } else { self.starts[node - 1] };
-        &self.members[start..self.starts[node]]
-    }
-}
-
 /// The blocks of the pairs in the cliques; and for the first `mapped` cliques the places of their pairs, clique after
 /// clique.
 pub(in crate::assemble) fn couple(
     cliques: &Cliques,
     (row_nodes, column_nodes): (usize, usize),
     mapped: usize,
+    threads: Threads,
 ) -> (BlockRows, Slots) {
     if cliques.rows.is_empty() {
-        return (BlockRows::default(), Slots::new(0));
+        return (BlockRows::default(), Slots::Bytes(vec![]));
     }
     // Where the places of each clique begin.
     let mut begins = Vec::with_capacity(mapped + 1);
@@ -68,142 +37,66 @@ pub(in crate::assemble) fn couple(
     for (rows, columns) in cliques.rows.iter().zip(&cliques.columns).take(mapped) {
         begins.push(begins[begins.len() - 1] + rows.len() * columns.len());
     }
-    let mut places = Slots::new(begins[mapped]);
-    let mut pointers = Vec::with_capacity(row_nodes + 1);
-    pointers.push(0);
-    let mut rows = Rows {
-        cliques,
-        around: Around::new(cliques, row_nodes),
-        begins,
-        pointers,
-        columns: vec![],
-        seen: vec![(u32::MAX, 0); column_nodes],
-    };
-    let set = InstructionSet::best().checked();
-    loop {
-        let rows = &mut rows;
-        let finished = match &mut places {
-            Slots::Bytes(places) => set.run_without_kernel(Fill { rows, places }),
-            Slots::Words(places) => set.run_without_kernel(Fill { rows, places }),
-            Slots::Long(places) => set.run_without_kernel(Fill { rows, places }),
-        };
-        if finished {
-            break;
-        }
-        places = places.widened();
+    let partition = Partition::new(mapped, threads, row_nodes, |clique| cliques.rows[clique]);
+    let coupling = Coupling { cliques, begins, partition, column_nodes, threads };
+    // Nearly always bytes suffice.
+    if let Some((rows, places)) = coupling.make() {
+        return (rows, Slots::Bytes(places));
     }
-    let Rows { pointers, mut columns, .. } = rows;
-    columns.shrink_to_fit();
-    (BlockRows::new(pointers, columns), places)
+    if let Some((rows, places)) = coupling.make() {
+        return (rows, Slots::Words(places));
+    }
+    let (rows, places) = coupling.make().unwrap_or_default();
+    (rows, Slots::Long(places))
 }
 
-/// The rows so far.
-struct Rows<'a> {
+/// All that rows are made from.
+struct Coupling<'a> {
     cliques: &'a Cliques<'a>,
-    around: Around,
     /// Starts of the places of each clique that is mapped, and their end.
     begins: Vec<usize>,
-    pointers: Vec<usize>,
-    columns: Vec<u32>,
-    /// Of each column node, the last row that has it, and its place there.
-    seen: Vec<(u32, u32)>,
+    /// Cliques that are mapped, and rows, of each thread.
+    partition: Partition,
+    column_nodes: usize,
+    threads: Threads,
 }
 
-/// Makes rows to the last one, or to one that is too long for the places' type: whether all are made.
-struct Fill<'r, 'a, P> {
-    rows: &'r mut Rows<'a>,
-    places: &'r mut [P],
-}
-
-impl<P: Slot> LaneWork for Fill<'_, '_, P> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) -> bool {
-        let Fill { rows: Rows { cliques, around, begins, pointers, columns, seen }, places } = self;
-        let (mapped, seen) = (begins.len() - 1, &mut seen[..]);
-        let mut row = vec![0; 64];
-        for node in pointers.len() - 1..around.starts.len() - 1 {
-            let around = around.node(node);
-            let mut count = 0;
-            for &(clique, _) in around {
-                let own = cliques.columns[clique as usize];
-                if row.len() < count + own.len() {
-                    row.resize(2 * (count + own.len()), 0);
-                }
-                // Each is written behind the row, which grows only by those that are new: no branch to mispredict.
-                let behind = &mut row[count..][..own.len()];
-                let mut new = 0;
-                for k in 0..own.len() {
-                    let last = &mut seen[own[k] as usize].0;
-                    behind[new] = own[k];
-                    new += usize::from(*last != node as u32);
-                    *last = node as u32;
-                }
-                count += new;
-            }
-            if count > P::LONGEST_ROW {
-                // No row has been seen: this one is made again.
-                seen.fill((u32::MAX, 0));
-                return false;
-            }
-            let start = columns.len();
-            columns.resize(start + count, 0);
-            sort(&mut row, count, &mut columns[start..], seen);
-            for &(clique, i) in around {
-                if (clique as usize) < mapped {
-                    let columns = cliques.columns[clique as usize];
-                    let first = begins[clique as usize] + i as usize * columns.len();
-                    let places = &mut places[first..][..columns.len()];
-                    for k in 0..columns.len() {
-                        places[k] = P::new(seen[columns[k] as usize].1);
-                    }
-                }
-            }
-            pointers.push(start + count);
+impl Coupling<'_> {
+    /// Rows and places; none if a row is too long for the places' type, as none is for 32 bits.
+    fn make<P: Slot + Default>(&self) -> Option<(BlockRows, Vec<P>)> {
+        let (cliques, begins) = (self.cliques, &self.begins[..]);
+        let mut places = vec![P::default(); begins[begins.len() - 1]];
+        let (mut rest, mut parts) = (&mut places[..], Vec::new());
+        for (own, rows) in self.partition.entities.iter().zip(&self.partition.rows) {
+            let (of_thread, later) = rest.split_at_mut(begins[own.end] - begins[own.start]);
+            rest = later;
+            let (own, rows): (Range<usize>, Range<usize>) = (own.clone(), rows.clone());
+            let column_nodes = self.column_nodes;
+            parts.push(RowsOfThread { cliques, rows, own, begins, places: of_thread, column_nodes });
         }
-        true
-    }
-}
-
-/// Sorts the first `count` numbers, all different, and notes the place of each. There are 64 at least.
-#[inline(always)]
-fn sort(numbers: &mut [u32], count: usize, sorted: &mut [u32], places: &mut [(u32, u32)]) {
-    match count {
-        0..=16 => sort_by_rank::<16>(numbers, count, sorted, places),
-        17..=32 => sort_by_rank::<32>(numbers, count, sorted, places),
-        33..=64 => sort_by_rank::<64>(numbers, count, sorted, places),
-        _ => {
-            numbers[..count].sort_unstable();
-            sorted.copy_from_slice(&numbers[..count]);
-            for place in 0..count {
-                places[sorted[place] as usize].1 = place as u32;
+        let set = InstructionSet::best().checked();
+        let made = self.threads.run(parts, |part| set.run_without_kernel(part));
+        let made: Vec<MadeRows<P>> = made.into_iter().collect::<Option<_>>()?;
+        let mut pointers = Vec::with_capacity(self.partition.rows.iter().map(Range::len).sum::<usize>() + 1);
+        pointers.push(0);
+        let mut columns: Vec<u32> = Vec::new();
+        for MadeRows { ends, columns: of_thread, elsewhere, places_elsewhere } in made {
+            let before = columns.len();
+            pointers.extend(ends.into_iter().map(|end| before + end));
+            if before == 0 {
+                columns = of_thread;
+            } else {
+                columns.extend_from_slice(&of_thread);
+            }
+            let mut found = &places_elsewhere[..];
+            for (start, count) in elsewhere {
+                let (of_row, later) = found.split_at(count);
+                places[start..start + count].copy_from_slice(of_row);
+                found = later;
             }
         }
-    }
-}
-
-/// Sorts at most LENGTH different numbers: the place of each is how many are smaller. That is many comparisons, but without
-/// a branch to mispredict, and several at a time.
-#[inline(always)]
-fn sort_by_rank<const LENGTH: usize>(
-    numbers: &[u32],
-    count: usize,
-    sorted: &mut [u32],
-    places: &mut [(u32, u32)],
-) {
-    let numbers = &numbers[..LENGTH];
-    let mut ranks = [0_u32; LENGTH];
-    for k in 0..count {
-        let number = numbers[k];
-        // What stands behind the numbers gets a rank, too, which nothing reads.
-        for other in 0..LENGTH {
-            ranks[other] += u32::from(number < numbers[other]);
-        }
-    }
-    for k in 0..count {
-        sorted[ranks[k] as usize] = numbers[k];
-        places[numbers[k] as usize].1 = ranks[k];
+        columns.shrink_to_fit();
+        Some((BlockRows::new(pointers, columns), places))
     }
 }
 
@@ -211,30 +104,17 @@ fn sort_by_rank<const LENGTH: usize>(
 mod tests {
     use super::*;
 
-    #[test]
-    fn rows_of_every_length_are_sorted() {
-        for length in 0..100_usize {
-            let mut row: Vec<u32> = (0..length as u32).map(|k| k * 7_919 % 65_521).collect();
-            let mut expected = row.clone();
-            expected.sort_unstable();
-            row.resize(length.max(64), 7);
-            let (mut sorted, mut places) = (vec![0; length], vec![(0, u32::MAX); 65_521]);
-            sort(&mut row, length, &mut sorted, &mut places);
-            assert_eq!(sorted, expected);
-            for (place, number) in expected.iter().enumerate() {
-                assert_eq!(places[*number as usize].1 as usize, place);
-            }
-        }
+    /// A chain of pairs, then a clique whose rows have 300 columns.
+    fn chain_and_wide() -> (Vec<[u32; 2]>, Vec<u32>) {
+        ((0..2_000).map(|k| [k, k + 1]).collect(), (50..350).rev().collect())
     }
 
     #[test]
     fn places_widen_where_a_row_is_long() {
-        // A chain of pairs, then a clique whose rows have 300 columns.
-        let chain: Vec<[u32; 2]> = (0..400).map(|k| [k, k + 1]).collect();
-        let wide: Vec<u32> = (50..350).rev().collect();
+        let (chain, wide) = chain_and_wide();
         let sets: Vec<&[u32]> = chain.iter().map(|pair| &pair[..]).chain([&wide[..]]).collect();
         let cliques = Cliques { rows: sets.clone(), columns: sets.clone() };
-        let (blocks, places) = couple(&cliques, (401, 401), sets.len());
+        let (blocks, places) = couple(&cliques, (2_001, 2_001), sets.len(), Threads::ONE);
         let Slots::Words(places) = places else { panic!("300 columns need two bytes") };
         let mut start = 0;
         for set in &sets {
@@ -248,5 +128,25 @@ mod tests {
         }
         assert_eq!(blocks.row(0), [0, 1]);
         assert_eq!(blocks.row(50).len(), 301);
+    }
+
+    #[test]
+    fn threads_make_the_same_rows_and_places() {
+        let (chain, wide) = chain_and_wide();
+        // Rows and columns differ; the wide one comes first, in the middle, last among the mapped, and behind them.
+        for position in [0, 700, 2_000] {
+            let mut rows: Vec<&[u32]> = chain.iter().map(|pair| &pair[..]).collect();
+            rows.insert(position, &wide);
+            let columns: Vec<&[u32]> = rows.iter().map(|row| &row[1..]).collect();
+            let cliques = Cliques { rows, columns };
+            for mapped in [0, 900, 2_000, 2_001] {
+                let (alone, places) = couple(&cliques, (2_005, 2_001), mapped, Threads::ONE);
+                for threads in [2, 3, 5] {
+                    let (found, known) = couple(&cliques, (2_005, 2_001), mapped, Threads::new(threads));
+                    assert_eq!(found, alone);
+                    assert!(known == places, "{mapped} mapped, {threads} threads, wide at {position}");
+                }
+            }
+        }
     }
 }

@@ -36,13 +36,7 @@ impl SimdLane for Avx2 {
 
     #[inline(always)]
     fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
-        let mut largest = places[0];
-        for lane in 1..4 {
-            largest = if places[lane] > largest { places[lane] } else { largest };
-        }
-        assert!(largest < values.len() && COUNT <= values.len() - largest);
-        // SAFETY: places are in range, up to their COUNT entries.
-        unsafe { gather_by_pairs(values.as_ptr(), places) }
+        Self::gather_from(values, &Starts::at::<Self>(places), 0)
     }
 
     #[inline(always)]

@@ -37,24 +37,7 @@ impl SimdLane for Avx512 {
 
     #[inline(always)]
     fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
-        let mut largest = places[0];
-        for lane in 1..8 {
-            largest = if places[lane] > largest { places[lane] } else { largest };
-        }
-        assert!(largest < values.len() && COUNT <= values.len() - largest);
-        let mut entries = [Avx512::splat(0.0); COUNT];
-        if COUNT > 4 {
-            for k in 0..COUNT {
-                let mut lanes = [0.0; 8];
-                for lane in 0..8 {
-                    lanes[lane] = values[places[lane] + k];
-                }
-                entries[k] = Avx512::from_array(&lanes);
-            }
-            return entries;
-        }
-        // SAFETY: places are in range, up to their COUNT entries.
-        unsafe { gather_transposed(values, places, 0) }
+        Self::gather_from(values, &Starts::at::<Self>(places), 0)
     }
 
     #[inline(always)]

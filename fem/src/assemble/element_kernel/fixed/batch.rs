@@ -1,30 +1,22 @@
-//! Some cells, one per lane: geometry, basis functions and fields at their points, in arrays of known lengths.
+//! Some cells, one per lane: geometry and basis functions at their points, in arrays of known lengths.
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{
-    Basis, CellGeometry, FieldSlot, OppositePoint, Order, PointGeometry, Requirements,
-};
+use forms_core::contract::{Basis, CellGeometry, OppositePoint, PointGeometry, Requirements};
 
-use super::tables::{FieldTables, FixedTables};
+use super::fields::FieldBuffers;
+use super::tables::FixedTables;
 use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts};
 
-/// Memory of a batch, kept from one run to the next.
-pub(super) struct FieldBuffers<L> {
-    /// Coefficients per slot, node × component; only the first slot of a field has any.
-    coefficients: Vec<Vec<L>>,
-    pub fields: Vec<L>,
-}
-
 /// A batch of cells, with loops of fixed lengths.
 pub(super) struct FixedBatch<'a, L: SimdLane, S: Sizes, const D: usize> {
-    tables: &'a FixedTables<S, D>,
+    pub tables: &'a FixedTables<S, D>,
     nodes: S::GeometryNodes<[L; D]>,
     /// Of affine cells.
     affine: PointMap<L, D>,
@@ -39,18 +31,6 @@ pub(super) struct PointMap<L, const D: usize> {
     /// J⁻ᵀ.
     pub inverse: [[L; D]; D],
     normal: [L; D],
-}
-
-impl<L: SimdLane> FieldBuffers<L> {
-    /// Room for what a kernel reads.
-    pub fn new<S: Sizes, const D: usize>(requirements: &Requirements, tables: &FixedTables<S, D>) -> Self {
-        let zero = L::splat(0.0);
-        let coefficients = requirements.fields.iter().map(|slot| {
-            let nodes = tables.fields[slot.field].as_ref().map_or(0, |field| field.tables.nodes);
-            vec![zero; nodes * slot.components]
-        });
-        FieldBuffers { coefficients: coefficients.collect(), fields: vec![zero; requirements.field_length] }
-    }
 }
 
 impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
@@ -73,14 +53,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         }
         if !requirements.fields.is_empty() {
             let starts = Starts::new::<L>(start, filled, tables.coefficient_stride);
-            for index in 0..requirements.fields.len() {
-                let slot = &requirements.fields[index];
-                let Some(field) = &tables.fields[slot.field] else { continue };
-                if first_slot(requirements, index) == index {
-                    let target = &mut buffers.coefficients[index];
-                    gather_field(cells.coefficients, &starts, &field.offsets, slot.components, target);
-                }
-            }
+            buffers.load(requirements, tables, cells.coefficients, &starts);
         }
         let none = PointMap { measure: zero, determinant: zero, inverse: [[zero; D]; D], normal: [zero; D] };
         let mut batch = FixedBatch { tables, nodes, affine: none };
@@ -225,58 +198,6 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         }
     }
 
-    #[inline(always)]
-    fn evaluate_slot(
-        &self,
-        requirements: &Requirements,
-        index: usize,
-        q: usize,
-        map: &PointMap<L, D>,
-        buffers: &mut FieldBuffers<L>,
-    ) {
-        let slot = &requirements.fields[index];
-        let Some(field) = &self.tables.fields[slot.field] else { return };
-        let FieldBuffers { coefficients, fields } = buffers;
-        let coefficients = &coefficients[first_slot(requirements, index)][..];
-        let target = &mut fields[slot.offset..];
-        match slot.components {
-            1 => self.interpolate::<1>(slot, field, q, map, coefficients, target),
-            2 => self.interpolate::<2>(slot, field, q, map, coefficients, target),
-            _ => self.interpolate::<3>(slot, field, q, map, coefficients, target),
-        }
-    }
-
-    #[inline(always)]
-    fn interpolate<const C: usize>(
-        &self,
-        slot: &FieldSlot,
-        field: &FieldTables<D>,
-        q: usize,
-        map: &PointMap<L, D>,
-        coefficients: &[L],
-        target: &mut [L],
-    ) {
-        let arguments = &self.tables.arguments;
-        match (slot.order, field.as_arguments) {
-            (Order::Value, true) => {
-                value::<L, C>(arguments.values.entries()[q].entries(), coefficients, target)
-            }
-            (Order::Value, false) => {
-                let nodes = field.tables.nodes;
-                value::<L, C>(&field.tables.value[q * nodes..][..nodes], coefficients, target);
-            }
-            (_, true) => gradient::<L, C, D>(
-                arguments.slopes.entries()[q].entries(),
-                &map.inverse,
-                coefficients,
-                target,
-            ),
-            (_, false) => {
-                gradient::<L, C, D>(row(&field.tables, q), &map.inverse, coefficients, target);
-            }
-        }
-    }
-
     /// Values and gradients of the test functions at the q-th point.
     #[inline(always)]
     pub fn evaluate_basis(
@@ -336,86 +257,9 @@ fn transformed<L: SimdLane, const D: usize>(inverse: &[[L; D]; D], slope: &[f64;
     gradient
 }
 
-/// Σ over nodes of coefficient × basis function.
-#[inline(always)]
-fn value<L: SimdLane, const C: usize>(values: &[f64], coefficients: &[L], target: &mut [L]) {
-    let coefficients = &coefficients[..values.len() * C];
-    let mut sums = [L::splat(0.0); C];
-    for node in 0..values.len() {
-        for component in 0..C {
-            sums[component] =
-                coefficients[node * C + component].multiply_add(L::splat(values[node]), sums[component]);
-        }
-    }
-    let target = &mut target[..C];
-    for component in 0..C {
-        target[component] = sums[component];
-    }
-}
-
-/// The gradient in reference coordinates, then in physical ones.
-#[inline(always)]
-fn gradient<L: SimdLane, const C: usize, const D: usize>(
-    slopes: &[[f64; D]],
-    inverse: &[[L; D]; D],
-    coefficients: &[L],
-    target: &mut [L],
-) {
-    let coefficients = &coefficients[..slopes.len() * C];
-    let mut sums = [[L::splat(0.0); D]; C];
-    for node in 0..slopes.len() {
-        for component in 0..C {
-            for j in 0..D {
-                sums[component][j] = coefficients[node * C + component]
-                    .multiply_add(L::splat(slopes[node][j]), sums[component][j]);
-            }
-        }
-    }
-    let target = &mut target[..C * D];
-    for component in 0..C {
-        for i in 0..D {
-            let mut sum = inverse[i][0] * sums[component][0];
-            for j in 1..D {
-                sum = inverse[i][j].multiply_add(sums[component][j], sum);
-            }
-            target[component * D + i] = sum;
-        }
-    }
-}
-
-/// The first slot that reads the field of a slot: coefficients are loaded once.
-#[inline(always)]
-fn first_slot(requirements: &Requirements, index: usize) -> usize {
-    let mut first = 0;
-    while requirements.fields[first].field != requirements.fields[index].field {
-        first += 1;
-    }
-    first
-}
-
-#[inline(always)]
-fn gather_field<L: SimdLane>(
-    values: &[f64],
-    starts: &Starts,
-    offsets: &[usize],
-    components: usize,
-    target: &mut [L],
-) {
-    let target = &mut target[..offsets.len() * components];
-    for node in 0..offsets.len() {
-        let target = &mut target[node * components..][..components];
-        match target {
-            [a] => [*a] = L::gather_from(values, starts, offsets[node]),
-            [a, b] => [*a, *b] = L::gather_from(values, starts, offsets[node]),
-            [a, b, c] => [*a, *b, *c] = L::gather_from(values, starts, offsets[node]),
-            _ => {}
-        }
-    }
-}
-
 /// Slopes at the q-th point of a table.
 #[inline(always)]
-fn row<const D: usize>(tables: &Tables<D>, q: usize) -> &[[f64; D]] {
+pub(super) fn row<const D: usize>(tables: &Tables<D>, q: usize) -> &[[f64; D]] {
     &tables.gradient[q * tables.nodes..][..tables.nodes]
 }
 

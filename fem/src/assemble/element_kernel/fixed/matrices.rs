@@ -5,7 +5,8 @@
 
 use forms_core::contract::{Basis, BilinearKernel};
 
-use super::batch::{FieldBuffers, FixedBatch};
+use super::batch::FixedBatch;
+use super::fields::FieldBuffers;
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};

@@ -10,7 +10,8 @@
 
 use forms_core::contract::{Basis, LinearKernel};
 
-use super::batch::{FieldBuffers, FixedBatch};
+use super::batch::FixedBatch;
+use super::fields::FieldBuffers;
 use super::tables::MOST_COMPONENTS;
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
