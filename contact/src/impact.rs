@@ -26,9 +26,10 @@ pub mod impact {
         crate::operators::body_load::Data
     )]
     pub struct Data {
-        /// ρ, mass per volume.
+        /// ρ, mass per volume: of all of the body, or without inertia at the nodes of Γ_C, as
+        /// [`redistributed_mass`](forms_fem::time::redistributed_mass()) makes it.
         #[doc(alias = "ρ")]
-        pub rho: Param,
+        pub rho: Given<Scalar>,
     }
 
     /// Ω.

@@ -62,7 +62,7 @@ const GAP: f64 = 0.02;
 fn model(during: &During<2>) -> Result<thrown::Model<2>, ControlError> {
     let required = impact::Required {
         base: during.into(),
-        rho: during.number("density")?,
+        rho: Given::constant(during.number("density")?),
         lambda: 0.0,
         mu: during.number("shear_modulus")?,
         theta: 1.0,

@@ -2,10 +2,12 @@
 //! temperatures, and a cantilever of least compliance, with a control per cell. It prints values, gradients beside differences,
 //! and what they cost, for docs/inverse_problems.md.
 //!
-//! `cargo run --release --bin inverse_problems -- heat --cells 16 32 64 --solver direct`, `structure`, or `inversion`.
+//! `cargo run --release --bin inverse_problems -- heat --cells 16 32 64 --solver direct`, `structure`, `inversion`, or `motion`, which is a motion in time
+//! of this project's own.
 
 mod heat;
 mod measured;
+mod motion;
 mod structure;
 
 use std::error::Error;
@@ -48,6 +50,15 @@ enum Which {
         #[arg(long, default_value_t = 16)]
         cells: usize,
     },
+    /// A motion in time with its gradient by material, loads and start, by one scheme after the other.
+    Motion {
+        /// Cells along the body.
+        #[arg(long, default_value_t = 120)]
+        cells: usize,
+        /// Steps in time.
+        #[arg(long, default_value_t = 6)]
+        steps: usize,
+    },
     /// Compliance of a cantilever with its gradient, and the density that minimises it.
     Structure {
         /// Numbers of the cases: 16 × 2 × 8, 16 × 8 × 8 and 32 × 8 × 8 cells.
@@ -72,6 +83,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
     match &options.problem {
         Which::Heat { cells, solver } => heat::costs(cells, *solver, out),
         Which::Inversion { cells } => heat::inversion(*cells, out),
+        Which::Motion { cells, steps } => motion::costs(*cells, *steps, out),
         Which::Structure { cases, solver, iterations } => structure::costs(cases, *solver, *iterations, out),
     }
 }

@@ -30,6 +30,7 @@ mod owned_cells;
 mod pairs;
 mod positive_parts;
 mod reactions;
+mod redistributed_mass;
 mod related_unknowns;
 mod rigid_surfaces;
 mod rotated_relations;

@@ -21,6 +21,11 @@ use crate::mesh::geometry::inverse;
 /// Points this far outside a cell, in reference coordinates, still belong to it.
 pub const INSIDE: f64 = 1e-10;
 
+/// The first box in which a nearest cell is looked for is so many times smaller than the tolerance, and each further one larger by the
+/// factor [`GROWTH`].
+const FIRST_REACH: f64 = 4096.0;
+const GROWTH: f64 = 8.0;
+
 /// Finds cells by position.
 #[derive(Clone, Debug)]
 pub struct Locator<const D: usize> {
@@ -98,16 +103,36 @@ impl<const D: usize> Locator<D> {
         if point.iter().any(|x| !x.is_finite()) || tolerance.is_nan() {
             return None;
         }
-        let mut best: Option<Nearest<D>> = None;
-        for cell in self.grid.meeting(&(point.map(|x| x - tolerance), point.map(|x| x + tolerance))) {
-            let (clamped, distance) = project::project(&self.mesh, cell, point);
-            // Where the map has no inverse at the point, there is nothing to extrapolate to.
-            let reference = self.invert(cell, point).unwrap_or(clamped);
-            if distance <= tolerance && best.is_none_or(|best| distance < best.distance) {
-                best = Some(Nearest { cell, reference, clamped, distance });
+        // Where cells are of different sizes the tolerance may reach over thousands of small ones, and the nearest is close by: a first
+        // one is looked for in boxes that grow, and then whatever is as near.
+        let mut reach = tolerance / FIRST_REACH;
+        loop {
+            match self.nearest_within(point, reach) {
+                Some(found) if found.distance <= reach => return Some(found),
+                Some(found) => {
+                    let nearest = self.nearest_within(point, found.distance.min(tolerance));
+                    return nearest.filter(|nearest| nearest.distance <= tolerance);
+                }
+                None if reach < tolerance => reach = (GROWTH * reach).min(tolerance),
+                None => return None,
             }
         }
-        best
+    }
+
+    /// The nearest of the cells whose boxes come within a distance, the one with the lowest index where several are.
+    fn nearest_within(&self, point: &[f64; D], reach: f64) -> Option<Nearest<D>> {
+        let mut best: Option<(usize, [f64; D], f64)> = None;
+        for cell in self.grid.meeting(&(point.map(|x| x - reach), point.map(|x| x + reach))) {
+            let (clamped, distance) = project::project(&self.mesh, cell, point);
+            if best.is_none_or(|best| distance < best.2) {
+                best = Some((cell, clamped, distance));
+            }
+        }
+        best.map(|(cell, clamped, distance)| {
+            // Where the map has no inverse at the point, there is nothing to extrapolate to.
+            let reference = self.invert(cell, point).unwrap_or(clamped);
+            Nearest { cell, reference, clamped, distance }
+        })
     }
 
     /// The reference coordinates of a point in a given cell, outside the reference cell where the point is outside the cell;
@@ -173,8 +198,27 @@ impl<const D: usize> Locator<D> {
 }
 
 fn cell_box<const D: usize>(mesh: &Mesh<D>, cell: usize) -> Corners<D> {
-    let nodes = mesh.cell(cell).iter().map(|&node| &mesh.nodes()[node as usize]);
-    box_around(nodes, if mesh.degree() == 2 { 0.5 } else { 0.0 })
+    let (shape, own) = (mesh.cell_shape(cell), mesh.cell(cell));
+    let place = |node: u32| &mesh.nodes()[node as usize];
+    if mesh.degree() == 1 || !shape.is_simplex() {
+        return box_around(own.iter().map(|&node| place(node)), if mesh.degree() == 2 { 0.5 } else { 0.0 });
+    }
+    // x = Σ λ_i v_i + Σ 4 λ_i λ_j d_ij with the vertices v and the ways d of the edges' nodes from the middles: in a box around the vertices
+    // that is wider by 3/2 of the largest d (4/3 in the plane). Nearly all cells are straight, and theirs are small.
+    let vertices = shape.vertices();
+    let (mut lower, mut upper) = box_around(own[..vertices].iter().map(|&node| place(node)), 0.0);
+    let mut bulge = [0.0_f64; D];
+    for (&[a, b], &middle) in shape.edges().iter().zip(&own[vertices..]) {
+        let [a, b, middle] = [own[a], own[b], middle].map(place);
+        for k in 0..D {
+            bulge[k] = bulge[k].max((middle[k] - (a[k] + b[k]) / 2.0).abs());
+        }
+    }
+    for k in 0..D {
+        lower[k] -= 1.5 * bulge[k];
+        upper[k] += 1.5 * bulge[k];
+    }
+    (lower, upper)
 }
 
 fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
@@ -282,6 +326,37 @@ mod tests {
         assert!((near.distance - 1.0).abs() < 1e-12);
         assert!((near.clamped[0] - 1.0).abs() < 1e-15 && (near.reference[0] - 1.4).abs() < 1e-12);
         assert_eq!(locator.find_nearest(&[f64::NAN, 0.0], 1.0), None);
+        Ok(())
+    }
+
+    // Cells of the sizes 1 and 10⁻³ together, and points at all distances from them.
+    #[test]
+    fn the_nearest_cell_is_the_nearest_of_all() -> Result<(), MeshError> {
+        let graded = |[s, t]: [f64; 2]| {
+            let (radius, angle) = (1.0 + 0.05 * s + s.powi(6), 0.01 * t + t.powi(5));
+            [radius * angle.cos(), radius * angle.sin()]
+        };
+        let mesh = Arc::new(structured([6, 24], CellShape::Triangle, 2, graded)?);
+        let locator = Locator::new(&mesh);
+        let (mut near, mut far) = (0, 0);
+        for step in 0..400 {
+            let angle = -0.2 + 1.4 * f64::from(step % 40) / 40.0;
+            let radius = 1.0 - 2e-5 * 1.3_f64.powi(step / 10);
+            let (point, tolerance) = ([radius * angle.cos(), radius * angle.sin()], 0.3);
+            let all = (0..mesh.cell_count()).map(|cell| project::project(&mesh, cell, &point).1);
+            let least = all.fold(f64::INFINITY, f64::min);
+            match locator.find_nearest(&point, tolerance) {
+                Some(found) => {
+                    near += 1;
+                    assert!(found.distance == least || locator.find(&point).is_some(), "{point:?}");
+                }
+                None => {
+                    far += 1;
+                    assert!(least > tolerance, "{point:?}: {least}");
+                }
+            }
+        }
+        assert!(near > 200 && far > 20, "{near} {far}");
         Ok(())
     }
 

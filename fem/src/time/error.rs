@@ -83,6 +83,16 @@ pub enum StepFailure {
         /// Its row sum.
         mass: f64,
     },
+    /// Unknowns without inertia, as those of nodes at which there is no density, with a scheme that reads accelerations of states
+    /// there: the trapezoidal and the mid-point rule and backward differences read none but for inertia.
+    #[error(
+        "{} unknowns, unknown {} the first, have no inertia, and the scheme reads accelerations there: take the trapezoidal or the mid-point rule, or backward differences",
+        .unknowns.len(), .unknowns[0]
+    )]
+    Massless {
+        /// The unknowns.
+        unknowns: Vec<usize>,
+    },
     /// Lumped masses of related unknowns.
     #[error("masses are lumped where unknowns are free or prescribed; here some are given by others")]
     LumpedRelations,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::error::StepFailure;
-use super::mass::{Mass, diagonal, row_sums};
+use super::mass::{Mass, diagonal, row_sums, with_inertia};
 use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Parts};
 use crate::compiled_here::compiled_here;
@@ -136,6 +136,9 @@ impl StepMatrix {
         };
         means.solver.set_matrix(match &lumped {
             Some(masses) => diagonal(masses, elimination)?,
+            None if weights[..2] == [0.0; 2] => {
+                with_inertia(elimination.reduce_matrix(&matrix)?, elimination)?
+            }
             None => elimination.reduce_matrix(&matrix)?,
         })?;
         cost.matrices += 1;

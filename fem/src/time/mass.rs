@@ -1,4 +1,4 @@
-//! Mass matrices of explicit steps.
+//! Mass matrices: those of explicit steps, and what a matrix of inertia has to have.
 
 use super::error::StepFailure;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
@@ -33,4 +33,15 @@ pub(super) fn diagonal(masses: &[f64], elimination: &Elimination) -> Result<CsrM
     let entries: Vec<_> =
         free.iter().enumerate().map(|(row, &unknown)| (row, row, masses[unknown])).collect();
     Ok(CsrMatrix::from_triplets(free.len(), free.len(), &entries)?)
+}
+
+/// A reduced mass matrix in which every free unknown has inertia.
+pub(super) fn with_inertia(matrix: CsrMatrix, elimination: &Elimination) -> Result<CsrMatrix, StepFailure> {
+    let rows = matrix.row_pointers().windows(2).map(|ends| &matrix.values()[ends[0]..ends[1]]);
+    let empty = rows.zip(elimination.free()).filter(|(row, _)| row.iter().all(|value| *value == 0.0));
+    let unknowns: Vec<usize> = empty.map(|(_, unknown)| *unknown).collect();
+    match unknowns.is_empty() {
+        true => Ok(matrix),
+        false => Err(StepFailure::Massless { unknowns }),
+    }
 }

@@ -74,6 +74,13 @@ pub struct Formulas {
 }
 
 impl Formulas {
+    /// Whether values and rates are free of the states' second rates, which then enter inertia alone.
+    pub(super) fn second_rates_are_for_inertia(&self) -> bool {
+        let Formulas { evaluated: [value, rate, _], end: [last, last_rate, _], .. } = self;
+        let mut states = [value, rate, last, last_rate].into_iter().flat_map(|all| &all.states);
+        states.all(|weights| weights[2] == 0.0)
+    }
+
     /// The number of states that they read.
     pub(crate) fn states(&self) -> usize {
         let all = self.evaluated.iter().chain(&self.end);

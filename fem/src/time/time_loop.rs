@@ -289,7 +289,21 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             before: state,
         };
         let form = (self.form)(&step);
-        let (second_rate, ..) = self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
+        let mut conditions = constraints.homogeneous();
+        let (second_rate, ..) = match self.solve_affine(&*form, step.weights, &conditions) {
+            // What has no inertia follows the others, and has no acceleration of its own.
+            Err(StepFailure::Massless { unknowns })
+                if self.scheme.solved_for() == SolvedFor::Value
+                    && self.scheme.formulas(&[1.0]).second_rates_are_for_inertia() =>
+            {
+                let components = step.known[0].space().components();
+                for unknown in unknowns {
+                    conditions.fix_node(unknown / components, unknown % components, 0.0)?;
+                }
+                self.solve_affine(&*form, step.weights, &conditions)?
+            }
+            found => found?,
+        };
         self.states[0].second_rate = second_rate;
         self.has_second_rate = true;
         Ok(())
