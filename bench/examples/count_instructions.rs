@@ -12,7 +12,6 @@ use std::sync::Arc;
 
 use forms_bench::basket::BASKET;
 use forms_bench::forms::given::{body_in_contact, elasticity};
-use forms_bench::random_cells::{BATCH, RandomCells};
 use forms_fem::assemble::BlockPattern;
 use forms_fem::lanes::InstructionSet;
 use forms_fem::linear_algebra::BlockMatrix;
@@ -60,21 +59,9 @@ fn count(out: &mut StandardOutput, name: &str, mut work: impl FnMut()) {
 
 fn kernels(out: &mut StandardOutput) {
     for entry in BASKET {
-        let lengths = (entry.lengths)();
-        let cells = RandomCells::new(&entry.setting, lengths.width);
-        let mut results = vec![0.0; BATCH * lengths.size];
+        let mut call = entry.prepare();
         count(out, entry.name, || {
-            // SAFETY: the arrays are as long as the plugin interface has them for this form.
-            unsafe {
-                (entry.batch)(
-                    BATCH as i32,
-                    results.as_mut_ptr(),
-                    cells.coefficients.as_ptr(),
-                    cells.constants.as_ptr(),
-                    cells.coordinates.as_ptr(),
-                    &0,
-                );
-            }
+            call.run();
         });
     }
 }

@@ -3,6 +3,7 @@
 pub mod assembly;
 pub mod basix;
 pub mod basket;
+pub mod beside_petsc;
 pub mod bodies;
 pub mod comparison;
 pub mod element_batch;

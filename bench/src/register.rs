@@ -2,6 +2,7 @@
 
 use crate::element_batch::Setting;
 use crate::plugin::Lengths;
+use crate::random_cells::{BATCH, RandomCells};
 
 /// A kernel of the basket.
 #[derive(Clone, Copy)]
@@ -14,6 +15,40 @@ pub struct Entry {
     pub lengths: fn() -> Lengths,
     /// The symbol `batch_<name>`.
     pub batch: Batch,
+}
+
+/// A kernel with input and room for its results: a call for one batch of the harness's cells, which are in the cache.
+pub struct PreparedCall {
+    entry: Entry,
+    cells: RandomCells,
+    results: Vec<f64>,
+}
+
+impl Entry {
+    /// A call for [`BATCH`] of the harness's cells.
+    pub fn prepare(&self) -> PreparedCall {
+        let lengths = (self.lengths)();
+        let cells = RandomCells::new(&self.setting, lengths.width);
+        PreparedCall { entry: *self, cells, results: vec![0.0; BATCH * lengths.size] }
+    }
+}
+
+impl PreparedCall {
+    /// Element matrices or vectors, cell after cell.
+    pub fn run(&mut self) -> &mut [f64] {
+        // SAFETY: the arrays are as long as the plugin interface has them for this form.
+        unsafe {
+            (self.entry.batch)(
+                BATCH as i32,
+                self.results.as_mut_ptr(),
+                self.cells.coefficients.as_ptr(),
+                self.cells.constants.as_ptr(),
+                self.cells.coordinates.as_ptr(),
+                &0,
+            );
+        }
+        &mut self.results
+    }
 }
 
 /// `batch_<form>(n, A, w, c, x, entity)` of the plugin interface in `peers/README.md`.

@@ -25,7 +25,9 @@ pub(crate) use self::neon::Neon;
 pub(crate) use self::ordered::{Order, Ordered};
 #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
 pub(crate) use self::x86::Avx2;
+// Its unit tests name it only where programs' instances are made, which tests leave out.
 #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
+#[cfg_attr(test, allow(unused_imports))]
 pub(crate) use self::x86::Avx512;
 
 /// No lane type of any instruction set has more lanes.
