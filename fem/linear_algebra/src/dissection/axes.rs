@@ -13,6 +13,14 @@ const NONE: f64 = 1e-9;
 /// layers of cells: a cube's axes are whatever the diagonals of its cells make them.
 const ROUND: f64 = 0.5;
 
+/// An axis lies along a coordinate if one of its components is at least so large.
+const ALONG: f64 = 1.0 - 1e-6;
+
+/// Whether an axis lies along a coordinate.
+pub(super) fn is_coordinate(axis: &Axis) -> bool {
+    axis.iter().any(|component| component.abs() >= ALONG)
+}
+
 /// Axes across which to cut a set of points: that along which they spread most, those along which they spread nearly as much, and
 /// coordinate axes where that is no clear choice. None if there are no points, or their coordinates are not finite.
 pub(super) fn axes_of<'p>(points: impl Iterator<Item = &'p [f64; 3]> + Clone) -> Vec<Axis> {
@@ -38,7 +46,7 @@ pub(super) fn axes_of<'p>(points: impl Iterator<Item = &'p [f64; 3]> + Clone) ->
     let is_round = found.get(1).is_some_and(|(spread, _)| *spread > ROUND * longest);
     let mut axes: Vec<Axis> = found.into_iter().map(|(_, axis)| axis).collect();
     for k in (0..3).filter(|k| is_round && extents[*k] > NEARLY_AS_LONG * longest) {
-        if axes.iter().all(|axis| axis[k].abs() < 1.0 - 1e-6) {
+        if axes.iter().all(|axis| axis[k].abs() < ALONG) {
             axes.push(std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }));
         }
     }

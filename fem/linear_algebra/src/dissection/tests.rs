@@ -129,6 +129,32 @@ fn jagged_cuts_are_smoothed() {
     }
 }
 
+/// A square of triangles, whose diagonal has as few nodes as a line across its middle: halves are rectangles, and no triangles.
+#[test]
+fn halves_of_a_square_are_no_wedges() {
+    let n = 8;
+    let mut cells = Cells::default();
+    for cell in 0..2 * n * n {
+        let (i, j, upper) = (cell / 2 % n, cell / 2 / n, cell % 2);
+        let (x, y) = ((i + 1) as f64 - (1 + upper) as f64 / 3.0, j as f64 + (1 + upper) as f64 / 3.0);
+        let corner = j * (n + 1) + i;
+        let third = if upper == 1 { corner + n + 1 } else { corner + 1 };
+        cells.add([x, y, 0.0], [corner, third, corner + n + 2].map(|node| node as u32));
+    }
+    let graph = BlockGraph::new(&pattern(&cells, (n + 1) * (n + 1), &[])).unwrap();
+    let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
+    let parts = Halves::of_all(&CellBlocks::new(&cells, &graph, &numbers), graph.blocks());
+    let is_between = |k: usize| {
+        let of_half = |half: Part| {
+            let own = parts.iter().zip(cells.centres()).filter(move |(part, _)| part.with(half) == half);
+            own.map(move |(_, centre)| centre[k])
+        };
+        let [lower, upper] = Part::ALL.halves();
+        of_half(lower).fold(f64::NEG_INFINITY, f64::max) < of_half(upper).fold(f64::INFINITY, f64::min)
+    };
+    assert!((0..2).any(is_between));
+}
+
 #[test]
 fn the_longest_axis_comes_first() {
     let (cosine, sine) = (0.3_f64.cos(), 0.3_f64.sin());
