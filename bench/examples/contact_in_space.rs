@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use forms_bench::beside_petsc::{HEADER, compare, options, peak_memory};
+use forms_bench::beside_petsc::{Beside, HEADER, compare, options, peak_memory};
 use forms_contact::{ContactProblem, forms};
 use forms_fem::output::{StandardOutput, program, tell};
 use forms_fem::prelude::*;
@@ -127,7 +127,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     ));
     HEADER.iter().for_each(|line| out.line(line));
     let free = elimination.free().iter().step_by(3).map(|unknown| space.positions()[unknown / 3]);
-    compare(out, &problem.constraints, (matrix, load), free, arguments.alone)
+    let beside = if arguments.alone { Beside::Nobody } else { Beside::Petsc };
+    compare(out, &problem.constraints, (matrix, load), free, beside)
 }
 
 fn main() -> ExitCode {

@@ -9,7 +9,7 @@ use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use forms_bench::beside_petsc::{HEADER, compare};
+use forms_bench::beside_petsc::{Beside, HEADER, compare};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 use forms_fem::solve::{Elimination, NonlinearProblem};
@@ -44,6 +44,7 @@ mod elastic {
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let alone = arguments.iter().any(|argument| argument == "--alone");
+    let beside = if alone { Beside::Nobody } else { Beside::Petsc };
     let divisions = arguments.iter().find(|argument| !argument.starts_with('-'));
     let n: usize = divisions.map_or(Ok(32), |n| n.parse())?;
 
@@ -69,7 +70,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     ));
     HEADER.iter().for_each(|line| out.line(line));
     let free = elimination.free().iter().step_by(3).map(|unknown| space.positions()[unknown / 3]);
-    compare(out, &constraints, (matrix, load), free, alone)?;
+    compare(out, &constraints, (matrix, load), free, beside)?;
     Ok(())
 }
 

@@ -20,6 +20,15 @@ pub const HEADER: [&str; 2] = [
     "--- | --- | --- | --- | --- | --- | ---",
 ];
 
+/// Who solves the system beside us.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// PETSc, by `peers/solve_petsc.py`, in one process and in two.
+    Petsc,
+    /// Nobody.
+    Nobody,
+}
+
 /// Our solver's options on some threads.
 pub fn options(threads: Threads) -> MultigridSolverOptions {
     MultigridSolverOptions {
@@ -30,8 +39,8 @@ pub fn options(threads: Threads) -> MultigridSolverOptions {
     }
 }
 
-/// Solves a symmetric system over free nodes of three components, at these positions: by us on one thread and on two, and unless
-/// `alone` by PETSc, which `peers/solve_petsc.py` runs with the system's Python, in one process and in two.
+/// Solves a symmetric system over free nodes of three components, at these positions: by us on one thread and on two, and by who is
+/// beside us, with the system's Python.
 ///
 /// # Errors
 /// Errors of our solver, or of writing the system for PETSc. What PETSc fails with stands in its line.
@@ -40,7 +49,7 @@ pub fn compare(
     constraints: &Constraints<3>,
     (matrix, load): (CsrMatrix, Vec<f64>),
     free: impl Iterator<Item = [f64; 3]>,
-    alone: bool,
+    beside: Beside,
 ) -> Result<(), Box<dyn Error>> {
     for threads in [1, 2].map(Threads::new) {
         let start = Instant::now();
@@ -64,7 +73,7 @@ pub fn compare(
             }
         }
     }
-    if !alone {
+    if beside == Beside::Petsc {
         let path = std::env::temp_dir().join(format!("system_{}.bin", std::process::id()));
         write_system(&path, &matrix, &load, free)?;
         drop(matrix);
