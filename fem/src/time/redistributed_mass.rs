@@ -107,8 +107,9 @@ pub enum RedistributionError {
 /// let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?);
 /// let even = Field::interpolate(&Space::discontinuous_scalar(&mesh, 0)?, |_| 3.0)?;
 /// let density = redistributed_mass(&even, "bottom", &Assembler::new(&mesh))?;
-/// let model_data = Given::field(&density);            // of a form of motion: its rho
-/// # let _ = model_data;
+/// // In the data of a form of motion:
+/// let rho: Given<f64, 2> = Given::field(&density);
+/// # let _ = rho;
 /// # assert_eq!(density.evaluate(&[1.0, 0.1])?, [0.0]);
 /// # assert!((density.evaluate(&[1.0, 0.5])?[0] - 3.0).abs() < 1.0);
 /// # Ok(())
