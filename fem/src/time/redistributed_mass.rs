@@ -110,7 +110,7 @@ pub enum RedistributionError {
 /// // In the data of a form of motion:
 /// let rho: Given<f64, 2> = Given::field(&density);
 /// # let _ = rho;
-/// # assert_eq!(density.evaluate(&[1.0, 0.1])?, [0.0]);
+/// # assert_eq!(density.evaluate(&[1.0, 0.05])?, [0.0]);
 /// # assert!((density.evaluate(&[1.0, 0.5])?[0] - 3.0).abs() < 1.0);
 /// # Ok(())
 /// # }
