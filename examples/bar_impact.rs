@@ -52,7 +52,7 @@ enum Steps {
     Explicit,
 }
 
-/// Where the mass is.
+/// The distribution of the mass.
 #[derive(Clone, Copy)]
 enum Inertia {
     /// Everywhere.
