@@ -24,6 +24,8 @@ pub(super) struct Lattice {
     triangles: Vec<[u32; 3]>,
 }
 
+/// Pairs of triangles, about, into which the cells of a mesh are cut together: on a page each covers a few pixels.
+const CUTS: f64 = 60_000.0;
 /// Pieces of a curved edge.
 const EDGE_PIECES: usize = 8;
 
@@ -55,9 +57,9 @@ impl Lattice {
 }
 
 impl Lattices {
-    /// Lattices fine enough for the mesh, with a bounded number of triangles in all.
+    /// Lattices fine enough for the mesh: two to eight parts along each edge of a cell, the fewer the more cells there are.
     pub fn of(mesh: &Mesh<2>) -> Self {
-        let parts = (200_000.0 / mesh.cell_count().max(1) as f64).sqrt() as usize;
+        let parts = (CUTS / mesh.cell_count().max(1) as f64).sqrt() as usize;
         let of_shape = |shape| (shape, Lattice::new(shape, parts.clamp(2, 8)));
         Lattices(mesh.shapes().into_iter().map(of_shape).collect())
     }
