@@ -271,6 +271,8 @@ impl<const D: usize> Pair<'_, D> {
 /// Seconds of a processor that this thread has had, where the system says it; else of the clock.
 fn processor_seconds() -> f64 {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    // The system brings the time up to date where a thread yields, and otherwise in steps of some milliseconds.
+    std::thread::yield_now();
     let spent = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let spent = spent.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
     spent.map_or_else(|| START.elapsed().as_secs_f64(), |nanoseconds| 1e-9 * nanoseconds)

@@ -69,7 +69,7 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
     for case in Bodies::ALL {
         let divisions = if options.quick { case.quick_divisions() } else { case.divisions() };
         let is_solve = matches!(case, Bodies::PlaneSolve | Bodies::SpaceSolve);
-        // The system counts a thread's time in steps of some milliseconds: many samples, and their mean.
+        // A term takes a millisecond or so: many samples, and their mean.
         let samples = if is_solve { "1" } else { "40" };
         for law in Law::ALL {
             tell(format!("{}, {}", case.name(), law.name()));

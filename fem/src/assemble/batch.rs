@@ -13,7 +13,7 @@ mod side;
 
 use forms_core::contract::{Basis, CellGeometry, Hessian, PointGeometry, Requirements};
 
-pub(super) use self::buffers::{BatchBuffers, Reads};
+pub(super) use self::buffers::{ArgumentBasis, BatchBuffers, Reads};
 pub(super) use self::cell_map::{inverse_transposed, largest_distance, surface};
 use self::side::SideTables;
 
@@ -68,15 +68,14 @@ struct AffineGeometry<L, const D: usize> {
 }
 
 impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
-    /// A loop over a group. `arguments` are the elements of the test and trial functions, whose basis the
-    /// kernel reads.
+    /// A loop over a group. `arguments` are the test and trial functions whose basis the kernel reads.
     #[inline]
     pub fn new(
         binding: &'a Binding<'a, D>,
         group: &'a Group<D>,
         cells: Cells<'a, D>,
         requirements: Requirements,
-        arguments: &[usize],
+        arguments: &[ArgumentBasis],
         buffers: &'a mut BatchBuffers<L, D>,
     ) -> Result<Self, AssemblyError> {
         if !buffers.prepared {
@@ -249,7 +248,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         let reads_position = requirements.position || self.two_sided() || self.reads_functions(requirements);
         // In place: with what contact pairs have, the geometry is too long to be handed on as a copy.
         let BatchBuffers { sides: [this, other], reads, geometry, .. } = &mut *self.buffers;
-        let (reads, tables) = (&reads[..], &self.tables[0]);
+        let ([own_reads, other_reads], tables) = (&*reads, &self.tables[0]);
         geometry.weight = L::splat(self.group.weights[q]);
         if reads_position {
             geometry.position = this.position(tables, q);
@@ -280,7 +279,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             }
         };
         let (position, normal) = (geometry.position, geometry.normal);
-        this.evaluate_basis(tables, reads, q, &inverse, &normal);
+        this.evaluate_basis(tables, own_reads, q, &inverse, &normal);
         if self.group.sides.len() == 2 {
             let tables = &self.tables[1];
             let inverse = match self.affine {
@@ -292,7 +291,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                     inverse
                 }
             };
-            other.evaluate_basis(tables, reads, q, &inverse, &normal);
+            other.evaluate_basis(tables, other_reads, q, &inverse, &normal);
             self.check_facing(q, &position)?;
         }
         self.evaluate_fields(requirements, q, &position, &position)

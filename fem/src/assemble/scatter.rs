@@ -7,7 +7,7 @@ pub(super) mod partition;
 
 use std::ops::Range;
 
-use self::block_finders::{BlockPlaces, ChosenPairs, Copied, Finder, Known};
+use self::block_finders::{BlockPlaces, ChosenPairs, Copied, CopiedPlaces, Finder, Known};
 use self::group_nodes::GroupNodes;
 use self::own_rows::{Deferred, OwnRows};
 use self::partition::Partition;
@@ -48,7 +48,8 @@ impl MatrixScatter<'_> {
             let deferred = Deferred::default();
             // Most matrices have no row of zeros, and nothing to look up.
             let own = if own.contains(&true) { own } else { &mut [] };
-            let part = OwnRows { rows: rows.clone(), values, zeros: own, written, deferred };
+            let known = CopiedPlaces::default();
+            let part = OwnRows { rows: rows.clone(), values, zeros: own, written, known, deferred };
             parts.push((entities.clone(), part));
         }
         parts
@@ -101,7 +102,10 @@ impl MatrixScatter<'_> {
                 Slots::Long(_) => {}
             }
         }
-        self.add_rows::<L, _, BLOCK>(first, matrices, part, Copied::new(self))
+        let mut known = std::mem::take(&mut part.known);
+        let added = self.add_rows::<L, _, BLOCK>(first, matrices, part, Copied::new(self, &mut known));
+        part.known = known;
+        added
     }
 
     /// `BLOCK` values per block; 0 where the compiler does not know how many.
@@ -141,7 +145,9 @@ impl MatrixScatter<'_> {
             // They come while the kernel computes the next batch.
             let count = matrices.len() / (height * width * block);
             let next = first + count;
-            for entity in next..self.tests.cells.len().min(next + count) {
+            let next = next..self.tests.cells.len().min(next + count);
+            finder.look_up(next.clone())?;
+            for entity in next {
                 self.ask_for::<L, BLOCK>(entity, part, &mut finder)?;
             }
         }
@@ -333,8 +339,8 @@ impl VectorScatter<'_> {
             let (own, later) = rest.split_at_mut(rows.len() * self.components);
             rest = later;
             let deferred = Deferred::default();
-            let zeros = &mut [];
-            let part = OwnRows { rows: rows.clone(), values: own, zeros, written: rows.end, deferred };
+            let (zeros, known) = (&mut [], CopiedPlaces::default());
+            let part = OwnRows { rows: rows.clone(), values: own, zeros, written: rows.end, known, deferred };
             parts.push((entities.clone(), part));
         }
         parts

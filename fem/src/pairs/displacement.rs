@@ -51,6 +51,11 @@ impl<const D: usize> DisplacementField<'_, D> {
 }
 
 impl<const D: usize> CellDisplacement<D> {
+    /// The highest degree of the fields.
+    pub fn degree(&self) -> usize {
+        self.parts.iter().map(|(element, _)| element.degree).max().unwrap_or(0)
+    }
+
     /// Adds the displacement and its derivatives along the reference cell's axes at a point of that cell.
     pub fn add_at(&self, reference: &[f64; D], position: &mut [f64; D], jacobian: &mut [[f64; D]; D]) {
         for (element, coefficients) in &self.parts {

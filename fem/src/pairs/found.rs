@@ -1,7 +1,6 @@
 //! Results of a search: points with their opposite points, facet by facet, and their numbers.
 
-use std::ops::Range;
-
+use super::PairGroup;
 use super::candidates::KeptList;
 use super::surface::SurfaceFacet;
 use crate::mesh::{Facet, Mesh};
@@ -26,8 +25,16 @@ pub(super) struct Unit {
     pub place: u32,
     /// The own facet and the opposite one.
     pub facets: [Facet; 2],
-    /// Its points among those that were found.
-    pub points: Range<usize>,
+    /// How many points it has, and where they begin.
+    pub count: usize,
+    pub start: FirstPoint,
+}
+
+/// Where a unit's points begin among numbers and normals of those that were found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstPoint {
+    pub numbers: usize,
+    pub rigid_normals: usize,
 }
 
 /// Numbers of a search, added up over facets.
@@ -78,7 +85,10 @@ impl<const D: usize> Counts<D> {
 #[derive(Debug, Default)]
 pub(super) struct Found<const D: usize> {
     pub units: Vec<Unit>,
-    pub points: Vec<PairPoint<D>>,
+    /// The numbers of each point as [`PairGroup::points`] has them.
+    pub points: Vec<f64>,
+    /// Of each point that faces a rigid surface.
+    pub rigid_normals: Vec<[f64; D]>,
     /// Of each own facet.
     pub counts: Vec<Counts<D>>,
     /// Lists of candidates that were made for some own facets.
@@ -97,6 +107,17 @@ pub(super) struct Room<const D: usize> {
 }
 
 impl<const D: usize> Found<D> {
+    /// With room for some own facets of so many points each.
+    pub fn with_room(facets: usize, points: usize) -> Self {
+        Found {
+            units: Vec::with_capacity(2 * facets),
+            points: Vec::with_capacity(facets * points * PairGroup::<D>::STRIDE),
+            rigid_normals: vec![],
+            counts: Vec::with_capacity(facets),
+            remade: vec![],
+        }
+    }
+
     /// Begins with a further own facet.
     pub fn begin(&mut self) {
         self.counts.push(Counts::default());
@@ -118,20 +139,25 @@ impl<const D: usize> Found<D> {
         room: &mut Room<D>,
     ) {
         let place = mesh.walk_of_facet(&[own.facet]);
-        for start in 0..room.pairs.len() {
-            let index = room.pairs[start].0;
+        for first in 0..room.pairs.len() {
+            let index = room.pairs[first].0;
             if index == TAKEN {
                 continue;
             }
-            let (first, facet) = (self.points.len(), opposite[index].facet);
-            for (other, point) in &mut room.pairs[start..] {
+            let start = FirstPoint { numbers: self.points.len(), rigid_normals: self.rigid_normals.len() };
+            let (mut count, facet) = (0, opposite[index].facet);
+            for (other, point) in &mut room.pairs[first..] {
                 if *other == index || (*other != TAKEN && opposite[*other].facet == facet) {
                     *other = TAKEN;
-                    self.points.push(*point);
+                    count += 1;
+                    self.points.extend_from_slice(point.reference.as_flattened());
+                    self.points.extend_from_slice(&[point.weight, point.gap]);
+                    self.points.extend_from_slice(&point.toward);
+                    self.rigid_normals.extend(point.rigid_normal);
                 }
             }
             let facets = [own.facet, facet];
-            self.units.push(Unit { place, facets, points: first..self.points.len() });
+            self.units.push(Unit { place, facets, count, start });
         }
         room.pairs.clear();
     }

@@ -8,6 +8,7 @@
 //! surfaces, rigid   the surfaces of a pairing by name; those that are rigid
 //! rim       where a surface ends
 //! rays, nearest_on_rays   the point of one facet on a ray, and the nearest of some facets; many rays side by side
+//! parabola  where a line meets a quadratic curve of the plane
 //! opposite  the point of one facet nearest to a point
 //! candidates     the facets that rays may meet, kept while motions are small
 //! search, points, ray_points, found   the opposite points of an own facet's points
@@ -34,6 +35,7 @@ mod jumping_data;
 mod known;
 mod nearest_on_rays;
 mod opposite;
+mod parabola;
 mod pieces;
 mod points;
 mod ray_points;
@@ -57,7 +59,7 @@ use self::candidates::KeptCandidates;
 pub(crate) use self::displacement::{Displacement, DisplacementField};
 pub use self::error::PairError;
 pub use self::first_touch::{Approach, FirstTouch};
-use self::found::{Counts, Found, PairPoint, Unit};
+use self::found::{Counts, Found, Unit};
 pub(crate) use self::jumping_data::ReadFunction;
 pub(crate) use self::known::KnownPairs;
 use self::points::OfFacets;
@@ -206,35 +208,48 @@ impl<const D: usize> Pairs<D> {
 
 /// Units with like sides and numbers of points together, in the order of the walk.
 fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGroup<D>>> {
-    let units = found.iter().flat_map(|part| part.units.iter().map(move |unit| (unit, &part.points)));
-    let units: Vec<(&Unit, &Vec<PairPoint<D>>)> = units.collect();
-    let mut order: Vec<(u32, u32)> = units.iter().zip(0..).map(|((unit, _), k)| (unit.place, k)).collect();
-    order.sort_unstable();
-    let mut groups: Vec<(GroupKey, PairGroup<D>)> = Vec::new();
+    let units = found.iter().flat_map(|part| part.units.iter().map(move |unit| (unit, part)));
+    let units: Vec<(&Unit, &Found<D>)> = units.collect();
+    // Units of an own facet follow each other.
+    let begins = |k: &usize| *k == 0 || units[*k].0.facets[0] != units[*k - 1].0.facets[0];
+    let mut own: Vec<(u32, usize)> = (0..units.len()).filter(begins).map(|k| (units[k].0.place, k)).collect();
+    own.sort_unstable();
+    let mut order: Vec<usize> = Vec::with_capacity(units.len());
+    for (_, first) in own {
+        order.push(first);
+        order.extend((first + 1..units.len()).take_while(|k| !begins(k)));
+    }
+    let mut kinds: Vec<(GroupKey, usize)> = Vec::new();
     let mut last = 0;
-    for (_, number) in order {
-        let (unit, points) = units[number as usize];
+    let mut kind_of = |unit: &Unit| {
         let side = |facet: Facet| (mesh.cell_shape(facet.cell as usize), facet.local);
-        let (sides, count) = (unit.facets.map(side), unit.points.len());
-        let key = (sides, count, mesh.carries(unit.facets[1].cell));
+        let key = (unit.facets.map(side), unit.count, mesh.carries(unit.facets[1].cell));
         // Units of a kind follow each other more often than not.
-        if groups.get(last).is_none_or(|(known, _)| *known != key) {
-            last = groups.iter().position(|(known, _)| *known == key).unwrap_or(groups.len());
+        if kinds.get(last).is_none_or(|(known, _)| *known != key) {
+            last = kinds.iter().position(|(known, _)| *known == key).unwrap_or(kinds.len());
         }
-        if last == groups.len() {
-            let (facets, points, rigid_normals) = (vec![], vec![], vec![]);
-            groups.push((key, PairGroup { sides, facets, count, points, rigid_normals }));
+        if last == kinds.len() {
+            kinds.push((key, 0));
         }
-        let group = &mut groups[last].1;
-        group.facets.push(unit.facets);
-        group.points.reserve(count * PairGroup::<D>::STRIDE);
-        for point in &points[unit.points.clone()] {
-            group.points.extend_from_slice(point.reference.as_flattened());
-            group.points.extend_from_slice(&[point.weight, point.gap]);
-            group.points.extend_from_slice(&point.toward);
-            if let Some(normal) = &point.rigid_normal {
-                group.rigid_normals.extend_from_slice(normal);
-            }
+        kinds[last].1 += 1;
+        last
+    };
+    let kind_of: Vec<usize> = order.iter().map(|number| kind_of(units[*number].0)).collect();
+    let with_room = |(key, units): &(GroupKey, usize)| {
+        let (sides, count, rigid) = *key;
+        let points = Vec::with_capacity(units * count * PairGroup::<D>::STRIDE);
+        let rigid_normals = Vec::with_capacity(if rigid { units * count * D } else { 0 });
+        (*key, PairGroup { sides, facets: Vec::with_capacity(*units), count, points, rigid_normals })
+    };
+    let mut groups: Vec<(GroupKey, PairGroup<D>)> = kinds.iter().map(with_room).collect();
+    for (number, kind) in order.into_iter().zip(kind_of) {
+        let (Unit { facets, count, start, .. }, part) = units[number];
+        let ((.., rigid), group) = &mut groups[kind];
+        group.facets.push(*facets);
+        group.points.extend_from_slice(&part.points[start.numbers..][..count * PairGroup::<D>::STRIDE]);
+        if *rigid {
+            let normals = &part.rigid_normals[start.rigid_normals..][..*count];
+            group.rigid_normals.extend_from_slice(normals.as_flattened());
         }
     }
     groups.sort_unstable_by_key(|(key, _)| *key);

@@ -33,7 +33,7 @@ impl<const D: usize> Search<'_, '_, D> {
         reach: f64,
     ) -> NearestOnRays<L> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let (reach, facing) = (L::splat(reach), L::splat(FACING));
+        let (reach, facing) = (L::splat(reach), L::splat(FACING * FACING));
         let nothing = one.less(zero);
         let mut best =
             NearestOnRays { found: nothing, rejected: nothing, facet: zero, s: [zero; 2], gap: zero };
@@ -43,7 +43,11 @@ impl<const D: usize> Search<'_, '_, D> {
             let Some(Met { met, s, point }) = along_rays(facet, rays) else { continue };
             let gap = dot(&rays.n, &minus(&point.position, &rays.x));
             let distance = gap.abs();
-            let in_sight = L::and(dot(&rays.n, &point.normal()).less(facing), distance.less_equal(reach));
+            // Without the normal's length: the product is negative, and its square not below that of FACING.
+            let normal = point.long_normal();
+            let product = dot(&rays.n, &normal);
+            let faces = L::and(product.less(zero), (facing * dot(&normal, &normal)).less(product * product));
+            let in_sight = L::and(faces, distance.less_equal(reach));
             let mut accepted = L::and(met, in_sight);
             if self.within && L::any(accepted) {
                 accepted = L::and(accepted, self.not_through_the_body(own, from, facet, &s));

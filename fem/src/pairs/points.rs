@@ -27,7 +27,8 @@ impl<const D: usize> LaneWork for OfFacets<'_, '_, '_, D> {
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
         let OfFacets { search, facets } = self;
-        let (mut found, mut room) = (Found::default(), Room::default());
+        let points = search.rules.iter().map(|(_, rule)| rule.points.len()).max().unwrap_or(0);
+        let (mut found, mut room) = (Found::with_room(facets.len(), points), Room::default());
         if search.whole && search.projection == Projection::Ray {
             let mut rays = RayRoom::<D, L>::new(&search.rules);
             for index in facets {

@@ -62,7 +62,7 @@ impl<const D: usize> Search<'_, '_, D> {
         let Some(number) = rules.iter().position(|known| known.shape == shape) else { return };
         let (batches, rule) = (&rules[number].points, &self.rules[number].1);
         let (mut lanes, mut measure) = ([0.0; WIDEST], 0.0);
-        let diameter = own.diameter();
+        let diameter = own.diameter;
         let reach = self.reach_of(diameter);
         let mut beam = Beam::along_normal_of(own, reach);
         rays.clear();

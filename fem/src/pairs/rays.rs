@@ -30,6 +30,30 @@ pub(super) fn along_rays<L: SimdLane, const D: usize>(
     rays: &Rays<D, L>,
 ) -> Option<Met<D, L>> {
     let Rays { x, n } = rays;
+    let (s, met) = match facet.parabola() {
+        Some(parabola) => {
+            let s = [parabola.met_by(x, n), L::splat(0.0)];
+            (s, facet.contains(&s, INSIDE))
+        }
+        None => {
+            let (s, found) = along_flat(facet, rays)?;
+            (s, L::and(found, facet.contains(&s, INSIDE)))
+        }
+    };
+    if !L::any(met) {
+        return None;
+    }
+    Some(Met { met, s, point: facet.at(&s) })
+}
+
+/// The coordinates at which rays meet a facet's surface, by way of the flat facet, and for which of them they were found; none
+/// where all rays pass the facet by.
+#[inline(always)]
+fn along_flat<L: SimdLane, const D: usize>(
+    facet: &SurfaceFacet<D>,
+    rays: &Rays<D, L>,
+) -> Option<([L; 2], L::Mask)> {
+    let Rays { x, n } = rays;
     // A line passes the facet by where its distance from the centre exceeds the radius.
     let off = minus(&splat(&facet.centre), x);
     let along = dot(&off, n);
@@ -38,22 +62,15 @@ pub(super) fn along_rays<L: SimdLane, const D: usize>(
     if !L::any(open) {
         return None;
     }
-    let flat = facet.flat.met_by(x, n);
-    let [first, second] = facet.flat.doubt(n);
+    let own = facet.flat()?;
+    let flat = own.met_by(x, n);
+    let [first, second] = own.doubt(n);
     let tolerance = L::splat(INSIDE);
     open = L::and(open, L::not(facet.is_missed_by(&flat, &[first + tolerance, second + tolerance])));
     if !L::any(open) {
         return None;
     }
-    let (mut s, mut ended) = (flat, open);
-    if !facet.affine {
-        (s, ended) = newton(facet, rays, &flat, open);
-    }
-    let met = L::and(ended, facet.contains(&s, INSIDE));
-    if !L::any(met) {
-        return None;
-    }
-    Some(Met { met, s, point: facet.at(&s) })
+    Some(if facet.affine { (flat, open) } else { newton(facet, rays, &flat, open) })
 }
 
 /// Whether both coordinates are numbers.

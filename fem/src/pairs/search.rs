@@ -149,7 +149,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
 
     /// The distance at which points of an own facet have partners.
     pub fn reach(&self, own: &SurfaceFacet<D>) -> f64 {
-        self.reach_of(own.diameter())
+        self.reach_of(own.diameter)
     }
 
     /// The same by the facet's diameter.
@@ -177,11 +177,11 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
                 beam.hold(&Rays { x: corner.position, n: corner.normal() });
             }
             let may_face = |facet| self.may_face(own, facet);
-            self.candidates.of(index, &beam, own.diameter(), may_face, &mut found);
+            self.candidates.of(index, &beam, own.diameter, may_face, &mut found);
             return found;
         }
-        let boxes = || BoxGrid::new(self.opposite.iter().map(|facet| facet.corners).collect());
-        let (lower, upper) = own.corners;
+        let boxes = || BoxGrid::new(self.opposite.iter().map(|facet| facet.corners()).collect());
+        let (lower, upper) = own.corners();
         let near = (lower.map(|x| x - reach), upper.map(|x| x + reach));
         found = self.grid.get_or_init(boxes).meeting(&near);
         found.retain(|facet| self.may_face(own, *facet));
@@ -241,7 +241,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         let ((x, _), (y, normal)) = (own.undisplaced(from), facet.undisplaced(s));
         let off = minus(&x, &y);
         let distance = dot(&off, &off).sqrt();
-        distance < BEHIND * own.diameter() && dot(&off, &normal) < -0.01 * distance
+        distance < BEHIND * own.diameter && dot(&off, &normal) < -0.01 * distance
     }
 
     /// The point opposite to x: of those accepted the one with the smallest |g|, or the nearest; of several the one on

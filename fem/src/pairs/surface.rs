@@ -6,13 +6,18 @@
 use forms_core::contract::Lane;
 
 use super::displacement::{CellDisplacement, Displacement};
-use super::frame::{FlatFacet, Frame};
+use super::frame::FlatFacet;
 pub(super) use super::frame::{SurfacePoint, dot, minus, over, splat, unit};
-use super::traces::{Coefficients, NodeTrace, Traces};
+use super::parabola::Parabola;
+use super::traces::{Coefficients, Traces, add_trace, deviations};
 use crate::element::Lagrange;
 use crate::lanes::WIDEST;
 use crate::locate::{Corners, box_around};
 use crate::mesh::{CarriedSurface, Facet, Mesh};
+
+/// A facet whose position is no polynomial of degree two bulges beyond its nodes by less than this part of their spread, as far as is
+/// known.
+const BULGE: f64 = 0.5;
 
 /// A facet of a mesh over its own reference cell, whose second coordinate is zero in the plane; where it is displaced, the
 /// displaced facet.
@@ -21,7 +26,7 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
     mesh: &'m Mesh<D>,
     pub facet: Facet,
     /// The case of a map that is no polynomial of degree two.
-    displacement: Option<CellDisplacement<D>>,
+    displacement: Option<Box<CellDisplacement<D>>>,
     /// The facet's first corner and tangents in the cell's reference coordinates.
     origin: [f64; D],
     pub tangents: [[f64; D]; 2],
@@ -31,70 +36,91 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
     polynomial: Option<Coefficients<[f64; D]>>,
     /// Whether its map is affine.
     pub affine: bool,
-    /// A box around it, a point in its middle and a radius that holds it.
-    pub corners: Corners<D>,
+    /// A point in its middle and a radius that holds it.
     pub centre: [f64; D],
     pub radius: f64,
-    pub flat: FlatFacet<D>,
-    /// The numbers of its corners, and how many it has.
-    vertices: ([u32; 4], usize),
+    /// The largest distance between two corners, before they are displaced; a rigid surface's do not change.
+    pub diameter: f64,
+    /// None in the plane where its position is a polynomial: rays meet that one in closed form.
+    flat: Option<FlatFacet<D>>,
+    /// The numbers of its corners, as many as it has.
+    vertices: [u32; 4],
     /// The outward unit normal before it is displaced, of a facet of a rigid surface.
     pub rigid_normal: Option<[f64; D]>,
 }
 
 impl<'m, const D: usize> SurfaceFacet<'m, D> {
-    pub fn new(
-        mesh: &'m Mesh<D>,
-        facet: Facet,
-        displacement: Option<&Displacement<D>>,
-        traces: &mut Traces,
-    ) -> Self {
+    /// Some facets of a body, displaced.
+    pub fn all(mesh: &'m Mesh<D>, facets: &[Facet], displacement: Option<&Displacement<D>>) -> Vec<Self> {
+        let mut traces = Traces::default();
+        let mut all = Vec::new();
+        all.resize_with(facets.len(), || SurfaceFacet::unplaced(mesh));
+        // In place: a copy of some hundred bytes would wait for what has just been written.
+        for (own, facet) in all.iter_mut().zip(facets) {
+            own.place(*facet, displacement, &mut traces);
+        }
+        all
+    }
+
+    fn unplaced(mesh: &'m Mesh<D>) -> Self {
+        let zero = [0.0; D];
+        SurfaceFacet {
+            mesh,
+            facet: Facet { cell: 0, local: 0 },
+            displacement: None,
+            origin: zero,
+            tangents: [zero; 2],
+            triangle: false,
+            polynomial: None,
+            affine: false,
+            centre: zero,
+            radius: 0.0,
+            diameter: 0.0,
+            flat: None,
+            vertices: [0; 4],
+            rigid_normal: None,
+        }
+    }
+
+    fn place(&mut self, facet: Facet, displacement: Option<&Displacement<D>>, traces: &mut Traces) {
+        let mesh = self.mesh;
         let (cell, local) = (facet.cell as usize, usize::from(facet.local));
         let shape = mesh.cell_shape(cell);
-        let vertices = shape.facet_vertices(local);
+        let (vertices, nodes) = (shape.facet_vertices(local), mesh.cell(cell));
         let corner =
             |vertex: usize| -> [f64; D] { std::array::from_fn(|k| shape.vertex_points()[vertex][k]) };
         let origin = corner(vertices[0]);
         let along = minus(&corner(vertices[1]), &origin);
         let across = if D == 2 { [0.0; D] } else { minus(&corner(vertices[vertices.len() - 1]), &origin) };
         let tangents = [along, across];
-        let triangle = D == 3 && shape.is_simplex();
         let degree = displacement.map_or(1, Displacement::degree).max(mesh.degree());
-        let mut polynomial: Option<Coefficients<[f64; D]>> = None;
+        self.facet = facet;
+        (self.origin, self.tangents) = (origin, tangents);
+        self.triangle = D == 3 && shape.is_simplex();
+        self.affine = degree <= 1 && (D == 2 || self.triangle);
+        self.vertices = std::array::from_fn(|k| vertices.get(k).map_or(0, |vertex| nodes[*vertex]));
+        let numbers = &self.vertices[..self.parameters().len()];
+        self.diameter = spread::<D>(numbers.len(), |k| mesh.nodes()[numbers[k] as usize]);
         if degree <= 2 {
-            let sum = polynomial.insert([[[0.0; D]; 3]; 3]);
-            let geometry = mesh.element_of(shape);
-            let nodes = mesh.cell(cell);
-            let trace = traces.of(geometry, local, &origin, &tangents);
-            add_trace(sum, trace, |node| mesh.nodes()[nodes[node] as usize]);
+            let mut in_plane = [[0.0; D]; 3];
+            let sum = self.polynomial.insert([[[0.0; D]; 3]; 3]);
+            let trace = traces.of(mesh.element_of(shape), local, &origin, &tangents);
+            add_trace(sum, &mut in_plane, trace, |node| mesh.nodes()[nodes[node] as usize]);
             for field in displacement.iter().flat_map(|displacement| &displacement.fields) {
                 let element = Lagrange { shape, degree: field.space.degree };
                 let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
                 let trace = traces.of(element, local, &origin, &tangents);
-                add_trace(sum, trace, |node| field.value_at(nodes[node]));
+                add_trace(sum, &mut in_plane, trace, |node| field.value_at(nodes[node]));
             }
+            if D == 2 {
+                for i in 0..3 {
+                    sum[i][0] = in_plane[i];
+                }
+            }
+        } else {
+            self.displacement = displacement.map(|of_cells| Box::new(of_cells.on_cell_of(mesh, facet)));
         }
-        let displacement = displacement.filter(|_| degree > 2);
-        let zero = [0.0; D];
-        let frame = Frame { normal: zero, dual: [zero; 2] };
-        let mut own = SurfaceFacet {
-            mesh,
-            facet,
-            displacement: displacement.map(|displacement| displacement.on_cell_of(mesh, facet)),
-            origin,
-            tangents,
-            triangle,
-            affine: degree <= 1 && (D == 2 || triangle),
-            polynomial,
-            corners: (zero, zero),
-            centre: zero,
-            radius: 0.0,
-            flat: FlatFacet { origin: zero, frame, away: None, slopes: [0.0; 2] },
-            vertices: numbered(mesh.facet_vertices(facet)),
-            rigid_normal: None,
-        };
-        own.enclose(degree, local);
-        own
+        self.enclose(degree, local);
     }
 
     /// A facet of a rigid surface, whose points have these positions now.
@@ -114,29 +140,43 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         polynomial[0][0] = position(0);
         polynomial[1][0] = minus(&position(1), &position(0));
         polynomial[0][1] = across(position(0), position(D - 1));
-        let frame = Frame { normal: zero, dual: [zero; 2] };
         let mut own = SurfaceFacet {
-            mesh,
             facet: Facet { cell: carried.cell, local: 0 },
-            displacement: None,
             origin,
             tangents,
             triangle: D == 3,
             affine: true,
             polynomial: Some(polynomial),
-            corners: (zero, zero),
-            centre: zero,
-            radius: 0.0,
-            flat: FlatFacet { origin: zero, frame, away: None, slopes: [0.0; 2] },
-            vertices: numbered(corners.into_iter()),
             rigid_normal: Some(carried.normals[index]),
+            ..SurfaceFacet::unplaced(mesh)
         };
+        own.vertices[..D].copy_from_slice(&corners[..D]);
+        own.diameter = spread(D, position);
         own.enclose(1, 0);
         own
     }
 
     /// Finds what holds the facet.
+    #[inline]
     fn enclose(&mut self, degree: usize, local: usize) {
+        let Some(Parabola { start, along, bend }) = self.parabola() else {
+            return self.enclose_corners(degree, local);
+        };
+        let (mut square, mut bent, mut centre) = (0.0, 0.0, [0.0; D]);
+        for k in 0..D {
+            let half = 0.5 * (along[k] + bend[k]);
+            centre[k] = start[k] + half;
+            square += half * half;
+            bent += bend[k] * bend[k];
+        }
+        self.centre = centre;
+        // A point of the curve is away from its chord by s − s² times the bend, a quarter at most.
+        self.radius = (1.0 + 1e-6) * f64::sqrt(square) + 0.25 * f64::sqrt(bent);
+    }
+
+    /// The same by corners, or nodes, and the flat facet.
+    #[inline(never)]
+    fn enclose_corners(&mut self, degree: usize, local: usize) {
         let parameters = self.parameters();
         let mut corners = [[0.0; D]; 4];
         let corners = &mut corners[..parameters.len()];
@@ -148,26 +188,54 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let frame = SurfacePoint { position: corners[0], tangents }.frame();
         let slopes = frame.dual.each_ref().map(|dual| dot(dual, dual).sqrt());
         let deviations = self.polynomial.as_ref().map(|polynomial| deviations(polynomial, self.triangle));
-        self.flat = FlatFacet { origin: corners[0], frame, away: deviations.map(|found| found[0]), slopes };
+        self.flat =
+            Some(FlatFacet { origin: corners[0], frame, away: deviations.map(|found| found[0]), slopes });
         let nodes: Vec<[f64; D]>;
-        // What is no polynomial of degree two bulges beyond its nodes by less than half of their spread, as far as is known.
         let (held, margin, bulge) = match deviations {
             Some([_, margin]) => (&*corners, margin, 0.0),
             None => {
-                let element = Lagrange { shape: self.mesh.cell_shape(self.facet.cell as usize), degree };
-                let references = element.node_points::<D>();
-                let on_facet = element.facet_nodes(local).into_iter();
-                nodes = on_facet.map(|node| self.map(&references[node]).0).collect();
-                (&nodes[..], 0.0, 0.5)
+                nodes = self.nodes(degree, local);
+                (&nodes[..], 0.0, BULGE)
             }
         };
         let count = held.len() as f64;
         self.centre = std::array::from_fn(|k| held.iter().map(|x| x[k]).sum::<f64>() / count);
-        let (lower, upper) = box_around(held, bulge);
-        self.corners = (lower.map(|x| x - margin), upper.map(|x| x + margin));
         let distance = |x: &[f64; D]| dot(&minus(x, &self.centre), &minus(x, &self.centre));
         let furthest = held.iter().map(distance).fold(0.0, f64::max).sqrt();
         self.radius = (1.0 + bulge + 1e-6) * furthest + margin;
+    }
+
+    /// Its nodes of an element of this degree.
+    fn nodes(&self, degree: usize, local: usize) -> Vec<[f64; D]> {
+        let element = Lagrange { shape: self.mesh.cell_shape(self.facet.cell as usize), degree };
+        let references = element.node_points::<D>();
+        element.facet_nodes(local).into_iter().map(|node| self.map(&references[node]).0).collect()
+    }
+
+    /// A box around it.
+    pub fn corners(&self) -> Corners<D> {
+        if let Some(polynomial) = &self.polynomial {
+            let corners = self.parameters().iter().map(|s| self.at(s).position);
+            let (lower, upper) = box_around(&corners.collect::<Vec<_>>(), 0.0);
+            let [_, margin] = deviations(polynomial, self.triangle);
+            return (lower.map(|x| x - margin), upper.map(|x| x + margin));
+        }
+        let of_displacement = self.displacement.as_ref().map_or(1, |displacement| displacement.degree());
+        let degree = of_displacement.max(self.mesh.degree());
+        box_around(&self.nodes(degree, usize::from(self.facet.local)), BULGE)
+    }
+
+    /// The curve of a facet in the plane, where its degree is two at most.
+    #[inline(always)]
+    pub fn parabola(&self) -> Option<Parabola<'_, D>> {
+        let [[start, ..], [along, ..], [bend, ..]] = self.polynomial.as_ref().filter(|_| D == 2)?;
+        Some(Parabola { start, along, bend })
+    }
+
+    /// The flat facet through its corners, where rays do not meet it in closed form.
+    #[inline(always)]
+    pub fn flat(&self) -> Option<&FlatFacet<D>> {
+        self.flat.as_ref()
     }
 
     /// Position and Jacobian at a point of the cell.
@@ -190,29 +258,9 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         self.tangents.each_ref().map(|t| std::array::from_fn(|i| dot(&jacobian[i], t)))
     }
 
-    /// The largest distance between two corners, before they are displaced.
-    pub fn diameter(&self) -> f64 {
-        let count = self.parameters().len();
-        let mut corners = [[0.0; D]; 4];
-        for (k, corner) in corners[..count].iter_mut().enumerate() {
-            *corner = match self.rigid_normal {
-                None => self.mesh.nodes()[self.vertices.0[k] as usize],
-                Some(_) => self.undisplaced(&self.parameters()[k]).0,
-            };
-        }
-        let mut largest = 0.0_f64;
-        for (index, a) in corners[..count].iter().enumerate() {
-            for b in &corners[..index] {
-                largest = largest.max(dot(&minus(a, b), &minus(a, b)));
-            }
-        }
-        largest.sqrt()
-    }
-
     /// The numbers of its corners, in the order of [`SurfaceFacet::parameters`].
     pub fn vertices(&self) -> impl Iterator<Item = u32> {
-        let (numbers, count) = self.vertices;
-        numbers.into_iter().take(count)
+        self.vertices.into_iter().take(self.parameters().len())
     }
 
     /// Its corners on its own reference cell.
@@ -330,46 +378,16 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
     }
 }
 
-/// Some corners and their number.
-fn numbered(corners: impl Iterator<Item = u32>) -> ([u32; 4], usize) {
-    let (mut numbers, mut count) = ([0; 4], 0);
-    for (number, corner) in numbers.iter_mut().zip(corners) {
-        *number = corner;
-        count += 1;
-    }
-    (numbers, count)
-}
-
-/// Adds what the nodes of an element make of the position.
-fn add_trace<const D: usize>(
-    sum: &mut Coefficients<[f64; D]>,
-    trace: &[NodeTrace],
-    value: impl Fn(usize) -> [f64; D],
-) {
-    for of_node in trace {
-        let value = value(of_node.node);
-        for &(i, j, factor) in of_node.terms() {
-            for k in 0..D {
-                sum[i][j][k] += factor * value[k];
-            }
+/// The largest distance between two of some points, four at most.
+#[inline(always)]
+fn spread<const D: usize>(count: usize, point: impl Fn(usize) -> [f64; D]) -> f64 {
+    let (mut points, mut largest) = ([[0.0; D]; 4], 0.0_f64);
+    for k in 0..count {
+        points[k] = point(k);
+        for other in &points[..k] {
+            let off = minus(&points[k], other);
+            largest = largest.max(dot(&off, &off));
         }
     }
-}
-
-/// The most that a polynomial facet is away, at the same coordinates, from the flat one with its first, second and last corner,
-/// and from what the corners span: segment, triangle or bilinear quadrilateral.
-fn deviations<const D: usize>(polynomial: &Coefficients<[f64; D]>, triangle: bool) -> [f64; 2] {
-    let length = |a: [f64; D]| dot(&a, &a).sqrt();
-    // s − s² is a quarter at most, and so are the other terms less what they are at the corners.
-    let bent = [(2, 0), (0, 2), (2, 1), (1, 2), (2, 2)];
-    let spanned = 0.25 * bent.iter().map(|&(i, j)| length(polynomial[i][j])).sum::<f64>();
-    if D == 2 {
-        return [spanned; 2];
-    }
-    if triangle {
-        return [spanned + 0.25 * length(polynomial[1][1]); 2];
-    }
-    let terms = [(1, 1), (2, 1), (1, 2), (2, 2)];
-    let twist = std::array::from_fn(|k| terms.iter().map(|&(i, j)| polynomial[i][j][k]).sum());
-    [spanned + length(twist), spanned]
+    largest.sqrt()
 }

@@ -4,7 +4,6 @@ use forms_core::contract::Pairing;
 
 use super::displacement::Displacement;
 use super::surface::SurfaceFacet;
-use super::traces::Traces;
 use super::{PairError, rigid};
 use crate::element::Lagrange;
 use crate::mesh::{Facet, Mesh};
@@ -58,11 +57,8 @@ impl<'m, const D: usize> Surfaces<'m, D> {
             let parts = threads.count().min(facets.len().div_ceil(CHUNK)).max(1);
             let cut = |part: usize| part * facets.len() / parts;
             let parts = (0..parts).map(|part| &facets[cut(part)..cut(part + 1)]).collect();
-            let parametrised = threads.run(parts, |facets: &[Facet]| -> Vec<SurfaceFacet<'m, D>> {
-                let mut traces = Traces::default();
-                let parametrised = |facet: &Facet| SurfaceFacet::new(mesh, *facet, displacement, &mut traces);
-                facets.iter().map(parametrised).collect()
-            });
+            let parametrised =
+                threads.run(parts, |facets: &[Facet]| SurfaceFacet::all(mesh, facets, displacement));
             // The first part's memory serves for all: on one thread nothing is copied.
             let joined = parametrised.into_iter().reduce(|mut all, mut part| {
                 all.append(&mut part);

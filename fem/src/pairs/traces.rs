@@ -1,5 +1,6 @@
 //! Traces of Lagrange elements on facets as polynomials of the facet's own coordinates.
 
+use super::frame::dot;
 use crate::element::CellShape;
 use crate::element::lagrange::{Lagrange, MAXIMUM_NODES};
 
@@ -16,14 +17,17 @@ struct Trace {
 /// The trace of a node's basis function: the terms of its polynomial that do not vanish.
 #[derive(Debug)]
 pub(super) struct NodeTrace {
-    pub node: usize,
+    node: usize,
+    /// The coefficients of 1, s and s², which are all in the plane.
+    in_plane: [f64; 3],
     terms: [(usize, usize, f64); 9],
     count: usize,
 }
 
 impl NodeTrace {
     fn of(node: usize, polynomial: &Coefficients<f64>) -> Self {
-        let mut trace = NodeTrace { node, terms: [(0, 0, 0.0); 9], count: 0 };
+        let in_plane = [0, 1, 2].map(|i: usize| polynomial[i][0]);
+        let mut trace = NodeTrace { node, in_plane, terms: [(0, 0, 0.0); 9], count: 0 };
         for (i, row) in polynomial.iter().enumerate() {
             for (j, factor) in row.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
                 trace.terms[trace.count] = (i, j, *factor);
@@ -103,6 +107,50 @@ fn polynomial(at: impl Fn(usize, usize) -> f64, degree: usize) -> Coefficients<f
     let rows = [0, 1, 2].map(|i| through([0, 1, 2].map(|j| at(i, j))));
     let columns = [0, 1, 2].map(|j| through([0, 1, 2].map(|i| rows[i][j])));
     std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
+}
+
+/// Adds what the nodes of an element make of the position; in the plane to the coefficients of 1, s and s² alone.
+#[inline(always)]
+pub(super) fn add_trace<const D: usize>(
+    sum: &mut Coefficients<[f64; D]>,
+    in_plane: &mut [[f64; D]; 3],
+    trace: &[NodeTrace],
+    value: impl Fn(usize) -> [f64; D],
+) {
+    for of_node in trace {
+        let value = value(of_node.node);
+        if D == 2 {
+            for (sum, factor) in in_plane.iter_mut().zip(of_node.in_plane) {
+                for (sum, component) in sum.iter_mut().zip(value) {
+                    *sum += factor * component;
+                }
+            }
+            continue;
+        }
+        for &(i, j, factor) in of_node.terms() {
+            for k in 0..D {
+                sum[i][j][k] += factor * value[k];
+            }
+        }
+    }
+}
+
+/// The most that a polynomial facet is away, at the same coordinates, from the flat one with its first, second and last corner,
+/// and from what the corners span: segment, triangle or bilinear quadrilateral.
+pub(super) fn deviations<const D: usize>(polynomial: &Coefficients<[f64; D]>, triangle: bool) -> [f64; 2] {
+    let length = |a: [f64; D]| dot(&a, &a).sqrt();
+    // s − s² is a quarter at most, and so are the other terms less what they are at the corners.
+    if D == 2 {
+        return [0.25 * length(polynomial[2][0]); 2];
+    }
+    let bent = [(2, 0), (0, 2), (2, 1), (1, 2), (2, 2)];
+    let spanned = 0.25 * bent.iter().map(|&(i, j)| length(polynomial[i][j])).sum::<f64>();
+    if triangle {
+        return [spanned + 0.25 * length(polynomial[1][1]); 2];
+    }
+    let terms = [(1, 1), (2, 1), (1, 2), (2, 2)];
+    let twist = std::array::from_fn(|k| terms.iter().map(|&(i, j)| polynomial[i][j][k]).sum());
+    [spanned + length(twist), spanned]
 }
 
 #[cfg(test)]

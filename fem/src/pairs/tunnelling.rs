@@ -11,7 +11,6 @@ use forms_core::contract::Pairing;
 use super::rays::along_ray;
 use super::surface::{SurfaceFacet, dot, minus};
 use super::surfaces::Surfaces;
-use super::traces::Traces;
 use super::{Displacement, DisplacementField, KnownPairs, PairError, PairGroup, Pairs};
 use crate::locate::BoxGrid;
 use crate::mesh::{Facet, Mesh};
@@ -53,13 +52,8 @@ fn thicknesses<const D: usize>(
     facets: &[SurfaceFacet<D>],
     depth: f64,
 ) -> HashMap<Facet, f64> {
-    let mut traces = Traces::default();
-    let boundary: Vec<SurfaceFacet<D>> = mesh
-        .boundary_facets()
-        .iter()
-        .map(|facet| SurfaceFacet::new(mesh, *facet, None, &mut traces))
-        .collect();
-    let grid = BoxGrid::new(boundary.iter().map(|facet| facet.corners).collect());
+    let boundary = SurfaceFacet::all(mesh, mesh.boundary_facets(), None);
+    let grid = BoxGrid::new(boundary.iter().map(|facet| facet.corners()).collect());
     let mut found = HashMap::new();
     for facet in facets.iter().filter(|facet| facet.rigid_normal.is_none()) {
         let (start, outward) = facet.undisplaced(&facet.middle());
@@ -69,12 +63,13 @@ fn thicknesses<const D: usize>(
             (std::array::from_fn(|k| start[k].min(end[k])), std::array::from_fn(|k| start[k].max(end[k])));
         let exit = |candidate: usize| {
             let other = &boundary[candidate];
-            let hit = along_ray(other, &start, &inward).filter(|_| other.facet != facet.facet)?;
+            // Of two points of a curved facet on the line that which the body is left at: it faces a ray the other way.
+            let hit = along_ray(other, &start, &outward).filter(|_| other.facet != facet.facet)?;
             let distance = dot(&inward, &minus(&hit.position, &start));
             (dot(&hit.normal, &inward) > 0.0 && distance > 0.0 && distance <= depth).then_some(distance)
         };
         if let Some(thickness) = grid.meeting(&along).into_iter().filter_map(exit).min_by(f64::total_cmp) {
-            found.insert(facet.facet, thickness.max(THINNEST * facet.diameter()));
+            found.insert(facet.facet, thickness.max(THINNEST * facet.diameter));
         }
     }
     found
@@ -117,7 +112,7 @@ struct Visible {
 impl Visible {
     fn of<const D: usize>(mesh: &Mesh<D>, pairing: &Pairing, surfaces: &Surfaces<D>) -> Self {
         let own = pairing.surfaces.iter().flat_map(|facing| surfaces.of(&facing.own));
-        let reach = |facet: &SurfaceFacet<D>| pairing.reach.unwrap_or_else(|| 2.0 * facet.diameter());
+        let reach = |facet: &SurfaceFacet<D>| pairing.reach.unwrap_or(2.0 * facet.diameter);
         let reaches: HashMap<Facet, f64> = own.map(|facet| (facet.facet, reach(facet))).collect();
         let largest = reaches.values().copied().fold(0.0, f64::max);
         let mut found = HashMap::new();

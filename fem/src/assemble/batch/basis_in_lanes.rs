@@ -1,7 +1,8 @@
 //! Lagrange basis functions at points that differ from lane to lane, where tables at common points do not serve.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::Lane;
 
@@ -23,7 +24,7 @@ pub(crate) struct LaneElement {
 #[derive(Clone, Debug)]
 pub(crate) struct LaneBasis<L, const D: usize> {
     pub value: Vec<L>,
-    /// In reference coordinates.
+    /// In reference coordinates; this too only where it was asked for.
     pub gradient: Vec<[L; D]>,
     /// In reference coordinates; only where it was asked for.
     pub hessian: Vec<[[L; D]; D]>,
@@ -54,9 +55,9 @@ impl LaneElement {
         LaneElement { degree: element.degree, simplex, steps }
     }
 
-    /// Values, gradients and, if `HESSIAN`, second derivatives at a point.
+    /// Derivatives at a point up to `ORDER`, two at most.
     #[inline(always)]
-    pub(crate) fn evaluate<L: Lane, const HESSIAN: bool, const D: usize>(
+    pub(crate) fn evaluate<L: Lane, const ORDER: usize, const D: usize>(
         &self,
         point: &[L; D],
         basis: &mut LaneBasis<L, D>,
@@ -67,29 +68,35 @@ impl LaneElement {
             let mut rest = one;
             for k in 0..D {
                 rest = rest - point[k];
-                self.ascending(point[k], &mut factors[k + 1]);
+                self.ascending::<L, ORDER>(point[k], &mut factors[k + 1]);
             }
-            self.ascending(rest, &mut factors[0]);
+            self.ascending::<L, ORDER>(rest, &mut factors[0]);
         } else {
             for k in 0..D {
-                self.segment(point[k], &mut factors[k + 1]);
+                self.segment::<L, ORDER>(point[k], &mut factors[k + 1]);
             }
         }
         let count = self.steps.len();
         basis.value.resize(count, zero);
-        basis.gradient.resize(count, [zero; D]);
-        basis.hessian.resize(if HESSIAN { count } else { 0 }, [[zero; D]; D]);
+        basis.gradient.resize(if ORDER > 0 { count } else { 0 }, [zero; D]);
+        basis.hessian.resize(if ORDER > 1 { count } else { 0 }, [[zero; D]; D]);
         for node in 0..count {
             let steps = &self.steps[node];
             let mut own = [[zero; 3]; 4];
             for axis in 0..=D {
-                own[axis] = factors[axis][steps[axis] as usize];
+                let factor = &factors[axis][steps[axis] as usize];
+                for order in 0..=ORDER {
+                    own[axis][order] = factor[order];
+                }
             }
             let mut value = own[0][0];
             for axis in 1..=D {
                 value = value * own[axis][0];
             }
             basis.value[node] = value;
+            if ORDER == 0 {
+                continue;
+            }
             let mut slopes = [zero; 4];
             for axis in 0..=D {
                 slopes[axis] = first::<L, D>(&own, axis);
@@ -98,7 +105,7 @@ impl LaneElement {
                 // Each ∂/∂ξ is ∂/∂λ of its own coordinate less ∂/∂λ₀, whose factor is 1 on quadrilaterals and hexahedra.
                 basis.gradient[node][k] = slopes[k + 1] - slopes[0];
             }
-            if HESSIAN {
+            if ORDER > 1 {
                 let common = second::<L, D>(&own, 0, 0);
                 for k in 0..D {
                     for l in 0..D {
@@ -112,24 +119,29 @@ impl LaneElement {
 
     /// p_n(λ) = Π_{m < n} (kλ − m)/(m + 1): 1 at λ = n/k, zero at the multiples of 1/k below.
     #[inline(always)]
-    fn ascending<L: Lane>(&self, lambda: L, factors: &mut Factors<L>) {
+    fn ascending<L: Lane, const ORDER: usize>(&self, lambda: L, factors: &mut Factors<L>) {
         let k = L::splat(self.degree as f64);
         factors[0] = [L::splat(1.0), L::splat(0.0), L::splat(0.0)];
         for n in 0..self.degree {
             let (scale, root) = (L::splat(1.0 / (n as f64 + 1.0)), k * lambda - L::splat(n as f64));
             let [p, dp, ddp] = factors[n];
-            let double = k * dp + k * dp;
-            factors[n + 1] = [scale * (p * root), scale * (dp * root + k * p), scale * (ddp * root + double)];
+            factors[n + 1][0] = scale * (p * root);
+            if ORDER > 0 {
+                factors[n + 1][1] = scale * (dp * root + k * p);
+            }
+            if ORDER > 1 {
+                factors[n + 1][2] = scale * (ddp * root + (k * dp + k * dp));
+            }
         }
     }
 
     /// The basis on the segment, the simplex of one dimension, where two factors make one.
     #[inline(always)]
-    fn segment<L: Lane>(&self, x: L, factors: &mut Factors<L>) {
+    fn segment<L: Lane, const ORDER: usize>(&self, x: L, factors: &mut Factors<L>) {
         let mut left = *factors;
         let mut right = *factors;
-        self.ascending(L::splat(1.0) - x, &mut left);
-        self.ascending(x, &mut right);
+        self.ascending::<L, ORDER>(L::splat(1.0) - x, &mut left);
+        self.ascending::<L, ORDER>(x, &mut right);
         for steps in 0..=self.degree {
             let ([a, da, dda], [b, db, ddb]) = (left[self.degree - steps], right[steps]);
             let mixed = da * db + da * db;
@@ -172,7 +184,7 @@ mod tests {
             let element = Lagrange { shape, degree };
             let tables = element.tabulate_with_hessians(&[point]);
             let (lanes, mut basis) = (LaneElement::new(&element, None), LaneBasis::default());
-            lanes.evaluate::<f64, true, D>(&point, &mut basis);
+            lanes.evaluate::<f64, 2, D>(&point, &mut basis);
             assert_eq!(basis.value.len(), element.nodes());
             let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{shape:?} {degree}: {a} is not {b}");
             for node in 0..element.nodes() {
@@ -186,7 +198,17 @@ mod tests {
             }
             if degree > 0 {
                 let facet = element.facet_nodes(1);
-                LaneElement::new(&element, Some(&facet)).evaluate::<f64, false, D>(&point, &mut basis);
+                let on_facet = LaneElement::new(&element, Some(&facet));
+                on_facet.evaluate::<f64, 1, D>(&point, &mut basis);
+                assert!(basis.hessian.is_empty());
+                for (place, node) in facet.iter().enumerate() {
+                    close(basis.value[place], tables.value[*node]);
+                    for k in 0..D {
+                        close(basis.gradient[place][k], tables.gradient[*node][k]);
+                    }
+                }
+                on_facet.evaluate::<f64, 0, D>(&point, &mut basis);
+                assert!(basis.gradient.is_empty());
                 for (value, node) in basis.value.iter().zip(&facet) {
                     close(*value, tables.value[*node]);
                 }

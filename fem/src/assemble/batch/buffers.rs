@@ -8,6 +8,7 @@ use super::side::SideBuffers;
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::{Binding, Values};
 use crate::assemble::kernel_calls::sum_factorisation::Stages;
+use crate::assemble::scatter::group_nodes::Reading;
 use crate::assemble::walk::Group;
 use crate::compiled_here::compiled_here;
 use crate::lanes::SimdLane;
@@ -25,8 +26,8 @@ pub(in crate::assemble) struct BatchBuffers<L, const D: usize> {
     pub stages: Stages<L>,
     /// Basis functions at points that differ from lane to lane.
     pub(super) pairs: PairBuffers<L, D>,
-    /// Which derivatives of each element's basis are read.
-    pub reads: Vec<Reads>,
+    /// Which derivatives of each element's basis are read on each side.
+    pub reads: [Vec<Reads>; 2],
     /// All of this has been made for the kernel and sizes like those of the group.
     pub prepared: bool,
 }
@@ -41,7 +42,7 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
             at_points: vec![],
             stages: Stages::default(),
             pairs: PairBuffers::default(),
-            reads: vec![],
+            reads: [vec![], vec![]],
             prepared: false,
         }
     }
@@ -55,19 +56,22 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
         binding: &Binding<D>,
         group: &Group<D>,
         requirements: Requirements,
-        arguments: &[usize],
+        arguments: &[ArgumentBasis],
     ) -> Result<(), AssemblyError> {
         let zero = L::splat(0.0);
         let form = binding.name;
         let reads = &mut self.reads;
-        reads.clear();
-        reads.resize(binding.elements.len(), Reads::default());
-        for element in arguments {
-            reads[*element] = Reads {
-                value: requirements.basis_value,
-                gradient: requirements.basis_gradient || requirements.hessian,
-                hessian: requirements.hessian,
-            };
+        for of_side in &mut *reads {
+            of_side.clear();
+            of_side.resize(binding.elements.len(), Reads::default());
+        }
+        for argument in arguments {
+            let reads = &mut reads[argument.side][argument.element];
+            reads.value |= requirements.basis_value;
+            if argument.reading == Reading::Derivatives {
+                reads.gradient |= requirements.basis_gradient || requirements.hessian;
+                reads.hessian |= requirements.hessian;
+            }
         }
         self.coefficients.resize_with(requirements.fields.len(), Vec::new);
         self.at_points.resize_with(requirements.fields.len(), Vec::new);
@@ -103,9 +107,10 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
                     at_points.resize(slot.components * lists * tables.place_of.len(), zero);
                     continue;
                 }
-                reads[element].value |= slot.order == Order::Value;
-                reads[element].gradient |= slot.order != Order::Value; // second derivatives need the first
-                reads[element].hessian |= slot.order == Order::Hessian;
+                let reads = &mut reads[side][element];
+                reads.value |= slot.order == Order::Value;
+                reads.gradient |= slot.order != Order::Value; // second derivatives need the first
+                reads.hessian |= slot.order == Order::Hessian;
             }
         }
         let needs_facet = requirements.normal || requirements.facet_area || requirements.curvature;
@@ -130,6 +135,16 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
         self.prepared = true;
         Ok(())
     }
+}
+
+/// The basis that a kernel's test or trial functions have.
+#[derive(Clone, Copy)]
+pub(in crate::assemble) struct ArgumentBasis {
+    /// The side on which they live.
+    pub side: usize,
+    /// By index into the binding's.
+    pub element: usize,
+    pub reading: Reading,
 }
 
 /// Whether a kernel or one of its fields reads values, gradients and second derivatives of an element's basis.

@@ -109,7 +109,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let zero = L::splat(0.0);
         let read = [requirements.position, requirements.opposite_position][side];
         let placed = read || self.reads_functions(requirements);
-        let reads = &self.buffers.reads;
+        let reads = &self.buffers.reads[side];
         let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
         let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
         let bent = requirements.curvature && side == 0 && self.binding.mesh.degree() > 1;
@@ -121,7 +121,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         }
         // An affine map is known, but for the place of the point.
         if placed || second || !tables.affine {
-            evaluate(&pairs.geometry[side], reference, second, geometry);
+            evaluate(&pairs.geometry[side], reference, if second { 2 } else { 1 }, geometry);
         }
         let mut position = [zero; D];
         if placed {
@@ -186,7 +186,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             if !reads.value && !reads.gradient && !reads.hessian {
                 continue;
             }
-            evaluate(&pairs.elements[side][index], reference, reads.hessian, basis);
+            let order = if reads.hessian { 2 } else { usize::from(reads.gradient) };
+            evaluate(&pairs.elements[side][index], reference, order, basis);
             take_basis(buffers, tables, index, basis, &point.normal);
             if reads.hessian {
                 take_hessians(buffers, tables, index, basis, geometry);
@@ -196,20 +197,22 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     }
 }
 
+/// Derivatives of an element's functions up to an order.
 #[inline(always)]
 fn evaluate<L: SimdLane, const D: usize>(
     element: &LaneElement,
     point: &[L; D],
-    second: bool,
+    order: usize,
     basis: &mut LaneBasis<L, D>,
 ) {
-    match second {
-        true => element.evaluate::<L, true, D>(point, basis),
-        false => element.evaluate::<L, false, D>(point, basis),
+    match order {
+        0 => element.evaluate::<L, 0, D>(point, basis),
+        1 => element.evaluate::<L, 1, D>(point, basis),
+        _ => element.evaluate::<L, 2, D>(point, basis),
     }
 }
 
-/// Values and physical gradients of an element's functions.
+/// Values of an element's functions, and physical gradients where there are gradients.
 #[inline(always)]
 fn take_basis<L: SimdLane, const D: usize>(
     side: &mut SideBuffers<L, D>,
@@ -221,6 +224,9 @@ fn take_basis<L: SimdLane, const D: usize>(
     let inverse = side.inverse;
     let on_facets = tables.elements[index].on_facets;
     for node in 0..basis.value.len() {
+        side.basis[index][node].value = basis.value[node];
+    }
+    for node in 0..basis.gradient.len() {
         let slopes = &basis.gradient[node];
         let mut gradient = [L::splat(0.0); D];
         for i in 0..D {
@@ -229,9 +235,7 @@ fn take_basis<L: SimdLane, const D: usize>(
                 gradient[i] = inverse[i][j].multiply_add(slopes[j], gradient[i]);
             }
         }
-        let target = &mut side.basis[index][node];
-        target.value = basis.value[node];
-        target.gradient = if on_facets { tangential(&gradient, normal) } else { gradient };
+        side.basis[index][node].gradient = if on_facets { tangential(&gradient, normal) } else { gradient };
     }
 }
 

@@ -12,13 +12,14 @@ use forms_core::contract::{Basis, BilinearKernel};
 
 use super::NodePairs;
 use crate::assemble::AssemblyError;
-use crate::assemble::batch::{Batch, BatchBuffers, Cells};
+use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
 use crate::assemble::kernel_calls::reference_tensor::{ReferenceTensor, contract, suits};
 use crate::assemble::kernel_calls::sink::{Buffered, Deliver, Sink};
 use crate::assemble::kernel_calls::sum_factorisation::{
     Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit,
 };
+use crate::assemble::scatter::group_nodes::Reading;
 use crate::assemble::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
@@ -205,7 +206,11 @@ impl<const D: usize> ElementMatrices<'_, D> {
         }
         let tensor = tensor.as_ref().and_then(Option::as_ref);
         let factorised = self.factorised::<K>();
-        let arguments: &[usize] = if factorised.is_some() { &[] } else { &self.elements };
+        let reading = Reading::of_arguments(&K::REQUIREMENTS);
+        let basis =
+            |k: usize| ArgumentBasis { side: self.sides[k], element: self.elements[k], reading: reading[k] };
+        let both = [basis(0), basis(1)];
+        let arguments: &[ArgumentBasis] = if factorised.is_some() { &[] } else { &both };
         let mut batch =
             Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, arguments, batch)?;
         let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;

@@ -8,12 +8,13 @@ use std::ops::Range;
 use forms_core::contract::{Basis, LinearKernel};
 
 use crate::assemble::AssemblyError;
-use crate::assemble::batch::{Batch, BatchBuffers, Cells};
+use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
 use crate::assemble::kernel_calls::sink::{Buffered, Deliver, Sink};
 use crate::assemble::kernel_calls::sum_factorisation::{
     Derivatives, Integration, ProductTables, Stages, axis_operations, unit,
 };
+use crate::assemble::scatter::group_nodes::Reading;
 use crate::assemble::walk::Group;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
 
@@ -88,8 +89,9 @@ impl<const D: usize> ElementVectors<'_, D> {
         let zero = L::splat(0.0);
         let VectorBuffers { batch, sums, at_points, stages } = buffers;
         let factorised = self.factorised::<K>();
-        let own = [self.element];
-        let arguments: &[usize] = if factorised.is_some() { &[] } else { &own };
+        let [reading, _] = Reading::of_arguments(&K::REQUIREMENTS);
+        let own = [ArgumentBasis { side: self.side, element: self.element, reading }];
+        let arguments: &[ArgumentBasis] = if factorised.is_some() { &[] } else { &own };
         let mut batch =
             Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, arguments, batch)?;
         sums.resize(size, zero);

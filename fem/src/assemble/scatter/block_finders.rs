@@ -1,5 +1,7 @@
 //! The places of an element matrix's blocks in their rows: looked up before, or searched for in the matrix.
 
+use std::ops::Range;
+
 use super::MatrixScatter;
 use crate::assemble::block_pattern::block_index::{BlockIndex, Slot};
 
@@ -21,6 +23,8 @@ pub(in crate::assemble) trait Finder {
     fn ahead(&self) -> bool;
     /// Those of an entity, test node after test node; `None`: one is not in the pattern.
     fn find(&mut self, entity: usize) -> Option<&[Self::Slot]>;
+    /// Looks up those of some entities, which are asked for next.
+    fn look_up(&mut self, entities: Range<usize>) -> Option<()>;
 }
 
 /// Slots of a cell's nodes, looked up before.
@@ -53,6 +57,11 @@ impl<P: Slot> Finder for Known<'_, P> {
         let start = self.map.start_of(self.cells[entity], self.size)?;
         Some(&self.places[start..][..self.size])
     }
+
+    #[inline(always)]
+    fn look_up(&mut self, _: Range<usize>) -> Option<()> {
+        Some(())
+    }
 }
 
 /// Some pairs of the nodes of a cell.
@@ -78,38 +87,46 @@ impl ChosenPairs {
 
 /// Slots of any kind, copied: of some of a cell's nodes, of nodes on the two sides of contact pairs, in long rows, and those that are
 /// searched for in the matrix.
-pub(in crate::assemble) struct Copied<'a> {
+pub(in crate::assemble) struct Copied<'a, 'p> {
     scatter: &'a MatrixScatter<'a>,
+    known: &'p mut CopiedPlaces,
+}
+
+/// Places that were copied of some entities that follow each other.
+#[derive(Default)]
+pub(in crate::assemble) struct CopiedPlaces {
+    first: usize,
+    /// Entity after entity.
     found: Vec<u32>,
 }
 
-impl<'a> Copied<'a> {
-    pub fn new(scatter: &'a MatrixScatter<'a>) -> Self {
-        Copied { scatter, found: Vec::with_capacity(scatter.nodes[0] * scatter.nodes[1]) }
+impl<'a, 'p> Copied<'a, 'p> {
+    pub fn new(scatter: &'a MatrixScatter<'a>, known: &'p mut CopiedPlaces) -> Self {
+        Copied { scatter, known }
     }
 
-    #[inline(never)]
+    /// Places of an entity after those that are there.
     fn copy(&mut self, entity: usize) -> Option<()> {
         let MatrixScatter { tests, trials, blocks, nodes, map, chosen, .. } = self.scatter;
         let size = nodes[0] * nodes[1];
-        self.found.clear();
+        let found = &mut self.known.found;
         match map {
             BlockPlaces::OfCells(map) => {
                 let size = chosen.as_ref().map_or(size, |pairs| pairs.among);
                 let start = map.start(tests.shape) + map.start_of(tests.cells[entity], size)?;
                 match chosen {
-                    Some(pairs) => map.places.copy_some(start, &pairs.places, &mut self.found),
-                    None => map.places.copy(start..start + size, &mut self.found),
+                    Some(pairs) => map.places.copy_some(start, &pairs.places, found),
+                    None => map.places.copy(start..start + size, found),
                 }
             }
             BlockPlaces::OfPairs(map, starts) => {
-                map.places.copy(starts[entity]..starts[entity] + size, &mut self.found);
+                map.places.copy(starts[entity]..starts[entity] + size, found);
             }
             BlockPlaces::Unknown => {
                 for row in tests.of(entity) {
                     let known = blocks.row(*row as usize);
                     for node in trials.of(entity) {
-                        self.found.push(known.binary_search(node).ok()? as u32);
+                        found.push(known.binary_search(node).ok()? as u32);
                     }
                 }
             }
@@ -118,7 +135,7 @@ impl<'a> Copied<'a> {
     }
 }
 
-impl Finder for Copied<'_> {
+impl Finder for Copied<'_, '_> {
     type Slot = u32;
 
     fn ahead(&self) -> bool {
@@ -128,8 +145,23 @@ impl Finder for Copied<'_> {
         )
     }
 
+    #[inline]
     fn find(&mut self, entity: usize) -> Option<&[u32]> {
-        self.copy(entity)?;
-        Some(&self.found)
+        let size = self.scatter.nodes[0] * self.scatter.nodes[1];
+        let known = self.known.first..self.known.first + self.known.found.len() / size.max(1);
+        if !known.contains(&entity) {
+            self.look_up(entity..entity + 1)?;
+        }
+        Some(&self.known.found[(entity - self.known.first) * size..][..size])
+    }
+
+    #[inline(never)]
+    fn look_up(&mut self, entities: Range<usize>) -> Option<()> {
+        self.known.first = entities.start;
+        self.known.found.clear();
+        for entity in entities {
+            self.copy(entity)?;
+        }
+        Some(())
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::block_finders::CopiedPlaces;
 use crate::assemble::block_pattern::block_index::Slot;
 
 /// Contributions to rows that belong to another thread: rows of element matrices or vectors.
@@ -31,6 +32,8 @@ pub(in crate::assemble) struct OwnRows<'a> {
     pub zeros: &'a mut [bool],
     /// Rows before this one have values; those from it on are still to be set to zero.
     pub written: usize,
+    /// Places of blocks that were copied ahead of the matrices.
+    pub known: CopiedPlaces,
     pub deferred: Deferred,
 }
 
