@@ -25,6 +25,9 @@ const LENGTH: f64 = 10.0;
 const VELOCITY: f64 = 10.0;
 const GAP: f64 = 5.0;
 const END: f64 = 1.5;
+/// Between these times forces are told by themselves: after the first blow, and before waves come back from the free end.
+const SETTLED: f64 = 0.52;
+const MIDDLE: f64 = 0.8;
 /// Pictures of the film per unit of time.
 const FRAMES: f64 = 30.0;
 
@@ -177,13 +180,22 @@ impl Course {
         self.times.windows(2).zip(&self.forces[1..]).map(|(t, force)| (t[1] - t[0]) * force).sum()
     }
 
+    /// The least and the largest force between two times.
+    fn forces_between(&self, from: f64, to: f64) -> [f64; 2] {
+        let inside = self.times.iter().zip(&self.forces).filter(|(t, _)| (from..to).contains(t));
+        let ends = |[least, most]: [f64; 2], (_, force): (_, &f64)| [least.min(*force), most.max(*force)];
+        inside.fold([f64::INFINITY, 0.0], ends)
+    }
+
     fn row(&self) -> String {
         let ([touch, release], start) = (self.contact, self.energies[0]);
         let largest = self.energies.iter().copied().fold(f64::MIN, f64::max) / start - 1.0;
         let end = self.energies.last().copied().unwrap_or(start) / start - 1.0;
         let peak = self.forces.iter().copied().fold(0.0, f64::max);
+        let ([_, first], [least, most]) =
+            (self.forces_between(0.0, SETTLED), self.forces_between(SETTLED, MIDDLE));
         format!(
-            "| {} | {touch:.3} | {release:.3} | {:.2} | {peak:.0} | {:.3} | {largest:+.1e} | {end:+.1e} |",
+            "| {} | {touch:.3} | {release:.3} | {:.2} | {peak:.0} | {:.3} | {largest:+.1e} | {end:+.1e} | {first:.0} | {least:.0} to {most:.0} |",
             self.name,
             self.impulse(),
             self.velocity
@@ -237,12 +249,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         ("conserving, redistributed", Steps::Conserving, Inertia::Redistributed),
     ];
     let mut courses = vec![];
-    out.line("| scheme | touches | leaves | impulse | largest force | velocity | largest gain of energy | energy at the end |");
-    out.line("| --- | --: | --: | --: | --: | --: | --: | --: |");
+    out.line(format!("| scheme | touches | leaves | impulse | largest force | velocity | largest gain of energy | energy at the end | largest force before t = {SETTLED} | force from there to {MIDDLE} |"));
+    out.line("| --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |");
     let force = YOUNGS_MODULUS * VELOCITY / wave_speed();
     let impulse = force * (release() - TOUCH);
     out.line(format!(
-        "| closed form | {TOUCH:.3} | {:.3} | {impulse:.2} | {force:.0} | {VELOCITY:.3} | 0 | 0 |",
+        "| closed form | {TOUCH:.3} | {:.3} | {impulse:.2} | {force:.0} | {VELOCITY:.3} | 0 | 0 | {force:.0} | {force:.0} |",
         release()
     ));
     for (name, steps, inertia) in all {

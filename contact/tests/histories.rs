@@ -140,15 +140,18 @@ fn two_hundred_steps_of_friction() {
     println!("{report}");
     let order = report.second_order().unwrap();
     assert!((order - 2.0).abs() < 0.02, "{report}");
-    // The step that the test came to, with the points in contact, in stick and in slip of the start on both sides.
-    let step = report.steps.iter().filter(|step| step.same_active_set).nth(2).unwrap().step;
     let mut at = |t: f64| {
         let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
         history.sample(&moved).unwrap()
     };
+    // The step that the test came to, or the next one with the points in contact, in stick and in slip of the start on the other side
+    // too: a point may change its state there alone.
     let switches = at(0.0).active_set;
-    let samples = [at(step), at(-step)];
-    assert!(samples.iter().all(|sample| sample.active_set == switches), "a point changes its state");
+    let steps = report.steps.iter().filter(|step| step.same_active_set).skip(2).map(|step| step.step);
+    let (step, samples) = steps
+        .map(|step| (step, [at(step), at(-step)]))
+        .find(|(_, samples)| samples.iter().all(|sample| sample.active_set == switches))
+        .expect("no point changes its state on either side");
     let difference = (samples[0].value[0] - samples[1].value[0]) / (2.0 * step);
     let error = (difference - slope).abs() / slope.abs();
     println!("{slope:.12e} and {difference:.12e} by differences: {error:.1e}");

@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use crate::compiled_here::compiled_here;
 use crate::element::MAXIMUM_NODES;
+use crate::linear_algebra::vector::is_finite;
 use crate::mesh::geometry::inverse;
 use crate::space::Space;
 
@@ -157,12 +158,14 @@ impl<const D: usize> Field<D> {
         if values.len() != unknowns {
             return Err(FieldError::Length { unknowns, length: values.len() });
         }
-        if let Some(unknown) = values.iter().position(|value| !value.is_finite()) {
+        let wrong = || values.iter().position(|value| !value.is_finite());
+        if let Some(unknown) = if is_finite(&values) { None } else { wrong() } {
             let (node, component) = (unknown / space.components(), unknown % space.components());
             let position = space.positions()[node].to_vec();
             return Err(FieldError::NotFinite { node, component, position, value: values[unknown] });
         }
-        Ok(Field::of_known(space, values))
+        let coefficients = Arc::new(Coefficients { values, finite: OnceLock::from(true) });
+        Ok(Field { space: Arc::clone(space), coefficients })
     }
 
     /// The field with coefficients of the right number.
@@ -175,7 +178,7 @@ impl<const D: usize> Field<D> {
     #[inline(never)]
     pub(crate) fn view(&self) -> FieldView<'_, D> {
         let Coefficients { values, finite } = &*self.coefficients;
-        let finite = *finite.get_or_init(|| values.iter().all(|value| value.is_finite()));
+        let finite = *finite.get_or_init(|| is_finite(values));
         FieldView { space: &self.space, values, finite }
     }
 

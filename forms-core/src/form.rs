@@ -112,6 +112,8 @@ pub struct Integral {
     pub trial_side: Side,
     /// The dependence of the residual's integral on the unknowns.
     pub dependence: Dependence,
+    /// The integral is zero where the unknowns are; proved (linear integrals of the residual only, else false).
+    pub vanishes: bool,
     /// The tangent's blocks are proved symmetric (tangents only, else false).
     pub symmetric: bool,
     /// Degree of the integrand as a polynomial, from the degrees of the fields (by field index), of the

@@ -106,6 +106,9 @@ pub mod forms_to_judge {
     pub fn switched(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, if gap > 0 { u * v } else { 2 * u * v })
     }
+    pub fn switched_to_a_load(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, if gap > 0 { u * v } else { 2 * v })
+    }
     pub fn switched_by_u(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, if u > 0 { u * v } else { 2 * u * v })
     }
@@ -249,6 +252,19 @@ fn a_state_is_known_and_an_unknown_is_not() {
     assert_eq!(dependence(&form), (vec![Linear], vec![Linear]));
     assert_eq!(dependence(&form!(switched, 2, Omega)), (vec![Linear], vec![Linear]));
     assert_eq!(dependence(&form!(switched_by_u, 2, Omega)), (vec![Nonlinear], vec![Nonlinear]));
+}
+
+#[test]
+fn linear_integrals_vanish_with_the_unknown_unless_a_load_is_in_them() {
+    let of = |told: Told| told.integrals.iter().map(|one| (one.dependence, one.vanishes)).collect::<Vec<_>>();
+    assert_eq!(of(residual(&form!(elasticity, 3, Omega))), [(Constant, false), (Linear, true)]);
+    assert_eq!(of(residual(&form!(affine, 2, Omega))), [(Constant, false), (Linear, true)]);
+    assert_eq!(of(residual(&form!(cancels, 2, Omega))), [(Linear, true)]);
+    assert_eq!(of(residual(&form!(switched, 2, Omega))), [(Linear, true)]);
+    assert_eq!(of(residual(&form!(switched_to_a_load, 2, Omega))), [(Linear, false)]);
+    // Where it vanishes or not, nothing is said of what is not linear, nor of tangents.
+    assert_eq!(of(residual(&form!(square, 2, Omega))), [(Nonlinear, false)]);
+    assert_eq!(of(tangent(&form!(elasticity, 3, Omega))), [(Linear, false)]);
 }
 
 #[test]

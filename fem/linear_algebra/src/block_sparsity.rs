@@ -285,6 +285,23 @@ impl BlockSparsity {
         }
     }
 
+    /// Calls `visit(place of the first value, number of values)` for each run of a scalar row's values that stand side by side, in
+    /// ascending columns.
+    pub(crate) fn visit_pieces(&self, row: usize, mut visit: impl FnMut(usize, usize)) {
+        let (set, node, component) = Self::locate(&self.rows, row);
+        for (number, columns) in self.columns.iter().enumerate() {
+            let pair = self.pair(set, number);
+            let (width, range) = (columns.components, pair.range(node));
+            let first = pair.first_value + range.start * pair.block + component * width;
+            // Of nodes with one component the row's blocks are one piece.
+            if pair.block == width {
+                visit(first, range.len() * width);
+            } else {
+                (0..range.len()).for_each(|block| visit(first + block * pair.block, width));
+            }
+        }
+    }
+
     /// Calls `visit(row, column, place)` for the entries at some places, given as ranges of whole blocks.
     pub(crate) fn visit_places(&self, places: &[Range<usize>], mut visit: impl FnMut(usize, usize, usize)) {
         for range in places {

@@ -1,6 +1,7 @@
 //! Sparse factorisation of symmetric matrices: LLᵀ of a positive definite one, LBLᵀ of an indefinite one.
 
 mod solve;
+mod triangular;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -72,12 +73,13 @@ impl SymmetricFactor {
             LinearAlgebraError::NotPositiveDefinite { unknown: analysis.order[place] as usize }
         })?;
         let mut smallest = SmallestPivot::new(analysis.size());
+        let diagonal = matrix.diagonal();
         let factor = SupernodalLltRef::new(supernodes, &values);
         for s in 0..supernodes.n_supernodes() {
             let node = factor.supernode(s);
             for j in 0..node.val().ncols() {
                 let unknown = analysis.order[node.start() + j] as usize;
-                smallest.visit(unknown, node.val()[(j, j)].powi(2), matrix.get(unknown, unknown))?;
+                smallest.visit(unknown, node.val()[(j, j)].powi(2), diagonal[unknown])?;
             }
         }
         Ok(Self {

@@ -8,6 +8,7 @@ use super::error::{LinearAlgebraError, check_size};
 use super::large_pages::zeros;
 use super::pattern::SparsityPattern;
 use super::restriction::Entry;
+use super::vector::is_finite;
 use crate::threads::Threads;
 
 /// A real sparse matrix: values on a [`SparsityPattern`] that other matrices may share, so that the
@@ -199,7 +200,8 @@ impl CsrMatrix {
 
     /// The diagonal, `min(rows, columns)` values.
     pub fn diagonal(&self) -> Vec<f64> {
-        (0..self.rows().min(self.columns())).map(|i| self.get(i, i)).collect()
+        let value = |place: &usize| self.values.get(*place).copied().unwrap_or(0.0);
+        self.pattern.diagonal().iter().map(value).collect()
     }
 
     /// A x.
@@ -322,6 +324,9 @@ impl CsrMatrix {
     /// # Errors
     /// [`LinearAlgebraError::EntryNotFinite`] with the entry's row and column.
     pub fn check_finite(&self) -> Result<(), LinearAlgebraError> {
+        if is_finite(&self.values) {
+            return Ok(());
+        }
         let Some(position) = self.values.iter().position(|value| !value.is_finite()) else {
             return Ok(());
         };

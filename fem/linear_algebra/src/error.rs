@@ -1,5 +1,7 @@
 //! Errors of sparse matrices and factorisations.
 
+use super::vector::is_finite;
+
 /// Errors of a sparse matrix or of its factorisation, with their position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinearAlgebraError {
@@ -116,6 +118,9 @@ pub fn check_size(what: &'static str, expected: usize, found: usize) -> Result<(
 /// Fails at the first entry that is NaN or infinite.
 #[doc(hidden)]
 pub fn check_finite(what: &'static str, values: &[f64]) -> Result<(), LinearAlgebraError> {
+    if is_finite(values) {
+        return Ok(());
+    }
     match values.iter().position(|value| !value.is_finite()) {
         None => Ok(()),
         Some(index) => Err(LinearAlgebraError::VectorNotFinite { what, index, value: values[index] }),

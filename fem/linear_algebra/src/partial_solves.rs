@@ -1,11 +1,9 @@
 //! Half solves with an LLᵀ factor, and its trailing block: what a Schur complement on the unknowns that
 //! are eliminated last needs.
 
-use faer::Conj;
-use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
-use faer::{Accum, Mat, MatMut, Par};
+use faer::{Accum, Mat, Par};
 
 use super::cholesky::SymmetricFactor;
 use super::error::{LinearAlgebraError, check_size};
@@ -14,44 +12,28 @@ impl SymmetricFactor {
     /// Replaces b by L⁻¹ P b, in elimination order, for an LLᵀ factor of P A Pᵀ.
     ///
     /// # Errors
-    /// If the size is wrong or memory is too small.
+    /// If the size is wrong.
     pub fn solve_lower(&self, b: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
         let order = self.analysis().elimination_order();
         check_size("the right-hand side", order.len(), b.len())?;
         let mut x: Vec<f64> = order.iter().map(|unknown| b[*unknown as usize]).collect();
-        self.half_solve(&mut x, false)?;
+        self.solve_with_lower(&mut x);
         Ok(x)
     }
 
     /// Pᵀ L⁻ᵀ y, from elimination order back to the order of the unknowns.
     ///
     /// # Errors
-    /// If the size is wrong or memory is too small.
+    /// If the size is wrong.
     pub fn solve_upper(&self, mut y: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
         let order = self.analysis().elimination_order();
         check_size("the right-hand side", order.len(), y.len())?;
-        self.half_solve(&mut y, true)?;
+        self.solve_with_upper(&mut y);
         let mut x = vec![0.0; y.len()];
         for (value, unknown) in y.into_iter().zip(order) {
             x[*unknown as usize] = value;
         }
         Ok(x)
-    }
-
-    fn half_solve(&self, x: &mut [f64], upper: bool) -> Result<(), LinearAlgebraError> {
-        let supernodes = self.supernodes();
-        let request = supernodes.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let mut memory = MemBuffer::try_new(request)
-            .map_err(|_| LinearAlgebraError::OutOfMemory { what: "a triangular solve" })?;
-        let stack = MemStack::new(&mut memory);
-        let size = x.len();
-        let column = MatMut::from_column_major_slice_mut(x, size, 1);
-        let factor = SupernodalLltRef::new(supernodes, self.values());
-        match upper {
-            false => factor.l_solve_with_conj(Conj::No, column, Par::Seq, stack),
-            true => factor.l_transpose_solve_with_conj(Conj::No, column, Par::Seq, stack),
-        }
-        Ok(())
     }
 
     /// The last `count` rows and columns of L, dense and lower triangular.

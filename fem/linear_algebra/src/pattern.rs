@@ -1,6 +1,6 @@
 //! The sparsity pattern of a compressed-row matrix, shared between matrices.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::cells::Cells;
 use super::error::{LinearAlgebraError, check_size};
@@ -14,6 +14,8 @@ pub struct SparsityPattern {
     row_pointers: Vec<usize>,
     column_indices: Vec<u32>,
     cells: Option<Arc<Cells>>,
+    /// The places of the diagonal's entries; `usize::MAX` where none is stored.
+    diagonal: OnceLock<Vec<usize>>,
 }
 
 impl PartialEq for SparsityPattern {
@@ -69,7 +71,7 @@ impl SparsityPattern {
                 });
             }
         }
-        Ok(Self { rows, columns, row_pointers, column_indices, cells: None })
+        Ok(Self::of_checked(rows, columns, row_pointers, column_indices, None))
     }
 
     /// The same pattern with the cells whose unknowns it couples; none where they are not known.
@@ -96,7 +98,8 @@ impl SparsityPattern {
         column_indices: Vec<u32>,
         cells: Option<Arc<Cells>>,
     ) -> Self {
-        SparsityPattern { rows, columns, row_pointers, column_indices, cells }
+        let diagonal = OnceLock::new();
+        SparsityPattern { rows, columns, row_pointers, column_indices, cells, diagonal }
     }
 
     /// Number of rows.
@@ -109,6 +112,12 @@ impl SparsityPattern {
     #[inline]
     pub fn columns(&self) -> usize {
         self.columns
+    }
+
+    /// The places of the diagonal's entries among all, `usize::MAX` where none is stored. Found at the first call.
+    pub(crate) fn diagonal(&self) -> &[usize] {
+        let places = || (0..self.rows.min(self.columns)).map(|row| self.find(row, row).unwrap_or(usize::MAX));
+        self.diagonal.get_or_init(|| places().collect())
     }
 
     /// Number of stored entries.
@@ -171,7 +180,7 @@ impl SparsityPattern {
             }
         }
         let cells = self.cells.clone();
-        Self { rows: self.columns, columns: self.rows, row_pointers, column_indices, cells }
+        Self::of_checked(self.columns, self.rows, row_pointers, column_indices, cells)
     }
 
     /// Whether (j, i) is stored wherever (i, j) is.

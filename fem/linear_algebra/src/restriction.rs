@@ -22,6 +22,8 @@ pub struct Restriction {
     /// Rows and columns of the submatrix, or [`DROPPED`].
     new_rows: Vec<u32>,
     new_columns: Vec<u32>,
+    /// Rows of the submatrix that are whole rows of the matrix.
+    whole: Vec<bool>,
 }
 
 /// An entry of a matrix.
@@ -84,7 +86,7 @@ impl Restriction {
                 })
         };
         if let Some(known) = known.filter(is_theirs) {
-            return Ok(Self { source: source.clone(), target: known.clone(), new_rows, new_columns });
+            return Ok(Self::of(source, known.clone(), rows, (new_rows, new_columns)));
         }
         let mut row_pointers = Vec::with_capacity(rows.len() + 1);
         row_pointers.push(0);
@@ -104,9 +106,24 @@ impl Restriction {
             };
             Arc::new(cells.renumbered(numbers))
         });
-        let (rows, columns) = (rows.len(), columns.len());
-        let target = SparsityPattern::of_checked(rows, columns, row_pointers, column_indices, cells);
-        Ok(Self { source: source.clone(), target: Arc::new(target), new_rows, new_columns })
+        let (height, width) = (rows.len(), columns.len());
+        let target = SparsityPattern::of_checked(height, width, row_pointers, column_indices, cells);
+        Ok(Self::of(source, Arc::new(target), rows, (new_rows, new_columns)))
+    }
+
+    fn of(
+        source: &Arc<BlockSparsity>,
+        target: Arc<SparsityPattern>,
+        rows: &[usize],
+        (new_rows, new_columns): (Vec<u32>, Vec<u32>),
+    ) -> Self {
+        let is_whole = |(number, row): (usize, &usize)| {
+            let mut count = 0;
+            source.visit_pieces(*row, |_, width| count += width);
+            target.row(number).len() == count
+        };
+        let whole = rows.iter().enumerate().map(is_whole).collect();
+        Self { source: source.clone(), target, new_rows, new_columns, whole }
     }
 
     /// Pattern of the submatrices.
@@ -144,7 +161,14 @@ impl Restriction {
         self.check(matrix)?;
         let mut values = room(self.target.entries());
         let kept = self.new_rows.iter().enumerate().filter(|(_, new)| **new != DROPPED);
-        for (row, _) in kept {
+        for (row, new) in kept {
+            if self.whole[*new as usize] {
+                let copy = |place: usize, count: usize| {
+                    values.extend_from_slice(&matrix.values()[place..place + count]);
+                };
+                self.source.visit_pieces(row, copy);
+                continue;
+            }
             self.source.visit_row(row, |column, place, width| {
                 let columns = self.new_columns[column..column + width].iter();
                 for (column, value) in columns.zip(&matrix.values()[place..place + width]) {

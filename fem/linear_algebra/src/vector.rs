@@ -65,6 +65,12 @@ pub fn largest(x: &[f64]) -> f64 {
     result
 }
 
+/// Whether no entry is NaN or infinite: in pieces without an early end, which vectorise.
+pub fn is_finite(x: &[f64]) -> bool {
+    let of_piece = |piece: &[f64]| piece.iter().fold(true, |finite, value| finite & value.is_finite());
+    x.chunks(CHUNK).all(of_piece)
+}
+
 /// y += factor * x.
 pub fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
     for (target, value) in y.iter_mut().zip(x) {
@@ -96,6 +102,20 @@ mod tests {
             }
             let plain: f64 = x.iter().zip(&y).map(|(a, b)| a * b).sum();
             assert!((plain - alone).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn one_number_that_is_none_is_found_wherever_it_stands() {
+        for count in [1, 7, 1024, 2500] {
+            let finite = vec![f64::MAX; count];
+            assert!(is_finite(&finite) && is_finite(&[]));
+            for (place, wrong) in [(0, f64::NAN), (count / 2, f64::INFINITY), (count - 1, f64::NEG_INFINITY)]
+            {
+                let mut x = finite.clone();
+                x[place] = wrong;
+                assert!(!is_finite(&x), "{count}, {place}");
+            }
         }
     }
 

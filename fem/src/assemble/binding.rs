@@ -20,6 +20,7 @@ use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::lanes::InstructionSet;
+use crate::linear_algebra::vector::is_finite;
 use crate::mesh::Mesh;
 use crate::pairs::{Displacement, DisplacementField, KnownPairs, PairError, Pairs};
 use crate::quadrature::Quadrature;
@@ -242,7 +243,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     fn check_finite(&self, field: &FieldDescription, values: &[f64]) -> Result<(), AssemblyError> {
-        if values.iter().all(|value| value.is_finite()) {
+        if is_finite(values) {
             return Ok(());
         }
         Err(AssemblyError::NotFinite { form: self.name, field: field.name, position: None })

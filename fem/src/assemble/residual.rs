@@ -71,11 +71,60 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<Vec<f64>, AssemblyError> {
         let binding =
             Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        self.walk_residual(form, binding, tests, (parts, &[]))
+    }
+
+    /// The residual of a form without unknowns, but for the integrals of some of its test functions, by their numbers: zero in their
+    /// places.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub(crate) fn residual_without<F: Form<D>>(
+        &self,
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        left_out: &[usize],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &[])?.assembled_by(self);
+        self.walk_residual(form, binding, tests, (Parts::ALL, left_out))
+    }
+
+    /// The residual of the constant and linear integrals where the unknowns are zero. Those that are proved to vanish there are not
+    /// assembled: a coefficient that is no number does not show.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub(crate) fn load<F: Form<D>>(
+        &self,
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let zero: Vec<Field<D>> = tests.iter().map(|space| Field::zero(space)).collect();
+        let unknowns = views(&zero.iter().collect::<Vec<_>>());
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?
+            .assembled_by(self);
+        self.linear_integrals(binding, tests, Parts::LINEAR_AND_CONSTANT, &mut |visitor| {
+            visitor.at_zero = true;
+            form.residual(visitor)
+        })
+    }
+
+    fn walk_residual<F: Form<D>>(
+        &self,
+        form: &F,
+        binding: Binding<D>,
+        tests: &[&Arc<Space<D>>],
+        (parts, left_out): (Parts, &[usize]),
+    ) -> Result<Vec<f64>, AssemblyError> {
         // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
         let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
-        self.linear_integrals(binding, tests, parts, &mut |visitor| match whole {
-            true => form.whole_residual(visitor),
-            false => form.residual(visitor),
+        self.linear_integrals(binding, tests, parts, &mut |visitor| {
+            visitor.left_out = left_out.to_vec();
+            match whole {
+                true => form.whole_residual(visitor),
+                false => form.residual(visitor),
+            }
         })
     }
 
@@ -124,6 +173,8 @@ impl<const D: usize> Assembler<D> {
             vector: vec![0.0; offsets[tests.len()]],
             offsets,
             parts,
+            left_out: vec![],
+            at_zero: false,
             added: Added::Vectors,
             set: self.instructions,
         };
@@ -143,6 +194,10 @@ pub(super) struct VectorVisitor<'a, const D: usize> {
     offsets: Vec<usize>,
     vector: Vec<f64>,
     parts: Parts,
+    /// Test functions whose integrals are not visited, by their numbers.
+    left_out: Vec<usize>,
+    /// Unknowns are zero, and integrals that vanish there are not visited.
+    at_zero: bool,
     added: Added,
     set: InstructionSet,
 }
@@ -160,7 +215,8 @@ impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
     type Error = AssemblyError;
 
     fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        if !self.parts.contain(integral.dependence) {
+        let left_out = self.left_out.contains(&integral.test) || (self.at_zero && integral.vanishes);
+        if left_out || !self.parts.contain(integral.dependence) {
             return Ok(());
         }
         let set = self.set;

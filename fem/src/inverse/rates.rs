@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::controls::Controls;
 use super::error::HistoryFailure;
-use crate::assemble::{Assembler, Parts};
+use crate::assemble::Assembler;
 use crate::contract::Role;
 use crate::solve::any_form::AnyForm;
 use crate::space::Space;
@@ -33,7 +33,7 @@ pub(super) fn add_rates<const D: usize>(
     assembler: &Assembler<D>,
     gradient: &mut [f64],
 ) -> Result<Vec<f64>, HistoryFailure> {
-    let own = [Own { name: BEFORE, meaning: OF_BEFORE, wanted: remembers }];
+    let own = [Own { name: BEFORE, meaning: OF_BEFORE, wanted: Wanted::when(remembers) }];
     let [by_before] = rows(rates, &own, step, controls, spaces, assembler, gradient)?;
     Ok(by_before)
 }
@@ -42,11 +42,29 @@ pub(super) fn add_rates<const D: usize>(
 pub(super) struct Own {
     pub name: &'static str,
     pub meaning: &'static str,
-    pub wanted: bool,
+    pub wanted: Wanted,
+}
+
+/// The use of a test function's row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// It has to be there.
+    Yes,
+    /// Zero where the form does not test it.
+    IfTested,
+    /// None: zero, and not assembled.
+    No,
+}
+
+impl Wanted {
+    /// Wanted, if so; else given where it is tested.
+    pub fn when(so: bool) -> Self {
+        if so { Wanted::Yes } else { Wanted::IfTested }
+    }
 }
 
 /// Assembles a form of rates: adds the rows by the controls to the gradient, and gives those of its own test functions on the space of
-/// the states, zero where a test function is not wanted and not there.
+/// the states, zero where a test function is not wanted, or not there.
 pub(super) fn rows<const D: usize, const N: usize>(
     rates: &dyn AnyForm<D>,
     own: &[Own; N],
@@ -63,7 +81,9 @@ pub(super) fn rows<const D: usize, const N: usize>(
         None => controls.space_of_test(name, constants),
     };
     let spaces: Vec<&Arc<Space<D>>> = tests.iter().filter_map(space_of).collect();
-    let rows = rates.residual(assembler, &[], &spaces, Parts::ALL)?;
+    let unread = |name: &str| own.iter().any(|own| own.name == name && own.wanted == Wanted::No);
+    let left_out: Vec<usize> = (0..tests.len()).filter(|number| unread(tests[*number])).collect();
+    let rows = rates.residual_without(assembler, &spaces, &left_out)?;
     let mut rest = &rows[..];
     let mut own_rows = [(); N].map(|()| vec![0.0; states.unknowns()]);
     for (name, space) in tests.iter().zip(&spaces) {
@@ -108,7 +128,7 @@ fn tests<const D: usize>(
     if let Some(name) = controls.tested().find(|name| !tests.contains(name)) {
         return Err(missing(name, "the derivative by this control is wanted"));
     }
-    match own.iter().find(|own| own.wanted && !tests.contains(&own.name)) {
+    match own.iter().find(|own| own.wanted == Wanted::Yes && !tests.contains(&own.name)) {
         Some(own) => Err(missing(own.name, own.meaning)),
         None => Ok(tests),
     }

@@ -44,6 +44,15 @@ pub(crate) trait AnyForm<const D: usize> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError>;
+    /// See [`Assembler::load`].
+    fn load(&self, assembler: &Assembler<D>, tests: &[&Arc<Space<D>>]) -> Result<Vec<f64>, AssemblyError>;
+    /// See [`Assembler::residual_without`].
+    fn residual_without(
+        &self,
+        assembler: &Assembler<D>,
+        tests: &[&Arc<Space<D>>],
+        left_out: &[usize],
+    ) -> Result<Vec<f64>, AssemblyError>;
     /// See [`Assembler::sizes_of_contributions`].
     fn sizes_of_contributions(
         &self,
@@ -123,6 +132,19 @@ impl<F: Form<D>, const D: usize> AnyForm<D> for F {
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
         assembler.residual_of(self, unknowns, tests, parts)
+    }
+
+    fn load(&self, assembler: &Assembler<D>, tests: &[&Arc<Space<D>>]) -> Result<Vec<f64>, AssemblyError> {
+        assembler.load(self, tests)
+    }
+
+    fn residual_without(
+        &self,
+        assembler: &Assembler<D>,
+        tests: &[&Arc<Space<D>>],
+        left_out: &[usize],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        assembler.residual_without(self, tests, left_out)
     }
 
     fn sizes_of_contributions(

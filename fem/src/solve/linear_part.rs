@@ -209,7 +209,11 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (views(&zero.each_ref()), self.spaces.each_ref());
         let linear = form.outline(Parts::LINEAR_AND_CONSTANT);
-        let mut load = form.residual(&self.assembler, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?;
+        // Newton's method names the place of what is no number, by residuals; an affine problem shows it in its matrix.
+        let mut load = match form.is_affine() {
+            true => form.load(&self.assembler, &spaces)?,
+            false => form.residual(&self.assembler, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?,
+        };
         self.for_each_load(|unknown, force| load[unknown] -= force)?;
         let mut assembled = match earlier {
             Some(earlier) => Assembled { commits, load, ..earlier },
@@ -241,7 +245,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The residual at u.
     pub fn residual(&self, assembled: &mut Assembled, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let mut residual = assembled.load.clone();
-        if assembled.linear {
+        if assembled.linear && u.iter().any(|u| *u != 0.0) {
             assembled.restore();
             let mut linear = vec![0.0; residual.len()];
             let product = assembled.matrix.multiply_on(self.assembler.threads(), u, &mut linear);

@@ -224,7 +224,9 @@ impl TangentSolver {
             false => Side::of(matrix, transpose),
         };
         let TangentSolverOptions { threads, refinement_steps, .. } = self.options;
-        let refined = factor.solve_side_refined(&side, threads, matrix.row_sum_norm(), b, refinement_steps);
+        // Without refinement nothing is measured by it.
+        let matrix_norm = if refinement_steps == 0 { 0.0 } else { matrix.row_sum_norm() };
+        let refined = factor.solve_side_refined(&side, threads, matrix_norm, b, refinement_steps);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         let refined = refined?;
         Ok(LinearSolution {
@@ -285,7 +287,7 @@ impl LinearSolver for TangentSolver {
             (asymmetry <= self.options.symmetry_tolerance, asymmetry == 0.0);
         let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
-        let saddle = (0..matrix.rows()).any(|row| matrix.get(row, row) == 0.0);
+        let saddle = matrix.diagonal().contains(&0.0);
         // LU scales by itself.
         let scales = !known && !saddle;
         let scaling = if scales { Equilibration::of(&matrix) } else { None };

@@ -2,7 +2,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::supernodal::{SupernodalIntranodeLbltRef, SupernodalLltRef};
+use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
 use faer::{Conj, MatMut, Par};
 
 use super::SymmetricFactor;
@@ -40,27 +40,22 @@ impl SymmetricFactor {
         check_size("the right-hand side", size, b.len())?;
         check_finite("the right-hand side", b)?;
         let supernodes = &analysis.supernodes;
-        let mut memory = MemBuffer::try_new(supernodes.solve_in_place_scratch::<f64>(1, Par::Seq))
-            .map_err(|_| LinearAlgebraError::OutOfMemory { what: "a triangular solve" })?;
-        let stack = MemStack::new(&mut memory);
         let mut x = vec![0.0; size];
         match &self.pivoting {
             None => {
                 for (target, &unknown) in x.iter_mut().zip(&analysis.order) {
                     *target = b[unknown as usize];
                 }
-                let column = MatMut::from_column_major_slice_mut(&mut x, size, 1);
-                SupernodalLltRef::new(supernodes, &self.values).solve_in_place_with_conj(
-                    Conj::No,
-                    column,
-                    Par::Seq,
-                    stack,
-                );
+                self.solve_with_lower(&mut x);
+                self.solve_with_upper(&mut x);
                 for (value, &unknown) in x.iter().zip(&analysis.order) {
                     b[unknown as usize] = *value;
                 }
             }
             Some(pivoting) => {
+                let mut memory = MemBuffer::try_new(supernodes.solve_in_place_scratch::<f64>(1, Par::Seq))
+                    .map_err(|_| LinearAlgebraError::OutOfMemory { what: "a triangular solve" })?;
+                let stack = MemStack::new(&mut memory);
                 let unknown_at = |place: &u32| analysis.order[*place as usize] as usize;
                 for (target, place) in x.iter_mut().zip(&pivoting.forward) {
                     *target = b[unknown_at(place)];

@@ -10,7 +10,7 @@ use crate::inverse::changing::{Linearised, halves};
 use crate::inverse::controls::{At, ControlError, Controls, Start};
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::evolution::Evolution;
-use crate::inverse::rates::{BEFORE, OF_BEFORE, Own, add_rates, rows};
+use crate::inverse::rates::{BEFORE, OF_BEFORE, Own, Wanted, add_rates, rows};
 use crate::inverse::step_equations::Solution;
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::Transpose;
@@ -74,9 +74,9 @@ impl<const D: usize> LoadHistory<'_, D> {
         let form = self.second_rates.as_ref().ok_or(HistoryFailure::Missing("second_rates"))?;
         let form = form(&at, &SecondOrderState { u, p, du, dbefore, dp, along })?;
         let own = [
-            Own { name: STATE, meaning: "the derivative by the state changes", wanted: true },
-            Own { name: BEFORE, meaning: OF_BEFORE, wanted: self.remembers() },
-            Own { name: ADJOINT, meaning: "the equations of the step change", wanted: true },
+            Own { name: STATE, meaning: "the derivative by the state changes", wanted: Wanted::Yes },
+            Own { name: BEFORE, meaning: OF_BEFORE, wanted: Wanted::when(self.remembers()) },
+            Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes },
         ];
         let spaces = [&self.space, &self.equations.constants()?];
         rows(&*form, &own, step, &self.controls, spaces, &self.equations.assembler, action)

@@ -4,7 +4,7 @@ use super::{MotionHistory, Reading};
 use crate::field::Field;
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::interval::{Interval, reads_states};
-use crate::inverse::rates::{BEFORE, OF_BEFORE, OPERATORS, Own, is_tested, rows};
+use crate::inverse::rates::{BEFORE, OF_BEFORE, OPERATORS, Own, Wanted, is_tested, rows};
 use crate::inverse::step_equations::Solution;
 use crate::inverse::steps_unknown::{evaluated, reads_unknown_itself, refused};
 use crate::linear_algebra::vector::add_scaled;
@@ -24,11 +24,12 @@ impl<const D: usize> MotionHistory<'_, D> {
         let unknown = interval.unknown_of(&self.space, before, after)?;
         let load = interval.slope_by_unknown(slope);
         let mut by_before = interval.slope_before(slope);
-        let (form, conditions) = (self.form(interval, &step)?, self.conditions(interval)?);
+        let conditions = self.conditions(interval)?;
         if interval.solution == Solution::Start {
             self.see_reading(interval, &step, &unknown)?;
         }
         let Some(masses) = interval.masses(before) else {
+            let form = self.form(interval, &step)?;
             let adjoint = self.equations.adjoint(interval.solution, &*form, &conditions, &unknown, &load)?;
             self.add_derivatives((interval, &step), [&unknown, &adjoint], gradient, &mut by_before)?;
             return Ok(by_before);
@@ -48,10 +49,16 @@ impl<const D: usize> MotionHistory<'_, D> {
         gradient: &mut [f64],
         by_before: &mut [f64],
     ) -> Result<(), HistoryFailure> {
-        let wanted = self.before_is_read.get();
+        let wanted = Wanted::when(self.before_is_read.get());
         let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?;
         let rates = rates(&self.during(interval, step), u, p)?;
-        let [value, rate, second_rate] = OPERATORS.map(|name| Own { name, meaning: "", wanted: false });
+        // What an operator evaluates of no known state, as the acceleration of explicit steps, has no derivative by one.
+        let read = interval.formulas.evaluated.each_ref().map(reads_states);
+        let of_operator = |place: usize| {
+            let wanted = if read[place] { Wanted::IfTested } else { Wanted::No };
+            Own { name: OPERATORS[place], meaning: "", wanted }
+        };
+        let [value, rate, second_rate] = [0, 1, 2].map(of_operator);
         let own = [value, rate, second_rate, Own { name: BEFORE, meaning: OF_BEFORE, wanted }];
         let spaces = [&self.space, &self.equations.constants()?];
         let assembler = &self.equations.assembler;
@@ -59,21 +66,19 @@ impl<const D: usize> MotionHistory<'_, D> {
             rows(&*rates, &own, interval.step(), &self.controls, spaces, assembler, gradient)?;
         add_scaled(&mut by_before[..interval.unknowns], 1.0, &before);
         let tested = OPERATORS.map(|name| is_tested(&*rates, name));
+        let (by_rows, by_tangents): (Vec<usize>, Vec<usize>) =
+            (0..3).filter(|place| read[*place]).partition(|place| tested[*place]);
+        for place in by_rows {
+            interval.add_slope(&interval.formulas.evaluated[place], &given[place], by_before);
+        }
+        if by_tangents.is_empty() {
+            return Ok(());
+        }
         let evaluated = evaluated(step, u)?;
-        let (mut seen, mut directly) = (false, None);
-        for (place, combination) in interval.formulas.evaluated.iter().enumerate() {
-            if !reads_states(combination) {
-                continue;
-            }
-            if tested[place] {
-                interval.add_slope(combination, &given[place], by_before);
-                continue;
-            }
-            if !std::mem::replace(&mut seen, true) {
-                directly = self.read_directly(interval, step, (u, &evaluated), p)?;
-            }
+        let directly = self.read_directly(interval, step, (u, &evaluated), p)?;
+        for place in by_tangents {
             let slope = self.by_tangent(interval, step, (u, &evaluated), p, place, directly.as_deref())?;
-            interval.add_slope(combination, &slope, by_before);
+            interval.add_slope(&interval.formulas.evaluated[place], &slope, by_before);
         }
         Ok(())
     }

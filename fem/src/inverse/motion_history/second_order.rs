@@ -15,7 +15,7 @@ use crate::inverse::during::During;
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::evolution::Evolution;
 use crate::inverse::interval::Interval;
-use crate::inverse::rates::{OPERATORS, Own, is_tested, rows};
+use crate::inverse::rates::{OPERATORS, Own, Wanted, is_tested, rows};
 use crate::inverse::steps_unknown::evaluated;
 use crate::linear_algebra::vector::{add_scaled, largest};
 use crate::solve::Transpose;
@@ -82,12 +82,13 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         let mut own = OPERATORS.map(|name| Own {
             name,
             meaning: "the derivative by what is evaluated changes",
-            wanted: false,
+            wanted: Wanted::IfTested,
         });
         for (place, own) in own.iter_mut().enumerate() {
-            own.wanted = !is_tested(&*second, own.name) && self.reads(interval, step, u, place)?;
+            let untested = !is_tested(&*second, own.name);
+            own.wanted = Wanted::when(untested && self.reads(interval, step, u, place)?);
         }
-        let adjoint = Own { name: ADJOINT, meaning: "the equations of the step change", wanted: true };
+        let adjoint = Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes };
         let [value, rate, second_rate] = own;
         let spaces = [&self.space, &self.equations.constants()?];
         let own = [value, rate, second_rate, adjoint];

@@ -38,6 +38,7 @@ pub fn describe(
         Dependence::Linear => quote! { Linear },
         Dependence::Nonlinear => quote! { Nonlinear },
     };
+    let vanishes = description.vanishes;
     let degree = degree(&description.degree);
     let [test_side, trial_side] = [test.side, trial.side].map(name_of_side);
     let [test, trial] = [test.number, trial.number];
@@ -54,6 +55,7 @@ pub fn describe(
             test_side: contract::Side::#test_side,
             trial_side: contract::Side::#trial_side,
             dependence: contract::Dependence::#dependence,
+            vanishes: #vanishes,
             symmetric: #symmetric,
             degree: #degree,
         }

@@ -126,6 +126,7 @@ impl Walks {
                 region: 0,
                 displacement: None,
                 dependence: Dependence::Constant,
+                vanishes: false,
                 degree: Degree::constant(0),
             };
             let description = describe(&description, &[0], [NO_ARGUMENT; 2], false);

@@ -32,7 +32,13 @@ pub(super) fn densities(
         .into_iter()
         .filter(|(_, (density, _))| !scalariser.graph.is_zero(*density))
         .map(|((region, displacement), (density, degree))| ExpressionIntegral {
-            description: Description { region, displacement, dependence: Dependence::Nonlinear, degree },
+            description: Description {
+                region,
+                displacement,
+                dependence: Dependence::Nonlinear,
+                vanishes: false,
+                degree,
+            },
             components: vec![density],
         })
         .collect()

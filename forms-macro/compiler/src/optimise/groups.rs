@@ -90,6 +90,7 @@ pub(super) fn group(
                 region: *region,
                 displacement: displacement.clone(),
                 dependence,
+                vanishes: false,
                 degree: Degree::constant(0),
             },
             parts: vec![],

@@ -5,7 +5,7 @@ use super::factor::{self, Bilinear};
 use super::groups::Group;
 use super::linear::{Coefficients, Linear, SidedField, without};
 use super::scalar::{Graph, Scalar};
-use super::{BilinearIntegral, Description, LinearIntegral, Setting};
+use super::{BilinearIntegral, Dependence, Description, LinearIntegral, Setting};
 use crate::tensor::{FieldInfo, FieldRole};
 
 /// Splits residual and tangent of a group by test function, trial function, and the sides on which they stand. `Err` has the
@@ -22,7 +22,10 @@ pub(super) fn split(
         let description = &group.description;
         let density = without(graph, group.density, &others);
         let flux = Linear::new(graph, test).coefficients(density).ok_or_else(not_linear)?;
-        residual.extend(linear_integral(graph, description, test, &flux));
+        let vanishes = description.dependence == Dependence::Linear
+            && graph.vanishes_with(density, |node| setting.is_of_unknown(node));
+        let of_residual = Description { vanishes, ..description.clone() };
+        residual.extend(linear_integral(graph, &of_residual, test, &flux));
         for (trial, derivative) in &group.tangent {
             let derivative = without(graph, *derivative, &others);
             let integrals =

@@ -24,7 +24,7 @@ mod whole;
 
 use crate::differentiate::Derived;
 use crate::parse::syntax::{Entity, MemberKind, Module};
-use crate::tensor::{FieldInfo, Side};
+use crate::tensor::{FieldInfo, FieldRole, Side};
 use degree::{Degree, Degrees};
 use densities::{densities, switches};
 pub use factor::{Candidate, varies_over_cell};
@@ -32,7 +32,7 @@ use groups::{group, join_on_cells};
 use integrals::{action, split};
 use linear::{Coefficients, SidedField};
 use plan::BilinearPlan;
-use scalar::{Graph, Scalar};
+use scalar::{Graph, Node, Scalar};
 use scalarise::{OppositeSide, Scalariser};
 
 /// A function, ready to be written as kernels.
@@ -69,6 +69,8 @@ pub struct Description {
     /// As of [`crate::check::Term`].
     pub displacement: Option<Vec<usize>>,
     pub dependence: Dependence,
+    /// Each of its terms has a factor of the unknowns: of linear integrals of a residual, else false.
+    pub vanishes: bool,
     pub degree: Degree,
 }
 
@@ -102,6 +104,13 @@ pub struct Setting<'a> {
     pub fields: &'a [FieldInfo],
     /// By region of the module.
     pub entities: &'a [Entity],
+}
+
+impl Setting<'_> {
+    /// Whether a node is what an integral reads of an unknown.
+    fn is_of_unknown(&self, node: &Node) -> bool {
+        matches!(node, Node::Field { field, .. } if matches!(self.fields[*field].role, FieldRole::Unknown(_)))
+    }
 }
 
 /// Reasons why a function cannot become kernels.

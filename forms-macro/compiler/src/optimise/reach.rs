@@ -68,6 +68,28 @@ impl Graph {
         false
     }
 
+    /// Is the expression proved to be zero where the terminals are for which `test` is true, and all else is a number?
+    pub fn vanishes_with(&self, root: Scalar, test: impl Fn(&Node) -> bool) -> bool {
+        let mut vanishes = vec![false; root.0 as usize + 1];
+        for scalar in self.reachable(&[root]) {
+            let of = |operand: &Scalar| vanishes[operand.0 as usize];
+            vanishes[scalar.0 as usize] = match self.node(scalar) {
+                Node::Number(bits) => f64::from_bits(*bits) == 0.0,
+                Node::Sum { constant, terms } => {
+                    f64::from_bits(*constant) == 0.0 && terms.iter().all(|(_, term)| of(term))
+                }
+                Node::Product(factors) => {
+                    let divides = |(factor, exponent): &(Scalar, i32)| *exponent < 0 && of(factor);
+                    let vanishes = |(factor, exponent): &(Scalar, i32)| *exponent > 0 && of(factor);
+                    factors.iter().any(vanishes) && !factors.iter().any(divides)
+                }
+                Node::Select(_, a, b) => of(a) && of(b),
+                node => test(node),
+            };
+        }
+        vanishes[root.0 as usize]
+    }
+
     /// Which nodes hold a terminal for which `test` is true: operands stand before what is made of them.
     pub fn mark(&self, test: impl Fn(&Node) -> bool) -> Vec<bool> {
         let mut marks = vec![false; self.len()];

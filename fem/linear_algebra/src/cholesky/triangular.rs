@@ -1,0 +1,184 @@
+//! Solves with the triangles of an LLᵀ factor for one right-hand side, supernode by supernode.
+//!
+//! faer's solves are made for many right-hand sides: each product with a supernode's block is a call of its general kernels, which
+//! takes longer than the product where supernodes are small.
+
+use super::SymmetricFactor;
+
+/// Columns that are taken at once, so that what is below them is read and written once.
+const AT_ONCE: usize = 4;
+/// Parts of a dot product that are summed side by side.
+const PARTS: usize = 4;
+
+/// The columns of a supernode, with the rows of its triangle and those below.
+struct Supernode<'a> {
+    /// Column by column.
+    block: &'a [f64],
+    first: usize,
+    width: usize,
+    /// The rows below, ascending.
+    rows: &'a [u32],
+}
+
+impl<'a> Supernode<'a> {
+    fn columns<const N: usize>(&self, from: usize) -> [&'a [f64]; N] {
+        let height = self.width + self.rows.len();
+        std::array::from_fn(|k| &self.block[(from + k) * height..][..height])
+    }
+
+    /// Solves with some columns, and takes them out of the rows that follow: those of the triangle in `own`, those below in `below`.
+    fn forward<const N: usize>(&self, from: usize, own: &mut [f64], below: &mut [f64]) {
+        let columns = self.columns::<N>(from);
+        let (solved, rest) = own[from..].split_at_mut(N);
+        let mut factors = [0.0; N];
+        for k in 0..N {
+            let known: f64 = (0..k).map(|l| columns[l][from + k] * factors[l]).sum();
+            factors[k] = (solved[k] - known) / columns[k][from + k];
+        }
+        solved.copy_from_slice(&factors);
+        subtract(rest, columns.map(|column| &column[from + N..self.width]), factors);
+        subtract(below, columns.map(|column| &column[self.width..]), factors);
+    }
+
+    /// Solves with the transposed of some columns, of which the values at the rows that follow are known.
+    fn backward<const N: usize>(&self, from: usize, own: &mut [f64], below: &[f64]) {
+        let columns = self.columns::<N>(from);
+        let (unknown, known) = own[from..].split_at_mut(N);
+        let inside = products(columns.map(|column| &column[from + N..self.width]), known);
+        let beyond = products(columns.map(|column| &column[self.width..]), below);
+        for k in (0..N).rev() {
+            let near: f64 = (k + 1..N).map(|l| columns[k][from + l] * unknown[l]).sum();
+            unknown[k] = (unknown[k] - (inside[k] + beyond[k] + near)) / columns[k][from + k];
+        }
+    }
+}
+
+/// y −= Σ factor × column.
+fn subtract<const N: usize>(y: &mut [f64], columns: [&[f64]; N], factors: [f64; N]) {
+    let columns = columns.map(|column| &column[..y.len()]);
+    for (i, target) in y.iter_mut().enumerate() {
+        let mut rest = *target;
+        for k in 0..N {
+            rest -= factors[k] * columns[k][i];
+        }
+        *target = rest;
+    }
+}
+
+/// The dot product of each column with x.
+fn products<const N: usize>(columns: [&[f64]; N], x: &[f64]) -> [f64; N] {
+    let (pieces, tail) = x.as_chunks::<PARTS>();
+    let mut sums = [[0.0; PARTS]; N];
+    let in_pieces = columns.map(|column| &column.as_chunks::<PARTS>().0[..pieces.len()]);
+    for (i, piece) in pieces.iter().enumerate() {
+        for k in 0..N {
+            for part in 0..PARTS {
+                sums[k][part] += in_pieces[k][i][part] * piece[part];
+            }
+        }
+    }
+    let start = x.len() - tail.len();
+    std::array::from_fn(|k| {
+        let last: f64 = columns[k][start..].iter().zip(tail).map(|(a, b)| a * b).sum();
+        sums[k].iter().sum::<f64>() + last
+    })
+}
+
+impl SymmetricFactor {
+    fn supernode(&self, number: usize) -> Supernode<'_> {
+        let symbolic = &self.analysis.supernodes;
+        let first = symbolic.supernode_begin()[number] as usize;
+        let width = symbolic.supernode_end()[number] as usize - first;
+        let values = &symbolic.col_ptr_for_val()[number..number + 2];
+        let block = &self.values[values[0] as usize..values[1] as usize];
+        Supernode { block, first, width, rows: symbolic.supernode(number).pattern() }
+    }
+
+    /// Replaces x, in elimination order, by L⁻¹ x.
+    pub(crate) fn solve_with_lower(&self, x: &mut [f64]) {
+        let mut below = vec![];
+        for number in 0..self.analysis.supernodes.n_supernodes() {
+            let node = self.supernode(number);
+            below.clear();
+            below.resize(node.rows.len(), 0.0);
+            let own = &mut x[node.first..node.first + node.width];
+            let mut from = 0;
+            while from + AT_ONCE <= node.width {
+                node.forward::<AT_ONCE>(from, own, &mut below);
+                from += AT_ONCE;
+            }
+            (from..node.width).for_each(|from| node.forward::<1>(from, own, &mut below));
+            for (row, change) in node.rows.iter().zip(&below) {
+                x[*row as usize] += change;
+            }
+        }
+    }
+
+    /// Replaces y, in elimination order, by L⁻ᵀ y.
+    pub(crate) fn solve_with_upper(&self, y: &mut [f64]) {
+        let mut below = vec![];
+        for number in (0..self.analysis.supernodes.n_supernodes()).rev() {
+            let node = self.supernode(number);
+            below.clear();
+            below.extend(node.rows.iter().map(|row| y[*row as usize]));
+            let own = &mut y[node.first..node.first + node.width];
+            let fours = node.width / AT_ONCE * AT_ONCE;
+            (fours..node.width).rev().for_each(|from| node.backward::<1>(from, own, &below));
+            (0..fours).step_by(AT_ONCE).rev().for_each(|from| {
+                node.backward::<AT_ONCE>(from, own, &below);
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::{Analysis, CsrMatrix, Ordering};
+
+    /// The nine-point stencil on m × m nodes, two unknowns each, with other numbers everywhere.
+    fn grid(m: usize) -> CsrMatrix {
+        let mut triplets = Vec::new();
+        for node in 0..m * m {
+            for (step, inside) in
+                [(1, node % m + 1 < m), (m, node / m + 1 < m), (m + 1, node % m + 1 < m && node / m + 1 < m)]
+            {
+                for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().filter(|_| inside) {
+                    let (row, column) = (2 * node + a, 2 * (node + step) + b);
+                    let value = ((row * 7 + column * 3) as f64).sin();
+                    triplets.extend([(row, column, value), (column, row, value)]);
+                }
+            }
+            triplets.extend((0..2).map(|a| (2 * node + a, 2 * node + a, 17.0 + (node as f64).cos())));
+        }
+        CsrMatrix::from_triplets(2 * m * m, 2 * m * m, &triplets).unwrap()
+    }
+
+    #[test]
+    fn triangles_multiply_to_the_matrix() {
+        // Supernodes of all widths and heights, also those that are no multiple of four.
+        for m in [1, 2, 3, 7, 24] {
+            let matrix = grid(m);
+            for ordering in [Ordering::MinimumDegree, Ordering::NestedDissection] {
+                let analysis = Arc::new(Analysis::new(matrix.pattern(), &ordering).unwrap());
+                let factor = SymmetricFactor::cholesky(&analysis, &matrix, vec![]).unwrap();
+                let exact: Vec<f64> = (0..matrix.rows()).map(|k| (k as f64 * 0.37).sin() - 0.2).collect();
+                let b = matrix.multiply(&exact).unwrap();
+                let order = analysis.elimination_order();
+                let mut x: Vec<f64> = order.iter().map(|unknown| b[*unknown as usize]).collect();
+                factor.solve_with_lower(&mut x);
+                // ‖L⁻¹ P b‖² = b·x.
+                let square: f64 = x.iter().map(|value| value * value).sum();
+                let work: f64 = b.iter().zip(&exact).map(|(b, x)| b * x).sum();
+                assert!((square - work).abs() < 1e-13 * work, "{m}: {square} is not {work}");
+                factor.solve_with_upper(&mut x);
+                for (value, unknown) in x.iter().zip(order) {
+                    let expected = exact[*unknown as usize];
+                    assert!((value - expected).abs() < 1e-14, "{m}: {value} is not {expected}");
+                }
+            }
+        }
+    }
+}
