@@ -237,8 +237,9 @@ fn newtons_method_converges_from_zero() {
     }
 }
 
-/// From stick it takes at most 16 steps in all cases, also where it goes back and forth from zero, for larger γ₀ and finer
-/// meshes. FORMS_SWEEPS=1: three coefficients, three γ₀, three ways to shear, three meshes.
+/// From stick it takes at most 16 steps in all cases, also for larger γ₀ and finer meshes, where from zero it takes more or goes
+/// back and forth: which of the two, the last digits decide. FORMS_SWEEPS=1: three coefficients, three γ₀,
+/// three ways to shear, three meshes.
 #[test]
 fn newtons_method_converges_from_stick() {
     let all = std::env::var_os("FORMS_SWEEPS").is_some();
@@ -265,7 +266,11 @@ fn newtons_method_converges_from_stick() {
         }
     }
     println!("{most} steps at most from stick; from zero {most_from_zero}, {failed_from_zero} failures");
-    assert!(most <= 16 && failed_from_zero > 0, "{most} steps, {failed_from_zero} failures from zero");
+    let harder_from_zero = failed_from_zero > 0 || most_from_zero > most;
+    assert!(
+        most <= 16 && harder_from_zero,
+        "{most} steps; from zero {most_from_zero}, {failed_from_zero} failures"
+    );
 }
 
 #[test]
