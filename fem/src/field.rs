@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::compiled_here::compiled_here;
 use crate::element::MAXIMUM_NODES;
-use crate::linear_algebra::vector::is_finite;
+use crate::linear_algebra::vector::{first_not_finite, is_finite};
 use crate::mesh::geometry::inverse;
 use crate::space::Space;
 
@@ -158,8 +158,7 @@ impl<const D: usize> Field<D> {
         if values.len() != unknowns {
             return Err(FieldError::Length { unknowns, length: values.len() });
         }
-        let wrong = || values.iter().position(|value| !value.is_finite());
-        if let Some(unknown) = if is_finite(&values) { None } else { wrong() } {
+        if let Some(unknown) = first_not_finite(&values) {
             let (node, component) = (unknown / space.components(), unknown % space.components());
             let position = space.positions()[node].to_vec();
             return Err(FieldError::NotFinite { node, component, position, value: values[unknown] });

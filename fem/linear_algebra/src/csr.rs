@@ -8,7 +8,7 @@ use super::error::{LinearAlgebraError, check_size};
 use super::large_pages::zeros;
 use super::pattern::SparsityPattern;
 use super::restriction::Entry;
-use super::vector::is_finite;
+use super::vector::first_not_finite;
 use crate::threads::Threads;
 
 /// A real sparse matrix: values on a [`SparsityPattern`] that other matrices may share, so that the
@@ -324,10 +324,7 @@ impl CsrMatrix {
     /// # Errors
     /// [`LinearAlgebraError::EntryNotFinite`] with the entry's row and column.
     pub fn check_finite(&self) -> Result<(), LinearAlgebraError> {
-        if is_finite(&self.values) {
-            return Ok(());
-        }
-        let Some(position) = self.values.iter().position(|value| !value.is_finite()) else {
+        let Some(position) = first_not_finite(&self.values) else {
             return Ok(());
         };
         let row = self.row_pointers().partition_point(|&begin| begin <= position) - 1;

@@ -1,6 +1,6 @@
 //! Errors of sparse matrices and factorisations.
 
-use super::vector::is_finite;
+use super::vector::first_not_finite;
 
 /// Errors of a sparse matrix or of its factorisation, with their position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -118,10 +118,7 @@ pub fn check_size(what: &'static str, expected: usize, found: usize) -> Result<(
 /// Fails at the first entry that is NaN or infinite.
 #[doc(hidden)]
 pub fn check_finite(what: &'static str, values: &[f64]) -> Result<(), LinearAlgebraError> {
-    if is_finite(values) {
-        return Ok(());
-    }
-    match values.iter().position(|value| !value.is_finite()) {
+    match first_not_finite(values) {
         None => Ok(()),
         Some(index) => Err(LinearAlgebraError::VectorNotFinite { what, index, value: values[index] }),
     }

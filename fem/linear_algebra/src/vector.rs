@@ -71,6 +71,11 @@ pub fn is_finite(x: &[f64]) -> bool {
     x.chunks(CHUNK).all(of_piece)
 }
 
+/// The first entry that is NaN or infinite.
+pub fn first_not_finite(x: &[f64]) -> Option<usize> {
+    if is_finite(x) { None } else { x.iter().position(|value| !value.is_finite()) }
+}
+
 /// y += factor * x.
 pub fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
     for (target, value) in y.iter_mut().zip(x) {

@@ -234,7 +234,7 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         kinds[last].1 += 1;
         last
     };
-    let kind_of: Vec<usize> = order.iter().map(|number| kind_of(units[*number].0)).collect();
+    let kind_of_each: Vec<usize> = order.iter().map(|number| kind_of(units[*number].0)).collect();
     let with_room = |(key, units): &(GroupKey, usize)| {
         let (sides, count, rigid) = *key;
         let points = Vec::with_capacity(units * count * PairGroup::<D>::STRIDE);
@@ -242,7 +242,7 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         (*key, PairGroup { sides, facets: Vec::with_capacity(*units), count, points, rigid_normals })
     };
     let mut groups: Vec<(GroupKey, PairGroup<D>)> = kinds.iter().map(with_room).collect();
-    for (number, kind) in order.into_iter().zip(kind_of) {
+    for (number, kind) in order.into_iter().zip(kind_of_each) {
         let (Unit { facets, count, start, .. }, part) = units[number];
         let ((.., rigid), group) = &mut groups[kind];
         group.facets.push(*facets);
