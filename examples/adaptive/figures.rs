@@ -2,15 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use forms_fem::output::picture::{Curve, LinePlot, MeshDrawing, Picture, Scale};
+use forms_fem::output::picture::{LinePlot, MeshDrawing, Picture, Scale};
 
 use crate::Outcome;
-use crate::study::{Row, Study};
-
-fn curve(name: &str, rows: &[Row]) -> Curve {
-    let (x, y): (Vec<f64>, Vec<f64>) = rows.iter().map(|row| (row.unknowns as f64, row.error.abs())).unzip();
-    Curve::new(name, &x, &y)
-}
+use crate::study::{Study, curve, fitted};
 
 /// Errors over unknowns of some studies, each adaptive beside uniform.
 pub fn errors(title: &str, quantity: &str, studies: &[(&str, &Study)], path: &Path) -> Outcome<PathBuf> {
@@ -22,10 +17,12 @@ pub fn errors(title: &str, quantity: &str, studies: &[(&str, &Study)], path: &Pa
         .size(360.0, 280.0);
     for (name, study) in studies {
         plot = plot
+            .curve(curve(&format!("{name}, adaptive"), &study.adaptive).fitted_order(fitted(&study.adaptive)))
             .curve(
-                curve(&format!("{name}, adaptive"), &study.adaptive).fitted_order(study.adaptive.len() / 2),
-            )
-            .curve(curve(&format!("{name}, uniform"), &study.uniform).dashed().fitted_order(3));
+                curve(&format!("{name}, uniform"), &study.uniform)
+                    .dashed()
+                    .fitted_order(fitted(&study.uniform)),
+            );
     }
     plot.write_png(path)?;
     Ok(path.to_owned())

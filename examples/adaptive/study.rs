@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use forms_fem::adaptivity::{Adaptation, AdaptiveSolution};
+use forms_fem::output::picture::Curve;
 use forms_fem::output::tell;
 use forms_fem::prelude::*;
 
@@ -84,10 +85,19 @@ impl Study {
     }
 }
 
-/// s in error ~ Nˢ, fitted to the rows with at least a twentieth of the last one's unknowns.
+/// Errors over unknowns.
+pub fn curve(name: &str, rows: &[Row]) -> Curve {
+    let (x, y): (Vec<f64>, Vec<f64>) = rows.iter().map(|row| (row.unknowns as f64, row.error.abs())).unzip();
+    Curve::new(name, &x, &y)
+}
+
+/// The number of rows to which s in error ~ Nˢ is fitted: those with at least a twentieth of the last one's unknowns.
+pub fn fitted(rows: &[Row]) -> usize {
+    let least = rows.last().map_or(0, |row| row.unknowns / 20);
+    rows.iter().filter(|row| row.unknowns >= least).count()
+}
+
+/// s in error ~ Nˢ.
 pub fn order(rows: &[Row]) -> Option<f64> {
-    let least = rows.last()?.unknowns / 20;
-    let used = rows.iter().filter(|row| row.unknowns >= least);
-    let (x, y): (Vec<f64>, Vec<f64>) = used.map(|row| (row.unknowns as f64, row.error.abs())).unzip();
-    forms_fem::output::picture::Curve::new("", &x, &y).order(x.len())
+    curve("", rows).order(fitted(rows))
 }

@@ -60,14 +60,18 @@ impl Options {
 
 const QUANTITIES: [&str; 4] = ["u (14)", "p (22)", "p (21)", "p (41)"];
 
-/// s in error ~ Nˢ over the rows with at least a quarter of the last one's unknowns, at least three: the first meshes gain by being
-/// fine where nothing was yet.
-fn order(rows: &[Row], quantity: usize) -> Option<f64> {
-    let least = rows.last()?.unknowns / 4;
-    let count = rows.iter().filter(|row| row.unknowns >= least).count().max(3);
-    let used = rows.iter().skip(rows.len().saturating_sub(count));
-    let (x, y): (Vec<f64>, Vec<f64>) = used.map(|row| (row.unknowns as f64, row.errors[quantity])).unzip();
-    Curve::new("", &x, &y).order(x.len())
+/// Errors over unknowns of one quantity.
+fn curve(title: &str, rows: &[Row], quantity: usize) -> Curve {
+    let (x, y): (Vec<f64>, Vec<f64>) =
+        rows.iter().map(|row| (row.unknowns as f64, row.errors[quantity])).unzip();
+    Curve::new(title, &x, &y)
+}
+
+/// The number of rows to which s in error ~ Nˢ is fitted: those with at least a quarter of the last one's unknowns, at least three.
+/// The first meshes gain by being fine where nothing was yet.
+fn fitted(rows: &[Row]) -> usize {
+    let least = rows.last().map_or(0, |row| row.unknowns / 4);
+    rows.iter().filter(|row| row.unknowns >= least).count().max(3)
 }
 
 /// Prints the errors on meshes of one kind: about one row per doubling of the unknowns, and the last.
@@ -83,8 +87,10 @@ fn table(out: &mut StandardOutput, name: &str, rows: &[Row]) {
             last = row.unknowns;
         }
     }
-    let orders =
-        [0, 1, 2, 3].map(|quantity| order(rows, quantity).map_or(String::new(), |s| format!("N^{s:.2}")));
+    let orders = [0, 1, 2, 3].map(|quantity| {
+        let order = curve("", rows, quantity).order(fitted(rows));
+        order.map_or(String::new(), |s| format!("N^{s:.2}"))
+    });
     out.line(format!("| {name} | order | {} |", orders.join(" | ")));
 }
 
@@ -119,11 +125,6 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         table(out, name, &rows);
         all.push((name, rows));
     }
-    let curve = |title: &str, rows: &[Row], quantity: usize| {
-        let (x, y): (Vec<f64>, Vec<f64>) =
-            rows.iter().map(|row| (row.unknowns as f64, row.errors[quantity])).unzip();
-        Curve::new(title, &x, &y)
-    };
     let mut plot = LinePlot::new()
         .title("Hollow cylinder, degree 2")
         .x_axis("unknowns", Scale::Logarithmic)
@@ -135,9 +136,9 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         let (adaptive, uniform) = (&all[adapted].1, &all[0].1);
         let name = QUANTITIES[quantity];
         plot = plot
-            .curve(curve(&format!("{name}, adaptive"), adaptive, quantity).fitted_order(adaptive.len() / 3))
+            .curve(curve(&format!("{name}, adaptive"), adaptive, quantity).fitted_order(fitted(adaptive)))
             .curve(
-                curve(&format!("{name}, uniform"), uniform, quantity).dashed().fitted_order(uniform.len()),
+                curve(&format!("{name}, uniform"), uniform, quantity).dashed().fitted_order(fitted(uniform)),
             );
     }
     plot.write_png(options.out.join("adaptive_cylinder.png"))?;
