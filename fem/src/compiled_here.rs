@@ -1,35 +1,38 @@
-//! Functions that are generic over the dimension and the lane type alone, compiled in this crate and not in every program: as
-//! `forms_mesh::compiled_here!` does for the dimension.
+//! Functions that are generic over the dimension alone, compiled in this crate and not in every program: its own, and for
+//! space those of the crates below (see `forms_mesh::compiled_here`).
 
-/// Compiles generic functions of the dimension `D` for two and three dimensions; with `lanes`, also for each type of lane `L`.
-macro_rules! compiled_here {
-    (lanes: $($function:expr),+ $(,)?) => {
-        #[cfg(not(test))]
-        const _: () = {
-            fn instances<L: crate::lanes::SimdLane, const D: usize>() -> Vec<*const ()> {
-                vec![$($function as *const ()),+]
-            }
-            #[expect(dead_code, reason = "it is there for the instances that it names")]
-            static INSTANCES: &[fn() -> Vec<*const ()>] = &[
-                instances::<f64, 2>,
-                instances::<f64, 3>,
-                #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
-                instances::<crate::lanes::Avx2, 2>,
-                #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
-                instances::<crate::lanes::Avx2, 3>,
-                #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
-                instances::<crate::lanes::Avx512, 2>,
-                #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
-                instances::<crate::lanes::Avx512, 3>,
-                #[cfg(target_arch = "aarch64")]
-                instances::<crate::lanes::Neon, 2>,
-                #[cfg(target_arch = "aarch64")]
-                instances::<crate::lanes::Neon, 3>,
-            ];
-        };
-    };
-    ($($function:tt)+) => {
-        forms_mesh::compiled_here!($($function)+);
-    };
+#[cfg(not(test))]
+use forms_problem::compiled_here::Compiled as OfProblems;
+
+pub(crate) use forms_mesh::compiled_here;
+
+/// The functions of this crate that are compiled once for the dimension D.
+#[cfg(not(test))]
+pub(crate) struct Compiled<const D: usize>;
+
+#[cfg(not(test))]
+impl<const D: usize> Compiled<D> {
+    fn all() -> Vec<Vec<*const ()>> {
+        vec![
+            Self::adaptive_steps(),
+            Self::checkpoint(),
+            Self::estimate(),
+            Self::events(),
+            Self::linear_step(),
+            Self::load_history(),
+            Self::motion_history(),
+            Self::observations(),
+            Self::readings(),
+            Self::redistributed_mass(),
+            Self::second_order(),
+            Self::step(),
+            Self::step_equations(),
+            Self::time_loop(),
+        ]
+    }
 }
-pub(crate) use compiled_here;
+
+#[cfg(not(test))]
+#[expect(dead_code, reason = "it is there for the instances that it names")]
+static HERE: [fn() -> Vec<Vec<*const ()>>; 4] =
+    [Compiled::<2>::all, Compiled::<3>::all, OfProblems::<3>::all, forms_mesh::Compiled::<3>::all];

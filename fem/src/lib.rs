@@ -53,35 +53,19 @@
 extern crate self as forms_fem;
 
 pub mod adaptivity;
-pub mod assemble;
-mod coincident;
 mod compiled_here;
-pub mod constraints;
-pub mod dimension;
-pub mod field;
-pub mod history;
 pub mod inverse;
-pub mod lanes;
-pub mod language;
-pub mod movement;
-pub mod norms;
-pub mod output;
-pub mod pairs;
 #[cfg(feature = "shape-optimisation")]
 pub mod shape_optimisation;
-pub mod solve;
-pub mod space;
 pub mod time;
 pub mod verification;
 
-pub use forms_core::contract;
-pub use forms_core::forms;
+use forms_problem::coincident;
 #[doc(inline)]
-pub use forms_linear_algebra as linear_algebra;
-#[doc(inline)]
-pub use forms_linear_algebra::threads;
-#[doc(inline)]
-pub use forms_mesh::{element, locate, mesh, quadrature};
+pub use forms_problem::{
+    assemble, constraints, contract, dimension, element, field, forms, history, lanes, language,
+    linear_algebra, locate, mesh, movement, norms, output, pairs, prelude, quadrature, solve, space, threads,
+};
 
 /// One weak form without a module.
 ///
@@ -112,26 +96,3 @@ pub use forms_mesh::{element, locate, mesh, quadrature};
 /// (`Wall: Facets = "wall"`; or in place, `cells("all")`, `facets("wall")`), and the options of [`macro@forms`]. A closure with
 /// known fields gives a Rust closure that takes them. `use path::operator;` before the closure imports.
 pub use forms_core::form;
-
-/// The usual imports of a program that states and solves forms.
-pub mod prelude {
-    pub use std::sync::Arc;
-
-    pub use crate::assemble::{Assembler, AssemblyError, Parts, TangentAction};
-    pub use crate::constraints::Constraints;
-    pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Pairing, Real, Table};
-    pub use crate::dimension::{Dim, Dimension};
-    pub use crate::element::CellShape;
-    pub use crate::field::Field;
-    pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, hollow_cylinder, rectangle};
-    pub use crate::norms;
-    pub use crate::quadrature::{Quadrature, QuadratureRule};
-    pub use crate::solve::{
-        CondensedSolver, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver,
-        MultigridSolver, MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError,
-        Solved, TangentSolver, TangentSolverOptions,
-    };
-    pub use crate::space::{Family, Space};
-    pub use crate::threads::Threads;
-    pub use crate::{form, forms};
-}

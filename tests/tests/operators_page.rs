@@ -31,16 +31,16 @@ fn every_built_in_name_is_on_the_page() {
 /// The examples of the language reference, whose doctests run: what stands between the fences of its pages.
 fn examples() -> String {
     let pages = [
-        include_str!("../../fem/src/language/calculus.rs"),
-        include_str!("../../fem/src/language/derivatives.rs"),
-        include_str!("../../fem/src/language/facets.rs"),
-        include_str!("../../fem/src/language/functions.rs"),
-        include_str!("../../fem/src/language/geometry.rs"),
-        include_str!("../../fem/src/language/kinks.rs"),
-        include_str!("../../fem/src/language/laws.rs"),
-        include_str!("../../fem/src/language/products.rs"),
-        include_str!("../../fem/src/language/reuse.rs"),
-        include_str!("../../fem/src/language/tensors.rs"),
+        include_str!("../../fem/problem/src/language/calculus.rs"),
+        include_str!("../../fem/problem/src/language/derivatives.rs"),
+        include_str!("../../fem/problem/src/language/facets.rs"),
+        include_str!("../../fem/problem/src/language/functions.rs"),
+        include_str!("../../fem/problem/src/language/geometry.rs"),
+        include_str!("../../fem/problem/src/language/kinks.rs"),
+        include_str!("../../fem/problem/src/language/laws.rs"),
+        include_str!("../../fem/problem/src/language/products.rs"),
+        include_str!("../../fem/problem/src/language/reuse.rs"),
+        include_str!("../../fem/problem/src/language/tensors.rs"),
     ];
     pages.map(|page| page.split("```").skip(1).step_by(2).collect::<String>()).concat()
 }
@@ -51,5 +51,5 @@ fn every_built_in_name_has_an_example_in_the_reference() {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     let words: std::collections::BTreeSet<&str> = examples.split(|c| !word(c)).collect();
     let missing: Vec<_> = built_in_names().into_iter().filter(|name| !words.contains(name)).collect();
-    assert!(missing.is_empty(), "no example in fem/src/language: {missing:?}");
+    assert!(missing.is_empty(), "no example in fem/problem/src/language: {missing:?}");
 }

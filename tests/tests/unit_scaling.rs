@@ -1,6 +1,6 @@
 //! Units: each field measured in units of 10⁻¹², 1 and 10¹², with the data that carry its unit. Answers are the same to nine
 //! digits, by every solver that fits. Conjugate gradients, MINRES and multigrid take symmetric matrices of one space; units and
-//! contrasts of theirs are tested beside the solvers (`fem/src/solve/contrasts.rs`).
+//! contrasts of theirs are tested beside the solvers (`fem/problem/src/solve/contrasts.rs`).
 
 use forms_contact::ContactProblem;
 use forms_contact::hollow_cylinder::{IMPOSED_DISPLACEMENT, OBSTACLE_DEPTH, Settings, hollow_cylinder};

@@ -53,7 +53,7 @@ impl Machine {
     }
 }
 
-/// The variable that chooses the instruction set of a build (`fem/build.rs`).
+/// The variable that chooses the instruction set of a build (`fem/problem/build.rs`).
 pub(super) const INSTRUCTION_SET: &str = "FORMS_INSTRUCTION_SET";
 
 /// The instruction set that this program was built for, where one was asked for.

@@ -1,22 +1,57 @@
-//! Functions that are generic over the dimension alone, compiled in this crate and not in every program.
+//! Functions that are generic over the dimension alone, compiled in a library and not in every program.
 //!
 //! A generic function is compiled where it is called: in each program anew, and after each edit. One that is marked
-//! `#[inline(never)]` is not, where the library that declares it holds the instance that is called: programs link it, at
-//! every level of optimisation. `compiled_here!` stands below such functions and makes their instances for two and for
-//! three dimensions. What they call is compiled with them.
+//! `#[inline(never)]` is not, where a library that the program links holds the instance that is called, at every level of
+//! optimisation. `compiled_here!` stands below such functions and enters them, under a name of their file, in
+//! [`Compiled`], whose list makes the instances. Those in the plane are in the crate that declares the functions, those in space
+//! in `forms-fem`, since the paper's experiment needs none of them. What the functions call is compiled with them.
 
-/// Compiles generic functions of the dimension `D` for two and three dimensions, in the crate that declares them.
+/// Enters generic functions of the dimension `D` under a name in the crate's `compiled_here::Compiled`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! compiled_here {
-    ($($function:expr),+ $(,)?) => {
+    ($name:ident: $($function:expr),+ $(,)?) => {
         #[cfg(not(test))]
-        const _: () = {
-            fn instances<const D: usize>() -> Vec<*const ()> {
+        impl<const D: usize> crate::compiled_here::Compiled<D> {
+            pub(crate) fn $name() -> Vec<*const ()> {
                 vec![$($function as *const ()),+]
             }
-            #[expect(dead_code, reason = "it is there for the instances that it names")]
-            static INSTANCES: [fn() -> Vec<*const ()>; 2] = [instances::<2>, instances::<3>];
-        };
+        }
     };
 }
+
+/// The functions of this crate that are compiled once for the dimension D.
+#[doc(hidden)]
+pub struct Compiled<const D: usize>;
+
+#[cfg(not(test))]
+impl<const D: usize> Compiled<D> {
+    /// All of them, file by file.
+    pub fn all() -> Vec<Vec<*const ()>> {
+        vec![
+            Self::adaptive_mesh(),
+            Self::bisection(),
+            Self::bisection_coarsening(),
+            Self::bodies(),
+            Self::checksum(),
+            Self::conformity(),
+            Self::hanging_facets(),
+            Self::interior(),
+            Self::locate(),
+            Self::mesh(),
+            Self::moved(),
+            Self::octree(),
+            Self::octree_coarsening(),
+            Self::quality(),
+            Self::refine(),
+            Self::regions(),
+            Self::rigid_surface(),
+            Self::simplices(),
+            Self::structured(),
+        ]
+    }
+}
+
+#[cfg(not(test))]
+#[expect(dead_code, reason = "it is there for the instances that it names")]
+static IN_THE_PLANE: fn() -> Vec<Vec<*const ()>> = Compiled::<2>::all;

@@ -10,3 +10,6 @@ pub mod files;
 pub mod locate;
 pub mod mesh;
 pub mod quadrature;
+
+#[doc(hidden)]
+pub use compiled_here::Compiled;

@@ -195,4 +195,4 @@ fn handed_to_cells<const D: usize>(hats: &Arc<Space<D>>, shares: &[f64]) -> Vec<
     cells.map(|cell| hats.cell_nodes(cell).iter().map(part).sum()).collect()
 }
 
-compiled_here!(hand_over_hanging_shares::<D>, weight::<D>, handed_to_cells::<D>);
+compiled_here!(estimate: hand_over_hanging_shares::<D>, weight::<D>, handed_to_cells::<D>);

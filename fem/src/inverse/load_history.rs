@@ -240,6 +240,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
 choices_of!(LoadHistory, constrained_at usize, "the number of the step", second_rates by &[STATE, ADJOINT]);
 
 compiled_here!(
+    load_history:
     LoadHistory::<D>::new,
     LoadHistory::<D>::gradient,
     LoadHistory::<D>::hessian,

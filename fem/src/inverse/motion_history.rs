@@ -349,6 +349,7 @@ choices_of!(
 );
 
 compiled_here!(
+    motion_history:
     MotionHistory::<D>::of,
     MotionHistory::<D>::gradient,
     MotionHistory::<D>::hessian,

@@ -79,4 +79,4 @@ impl<const D: usize> Observations<D> {
     }
 }
 
-compiled_here!(Observations::<D>::value, Observations::<D>::add_slope, Observations::<D>::add_curvature);
+compiled_here!(observations: Observations::<D>::value, Observations::<D>::add_slope, Observations::<D>::add_curvature);

@@ -79,4 +79,4 @@ impl<const D: usize> Readings<D> {
     }
 }
 
-compiled_here!(Readings::<D>::of, Readings::<D>::add_slope);
+compiled_here!(readings: Readings::<D>::of, Readings::<D>::add_slope);

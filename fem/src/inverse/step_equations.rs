@@ -185,6 +185,7 @@ pub(super) fn reads_no_history<const D: usize>(form: &dyn AnyForm<D>) -> Result<
 }
 
 compiled_here!(
+    step_equations:
     StepEquations::<D>::new,
     StepEquations::<D>::solve,
     StepEquations::<D>::adjoint,

@@ -92,4 +92,4 @@ impl AdaptiveSteps {
     }
 }
 
-compiled_here!(AdaptiveSteps::take::<D>);
+compiled_here!(adaptive_steps: AdaptiveSteps::take::<D>);

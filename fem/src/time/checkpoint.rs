@@ -159,4 +159,4 @@ fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-compiled_here!(fingerprint::<D>);
+compiled_here!(checkpoint: fingerprint::<D>);

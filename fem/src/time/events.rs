@@ -233,4 +233,4 @@ impl<const D: usize> Default for Events<'_, D> {
     }
 }
 
-compiled_here!(Events::<D>::take_by);
+compiled_here!(events: Events::<D>::take_by);

@@ -179,4 +179,4 @@ impl StepMatrix {
     }
 }
 
-compiled_here!(solve::<D>, StepMatrix::assemble::<D>);
+compiled_here!(linear_step: solve::<D>, StepMatrix::assemble::<D>);

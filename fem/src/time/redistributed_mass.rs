@@ -304,4 +304,4 @@ impl<'a, const D: usize> Before<'a, D> {
     }
 }
 
-compiled_here!(Before::<D>::new, Before::<D>::redistribute);
+compiled_here!(redistributed_mass: Before::<D>::new, Before::<D>::redistribute);

@@ -163,4 +163,4 @@ impl<const D: usize> Taken<D> {
     }
 }
 
-compiled_here!(Step::<D>::new, known::<D>);
+compiled_here!(step: Step::<D>::new, known::<D>);

@@ -376,4 +376,4 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     }
 }
 
-compiled_here!(TimeLoop::<D>::of, TimeLoop::<D>::take);
+compiled_here!(time_loop: TimeLoop::<D>::of, TimeLoop::<D>::take);

@@ -96,4 +96,4 @@ impl<const D: usize> AdaptiveMesh<D> {
     }
 }
 
-compiled_here!(AdaptiveMesh::<D>::of, AdaptiveMesh::<D>::refined_onto, AdaptiveMesh::<D>::coarsened);
+compiled_here!(adaptive_mesh: AdaptiveMesh::<D>::of, AdaptiveMesh::<D>::refined_onto, AdaptiveMesh::<D>::coarsened);

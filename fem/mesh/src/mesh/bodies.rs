@@ -83,4 +83,4 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(Mesh::<D>::of_bodies);
+compiled_here!(bodies: Mesh::<D>::of_bodies);

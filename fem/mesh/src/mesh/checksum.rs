@@ -35,7 +35,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(Mesh::<D>::checksum);
+compiled_here!(checksum: Mesh::<D>::checksum);
 
 #[cfg(test)]
 mod tests {

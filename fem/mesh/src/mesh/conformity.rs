@@ -283,7 +283,7 @@ impl<const D: usize> fmt::Display for Conformity<D> {
     }
 }
 
-compiled_here!(Mesh::<D>::conformity);
+compiled_here!(conformity: Mesh::<D>::conformity);
 
 #[cfg(test)]
 mod tests;

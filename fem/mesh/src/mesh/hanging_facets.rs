@@ -72,7 +72,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(Mesh::<D>::hanging_facets, Mesh::<D>::reference_on_facet);
+compiled_here!(hanging_facets: Mesh::<D>::hanging_facets, Mesh::<D>::reference_on_facet);
 
 #[cfg(test)]
 mod tests {

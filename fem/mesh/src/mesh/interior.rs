@@ -162,6 +162,7 @@ impl<const D: usize> Mesh<D> {
 }
 
 compiled_here!(
+    interior:
     Mesh::<D>::name_interior_facets_where,
     Mesh::<D>::name_listed_interior_facets,
     Mesh::<D>::name_interface

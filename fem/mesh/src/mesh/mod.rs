@@ -21,7 +21,7 @@ mod hanging_facets;
 mod imported;
 mod interior;
 mod marking;
-compiled_here!(Mesh::<D>::from_blocks, Mesh::<D>::from_nonconforming_blocks);
+compiled_here!(mesh: Mesh::<D>::from_blocks, Mesh::<D>::from_nonconforming_blocks);
 
 #[cfg(test)]
 mod measures;

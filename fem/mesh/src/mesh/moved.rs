@@ -51,4 +51,4 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(Mesh::<D>::with_nodes, Mesh::<D>::with_unchecked_nodes);
+compiled_here!(moved: Mesh::<D>::with_nodes, Mesh::<D>::with_unchecked_nodes);

@@ -325,7 +325,7 @@ impl<const D: usize> fmt::Display for MeshQuality<D> {
     }
 }
 
-compiled_here!(Mesh::<D>::quality_at);
+compiled_here!(quality: Mesh::<D>::quality_at);
 
 #[cfg(test)]
 mod tests;

@@ -281,7 +281,7 @@ impl<const D: usize> Division<D> {
     }
 }
 
-compiled_here!(Mesh::<D>::refined, Mesh::<D>::refined_onto);
+compiled_here!(refine: Mesh::<D>::refined, Mesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

@@ -213,6 +213,7 @@ impl<const D: usize> Mesh<D> {
 }
 
 compiled_here!(
+    regions:
     Mesh::<D>::name_cells_where,
     Mesh::<D>::name_facets_where,
     Mesh::<D>::name_listed_cells,

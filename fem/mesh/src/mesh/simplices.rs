@@ -114,7 +114,7 @@ fn divide(shape: CellShape, nodes: &[u32]) -> Vec<Vec<usize>> {
     simplices
 }
 
-compiled_here!(Mesh::<D>::simplices);
+compiled_here!(simplices: Mesh::<D>::simplices);
 
 #[cfg(test)]
 mod tests {

@@ -197,7 +197,7 @@ fn room<T>(what: &'static str, count: usize, length: usize) -> Result<Vec<T>, Me
     }
 }
 
-compiled_here!(Grid::<D>::mapped);
+compiled_here!(structured: Grid::<D>::mapped);
 
 #[cfg(test)]
 mod tests {

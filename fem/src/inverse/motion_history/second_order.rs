@@ -317,4 +317,4 @@ impl<const D: usize> Linearised<D> for MotionHistory<'_, D> {
     }
 }
 
-compiled_here!(MotionHistory::<D>::advance_along_by, MotionHistory::<D>::reverse_along_by);
+compiled_here!(second_order: MotionHistory::<D>::advance_along_by, MotionHistory::<D>::reverse_along_by);

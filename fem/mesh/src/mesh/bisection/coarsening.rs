@@ -148,4 +148,4 @@ impl<const D: usize> BisectedMesh<D> {
     }
 }
 
-compiled_here!(BisectedMesh::<D>::coarsened);
+compiled_here!(bisection_coarsening: BisectedMesh::<D>::coarsened);

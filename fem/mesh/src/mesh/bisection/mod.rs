@@ -158,7 +158,7 @@ fn opposite(shape: CellShape, vertex: usize) -> usize {
     if shape == CellShape::Triangle { (vertex + 1) % 3 } else { vertex }
 }
 
-compiled_here!(BisectedMesh::<D>::of, BisectedMesh::<D>::refined_onto);
+compiled_here!(bisection: BisectedMesh::<D>::of, BisectedMesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

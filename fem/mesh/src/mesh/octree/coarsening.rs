@@ -160,4 +160,4 @@ fn put_hanging_nodes_on_facets<const D: usize>(mesh: &mut Mesh<D>) -> Result<(),
     mesh.check_places()
 }
 
-compiled_here!(OctreeMesh::<D>::coarsened);
+compiled_here!(octree_coarsening: OctreeMesh::<D>::coarsened);

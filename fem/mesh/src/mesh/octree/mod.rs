@@ -149,7 +149,7 @@ fn lies_outside(shape: CellShape, part: u8, local: u8) -> bool {
     shape.facet_vertices(usize::from(local)).contains(&usize::from(part))
 }
 
-compiled_here!(OctreeMesh::<D>::of, OctreeMesh::<D>::refined_onto);
+compiled_here!(octree: OctreeMesh::<D>::of, OctreeMesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

@@ -221,4 +221,4 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(RigidSurface::<D>::new, RigidSurface::<D>::of_boundary, Mesh::<D>::with_rigid_surfaces);
+compiled_here!(rigid_surface: RigidSurface::<D>::new, RigidSurface::<D>::of_boundary, Mesh::<D>::with_rigid_surfaces);

@@ -1,0 +1,391 @@
+//! A form bound to a mesh: every field checked and resolved, every parameter finite.
+
+pub(super) mod entities;
+mod functions_on_pairs;
+pub(super) mod notices;
+pub(super) mod outline;
+pub(super) mod owned_cells;
+pub(super) mod pair_histories;
+
+use std::ops::Deref;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use forms_core::contract::{FieldDescription, Inputs, Region, Requirements, Role, Source};
+use forms_core::source::PositionFunction;
+
+use self::entities::Entities;
+use self::owned_cells::OwnedCells;
+use super::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::field::{Field, FieldView};
+use crate::history::{PointStorage, Snapshot, degree_of};
+use crate::lanes::InstructionSet;
+use crate::linear_algebra::vector::is_finite;
+use crate::mesh::Mesh;
+use crate::pairs::{Displacement, DisplacementField, KnownPairs, PairError, Pairs};
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+use crate::threads::Threads;
+
+/// The source of a field's values, resolved.
+pub(super) enum Values<'a, const D: usize> {
+    /// A test function: it has no values.
+    Absent,
+    Constant(&'a [f64]),
+    Function {
+        function: &'a PositionFunction<D>,
+        gradient: Option<&'a PositionFunction<D>>,
+    },
+    Discrete {
+        element: usize,
+        space: &'a Space<D>,
+        values: &'a [f64],
+    },
+    History(Snapshot<'a, D>),
+    /// Coefficients on cells that the caller lists: those of node n start at `offsets[n]` in the list of its
+    /// cell, one component after the other.
+    Given {
+        element: usize,
+        offsets: Arc<[usize]>,
+    },
+}
+
+/// A list of one's own, or another's.
+pub(super) enum List<'a, T> {
+    Own(Vec<T>),
+    Other(&'a [T]),
+}
+
+impl<T> Deref for List<'_, T> {
+    type Target = [T];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T] {
+        match self {
+            List::Own(list) => list,
+            List::Other(list) => list,
+        }
+    }
+}
+
+/// A form's name, fields and data, checked against a mesh.
+pub(super) struct Binding<'a, const D: usize> {
+    pub name: &'static str,
+    pub mesh: &'a Mesh<D>,
+    pub fields: &'static [FieldDescription],
+    pub values: List<'a, Values<'a, D>>,
+    /// The distinct elements of all discrete fields and test spaces.
+    pub elements: List<'a, Tabulated>,
+    pub regions: &'a [Region],
+    /// The cells whose integrals are wanted, where they are not all.
+    pub owned: Option<&'a OwnedCells>,
+    /// The search for contact pairs, and its threads; none where cells are listed.
+    pub searches: Option<(&'a KnownPairs<D>, Threads)>,
+    /// Pairs that one of the form's integrals asked for: others have the same.
+    found: Mutex<Vec<Found<D>>>,
+}
+
+/// The pairs of a region, displaced by some fields, with a rule of some degree.
+struct Found<const D: usize> {
+    region: usize,
+    displacement: Option<Vec<usize>>,
+    degree: usize,
+    pairs: Arc<Pairs<D>>,
+}
+
+/// An element that is tabulated, on cells of any shape or as its trace on facets.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Tabulated {
+    pub degree: usize,
+    pub on_facets: bool,
+}
+
+impl<'a, const D: usize> Binding<'a, D> {
+    #[inline(never)]
+    pub fn new(
+        name: &'static str,
+        fields: &'static [FieldDescription],
+        inputs: &'a Inputs<D>,
+        mesh: &'a Arc<Mesh<D>>,
+        unknowns: &[FieldView<'a, D>],
+    ) -> Result<Self, AssemblyError> {
+        for (value, parameter) in inputs.parameters.iter().zip(&inputs.parameter_names) {
+            if !value.is_finite() {
+                let (parameter, value) = (parameter.clone(), *value);
+                return Err(AssemblyError::Parameter { form: name, parameter, value });
+            }
+        }
+        let expected = fields.iter().filter(|field| matches!(field.role, Role::Unknown(_))).count();
+        if unknowns.len() != expected {
+            let found = unknowns.len();
+            return Err(AssemblyError::Count { form: name, what: "unknowns", expected, found });
+        }
+        notices::check_instructions(name, InstructionSet::best())?;
+        notices::tell(name, inputs);
+        let mut binding = Binding::empty(name, fields, &inputs.regions, mesh);
+        let mut values = Vec::with_capacity(fields.len());
+        for (index, field) in fields.iter().enumerate() {
+            let value = match (field.role, &inputs.sources[index]) {
+                (Role::Unknown(number), _) => binding.discrete(field, unknowns[number], mesh)?,
+                (Role::Test(_), _) | (_, None) => Values::Absent,
+                (_, Some(source)) => binding.resolve(field, source, mesh)?,
+            };
+            values.push(value);
+        }
+        binding.values = List::Own(values);
+        Ok(binding)
+    }
+
+    /// The same for integrals over the cells that an assembler owns, with its contact pairs.
+    #[inline(never)]
+    pub fn assembled_by(mut self, assembler: &'a Assembler<D>) -> Self {
+        self.owned = assembler.owned.as_deref();
+        self.searches = Some((&assembler.known_pairs, assembler.threads));
+        self
+    }
+
+    /// Binds the directions of an action, one per unknown and on its space.
+    #[inline(never)]
+    pub fn bind_directions(
+        &mut self,
+        directions: &[FieldView<'a, D>],
+        mesh: &Arc<Mesh<D>>,
+    ) -> Result<(), AssemblyError> {
+        let fields = self.fields;
+        let expected = fields.iter().filter(|field| matches!(field.role, Role::Direction(_))).count();
+        if directions.len() != expected {
+            let found = directions.len();
+            return Err(AssemblyError::Count { form: self.name, what: "directions", expected, found });
+        }
+        for (index, field) in fields.iter().enumerate() {
+            if let Role::Direction(number) = field.role {
+                let value = self.discrete(field, directions[number], mesh)?;
+                if let List::Own(values) = &mut self.values {
+                    values[index] = value;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A binding that holds no values yet, and no element.
+    #[inline(never)]
+    pub fn empty(
+        name: &'static str,
+        fields: &'static [FieldDescription],
+        regions: &'a [Region],
+        mesh: &'a Mesh<D>,
+    ) -> Self {
+        Binding {
+            name,
+            mesh,
+            fields,
+            values: List::Own(vec![]),
+            elements: List::Own(vec![]),
+            regions,
+            owned: None,
+            searches: None,
+            found: Mutex::default(),
+        }
+    }
+
+    /// The source of the values of a field that is no unknown and no test function.
+    #[inline(never)]
+    pub fn resolve(
+        &mut self,
+        field: &FieldDescription,
+        source: &'a Source<D>,
+        mesh: &Arc<Mesh<D>>,
+    ) -> Result<Values<'a, D>, AssemblyError> {
+        let (expected, found) = (field.components(), source.components());
+        if expected != found {
+            return Err(AssemblyError::Components { form: self.name, field: field.name, expected, found });
+        }
+        match source {
+            Source::Constant(values) => {
+                self.check_finite(field, values)?;
+                Ok(Values::Constant(values))
+            }
+            Source::Function { function, gradient, .. } => {
+                Ok(Values::Function { function, gradient: gradient.as_ref() })
+            }
+            Source::History(handle) => {
+                let found = PointStorage::of(&**handle).and_then(|storage| storage.snapshot(mesh));
+                let mismatch = |source| AssemblyError::History { form: self.name, field: field.name, source };
+                found.map(Values::History).map_err(mismatch)
+            }
+            Source::Discrete(handle) => match handle.as_any().downcast_ref::<Field<D>>() {
+                Some(known) => self.discrete(field, known.view(), mesh),
+                None => Err(AssemblyError::ForeignField { form: self.name, field: field.name, dimension: D }),
+            },
+        }
+    }
+
+    fn discrete(
+        &mut self,
+        field: &FieldDescription,
+        known: FieldView<'a, D>,
+        mesh: &Arc<Mesh<D>>,
+    ) -> Result<Values<'a, D>, AssemblyError> {
+        let FieldView { space, values, finite } = known;
+        let (expected, found) = (field.components(), space.components());
+        if expected != found {
+            return Err(AssemblyError::Components { form: self.name, field: field.name, expected, found });
+        }
+        if !Arc::ptr_eq(&space.mesh, mesh) {
+            return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
+        }
+        if !finite {
+            self.check_finite(field, values)?;
+        }
+        let element = self.element(space);
+        Ok(Values::Discrete { element, space, values })
+    }
+
+    fn check_finite(&self, field: &FieldDescription, values: &[f64]) -> Result<(), AssemblyError> {
+        if is_finite(values) {
+            return Ok(());
+        }
+        Err(AssemblyError::NotFinite { form: self.name, field: field.name, position: None })
+    }
+
+    /// The index of a space's element among those that are tabulated.
+    #[inline(never)]
+    pub fn element(&mut self, space: &Space<D>) -> usize {
+        self.tabulated(Tabulated { degree: space.degree, on_facets: space.facet_region().is_some() })
+    }
+
+    /// The index of an element among those that are tabulated.
+    #[inline(never)]
+    pub fn tabulated(&mut self, element: Tabulated) -> usize {
+        if let Some(known) = self.elements.iter().position(|known| *known == element) {
+            return known;
+        }
+        let mut elements = self.elements.to_vec();
+        elements.push(element);
+        self.elements = List::Own(elements);
+        self.elements.len() - 1
+    }
+
+    /// Checks the spaces of the test functions against the form.
+    #[inline(never)]
+    pub fn check_tests(&self, tests: &[&Arc<Space<D>>], mesh: &Arc<Mesh<D>>) -> Result<(), AssemblyError> {
+        let declared: Vec<&FieldDescription> =
+            self.fields.iter().filter(|field| matches!(field.role, Role::Test(_))).collect();
+        if declared.len() != tests.len() {
+            let (expected, found) = (declared.len(), tests.len());
+            return Err(AssemblyError::Count { form: self.name, what: "test functions", expected, found });
+        }
+        for (field, space) in declared.into_iter().zip(tests) {
+            let (expected, found) = (field.components(), space.components());
+            if expected != found {
+                let (form, field) = (self.name, field.name);
+                return Err(AssemblyError::Components { form, field, expected, found });
+            }
+            if !Arc::ptr_eq(&space.mesh, mesh) {
+                return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
+            }
+        }
+        Ok(())
+    }
+
+    /// Degrees of the fields, for the estimate of a quadrature degree.
+    #[inline(never)]
+    pub fn degrees(&self, tests: &[&Arc<Space<D>>]) -> Vec<usize> {
+        let degree = |(field, values): (&FieldDescription, &Values<D>)| match (field.role, values) {
+            (Role::Test(number), _) => tests.get(number).map_or(0, |space| space.degree),
+            (_, Values::Discrete { element, .. }) => self.elements[*element].degree,
+            // A function of position is taken for a quadratic, as an interpolant on the mesh would be.
+            (_, Values::Function { .. }) => 2,
+            _ => 0,
+        };
+        self.fields.iter().zip(self.values.iter()).map(degree).collect()
+    }
+
+    /// A history that a kernel reads and the degree of its rule, which all of them share.
+    #[inline(never)]
+    pub fn history_degree(
+        &self,
+        requirements: &Requirements,
+        quadrature: &Quadrature<D>,
+    ) -> Result<Option<(&'static str, usize)>, AssemblyError> {
+        let read = requirements.fields.iter().filter_map(|slot| match &self.values[slot.field] {
+            Values::History(history) => Some((self.fields[slot.field].name, history.storage)),
+            _ => None,
+        });
+        degree_of(self.name, read, quadrature)
+    }
+
+    /// The cells or facets of a region of the form, those that are owned.
+    #[inline(never)]
+    pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
+        let all = Entities::of(self.mesh, self.name, &self.regions[region])?;
+        Ok(OwnedCells::among(self.owned, all))
+    }
+
+    /// The contact pairs of a region of the form; `displacement` are the fields whose sum displaces their surfaces.
+    #[inline(never)]
+    pub fn pairs(
+        &self,
+        region: usize,
+        displacement: Option<&[usize]>,
+        quadrature: &Quadrature<D>,
+        degree: usize,
+    ) -> Result<Arc<Pairs<D>>, AssemblyError> {
+        let lock = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_wanted = |found: &&Found<D>| {
+            (found.region, found.degree) == (region, degree) && found.displacement.as_deref() == displacement
+        };
+        if let Some(found) = lock().iter().find(is_wanted) {
+            return Ok(Arc::clone(&found.pairs));
+        }
+        let (number, fields) = (region, displacement.map(<[usize]>::to_vec));
+        let region = &self.regions[region];
+        let refused = |source| pair_error(self.name, region, source);
+        let (known, threads) =
+            self.searches.ok_or_else(|| refused(PairError::Refused { place: "an element kernel" }))?;
+        let pairing = region.pairing.as_ref().ok_or_else(|| refused(PairError::NoPairing))?;
+        let displacement =
+            displacement.map(|fields| self.displacement(fields)).transpose().map_err(refused)?;
+        let pairs = known.find(self.mesh, pairing, quadrature, degree, displacement.as_ref(), threads);
+        let pairs = pairs.map_err(refused)?;
+        lock().push(Found { region: number, displacement: fields, degree, pairs: Arc::clone(&pairs) });
+        Ok(pairs)
+    }
+
+    fn displacement(&self, fields: &[usize]) -> Result<Displacement<'_, D>, PairError> {
+        let view = |field: &usize| match self.values[*field] {
+            Values::Discrete { space, values, .. } if space.facet_region().is_none() => {
+                Ok(DisplacementField { space, values })
+            }
+            _ => Err(PairError::NoDisplacement { field: self.fields[*field].name }),
+        };
+        Ok(Displacement { fields: fields.iter().map(view).collect::<Result<_, _>>()? })
+    }
+
+    /// The name of the field with a role, for messages.
+    pub fn name_of(&self, role: Role) -> &'static str {
+        self.fields.iter().find(|field| field.role == role).map_or("", |field| field.name)
+    }
+}
+
+/// An error of a form's contact pairs.
+pub(crate) fn pair_error(form: &'static str, region: &Region, source: PairError) -> AssemblyError {
+    AssemblyError::Pairs { form, symbol: region.symbol, pairing: region.name.clone(), source }
+}
+
+compiled_here!(
+    binding:
+    Binding::<D>::new,
+    Binding::<D>::assembled_by,
+    Binding::<D>::bind_directions,
+    Binding::<D>::empty,
+    Binding::<D>::resolve,
+    Binding::<D>::element,
+    Binding::<D>::tabulated,
+    Binding::<D>::check_tests,
+    Binding::<D>::degrees,
+    Binding::<D>::history_degree,
+    Binding::<D>::entities,
+    Binding::<D>::pairs
+);

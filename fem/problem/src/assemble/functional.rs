@@ -1,0 +1,221 @@
+//! Functionals, and the active set of a form.
+
+use std::ops::Range;
+
+use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral, Requirements};
+
+use super::batch::{Batch, BatchBuffers, Cells};
+use super::binding::Binding;
+use super::walk::groups;
+use super::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::field::{Field, FieldView, views};
+use crate::quadrature::Quadrature;
+use crate::threads::Threads;
+
+impl<const D: usize> Assembler<D> {
+    /// The value of a functional.
+    ///
+    /// # Errors
+    /// An [`AssemblyError`] that names the functional and what does not fit.
+    pub fn functional<F: Functional<D>>(&self, functional: &F) -> Result<f64, AssemblyError> {
+        self.integrate(functional, &[])
+    }
+
+    /// The value of an energy at its unknowns.
+    ///
+    /// # Errors
+    /// As [`Assembler::functional`].
+    pub fn energy<F: Functional<D>>(&self, energy: &F, unknowns: &[&Field<D>]) -> Result<f64, AssemblyError> {
+        self.integrate(energy, &views(unknowns))
+    }
+
+    fn integrate<F: Functional<D>>(&self, form: &F, unknowns: &[FieldView<D>]) -> Result<f64, AssemblyError> {
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        let degrees = binding.degrees(&[]);
+        let walk =
+            PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
+        let mut visitor = DensityVisitor { walk, sum: 0.0 };
+        form.density(&mut visitor)?;
+        Ok(visitor.sum)
+    }
+
+    /// For every quadrature point of the nonlinear integrals that have kinks, in the order of the walk,
+    /// which of its switches are on (bit k: the k-th `neg_part`, `max`, comparison, …). `None` if the
+    /// form has no kinks. Two iterates with equal lists have the same active set.
+    ///
+    /// # Errors
+    /// An [`AssemblyError`] that names the form and what does not fit.
+    pub fn active_set<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+    ) -> Result<Option<Vec<u32>>, AssemblyError> {
+        self.active_set_of(form, &views(unknowns))
+    }
+
+    /// [`Assembler::active_set`] at coefficients that need not be those of a field.
+    pub(crate) fn active_set_of<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+    ) -> Result<Option<Vec<u32>>, AssemblyError> {
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        // Test functions count in the estimate of the degree as the unknowns do.
+        let spaces: Vec<_> = unknowns.iter().map(|view| view.space).collect();
+        let degrees = binding.degrees(&spaces);
+        let walk =
+            PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
+        let mut visitor = SwitchVisitor { walk, found: None };
+        form.switches(&mut visitor)?;
+        Ok(visitor.found)
+    }
+}
+
+struct DensityVisitor<'a, const D: usize> {
+    walk: PointWalk<'a, D>,
+    sum: f64,
+}
+
+impl<const D: usize> ExpressionVisitor<D> for DensityVisitor<'_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: ExpressionKernel<D>>(
+        &mut self,
+        integral: &Integral,
+        kernel: &K,
+    ) -> Result<(), AssemblyError> {
+        let form = self.walk.binding.name;
+        let each: EachPoint<D> =
+            &|batch, points, range, receive| each_point(batch, points, range, kernel, receive);
+        let chunks =
+            self.walk.chunks(integral, &K::REQUIREMENTS, each, &|total: &mut f64, value, weight, x| {
+                let contribution = value[0] * weight;
+                if !contribution.is_finite() {
+                    return Err(AssemblyError::ValueNotFinite { form, position: x.to_vec() });
+                }
+                *total += contribution;
+                Ok(())
+            })?;
+        self.sum += chunks.into_iter().sum::<f64>();
+        Ok(())
+    }
+}
+
+struct SwitchVisitor<'a, const D: usize> {
+    walk: PointWalk<'a, D>,
+    found: Option<Vec<u32>>,
+}
+
+impl<const D: usize> ExpressionVisitor<D> for SwitchVisitor<'_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: ExpressionKernel<D>>(
+        &mut self,
+        integral: &Integral,
+        kernel: &K,
+    ) -> Result<(), AssemblyError> {
+        let each: EachPoint<D> =
+            &|batch, points, range, receive| each_point(batch, points, range, kernel, receive);
+        let chunks =
+            self.walk.chunks(integral, &K::REQUIREMENTS, each, &|found: &mut Vec<u32>, value, _, _| {
+                // More than 32 kinks at a point share the last bit.
+                let bits = value.iter().enumerate().filter(|(_, value)| **value > 0.0);
+                found.push(bits.fold(0, |bits, (index, _)| bits | 1 << index.min(31)));
+                Ok(())
+            })?;
+        self.found.get_or_insert_default().extend(chunks.into_iter().flatten());
+        Ok(())
+    }
+}
+
+/// Entities whose values are put together before those of other chunks, on any number of threads.
+const CHUNK: usize = 1024;
+
+/// Inputs of a walk over the quadrature points of an integral's region.
+struct PointWalk<'a, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    quadrature: &'a Quadrature<D>,
+    threads: Threads,
+    degrees: Vec<usize>,
+}
+
+impl<const D: usize> PointWalk<'_, D> {
+    /// Calls `receive(result of the chunk, value, weight, position)` at every quadrature point of an integral's
+    /// region, and gives the results of all chunks in their order.
+    #[inline(never)]
+    fn chunks<R: Default + Send>(
+        &self,
+        integral: &Integral,
+        requirements: &Requirements,
+        each_point: EachPoint<D>,
+        receive: &Receive<R, D>,
+    ) -> Result<Vec<R>, AssemblyError> {
+        let mut results = Vec::new();
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
+            let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
+            let parts = self.threads.count().min(chunks).max(1);
+            let parts = (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect();
+            let done = self.threads.run(parts, |chunks: Range<usize>| {
+                let located = Requirements { position: true, ..*requirements };
+                let (cells, mut buffers) = (Cells::Mesh(self.binding.mesh), BatchBuffers::default());
+                let mut batch =
+                    Batch::<f64, D>::new(self.binding, &group, cells, located, &[], &mut buffers)?;
+                let mut results = Vec::with_capacity(chunks.len());
+                for chunk in chunks {
+                    let range = chunk * CHUNK..entities.min((chunk + 1) * CHUNK);
+                    let mut result = R::default();
+                    let mut receive =
+                        |value: &[f64], weight, x: &[f64; D]| receive(&mut result, value, weight, x);
+                    each_point(&mut batch, group.points(), range, &mut receive)?;
+                    results.push(result);
+                }
+                Ok(results)
+            });
+            for part in done {
+                results.extend(part?);
+            }
+        }
+        Ok(results)
+    }
+}
+
+/// Takes a chunk's result so far, and the value, weight and position of a quadrature point.
+type Receive<'a, R, const D: usize> =
+    dyn Fn(&mut R, &[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + Sync + 'a;
+
+/// Takes the value, weight and position of a quadrature point.
+type ReceivePoint<'a, const D: usize> = dyn FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + 'a;
+
+/// [`each_point`] of a kernel whose type is forgotten: what surrounds the loops over points is compiled once and not
+/// for every kernel.
+type EachPoint<'a, const D: usize> = &'a (
+        dyn Fn(&mut Batch<f64, D>, usize, Range<usize>, &mut ReceivePoint<D>) -> Result<(), AssemblyError>
+            + Sync
+    );
+
+/// Calls `receive(value, weight, position)` at every quadrature point of some of a group's entities, one after the
+/// other.
+fn each_point<K: ExpressionKernel<D>, const D: usize>(
+    batch: &mut Batch<f64, D>,
+    points: usize,
+    range: Range<usize>,
+    kernel: &K,
+    receive: &mut ReceivePoint<D>,
+) -> Result<(), AssemblyError> {
+    let count: usize = K::SHAPE.iter().product();
+    for entity in range.clone() {
+        let cell = kernel.cell(&batch.load(entity, 1));
+        for q in 0..points {
+            batch.point(q)?;
+            let geometry = batch.geometry();
+            let value = kernel.evaluate(&cell, geometry, batch.fields());
+            receive(&value.as_ref()[..count], geometry.weight, &geometry.position)?;
+        }
+    }
+    batch.check_weights(range)
+}
+
+compiled_here!(functional: PointWalk::<D>::chunks::<f64>, PointWalk::<D>::chunks::<Vec<u32>>);

@@ -1,0 +1,165 @@
+//! Assembly: the loops over cells and facets that run compiled kernels.
+//!
+//! ```text
+//! binding   a form's data against a mesh: regions, fields, parameters checked. Inside: entities (a region's cells or
+//!           facets), owned_cells (an assembler of some of the cells), outline (a form without its type), pair_histories
+//! walk      a region as groups of entities with common tables. Inside: facets, contact pairs (whose points differ from
+//!           entity to entity), facets that are split at zeros
+//! batch     geometry, basis functions and fields at the points of some cells, one per lane
+//! kernel_calls   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
+//!           sum_factorisation: three ways
+//! element_kernel   the same on cells that the caller lists; fixed: loops whose lengths are known when compiled
+//! block_pattern   the positions of a matrix. Inside: sparsity, block_index (the slots of element matrices), touched entries
+//! scatter   from element matrices to the global one. Inside: partition (which thread adds what, in the order of one thread),
+//!           own_rows (the rows that a thread adds to), group_nodes, block_finders (to which rows and slots)
+//! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
+//! ```
+//!
+//! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
+//! two sides. Who calls which function of a kernel, on cells and facets alike: of a tangent `cell` in `compute_in_lanes` and
+//! `point`, `test`, `trial` in `factors` of `kernel_calls/matrices.rs`, `pair` and `finish` in `kernel_calls/node_pairs.rs`; of a
+//! residual all in `kernel_calls/vectors.rs`; of functionals and derived fields in `functional.rs` and `derived.rs`.
+//! `element_kernel::fixed` and `kernel_calls::reference_tensor` call them in the same order.
+
+mod action;
+mod batch;
+mod binding;
+mod block_pattern;
+mod derived;
+mod element_kernel;
+mod error;
+mod functional;
+mod kernel_calls;
+pub(crate) mod projection;
+mod residual;
+mod scatter;
+mod tangent;
+mod walk;
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+pub use action::TangentAction;
+#[doc(hidden)]
+pub use binding::outline::Outline;
+pub use block_pattern::BlockPattern;
+pub(crate) use block_pattern::touched::TouchedEntries;
+pub use derived::{FacetSample, PointValues};
+pub use element_kernel::sizes::{Counted, Fixed, Sizes};
+pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
+pub use error::AssemblyError;
+pub use forms_core::contract::Dependence;
+pub use tangent::ElementMatrix;
+#[doc(hidden)]
+pub use walk::pair_reports::FoundPairs;
+pub use walk::pair_reports::RegionPairs;
+pub use walk::positive_parts::PositivePart;
+
+use self::binding::owned_cells::OwnedCells;
+use crate::lanes::InstructionSet;
+use crate::mesh::Mesh;
+use crate::pairs::KnownPairs;
+use crate::quadrature::Quadrature;
+use crate::threads::Threads;
+
+/// Runs kernels on a mesh with a choice of quadrature.
+///
+/// A form's unknowns are given as fields, in the order of its arguments; vectors and matrices over
+/// several unknowns have them one after the other.
+#[derive(Clone, Debug)]
+pub struct Assembler<const D: usize> {
+    mesh: Arc<Mesh<D>>,
+    quadrature: Quadrature<D>,
+    instructions: InstructionSet,
+    threads: Threads,
+    /// The cells whose integrals are assembled, where they are not all.
+    owned: Option<Arc<OwnedCells>>,
+    /// Contact pairs that were searched for; copies share them.
+    known_pairs: Arc<KnownPairs<D>>,
+}
+
+impl<'a, const D: usize> From<&'a Assembler<D>> for Cow<'a, Assembler<D>> {
+    fn from(assembler: &'a Assembler<D>) -> Self {
+        Cow::Borrowed(assembler)
+    }
+}
+
+impl<const D: usize> From<Assembler<D>> for Cow<'_, Assembler<D>> {
+    fn from(assembler: Assembler<D>) -> Self {
+        Cow::Owned(assembler)
+    }
+}
+
+/// Which integrals to assemble, by their dependence on the unknowns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parts {
+    /// Loads.
+    pub constant: bool,
+    /// Integrals whose tangent does not depend on the unknowns.
+    pub linear: bool,
+    /// All others.
+    pub nonlinear: bool,
+}
+
+impl Parts {
+    /// Every integral.
+    pub const ALL: Parts = Parts { constant: true, linear: true, nonlinear: true };
+    /// Constant and linear integrals, which an iteration over the unknowns does not change.
+    pub const LINEAR_AND_CONSTANT: Parts = Parts { constant: true, linear: true, nonlinear: false };
+    /// Nonlinear integrals, which an iteration over the unknowns changes.
+    pub const NONLINEAR: Parts = Parts { constant: false, linear: false, nonlinear: true };
+
+    fn contain(self, dependence: Dependence) -> bool {
+        match dependence {
+            Dependence::Constant => self.constant,
+            Dependence::Linear => self.linear,
+            Dependence::Nonlinear => self.nonlinear,
+        }
+    }
+}
+
+impl<const D: usize> Assembler<D> {
+    /// An assembler that takes the quadrature degree from the compiler's estimate, and all cores.
+    pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
+        Assembler {
+            mesh: mesh.clone(),
+            quadrature: Quadrature::Estimated,
+            instructions: InstructionSet::best(),
+            threads: Threads::all(),
+            owned: None,
+            known_pairs: Arc::default(),
+        }
+    }
+
+    /// The same with another choice of quadrature.
+    pub fn with_quadrature(self, quadrature: Quadrature<D>) -> Self {
+        Assembler { quadrature, ..self }
+    }
+
+    /// The same with kernels of a certain set of instructions; of the best that is available where that one is not. Without
+    /// this the best set is taken.
+    pub fn with_instructions(self, instructions: InstructionSet) -> Self {
+        Assembler { instructions, ..self }
+    }
+
+    /// The same on another number of threads. Matrices, vectors and numbers are the same to the last bit, whatever
+    /// the number (but not for different instruction sets).
+    pub fn with_threads(self, threads: Threads) -> Self {
+        Assembler { threads, ..self }
+    }
+
+    /// Number of threads that it uses.
+    pub fn threads(&self) -> Threads {
+        self.threads
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+        &self.mesh
+    }
+
+    /// The choice of quadrature.
+    pub fn quadrature(&self) -> &Quadrature<D> {
+        &self.quadrature
+    }
+}

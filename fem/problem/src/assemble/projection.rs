@@ -1,0 +1,179 @@
+//! The L² projection of derived fields, and of what is known at quadrature points, to a space.
+
+mod loads;
+mod mass;
+mod pieces;
+mod solve;
+mod start;
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use forms_core::contract::{Entity, Expression};
+
+use self::loads::{Systems, systems};
+use self::mass::MassByCells;
+use self::pieces::Pieces;
+use self::solve::{by_cells, by_factor, by_matrix};
+use super::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::constraints::{Constraints, Relation};
+use crate::dimension::{Dim, Dimension};
+use crate::field::Field;
+use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError};
+use crate::solve::Elimination;
+use crate::space::Space;
+
+/// Values of a function at the quadrature points of all cells of bodies, cell by cell.
+pub(crate) struct ValuesAtPoints<'a> {
+    /// The function's name in messages.
+    pub name: &'static str,
+    /// The degree of the rule, where the assembler takes the compiler's estimate.
+    pub degree: usize,
+    /// Components at each point, one point after the other.
+    pub values: &'a [f64],
+    /// Quadrature weight times measure of each point.
+    pub weights: &'a [f64],
+}
+
+impl<const D: usize> Assembler<D> {
+    /// The L² projection of a derived field to a space. Facet quantities cannot be projected. Where nodes hang in a mesh of
+    /// trees, it is the nearest of the continuous fields.
+    ///
+    /// # Errors
+    /// A wrong number of components, a function that needs a facet, a value that is not finite, data
+    /// that do not fit, or a mass matrix that cannot be factored.
+    pub fn project<E: Expression<D>>(
+        &self,
+        expression: &E,
+        space: &Arc<Space<D>>,
+    ) -> Result<Field<D>, AssemblyError>
+    where
+        Dim: Dimension<D>,
+    {
+        let name = expression.name();
+        let components: usize = expression.shape().iter().product();
+        if components != space.components() {
+            let (expected, found) = (components, space.components());
+            return Err(AssemblyError::Components { form: name, field: "the space", expected, found });
+        }
+        let degree = self.degree_of_mass(space);
+        let found = self.at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
+        let degree = self.history_degree(expression)?.unwrap_or(degree);
+        let (values, weights) = (found.values.concat(), found.weights);
+        self.project_values(&ValuesAtPoints { name, degree, values: &values, weights: &weights }, space)
+    }
+
+    /// The degree of the rule that is exact for a space's mass matrix on affine cells.
+    pub(crate) fn degree_of_mass(&self, space: &Space<D>) -> usize {
+        2 * space.degree + self.mesh.degree()
+    }
+
+    /// The L² projection of a function that is known at quadrature points.
+    ///
+    /// # Errors
+    /// A space on facets, or a mass matrix that cannot be factored.
+    pub(crate) fn project_values(
+        &self,
+        known: &ValuesAtPoints,
+        space: &Arc<Space<D>>,
+    ) -> Result<Field<D>, AssemblyError>
+    where
+        Dim: Dimension<D>,
+    {
+        if let Some(region) = space.facet_region() {
+            let (place, region) = ("all cells".to_owned(), region.to_owned());
+            return Err(AssemblyError::OffItsFacets { form: known.name, field: "the space", place, region });
+        }
+        let (systems, joined) = match self.project_by_cells(known, space)? {
+            ControlFlow::Break(found) => return Ok(found),
+            ControlFlow::Continue(left) => left,
+        };
+        let mass = crate::norms::mass_matrix(&self.on_all_cells(), space, self.degree_of_mass(space))?;
+        self.project_with_mass(known.name, space, (mass, systems), joined)
+    }
+
+    /// The projection without a matrix, or the systems and relations for which one is needed.
+    #[inline(never)]
+    fn project_by_cells(
+        &self,
+        known: &ValuesAtPoints,
+        space: &Arc<Space<D>>,
+    ) -> Result<ControlFlow<Field<D>, (Systems, Option<Constraints<D>>)>, AssemblyError> {
+        let form = known.name;
+        // Where nodes hang, the nearest of the continuous fields is asked for.
+        let joined = Constraints::joining(space)
+            .map_err(|source| AssemblyError::Hanging { form, source: Box::new(source) })?;
+        let pieces = Pieces::new(space);
+        let quadrature = |source| AssemblyError::Quadrature { form, source };
+        let systems = systems(known, &self.quadrature, space, &pieces, self.threads).map_err(quadrature)?;
+        if joined.is_none() {
+            let degree = self.degree_of_mass(space);
+            let mass = MassByCells::new(space, &pieces, degree, self.instructions).map_err(quadrature)?;
+            // Cells that are all but flat: the matrix says what is wrong, or its factor solves the systems.
+            if let Ok(found) = by_cells(&mass, &systems, self.threads) {
+                return Ok(ControlFlow::Break(of_components(space, found)));
+            }
+        }
+        Ok(ControlFlow::Continue((systems, joined)))
+    }
+
+    /// The projection with the space's scalar mass matrix, on the free nodes of joined ones.
+    #[inline(never)]
+    fn project_with_mass(
+        &self,
+        form: &'static str,
+        space: &Arc<Space<D>>,
+        (mut mass, mut systems): (CsrMatrix, Systems),
+        joined: Option<Constraints<D>>,
+    ) -> Result<Field<D>, AssemblyError> {
+        let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
+        // Cells that carry rigid surfaces have no quantities: the projection is zero there.
+        let carriers = self.mesh.body_cells().end..self.mesh.cell_count();
+        let nodes = carriers.flat_map(|cell| space.cell_nodes(cell));
+        let entries: Vec<Entry> = nodes.map(|node| Entry { row: *node, column: *node, value: 1.0 }).collect();
+        if !entries.is_empty() {
+            mass = mass.plus(&entries).map_err(linear_algebra)?;
+        }
+        let Some(joined) = joined else {
+            return Ok(of_components(space, by_factor(&mass, systems).map_err(linear_algebra)?));
+        };
+        let elimination = Elimination::new(space.node_count(), &BTreeMap::new())
+            .and_then(|all| all.with_relations(of_nodes(&joined, space.components())));
+        let mut elimination = elimination.map_err(linear_algebra)?;
+        mass = elimination.reduce_matrix(&mass.into()).map_err(linear_algebra)?;
+        for (load, start) in &mut systems {
+            *load = elimination.reduce(load).map_err(linear_algebra)?;
+            *start = vec![0.0; mass.rows()];
+        }
+        let found = by_matrix(&mass, systems, self.threads).map_err(linear_algebra)?;
+        let extended = found.into_iter().map(|values| elimination.extend_by_zero(&values));
+        Ok(of_components(space, extended.collect::<Result<_, _>>().map_err(linear_algebra)?))
+    }
+}
+
+compiled_here!(assemble_projection: Assembler::<D>::project_by_cells, Assembler::<D>::project_with_mass);
+
+/// The relations of a space's first component between nodes, which are those of all components.
+fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTreeMap<usize, Relation> {
+    let relations = joined.relations().iter().filter(|(unknown, _)| *unknown % components == 0);
+    let of_nodes = |(unknown, relation): (&usize, &Relation)| {
+        let mut relation = relation.clone();
+        relation.terms.iter_mut().for_each(|term| term.0 /= components);
+        (unknown / components, relation)
+    };
+    relations.map(of_nodes).collect()
+}
+
+/// The field with these values at the nodes, component by component.
+fn of_components<const D: usize>(space: &Arc<Space<D>>, found: Vec<Vec<f64>>) -> Field<D> {
+    let components = found.len();
+    let mut coefficients = vec![0.0; space.unknowns()];
+    for (component, values) in found.into_iter().enumerate() {
+        for (node, value) in values.into_iter().enumerate() {
+            coefficients[node * components + component] = value;
+        }
+    }
+    Field::of_known(space, coefficients)
+}

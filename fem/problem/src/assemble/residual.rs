@@ -1,0 +1,283 @@
+//! Residual vectors: R(u; φ_i e_a) for every test basis function.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirements, Role};
+
+use super::batch::Cells;
+use super::binding::Binding;
+use super::kernel_calls::vectors::ElementVectors;
+use super::scatter::VectorScatter;
+use super::walk::groups;
+use super::{Assembler, AssemblyError, Parts};
+use crate::assemble::kernel_calls::sink::Deliver;
+use crate::assemble::scatter::group_nodes::GroupNodes;
+use crate::compiled_here::compiled_here;
+use crate::field::{Field, FieldView, views};
+use crate::lanes::InstructionSet;
+use crate::linear_algebra::vector::largest;
+use crate::quadrature::Quadrature;
+use crate::space::Space;
+use crate::threads::Threads;
+
+impl<const D: usize> Assembler<D> {
+    /// The vector of a linear form, one entry per unknown of the space of its test function.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub fn linear_form<F: Form<D>>(
+        &self,
+        form: &F,
+        space: &Arc<Space<D>>,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.residual(form, &[], &[space])
+    }
+
+    /// The residual of a form at given unknowns: one entry per unknown of the test spaces, in a row.
+    ///
+    /// # Errors
+    /// An [`AssemblyError`] that names the form and what does not fit.
+    pub fn residual<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.residual_parts(form, unknowns, tests, Parts::ALL)
+    }
+
+    /// Some of the integrals of [`Assembler::residual`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn residual_parts<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[&Field<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.residual_of(form, &views(unknowns), tests, parts)
+    }
+
+    /// [`Assembler::residual_parts`] at coefficients that need not be those of a field.
+    pub(crate) fn residual_of<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        self.walk_residual(form, binding, tests, (parts, &[]))
+    }
+
+    /// The residual of a form without unknowns, but for the integrals of some of its test functions, by their numbers: zero in their
+    /// places.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub(crate) fn residual_without<F: Form<D>>(
+        &self,
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+        left_out: &[usize],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &[])?.assembled_by(self);
+        self.walk_residual(form, binding, tests, (Parts::ALL, left_out))
+    }
+
+    /// The residual of the constant and linear integrals where the unknowns are zero. Those that are proved to vanish there are not
+    /// assembled: a coefficient that is no number does not show.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub(crate) fn load<F: Form<D>>(
+        &self,
+        form: &F,
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let zero: Vec<Field<D>> = tests.iter().map(|space| Field::zero(space)).collect();
+        let unknowns = views(&zero.iter().collect::<Vec<_>>());
+        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?
+            .assembled_by(self);
+        self.linear_integrals(binding, tests, Parts::LINEAR_AND_CONSTANT, &mut |visitor| {
+            visitor.at_zero = true;
+            form.residual(visitor)
+        })
+    }
+
+    fn walk_residual<F: Form<D>>(
+        &self,
+        form: &F,
+        binding: Binding<D>,
+        tests: &[&Arc<Space<D>>],
+        (parts, left_out): (Parts, &[usize]),
+    ) -> Result<Vec<f64>, AssemblyError> {
+        // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
+        let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
+        self.linear_integrals(binding, tests, parts, &mut |visitor| {
+            visitor.left_out = left_out.to_vec();
+            match whole {
+                true => form.whole_residual(visitor),
+                false => form.residual(visitor),
+            }
+        })
+    }
+
+    /// The size of what cells add to each entry of the residual, in whatever direction: per integral, the largest entry of each
+    /// cell's vector (facet's, for integrals there), summed over the cells at the entry's node.
+    ///
+    /// # Errors
+    /// As [`Assembler::residual`].
+    pub(crate) fn sizes_of_contributions<F: Form<D>>(
+        &self,
+        form: &F,
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let binding =
+            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        self.linear_integrals(binding, tests, Parts::ALL, &mut |visitor| {
+            visitor.added = Added::Sizes;
+            form.residual(visitor)
+        })
+    }
+
+    /// The sum of the integrals that a form hands to the visitor.
+    #[inline(never)]
+    pub(super) fn linear_integrals(
+        &self,
+        mut binding: Binding<D>,
+        tests: &[&Arc<Space<D>>],
+        parts: Parts,
+        walk: &mut dyn FnMut(&mut VectorVisitor<D>) -> Result<(), AssemblyError>,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        binding.check_tests(tests, &self.mesh)?;
+        let elements = tests.iter().map(|space| binding.element(space)).collect();
+        let mut offsets = vec![0];
+        for space in tests {
+            offsets.push(offsets[offsets.len() - 1] + space.unknowns());
+        }
+        let degrees = binding.degrees(tests);
+        let mut visitor = VectorVisitor {
+            binding: &binding,
+            quadrature: &self.quadrature,
+            threads: self.threads,
+            degrees,
+            tests,
+            elements,
+            vector: vec![0.0; offsets[tests.len()]],
+            offsets,
+            parts,
+            left_out: vec![],
+            at_zero: false,
+            added: Added::Vectors,
+            set: self.instructions,
+        };
+        walk(&mut visitor)?;
+        Ok(visitor.vector)
+    }
+}
+
+/// Adds up integrals that are linear in a test function.
+pub(super) struct VectorVisitor<'a, const D: usize> {
+    binding: &'a Binding<'a, D>,
+    quadrature: &'a Quadrature<D>,
+    threads: Threads,
+    degrees: Vec<usize>,
+    tests: &'a [&'a Arc<Space<D>>],
+    elements: Vec<usize>,
+    offsets: Vec<usize>,
+    vector: Vec<f64>,
+    parts: Parts,
+    /// Test functions whose integrals are not visited, by their numbers.
+    left_out: Vec<usize>,
+    /// Unknowns are zero, and integrals that vanish there are not visited.
+    at_zero: bool,
+    added: Added,
+    set: InstructionSet,
+}
+
+/// Amounts that are added up.
+#[derive(Clone, Copy)]
+enum Added {
+    /// Element vectors.
+    Vectors,
+    /// Of each element vector its largest amount, in all places.
+    Sizes,
+}
+
+impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
+    type Error = AssemblyError;
+
+    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
+        let left_out = self.left_out.contains(&integral.test) || (self.at_zero && integral.vanishes);
+        if left_out || !self.parts.contain(integral.dependence) {
+            return Ok(());
+        }
+        let set = self.set;
+        let compute: Compute<D> = &|task, entities, deliver| task.compute(kernel, set, entities, deliver);
+        self.integrate(integral, &K::REQUIREMENTS, K::TEST_COMPONENTS, compute)
+    }
+}
+
+/// Computes element vectors by a kernel whose type is forgotten: what surrounds the loops over cells is compiled once
+/// and not for every kernel.
+type Compute<'a, const D: usize> =
+    &'a (dyn Fn(&ElementVectors<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
+
+impl<const D: usize> VectorVisitor<'_, D> {
+    #[inline(never)]
+    fn integrate(
+        &mut self,
+        integral: &Integral,
+        requirements: &Requirements,
+        components: usize,
+        compute: Compute<D>,
+    ) -> Result<(), AssemblyError> {
+        let space = self.tests[integral.test];
+        let offset = self.offsets[integral.test];
+        let name = self.binding.name_of(Role::Test(integral.test));
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
+            let side = group.side(self.binding.name, integral.test_side)?;
+            group.check_support(self.binding.name, name, space, side)?;
+            let element = self.elements[integral.test];
+            let cells = Cells::Mesh(self.binding.mesh);
+            let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };
+            let tests = GroupNodes::new(space, &group.sides[side]);
+            let scatter = VectorScatter { tests, components, nodes: task.nodes() };
+            let (added, length) = (self.added, components * task.nodes());
+            let values = &mut self.vector[offset..offset + space.unknowns()];
+            let partition = scatter.tests.partition(self.threads);
+            let parts = scatter.parts(&partition, values);
+            let done = self.threads.run(parts, |(entities, mut part)| {
+                let mut sizes = Vec::new();
+                compute(&task, entities, &mut |first, vectors| {
+                    let added = match added {
+                        Added::Vectors => vectors,
+                        Added::Sizes => {
+                            sizes.clear();
+                            for vector in vectors.chunks_exact(length) {
+                                sizes.resize(sizes.len() + length, largest(vector));
+                            }
+                            &sizes
+                        }
+                    };
+                    scatter.add(first, added, &mut part);
+                    Ok(())
+                })?;
+                Ok(part.into_deferred())
+            });
+            for deferred in done {
+                scatter.add_deferred(&deferred?, values);
+            }
+        }
+        Ok(())
+    }
+}
+
+compiled_here!(residual: VectorVisitor::<D>::integrate, Assembler::<D>::linear_integrals);

@@ -1,0 +1,321 @@
+//! The order in which a region is walked: groups of entities that share tables, each along the mesh's cell order.
+//! Cells group by their shape, facets by that and by their local number, because their points lie elsewhere in the reference cell; interior
+//! facets also by their local number on the other side, and by how the two sides are turned.
+
+pub(super) mod facet_groups;
+pub(super) mod pair_groups;
+pub(super) mod pair_reports;
+pub(super) mod pair_search;
+pub(super) mod positive_parts;
+pub(super) mod split_facets;
+
+use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
+
+use self::facet_groups::facet_groups;
+use self::pair_groups::{PairTables, degree_on_pairs, pair_groups};
+use super::AssemblyError;
+use super::binding::{Binding, Tabulated};
+use crate::assemble::binding::entities::Entities;
+use crate::assemble::kernel_calls::sum_factorisation::ProductTables;
+use crate::compiled_here::compiled_here;
+use crate::element::{CellShape, Lagrange, Tables};
+use crate::mesh::{Facet, Mesh};
+use crate::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule};
+use crate::space::Space;
+
+/// Entities with the same points in the reference cell.
+pub(super) struct Group<const D: usize> {
+    /// The place, for messages.
+    pub place: String,
+    /// One side of cells and exterior facets, two of interior ones. Entry k of both sides' cells is one facet.
+    pub sides: Vec<GroupSide<D>>,
+    pub weights: Vec<f64>,
+    /// Points of contact pairs, which differ from entity to entity; the sides' tables are at one point then, and the
+    /// weights count points alone.
+    pub pairs: Option<PairTables<D>>,
+}
+
+/// The cells on one side of a group's facets, or a group's cells, with their tables.
+#[derive(Clone)]
+pub(super) struct GroupSide<const D: usize> {
+    /// Cells, or the cells that own the facets.
+    pub cells: Vec<u32>,
+    /// Their shape.
+    pub shape: CellShape,
+    /// Local facet number and reference tangents; `None` inside cells.
+    pub facet: Option<(u8, [[f64; D]; 2])>,
+    /// The geometry map's basis.
+    pub geometry: Tables<D>,
+    /// One table per element of the binding; of a space on facets, the traces that do not vanish.
+    pub elements: Vec<Tables<D>>,
+    /// The same as products of functions along the axes, where they are, inside cells.
+    pub products: Vec<Option<ProductTables>>,
+    /// Second derivatives of the geometry map's basis along the facet's tangents, for the curvature:
+    /// [t₀t₀, t₀t₁, t₁t₁] at `q * nodes + i`.
+    pub bending: Vec<[f64; 3]>,
+    /// For |T| and |F|: a rule that is exact for the measure of every cell of the mesh.
+    pub measure: Measure<D>,
+}
+
+/// Tables that integrate 1 over a cell and a facet.
+#[derive(Clone)]
+pub(super) struct Measure<const D: usize> {
+    pub cell: Tables<D>,
+    pub cell_weights: Vec<f64>,
+    pub facet: Option<(Tables<D>, Vec<f64>)>,
+}
+
+/// Points in a reference cell, and the facet that they are on.
+pub(super) struct Places<const D: usize> {
+    pub points: Vec<[f64; D]>,
+    pub facet: Option<(u8, [[f64; D]; 2])>,
+}
+
+/// Whether a kernel reads second derivatives.
+pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
+    requirements.hessian || requirements.fields.iter().any(|slot| slot.order == Order::Hessian)
+}
+
+impl<const D: usize> Group<D> {
+    /// A group of cells of one shape; weights may be of any kind.
+    #[inline(never)]
+    pub fn new(
+        binding: &Binding<D>,
+        place: String,
+        (shape, cells): (CellShape, Vec<u32>),
+        places: &Places<D>,
+        weights: Vec<f64>,
+        hessians: bool,
+    ) -> Result<Self, QuadratureError> {
+        let side = GroupSide::new(binding.mesh, &binding.elements, (shape, cells), places, hessians)?;
+        Ok(Group { place, sides: vec![side], weights, pairs: None })
+    }
+
+    pub fn points(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Number of cells or facets.
+    pub fn entities(&self) -> usize {
+        self.sides[0].cells.len()
+    }
+
+    /// Whether the Jacobians of its cells are constant, on all sides.
+    pub fn is_affine(&self, mesh: &Mesh<D>) -> bool {
+        self.sides.iter().all(|side| mesh.is_affine_on(side.shape))
+    }
+
+    /// The index of a side.
+    pub fn side(&self, form: &'static str, side: Side) -> Result<usize, AssemblyError> {
+        match side {
+            Side::This => Ok(0),
+            Side::Other if self.sides.len() == 2 => Ok(1),
+            Side::Other => Err(AssemblyError::NeedsInteriorFacet { form, place: self.place.clone() }),
+        }
+    }
+
+    /// Checks that a space on facets has nodes on all of this; of contact pairs, on one side.
+    #[inline(never)]
+    pub fn check_support(
+        &self,
+        form: &'static str,
+        field: &'static str,
+        space: &Space<D>,
+        side: usize,
+    ) -> Result<(), AssemblyError> {
+        let Some(region) = space.facet_region() else { return Ok(()) };
+        let side = &self.sides[if self.pairs.is_some() { side } else { 0 }];
+        let local = side.facet.map(|(local, _)| local);
+        if side.cells.iter().all(|cell| !space.nodes_at(*cell, local).is_empty()) {
+            return Ok(());
+        }
+        let (place, region) = (self.place.clone(), region.to_owned());
+        Err(AssemblyError::OffItsFacets { form, field, place, region })
+    }
+}
+
+impl<const D: usize> GroupSide<D> {
+    /// The degree of the rule for |F|: more than the Jacobian's determinant has in each direction, as a curved facet's area is no
+    /// integral of a polynomial.
+    pub fn degree_of_areas(mesh: &Mesh<D>) -> usize {
+        D * mesh.degree() + 6
+    }
+
+    pub fn new(
+        mesh: &Mesh<D>,
+        elements: &[Tabulated],
+        (shape, cells): (CellShape, Vec<u32>),
+        places: &Places<D>,
+        hessians: bool,
+    ) -> Result<Self, QuadratureError> {
+        let geometry = mesh.element_of(shape);
+        let Places { points, facet } = places;
+        // The Jacobian's determinant has at most this degree in each direction.
+        let exact = D * mesh.degree();
+        let rule = cell_rule::<D>(shape, exact)?;
+        let facet_measure = match facet {
+            Some((local, _)) => {
+                let rule = facet_rule::<D>(shape, usize::from(*local), Self::degree_of_areas(mesh))?;
+                Some((geometry.tabulate(&rule.points), rule.weights))
+            }
+            None => None,
+        };
+        let curved = facet.filter(|_| mesh.degree() > 1);
+        let map = if hessians || curved.is_some() {
+            geometry.tabulate_with_hessians(points)
+        } else {
+            geometry.tabulate(points)
+        };
+        let bending = match curved {
+            Some((_, tangents)) => map.hessian.iter().map(|second| bending(second, &tangents)).collect(),
+            None => vec![],
+        };
+        let local = facet.map(|(local, _)| local);
+        Ok(GroupSide {
+            cells,
+            shape,
+            facet: *facet,
+            geometry: map,
+            elements: elements
+                .iter()
+                .map(|element| element.tabulate(shape, points, local, hessians))
+                .collect(),
+            products: elements.iter().map(|element| element.products(shape, places)).collect(),
+            bending,
+            measure: Measure {
+                cell: geometry.tabulate(&rule.points),
+                cell_weights: rule.weights,
+                facet: facet_measure,
+            },
+        })
+    }
+}
+
+impl Tabulated {
+    fn products<const D: usize>(&self, shape: CellShape, places: &Places<D>) -> Option<ProductTables> {
+        let inside = places.facet.is_none() && !self.on_facets;
+        let element = Lagrange { shape, degree: self.degree };
+        if inside { ProductTables::new(&element, &places.points) } else { None }
+    }
+
+    fn tabulate<const D: usize>(
+        &self,
+        shape: CellShape,
+        points: &[[f64; D]],
+        facet: Option<u8>,
+        hessians: bool,
+    ) -> Tables<D> {
+        let element = Lagrange { shape, degree: self.degree };
+        let whole = if hessians { element.tabulate_with_hessians(points) } else { element.tabulate(points) };
+        if !self.on_facets || element.degree == 0 {
+            return whole;
+        }
+        // Only the nodes on the facet have traces that do not vanish.
+        let kept = facet.map(|local| element.facet_nodes(usize::from(local))).unwrap_or_default();
+        let entries = || (0..points.len()).flat_map(|q| kept.iter().map(move |i| q * whole.nodes + i));
+        Tables {
+            nodes: kept.len(),
+            points: points.len(),
+            value: entries().map(|entry| whole.value[entry]).collect(),
+            gradient: entries().map(|entry| whole.gradient[entry]).collect(),
+            hessian: if hessians { entries().map(|entry| whole.hessian[entry]).collect() } else { vec![] },
+        }
+    }
+}
+
+/// The groups of an integral's region; where the compiler's estimate of the quadrature degree is wanted,
+/// it is made from the degrees of the form's fields. A kernel that reads a history takes the history's degree.
+#[inline(never)]
+pub(super) fn groups<const D: usize>(
+    binding: &Binding<D>,
+    integral: &Integral,
+    quadrature: &Quadrature<D>,
+    degrees: &[usize],
+    requirements: &Requirements,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    let mesh = binding.mesh;
+    let history = binding.history_degree(requirements, quadrature)?;
+    let degree = |simplex: bool| match history {
+        Some((_, degree)) => degree,
+        None => (integral.degree)(degrees, mesh.degree(), simplex),
+    };
+    let region = &binding.regions[integral.region];
+    let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
+    let hessians = reads_hessians(requirements);
+    let form = binding.name;
+    let failed = |source| AssemblyError::Quadrature { form, source };
+    if region.entity == Entity::Pairs {
+        let degree = degree_on_pairs(mesh, &|_, simplex| degree(simplex));
+        return pair_groups(binding, integral, quadrature, degree, requirements);
+    }
+    match binding.entities(integral.region)? {
+        Entities::Cells(cells) => {
+            let group = |(shape, cells): (CellShape, Vec<u32>)| {
+                let rule = quadrature.rule_on_cells(&mesh.shapes(), shape, degree(shape.is_simplex()))?;
+                let places = Places { points: rule.points, facet: None };
+                Group::new(binding, place.clone(), (shape, cells), &places, rule.weights, hessians)
+            };
+            let parts = mesh.by_shape(mesh.walk_of_cells(&cells));
+            parts.into_iter().map(|part| group(part).map_err(failed)).collect()
+        }
+        facets => {
+            let shape = mesh.shape_of_facets();
+            let mut groups = Vec::new();
+            for (simplex, facets) in by_degree(mesh, facets) {
+                let degree = degree(simplex);
+                let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
+                let grouped = |facets: &Entities, rule: &QuadratureRule<2>| {
+                    let groups = facet_groups(binding, &place, facets, rule, hessians)?;
+                    Ok(groups.into_iter().map(|(group, _)| group).collect::<Vec<_>>())
+                };
+                // A history has values at the points of the whole facet.
+                let (Entities::Facets(listed), Quadrature::Split { facets: split, .. }, None) =
+                    (&facets, quadrature, history)
+                else {
+                    groups.extend(grouped(&facets, &rule)?);
+                    continue;
+                };
+                let (cut, whole): (Vec<Facet>, Vec<Facet>) =
+                    listed.iter().partition(|facet| split.pieces(**facet).is_some());
+                groups.extend(grouped(&Entities::Facets(whole.into()), &rule)?);
+                for facet in &cut {
+                    let pieces = split.pieces(*facet).unwrap_or_default();
+                    let rule = quadrature.rule_on_pieces(shape, degree, pieces).map_err(failed)?;
+                    groups.extend(grouped(&Entities::Facets(std::slice::from_ref(facet).into()), &rule)?);
+                }
+            }
+            Ok(groups)
+        }
+    }
+}
+
+/// Facets by whether all of their cells are simplices, on which the degree of an integrand is estimated in another way.
+fn by_degree<'a, const D: usize>(mesh: &Mesh<D>, facets: Entities<'a>) -> Vec<(bool, Entities<'a>)> {
+    if let [shape] = mesh.shapes()[..] {
+        return vec![(shape.is_simplex(), facets)];
+    }
+    let simplex =
+        |sides: &[Facet]| sides.iter().all(|facet| mesh.cell_shape(facet.cell as usize).is_simplex());
+    let part = |wanted: bool| match &facets {
+        Entities::Cells(cells) => Entities::Cells(cells.clone()),
+        Entities::Facets(all) => {
+            let own = all.iter().filter(|facet| simplex(std::slice::from_ref(facet)) == wanted);
+            Entities::Facets(own.copied().collect())
+        }
+        Entities::InteriorFacets(all) => Entities::InteriorFacets(
+            all.iter().filter(|sides| simplex(&sides[..]) == wanted).copied().collect(),
+        ),
+    };
+    [true, false].map(|simplex| (simplex, part(simplex))).into()
+}
+
+/// Second derivatives along the tangents: t₀ᵀHt₀, t₀ᵀHt₁, t₁ᵀHt₁.
+fn bending<const D: usize>(second: &[[f64; D]; D], tangents: &[[f64; D]; 2]) -> [f64; 3] {
+    let along = |a: &[f64; D], b: &[f64; D]| -> f64 {
+        (0..D).map(|k| (0..D).map(|l| a[k] * second[k][l] * b[l]).sum::<f64>()).sum()
+    };
+    let [first, last] = tangents;
+    [along(first, first), along(first, last), along(last, last)]
+}
+
+compiled_here!(walk: groups::<D>, Group::<D>::check_support, Group::<D>::new);

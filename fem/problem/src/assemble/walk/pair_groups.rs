@@ -1,0 +1,216 @@
+//! Contact pairs as groups: a unit is the points of an own facet that face one opposite facet, an entity with two sides
+//! whose points lie elsewhere in both cells than those of the next unit.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use forms_core::contract::{Integral, Pairing, Requirements};
+
+use super::{Group, GroupSide, Places};
+use crate::assemble::batch::basis_in_lanes::LaneElement;
+use crate::assemble::binding::{Binding, pair_error};
+use crate::assemble::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::element::{CellShape, Lagrange};
+use crate::field::{Field, FieldView};
+use crate::mesh::Mesh;
+use crate::pairs::{
+    Approach, Displacement, DisplacementField, FirstTouch, PairError, PairGroup, PairReport, Pairs,
+};
+use crate::quadrature::{Quadrature, QuadratureRule, map_to_facet};
+use crate::space::Space;
+
+/// The points of a group's units, with the elements that are evaluated there.
+pub(in crate::assemble) struct PairTables<const D: usize> {
+    pub group: Arc<PairGroup<D>>,
+    /// The geometry map on each side.
+    pub geometry: [LaneElement; 2],
+    /// The binding's elements on each side; of a space on facets, the traces that do not vanish.
+    pub elements: [Vec<LaneElement>; 2],
+}
+
+/// The degree of an integrand, from those of the fields and of the geometry map; on simplices or not.
+pub(crate) type DegreeEstimate = fn(&[usize], usize, bool) -> usize;
+
+/// The degree of a rule on pairs, whose cells may have several shapes: the highest of the estimates.
+#[inline(never)]
+pub(in crate::assemble) fn degree_on_pairs<const D: usize>(
+    mesh: &Mesh<D>,
+    estimate: &dyn Fn(usize, bool) -> usize,
+) -> usize {
+    mesh.shapes().into_iter().map(|shape| estimate(mesh.degree(), shape.is_simplex())).max().unwrap_or(0)
+}
+
+/// Unknowns of which nothing but their spaces is asked.
+#[inline(never)]
+pub(in crate::assemble) fn without_coefficients<'a, const D: usize>(
+    spaces: &[&'a Arc<Space<D>>],
+) -> Vec<FieldView<'a, D>> {
+    spaces.iter().map(|space| FieldView { space, values: &[], finite: true }).collect()
+}
+
+/// The groups of a region of contact pairs.
+#[inline(never)]
+pub(in crate::assemble) fn pair_groups<const D: usize>(
+    binding: &Binding<D>,
+    integral: &Integral,
+    quadrature: &Quadrature<D>,
+    degree: usize,
+    requirements: &Requirements,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    let region = integral.region;
+    if let Some(pairing) = &binding.regions[region].pairing
+        && binding.histories_on_pairs(requirements, pairing)? > 0
+        && integral.displacement.is_some()
+    {
+        return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
+    }
+    binding.check_functions_on_pairs(region, quadrature, degree, requirements)?;
+    let pairs = binding.pairs(region, integral.displacement, quadrature, degree)?;
+    let region = &binding.regions[region];
+    groups_of(binding, &format!("the pairs `{}` ({})", region.symbol, region.name), &pairs)
+}
+
+/// The groups of some pairs.
+#[inline(never)]
+pub(in crate::assemble) fn groups_of<const D: usize>(
+    binding: &Binding<D>,
+    place: &str,
+    pairs: &Pairs<D>,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    let mesh = binding.mesh;
+    let form = binding.name;
+    let mut groups = Vec::new();
+    // Groups that differ by the number of points have the same tables.
+    let mut known: HashMap<(usize, CellShape, u8), GroupSide<D>> = HashMap::new();
+    for group in &pairs.groups {
+        let group = match binding.owned {
+            Some(owned) => Arc::new(group.filtered(|cell| owned.owns(cell))),
+            None => Arc::clone(group),
+        };
+        if group.facets.is_empty() {
+            continue;
+        }
+        let mut sides = Vec::new();
+        for (side, (shape, local)) in group.sides.into_iter().enumerate() {
+            let failed = |source| AssemblyError::Quadrature { form, source };
+            let cells: Vec<u32> = group.facets.iter().map(|facets| facets[side].cell).collect();
+            if let Some(known) = known.get(&(side, shape, local)) {
+                sides.push(GroupSide { cells, ..known.clone() });
+                continue;
+            }
+            // One point, for what is the same at all of them: Jacobians of affine cells.
+            let vertex = QuadratureRule { points: vec![[0.0; 2]], weights: vec![0.0] };
+            let rule = map_to_facet::<D>(shape, usize::from(local), &vertex).map_err(failed)?;
+            let places = Places { points: rule.points, facet: Some((local, rule.tangents)) };
+            let made =
+                GroupSide::new(mesh, &binding.elements, (shape, vec![]), &places, false).map_err(failed)?;
+            sides.push(GroupSide { cells, ..made.clone() });
+            known.insert((side, shape, local), made);
+        }
+        let elements = group.sides.map(|(shape, local)| {
+            let in_lanes = |element: &crate::assemble::binding::Tabulated| {
+                let lagrange = Lagrange { shape, degree: element.degree };
+                let kept = lagrange.facet_nodes(usize::from(local));
+                let kept = (element.on_facets && element.degree > 0).then_some(&kept[..]);
+                LaneElement::new(&lagrange, kept)
+            };
+            binding.elements.iter().map(in_lanes).collect()
+        });
+        let geometry = group.sides.map(|(shape, _)| LaneElement::new(&mesh.element_of(shape), None));
+        let weights = vec![0.0; group.count];
+        let tables = PairTables { group, geometry, elements };
+        groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables) });
+    }
+    Ok(groups)
+}
+
+impl<const D: usize> Assembler<D> {
+    /// The pairs of two surfaces in numbers: how many points have an opposite one, how far the surfaces are apart or overlap.
+    /// `degree` is that of the rule where the choice of quadrature is the compiler's estimate.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// // Two squares, a tenth apart; the lower one in two cells, the upper one in three.
+    /// let mut nodes = vec![];
+    /// let mut cells: Vec<u32> = vec![];
+    /// for (count, bottom) in [(2, 0.0), (3, 1.1)] {
+    ///     let start = nodes.len() as u32;
+    ///     for k in 0..=count {
+    ///         let x = f64::from(k) / f64::from(count);
+    ///         nodes.extend([[x, bottom], [x, bottom + 1.0]]);
+    ///     }
+    ///     cells.extend((0..count as u32).flat_map(|k| [0, 2, 3, 1].map(|node| start + 2 * k + node)));
+    /// }
+    /// let mut mesh = Mesh::from_parts(CellShape::Quadrilateral, 1, nodes, cells)?;
+    /// mesh.name_facets("below", "boundary", |x| x[1] == 1.0)?;
+    /// mesh.name_facets("above", "boundary", |x| x[1] == 1.1)?;
+    /// let assembler = Assembler::new(&Arc::new(mesh));
+    /// let report = assembler.pairs(&Pairing::onto("below", "above"), 2)?;
+    /// // Four pieces with two points each: the facets are cut at the other side's nodes.
+    /// assert_eq!((report.points, report.open), (8, 0));
+    /// assert!((report.largest_gap - 0.1).abs() < 1e-15 && (report.paired_measure - 1.0).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A [`PairError`]: unknown surfaces, surfaces that overlap or face each other nowhere, a reach that is no length.
+    pub fn pairs(&self, pairing: &Pairing, degree: usize) -> Result<PairReport<D>, PairError> {
+        Ok(self.pairs_of(pairing, degree)?.report)
+    }
+
+    /// The same with surfaces that a field displaces: open and rejected points, gaps and overlaps of sliding pairs at an iterate.
+    ///
+    /// # Errors
+    /// As [`Assembler::pairs`], and if the field is none on cells of this mesh with as many components as there are dimensions.
+    pub fn pairs_at(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        displacement: &Field<D>,
+    ) -> Result<PairReport<D>, PairError> {
+        self.check_displacement(displacement)?;
+        let (space, values) = (displacement.space(), displacement.values());
+        let displacement = Displacement { fields: vec![DisplacementField { space, values }] };
+        let Assembler { mesh, quadrature, threads, known_pairs, .. } = self;
+        let pairs = known_pairs.find(mesh, pairing, quadrature, degree, Some(&displacement), *threads)?;
+        Ok(pairs.report)
+    }
+
+    pub(in crate::assemble) fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
+        let space = displacement.space();
+        match space.facet_region().is_none()
+            && space.components() == D
+            && Arc::ptr_eq(space.mesh(), &self.mesh)
+        {
+            true => Ok(()),
+            false => Err(PairError::NoDisplacement { field: "displacement" }),
+        }
+    }
+
+    /// A start in contact, for load control: one body moved rigidly along a direction from a displacement u until the first
+    /// quadrature point touches, and on by a small overlap. Surfaces meet along the direction, not along their normals.
+    ///
+    /// # Errors
+    /// As [`Assembler::pairs_at`]; a direction of no length, cells to which both surfaces belong or neither, surfaces that do not
+    /// meet.
+    pub fn first_touch(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        u: &Field<D>,
+        approach: &Approach<D>,
+    ) -> Result<FirstTouch<D>, PairError> {
+        self.check_displacement(u)?;
+        approach.from(u, &self.mesh, pairing, (&self.quadrature, degree), self.threads)
+    }
+
+    /// The pairs, which are searched for at the first call.
+    #[inline(never)]
+    pub(crate) fn pairs_of(&self, pairing: &Pairing, degree: usize) -> Result<Arc<Pairs<D>>, PairError> {
+        self.known_pairs.find(&self.mesh, pairing, &self.quadrature, degree, None, self.threads)
+    }
+}
+
+compiled_here!(pair_groups: degree_on_pairs::<D>, without_coefficients::<D>, groups_of::<D>, Assembler::<D>::pairs_of);

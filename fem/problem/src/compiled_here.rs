@@ -1,0 +1,85 @@
+//! Functions that are generic over the dimension and the lane type alone, compiled in a library and not in every program: as
+//! in `forms_mesh::compiled_here`, with the lane types that this build has.
+
+#[cfg(not(test))]
+use crate::lanes::SimdLane;
+
+/// Enters generic functions of the dimension `D`, with `in lanes` also of a type of lane `L`, under a name in [`Compiled`].
+macro_rules! compiled_here {
+    ($name:ident in lanes: $($function:expr),+ $(,)?) => {
+        #[cfg(not(test))]
+        impl<const D: usize> crate::compiled_here::Compiled<D> {
+            pub(crate) fn $name<L: crate::lanes::SimdLane>() -> Vec<*const ()> {
+                vec![$($function as *const ()),+]
+            }
+        }
+    };
+    ($($functions:tt)+) => {
+        forms_mesh::compiled_here!($($functions)+);
+    };
+}
+pub(crate) use compiled_here;
+
+/// The functions of this crate that are compiled once for the dimension D.
+pub struct Compiled<const D: usize>;
+
+#[cfg(not(test))]
+impl<const D: usize> Compiled<D> {
+    /// All of them, file by file.
+    pub fn all() -> Vec<Vec<*const ()>> {
+        let mut all = vec![
+            Self::assemble_projection(),
+            Self::binding(),
+            Self::block_pattern(),
+            Self::constraints(),
+            Self::eigenproblem(),
+            Self::elimination(),
+            Self::entities(),
+            Self::facet_groups(),
+            Self::field(),
+            Self::file(),
+            Self::functional(),
+            Self::functions_on_pairs(),
+            Self::group_nodes(),
+            Self::hanging_nodes(),
+            Self::history(),
+            Self::interpolation(),
+            Self::known(),
+            Self::of_assembler(),
+            Self::owned_cells(),
+            Self::pair_groups(),
+            Self::pair_histories(),
+            Self::pair_reports(),
+            Self::pair_search(),
+            Self::residual(),
+            Self::rigid_body(),
+            Self::rigid_loads(),
+            Self::rigid_map(),
+            Self::solved(),
+            Self::space(),
+            Self::sums(),
+            Self::tangent(),
+            Self::touched(),
+            Self::transfer_projection(),
+            Self::untyped(),
+            Self::vtu(),
+            Self::walk(),
+        ];
+        all.extend(Self::in_lanes::<f64>());
+        #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
+        all.extend(Self::in_lanes::<crate::lanes::Avx2>());
+        #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
+        all.extend(Self::in_lanes::<crate::lanes::Avx512>());
+        #[cfg(target_arch = "aarch64")]
+        all.extend(Self::in_lanes::<crate::lanes::Neon>());
+        all
+    }
+
+    fn in_lanes<L: SimdLane>() -> Vec<Vec<*const ()>> {
+        vec![Self::buffers::<L>(), Self::checks::<L>(), Self::matrices::<L>()]
+    }
+}
+
+#[cfg(not(test))]
+#[expect(dead_code, reason = "it is there for the instances that it names")]
+static IN_THE_PLANE: fn() -> Vec<Vec<*const ()>> = Compiled::<2>::all;

@@ -1,0 +1,141 @@
+//! Continuity at hanging nodes: the values on small facets are those of the large facet that they are parts of.
+
+use std::sync::Arc;
+
+use super::{Constraints, ConstraintsError};
+use crate::compiled_here::compiled_here;
+use crate::mesh::{Facet, Mesh, MeshError};
+use crate::space::{Family, Space};
+
+/// Basis functions below this are zero but for rounding.
+const NOTHING: f64 = 1e-13;
+
+/// The body of each cell, by a number that its cells have in common: cells that share a vertex are of one body.
+fn bodies<const D: usize>(mesh: &Mesh<D>) -> Vec<u32> {
+    fn root(of: &mut [u32], mut vertex: u32) -> u32 {
+        while of[vertex as usize] != vertex {
+            let above = of[of[vertex as usize] as usize];
+            of[vertex as usize] = above;
+            vertex = above;
+        }
+        vertex
+    }
+    let mut of: Vec<u32> = (0..mesh.nodes().len() as u32).collect();
+    for cell in 0..mesh.cell_count() {
+        let vertices = mesh.cell_vertices(cell);
+        let first = root(&mut of, vertices[0]);
+        for vertex in &vertices[1..] {
+            let other = root(&mut of, *vertex);
+            of[other as usize] = first;
+        }
+    }
+    (0..mesh.cell_count()).map(|cell| root(&mut of, mesh.cell_vertices(cell)[0])).collect()
+}
+
+impl<const D: usize> Constraints<D> {
+    /// Makes fields continuous where coarse cells meet fine ones, in meshes of
+    /// [`Mesh::from_nonconforming_blocks`](crate::mesh::Mesh::from_nonconforming_blocks): the unknowns on each small facet are given
+    /// by those on the large facet that it is a part of ([`Mesh::hanging_facets`](crate::mesh::Mesh::hanging_facets)), through the basis
+    /// functions there. In the middle of an edge of degree 1 these are ½ and ½; at a quarter of one of degree 2, 3/8, 3/4 and −1/8. Polynomials of the space's
+    /// degree satisfy all of it. Small facets may be any part of the large one, and facets may hang in several levels.
+    ///
+    /// Conditions that prescribe values come afterwards. Where they prescribe all that an unknown on a small facet depends on, it
+    /// interpolates these values, whatever is prescribed for itself.
+    ///
+    /// Facets of bodies that share no vertex are not joined: such bodies touch and may part, as those of [`Mesh::of_bodies`].
+    ///
+    /// Such facets remain exterior ones: regions that shall not be integrated over on them, or prescribed, are named
+    /// without them.
+    ///
+    /// # Errors
+    /// [`ConstraintsError::NotContinuous`] for other than continuous spaces;
+    /// [`MeshError::NotNested`] for facets that lie on each other in part;
+    /// [`ConstraintsError::SeparateBodies`] where all that could be joined belongs to bodies that share no vertex;
+    /// [`ConstraintsError::AlreadyGiven`] and [`ConstraintsError::Contradiction`] where earlier conditions say otherwise.
+    #[inline(never)]
+    pub fn join_hanging_nodes(&mut self) -> Result<(), ConstraintsError> {
+        if *self.space.family() != Family::Continuous {
+            return Err(ConstraintsError::NotContinuous { family: self.space.family().clone() });
+        }
+        let mesh = self.space.mesh();
+        let (all, bodies) = (mesh.hanging_facets()?, bodies(mesh));
+        let is_of_one =
+            |[small, large]: &[Facet; 2]| bodies[small.cell as usize] == bodies[large.cell as usize];
+        if let Some(&facets) = all.first()
+            && !all.iter().any(is_of_one)
+        {
+            let position = mesh.cell_centre(facets[0].cell as usize).to_vec();
+            return Err(ConstraintsError::SeparateBodies { facets, position });
+        }
+        let mut changed = self.clone();
+        for [small, large] in all.into_iter().filter(is_of_one) {
+            let place = format!("continuity at facet {} of cell {}", large.local, large.cell);
+            changed.join(&place, small, large)?;
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// Relations that make a space continuous on a mesh of trees in which nodes hang; none for other spaces and meshes: bodies that
+    /// touch are not joined.
+    ///
+    /// # Errors
+    /// As [`Constraints::join_hanging_nodes`].
+    #[doc(hidden)]
+    pub fn joining(space: &Arc<Space<D>>) -> Result<Option<Self>, ConstraintsError> {
+        if *space.family() != Family::Continuous || space.mesh().facet_parts().next().is_none() {
+            return Ok(None);
+        }
+        let mut constraints = Constraints::new(space);
+        constraints.join_hanging_nodes()?;
+        Ok(Some(constraints))
+    }
+
+    /// Gives the unknowns on a facet by those on a larger one.
+    fn join(&mut self, place: &str, small: Facet, large: Facet) -> Result<(), ConstraintsError> {
+        let space = Arc::clone(&self.space);
+        let (mesh, components) = (space.mesh(), space.components());
+        let nodes_of = |facet: Facet| {
+            let cell = facet.cell as usize;
+            let local = space.cell_element(cell).facet_nodes(usize::from(facet.local));
+            (space.cell_nodes(cell), local)
+        };
+        let (coarse, on_coarse) = nodes_of(large);
+        let (fine, on_fine) = nodes_of(small);
+        for node in on_fine.iter().map(|local| fine[*local] as usize) {
+            if on_coarse.iter().any(|local| coarse[*local] as usize == node) {
+                continue;
+            }
+            let position = &space.positions()[node];
+            let Some(reference) = mesh.reference_on_facet(large, position) else {
+                // Its vertices lie on the large facet, and it is curved otherwise.
+                return Err(
+                    MeshError::NotNested { facets: [small, large], position: position.to_vec() }.into()
+                );
+            };
+            let basis = space.cell_element(large.cell as usize).tabulate(&[reference]).value;
+            let terms = on_coarse.iter().filter(|local| basis[**local].abs() > NOTHING);
+            let terms: Vec<(usize, f64)> =
+                terms.map(|local| (coarse[*local] as usize, basis[*local])).collect();
+            for component in 0..components {
+                let dependent = node * components + component;
+                let of_component: Vec<(usize, f64)> =
+                    terms.iter().map(|(master, a)| (master * components + component, *a)).collect();
+                Arc::make_mut(&mut self.conditions).hanging.insert(dependent);
+                match self.add_relation(place, dependent, &of_component, 0.0) {
+                    // An edge of a facet that hangs on two larger ones: what one says may determine another unknown of the other.
+                    Err(ConstraintsError::AlreadyGiven { .. }) => {
+                        let others = of_component.iter().map(|(master, a)| (*master, -a));
+                        let equation: Vec<(usize, f64)> =
+                            [(dependent, 1.0)].into_iter().chain(others).collect();
+                        self.add_equation(place, &equation, 0.0)?;
+                    }
+                    outcome => outcome?,
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+compiled_here!(hanging_nodes: Constraints::<D>::join_hanging_nodes);

@@ -1,0 +1,401 @@
+//! Discrete fields: coefficients on a space.
+
+mod file;
+mod sums;
+mod transfer;
+
+use std::any::Any;
+use std::sync::{Arc, OnceLock};
+
+use forms_core::contract::{DiscreteField, FieldHandle, FieldValue, Source};
+use thiserror::Error;
+
+use crate::compiled_here::compiled_here;
+use crate::element::MAXIMUM_NODES;
+use crate::linear_algebra::vector::{first_not_finite, is_finite};
+use crate::mesh::geometry::inverse;
+use crate::space::Space;
+
+pub use file::FieldFileError;
+pub(crate) use transfer::places;
+pub use transfer::{Transfer, TransferError};
+
+/// Nodes up to which a cell has few: simplices of degree 2 and triangles of degree 3.
+const FEW_NODES: usize = 10;
+
+/// A field on a space: one coefficient per unknown, `values[node * components + component]`.
+#[derive(Clone, Debug)]
+pub struct Field<const D: usize> {
+    pub(crate) space: Arc<Space<D>>,
+    coefficients: Arc<Coefficients>,
+}
+
+/// Numbers that do not change, so that it is found out once whether they are finite.
+#[derive(Debug)]
+struct Coefficients {
+    values: Vec<f64>,
+    finite: OnceLock<bool>,
+}
+
+/// Coefficients on a space, borrowed.
+#[derive(Clone, Copy)]
+#[doc(hidden)]
+pub struct FieldView<'a, const D: usize> {
+    pub space: &'a Arc<Space<D>>,
+    pub values: &'a [f64],
+    /// Those that will be read are known to be finite.
+    pub finite: bool,
+}
+
+/// Fields as coefficients on their spaces.
+#[inline(never)]
+pub(crate) fn views<'a, const D: usize>(fields: &[&'a Field<D>]) -> Vec<FieldView<'a, D>> {
+    fields.iter().map(|field| field.view()).collect()
+}
+
+/// Errors of a field or of its evaluation.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FieldError {
+    /// A wrong number of coefficients.
+    #[error("the space has {unknowns} unknowns, but {length} values were given")]
+    Length {
+        /// Unknowns of the space.
+        unknowns: usize,
+        /// Values given.
+        length: usize,
+    },
+    /// The function's value has another number of components than the space.
+    #[error("the space has {space} components, but the function gives {function}")]
+    Components {
+        /// Components of the space.
+        space: usize,
+        /// Components of the function's value.
+        function: usize,
+    },
+    /// A coefficient is NaN or infinite.
+    #[error("component {component} at node {node}, position {position:?}, is not finite: {value}")]
+    NotFinite {
+        /// Node number.
+        node: usize,
+        /// Component.
+        component: usize,
+        /// Position of the node.
+        position: Vec<f64>,
+        /// The value.
+        value: f64,
+    },
+    /// Fields on different spaces cannot be added.
+    #[error("the fields are not on one space: {differ}")]
+    OtherSpace {
+        /// In what the spaces differ.
+        differ: String,
+    },
+    /// A sum without terms has no space.
+    #[error("a combination of fields needs at least one")]
+    NothingToAdd,
+    /// The field lives on facets alone, and a point of the mesh is hardly ever on one.
+    #[error(
+        "the field lives on the facets of \"{region}\" alone: evaluate it along that region with a function"
+    )]
+    OnFacets {
+        /// The facet region of its space.
+        region: String,
+    },
+    /// The point is in no cell.
+    #[error("the point {point:?} lies outside the mesh")]
+    Outside {
+        /// The point.
+        point: Vec<f64>,
+    },
+}
+
+impl<const D: usize> From<&Field<D>> for Source<D> {
+    fn from(field: &Field<D>) -> Self {
+        Source::Discrete(field.into())
+    }
+}
+
+impl<const D: usize> From<Field<D>> for Source<D> {
+    fn from(field: Field<D>) -> Self {
+        Source::Discrete(field.into())
+    }
+}
+
+impl<const D: usize> Field<D> {
+    /// The field that is zero.
+    #[inline(never)]
+    pub fn zero(space: &Arc<Space<D>>) -> Self {
+        Field::of_known(space, vec![0.0; space.unknowns()])
+    }
+
+    /// The field with the function's values at the nodes: `f64` for a scalar space, `[f64; D]` for vectors,
+    /// `[[f64; D]; D]` for tensors.
+    ///
+    /// # Errors
+    /// [`FieldError::Components`] when the value does not fit the space, [`FieldError::NotFinite`] names
+    /// the node.
+    pub fn interpolate<V: FieldValue>(
+        space: &Arc<Space<D>>,
+        function: impl Fn(&[f64; D]) -> V,
+    ) -> Result<Self, FieldError> {
+        let components = space.components();
+        if V::COMPONENTS != components {
+            return Err(FieldError::Components { space: components, function: V::COMPONENTS });
+        }
+        let mut values = vec![0.0; space.unknowns()];
+        for (position, value) in space.positions().iter().zip(values.chunks_mut(components)) {
+            function(position).write(value);
+        }
+        Field::from_values(space, values)
+    }
+
+    /// The field with the given coefficients.
+    ///
+    /// # Errors
+    /// [`FieldError::Length`], or [`FieldError::NotFinite`], which names the node.
+    #[inline(never)]
+    pub fn from_values(space: &Arc<Space<D>>, values: Vec<f64>) -> Result<Self, FieldError> {
+        let unknowns = space.unknowns();
+        if values.len() != unknowns {
+            return Err(FieldError::Length { unknowns, length: values.len() });
+        }
+        if let Some(unknown) = first_not_finite(&values) {
+            let (node, component) = (unknown / space.components(), unknown % space.components());
+            let position = space.positions()[node].to_vec();
+            return Err(FieldError::NotFinite { node, component, position, value: values[unknown] });
+        }
+        let coefficients = Arc::new(Coefficients { values, finite: OnceLock::from(true) });
+        Ok(Field { space: Arc::clone(space), coefficients })
+    }
+
+    /// The field with coefficients of the right number.
+    #[inline(never)]
+    #[doc(hidden)]
+    pub fn of_known(space: &Arc<Space<D>>, values: Vec<f64>) -> Self {
+        let coefficients = Arc::new(Coefficients { values, finite: OnceLock::new() });
+        Field { space: Arc::clone(space), coefficients }
+    }
+
+    #[inline(never)]
+    #[doc(hidden)]
+    pub fn view(&self) -> FieldView<'_, D> {
+        let Coefficients { values, finite } = &*self.coefficients;
+        let finite = *finite.get_or_init(|| is_finite(values));
+        FieldView { space: &self.space, values, finite }
+    }
+
+    /// The space.
+    pub fn space(&self) -> &Arc<Space<D>> {
+        &self.space
+    }
+
+    /// The coefficients.
+    pub fn values(&self) -> &[f64] {
+        &self.coefficients.values
+    }
+
+    /// The components at a node.
+    ///
+    /// # Panics
+    /// When `node` is not below [`Space::node_count`].
+    pub fn at_node(&self, node: usize) -> &[f64] {
+        let components = self.space.components();
+        &self.coefficients.values[node * components..(node + 1) * components]
+    }
+
+    /// The components at a point of the mesh; of a discontinuous field, in the cell with the lowest index.
+    ///
+    /// # Errors
+    /// [`FieldError::OnFacets`]; [`FieldError::Outside`], where [`crate::locate::Locator::find_nearest`] helps
+    /// with points that are nearly inside.
+    #[inline(never)]
+    pub fn evaluate(&self, point: &[f64; D]) -> Result<Vec<f64>, FieldError> {
+        let (cell, reference) = self.find(point)?;
+        Ok(self.evaluate_in(cell, &reference))
+    }
+
+    /// The gradient \[1/length\] at a point of the mesh, row-major: component, then direction. On facets it
+    /// is that of the cell with the lowest index.
+    ///
+    /// # Errors
+    /// [`FieldError::OnFacets`], [`FieldError::Outside`].
+    #[inline(never)]
+    pub fn gradient(&self, point: &[f64; D]) -> Result<Vec<f64>, FieldError> {
+        let (cell, reference) = self.find(point)?;
+        Ok(self.gradient_in(cell, &reference))
+    }
+
+    /// The components at a reference point of a cell, which may lie outside it (extrapolation). NaN for a
+    /// field on facets.
+    ///
+    /// # Panics
+    /// When the mesh has no such cell.
+    #[inline(never)]
+    pub fn evaluate_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
+        let mut result = vec![self.empty_sum(); self.space.components()];
+        self.add_value_in(cell, reference, &mut result);
+        result
+    }
+
+    /// Adds the components at a reference point of a cell to a sum; nothing for a field on facets.
+    pub(crate) fn add_value_in(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
+        // To set the room of the largest element to zero takes longer than to fill that of most.
+        match self.space.cell_nodes(cell).len() {
+            ..=FEW_NODES => self.add_value_with::<FEW_NODES>(cell, reference, sum),
+            _ => self.add_value_with::<MAXIMUM_NODES>(cell, reference, sum),
+        }
+    }
+
+    /// [`Field::add_value_in`] with room for so many basis functions.
+    fn add_value_with<const N: usize>(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
+        let mut value = [0.0; N];
+        self.space.cell_element(cell).evaluate_values(reference, &mut value);
+        for (&node, phi) in self.space.cell_nodes(cell).iter().zip(&value) {
+            for (sum, coefficient) in sum.iter_mut().zip(self.at_node(node as usize)) {
+                *sum += phi * coefficient;
+            }
+        }
+    }
+
+    /// The gradient \[1/length\] at a reference point of a cell, row-major. Where the cell's Jacobian is
+    /// singular, which can only happen outside the cell, it is NaN, and so it is for a field on facets.
+    ///
+    /// # Panics
+    /// When the mesh has no such cell.
+    #[inline(never)]
+    pub fn gradient_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
+        let (mut value, mut slopes) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
+        self.space.cell_element(cell).evaluate(reference, &mut value, &mut slopes);
+        let (_, jacobian) = self.space.mesh().map(cell, reference);
+        let inverse = inverse(&jacobian).unwrap_or([[f64::NAN; D]; D]);
+        let mut result = vec![self.empty_sum(); self.space.components() * D];
+        for (&node, slope) in self.space.cell_nodes(cell).iter().zip(&slopes) {
+            let gradient: [f64; D] = std::array::from_fn(|j| (0..D).map(|k| slope[k] * inverse[k][j]).sum());
+            for (sums, coefficient) in result.chunks_mut(D).zip(self.at_node(node as usize)) {
+                for (sum, derivative) in sums.iter_mut().zip(gradient) {
+                    *sum += coefficient * derivative;
+                }
+            }
+        }
+        result
+    }
+
+    fn empty_sum(&self) -> f64 {
+        if self.space.facet_region().is_some() { f64::NAN } else { 0.0 }
+    }
+
+    fn find(&self, point: &[f64; D]) -> Result<(usize, [f64; D]), FieldError> {
+        if let Some(region) = self.space.facet_region() {
+            return Err(FieldError::OnFacets { region: region.to_owned() });
+        }
+        self.space.locator().find(point).ok_or_else(|| FieldError::Outside { point: point.to_vec() })
+    }
+}
+
+impl<const D: usize> DiscreteField for Field<D> {
+    fn components(&self) -> usize {
+        self.space.components()
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+impl<const D: usize> From<Field<D>> for FieldHandle {
+    fn from(field: Field<D>) -> Self {
+        Arc::new(field)
+    }
+}
+
+impl<const D: usize> From<&Field<D>> for FieldHandle {
+    fn from(field: &Field<D>) -> Self {
+        Arc::new(field.clone())
+    }
+}
+
+compiled_here!(
+    field:
+    views::<D>,
+    Field::<D>::zero,
+    Field::<D>::from_values,
+    Field::<D>::of_known,
+    Field::<D>::view,
+    Field::<D>::evaluate,
+    Field::<D>::gradient,
+    Field::<D>::evaluate_in,
+    Field::<D>::gradient_in
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+    use crate::mesh::{annulus, cuboid, rectangle};
+
+    type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+    #[test]
+    fn quadratic_fields_are_exact_on_straight_cells() -> Outcome {
+        let function = |x: &[f64; 3]| [x[0] * x[1], x[2] * x[2] - x[0], 1.0 + x[1]];
+        for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+            let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 2, 2], shape, 1)?);
+            let field = Field::interpolate(&Space::vector(&mesh, 2)?, function)?;
+            let x = [0.37, 1.21, 2.9];
+            let gradient = [x[1], x[0], 0.0, -1.0, 0.0, 2.0 * x[2], 0.0, 1.0, 0.0];
+            for (a, b) in field.evaluate(&x)?.into_iter().zip(function(&x)) {
+                assert!((a - b).abs() < 1e-13);
+            }
+            for (a, b) in field.gradient(&x)?.into_iter().zip(gradient) {
+                assert!((a - b).abs() < 1e-12);
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn linear_fields_are_exact_on_curved_cells() -> Outcome {
+        let mesh = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
+        let field = Field::interpolate(&Space::scalar(&mesh, 2)?, |x| 2.0 * x[0] - 3.0 * x[1] + 1.0)?;
+        for x in [[0.0, -25.0], [25.0, 0.0], [-14.0, 17.3]] {
+            assert!((field.evaluate(&x)?[0] - (2.0 * x[0] - 3.0 * x[1] + 1.0)).abs() < 1e-12);
+            let gradient = field.gradient(&x)?;
+            assert!((gradient[0] - 2.0).abs() < 1e-12 && (gradient[1] + 3.0).abs() < 1e-12);
+        }
+        let outside = field.evaluate(&[0.0, 0.0]).err().map(|error| error.to_string());
+        assert_eq!(outside.as_deref(), Some("the point [0.0, 0.0] lies outside the mesh"));
+        Ok(())
+    }
+
+    #[test]
+    fn the_contract_sees_the_field() -> Outcome {
+        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
+        let field = Field::interpolate(&Space::tensor(&mesh, 1)?, |x| [[x[0], 1.0], [2.0, x[1]]])?;
+        let handle = FieldHandle::from(&field);
+        assert_eq!(handle.components(), 4);
+        let back = handle.as_any().downcast_ref::<Field<2>>().map(|field| field.values().to_vec());
+        assert_eq!(back.as_deref(), Some(field.values()));
+        assert_eq!(field.at_node(0), [0.0, 1.0, 2.0, 0.0]);
+        Ok(())
+    }
+
+    #[test]
+    fn errors_name_the_node() -> Outcome {
+        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?);
+        let space = Space::vector(&mesh, 1)?;
+        let message = |field: Result<Field<2>, FieldError>| field.err().map(|error| error.to_string());
+        assert_eq!(
+            message(Field::interpolate(&space, |x| [x[0], 1.0 / x[1]])).as_deref(),
+            Some("component 1 at node 0, position [0.0, 0.0], is not finite: inf")
+        );
+        assert_eq!(
+            message(Field::interpolate(&space, |x| x[0])).as_deref(),
+            Some("the space has 2 components, but the function gives 1")
+        );
+        assert_eq!(
+            message(Field::from_values(&space, vec![0.0; 7])).as_deref(),
+            Some("the space has 8 unknowns, but 7 values were given")
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,166 @@
+//! Histories by an assembler: made, written with the values of a module's function, read.
+
+use std::sync::Arc;
+
+use forms_core::contract::{Entity, Expression, History, Pairing, QuadratureValues, Source};
+use forms_core::source::FieldValue;
+
+use super::{HistoryMismatch, PointStorage};
+use crate::assemble::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::mesh::MeshError;
+use crate::pairs::PairError;
+use crate::quadrature::QuadratureError;
+
+/// Errors of making a history.
+pub(super) enum MadeError {
+    Mesh(MeshError),
+    Quadrature(QuadratureError),
+}
+
+impl From<MeshError> for MadeError {
+    fn from(source: MeshError) -> Self {
+        MadeError::Mesh(source)
+    }
+}
+
+impl From<QuadratureError> for MadeError {
+    fn from(source: QuadratureError) -> Self {
+        MadeError::Quadrature(source)
+    }
+}
+
+/// Name in messages of a history that is being made.
+const NEW: &str = "new history";
+
+/// The same as an error of the assembler.
+fn not_made(why: MadeError) -> AssemblyError {
+    match why {
+        MadeError::Mesh(source) => AssemblyError::Region { form: NEW, symbol: "of it", source },
+        MadeError::Quadrature(source) => AssemblyError::Quadrature { form: NEW, source },
+    }
+}
+
+/// The components of an initial value, which is finite.
+fn components_of<V: FieldValue>(initial: V) -> Result<Vec<f64>, AssemblyError> {
+    let mut components = vec![0.0; V::COMPONENTS];
+    initial.write(&mut components);
+    match components.iter().all(|value| value.is_finite()) {
+        true => Ok(components),
+        false => Err(AssemblyError::NotFinite { form: NEW, field: "the initial value", position: None }),
+    }
+}
+
+impl<const D: usize> Assembler<D> {
+    /// A history with the same value at all quadrature points of a cell or facet region. Where the assembler
+    /// takes the compiler's estimate, its rule is that of `degree`; the integrals that read it take this rule.
+    ///
+    /// # Errors
+    /// An unknown region, contact pairs (for which there is `history_on_pairs`), a rule that does not exist, or a value that is
+    /// not finite.
+    pub fn history<V: FieldValue>(
+        &self,
+        entity: Entity,
+        region: &str,
+        degree: usize,
+        initial: V,
+    ) -> Result<History<V, D>, AssemblyError> {
+        if entity == Entity::Pairs {
+            let (pairing, source) = (region.to_owned(), PairError::History);
+            return Err(AssemblyError::Pairs { form: NEW, symbol: "of it", pairing, source });
+        }
+        let initial = components_of(initial)?;
+        let storage = PointStorage::new(self, entity, region, degree, &initial).map_err(not_made)?;
+        Ok(History::from_handle(Arc::new(storage)))
+    }
+
+    /// A history with the same value at all points of contact pairs that have an opposite one, on the undeformed mesh: read by
+    /// `this` in integrals over this pairing, and in no others. Where the assembler takes the compiler's estimate, its rule
+    /// is that of `degree`.
+    ///
+    /// # Errors
+    /// Surfaces that cannot be paired, or a value that is not finite.
+    pub fn history_on_pairs<V: FieldValue>(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        initial: V,
+    ) -> Result<History<V, D>, AssemblyError> {
+        let storage = PointStorage::on_pairs(self, pairing, degree, &components_of(initial)?);
+        let refused = |source| AssemblyError::Pairs {
+            form: NEW,
+            symbol: "of it",
+            pairing: pairing.to_string(),
+            source,
+        };
+        Ok(History::from_handle(Arc::new(storage.map_err(refused)?)))
+    }
+
+    /// Known values at the quadrature points of all cells, `values[(cell * points + point) * components + component]`,
+    /// for the forms of this assembler to read.
+    #[inline(never)]
+    pub(crate) fn known_at_points(
+        &self,
+        degree: usize,
+        components: usize,
+        values: Vec<f64>,
+    ) -> Result<Source<D>, AssemblyError> {
+        let everywhere = crate::mesh::EVERYWHERE;
+        let zeros = vec![0.0; components];
+        let storage = PointStorage::new(self, Entity::Cells, everywhere, degree, &zeros).map_err(not_made)?;
+        storage.write(values);
+        storage.commit();
+        Ok(Source::History(Arc::new(storage)))
+    }
+
+    /// Evaluates a function of a forms module at the points of a history and keeps the values aside, until
+    /// [`History::commit`] or [`History::revert`]. All histories that the function reads have their committed
+    /// values, so that several can be written in any order.
+    ///
+    /// # Errors
+    /// A wrong number of components, a value that is not finite, or data that do not fit; nothing is written
+    /// then.
+    pub fn update_history<V: FieldValue, E: Expression<D>>(
+        &self,
+        expression: &E,
+        history: &History<V, D>,
+    ) -> Result<(), AssemblyError> {
+        let form = expression.name();
+        let mismatch = |source| AssemblyError::History { form, field: "the history to be written", source };
+        let storage = PointStorage::<D>::of(&**history.handle()).map_err(mismatch)?;
+        storage.snapshot(self.mesh()).map_err(mismatch)?;
+        let (expected, found) = (expression.shape().iter().product(), storage.components);
+        if expected != found {
+            return Err(AssemblyError::Components { form, field: "the history", expected, found });
+        }
+        // At its own points, whatever this assembler would take.
+        let own = self.clone().with_quadrature(storage.quadrature.clone());
+        let values = match &storage.pairs {
+            Some(pairs) => own.at_pairs(expression, &pairs.pairing, storage.degree)?,
+            None => own.at_quadrature_points(expression, storage.entity, &storage.region, storage.degree)?,
+        };
+        if values.values.len() * found != storage.committed().len() {
+            return Err(mismatch(HistoryMismatch::Rule));
+        }
+        storage.write(values.values.concat());
+        Ok(())
+    }
+
+    /// The committed values: the components at each point, for the cells (or facets) in the order of their
+    /// region, point by point.
+    ///
+    /// # Errors
+    /// A history of another mesh or backend.
+    pub fn history_values<V: FieldValue>(
+        &self,
+        history: &History<V, D>,
+    ) -> Result<Vec<Vec<f64>>, AssemblyError> {
+        let mismatch =
+            |source| AssemblyError::History { form: "history_values", field: "the history", source };
+        let storage = PointStorage::<D>::of(&**history.handle()).map_err(mismatch)?;
+        let snapshot = storage.snapshot(self.mesh()).map_err(mismatch)?;
+        Ok(snapshot.values.chunks(storage.components).map(<[f64]>::to_vec).collect())
+    }
+}
+
+compiled_here!(of_assembler: Assembler::<D>::known_at_points);

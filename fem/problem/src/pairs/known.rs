@@ -1,0 +1,129 @@
+//! Searches for pairs that are kept, so that each is done once, and the candidates that the next one may use.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use forms_core::contract::Pairing;
+
+use super::candidates::KeptCandidates;
+use super::jumping_data::{ReadFunction, SmoothFunctions};
+use super::surface_values::SurfaceNodes;
+use super::{Displacement, PairError, Pairs};
+use crate::compiled_here::compiled_here;
+use crate::mesh::Mesh;
+use crate::quadrature::Quadrature;
+use crate::threads::Threads;
+
+/// Searches that are kept, of the undeformed mesh and of displaced surfaces, and pairings with candidates; the oldest go.
+pub(super) const KEPT: usize = 8;
+
+/// Pairs that were searched for on one mesh.
+#[derive(Debug, Default)]
+pub(crate) struct KnownPairs<const D: usize> {
+    known: Mutex<Vec<Known<D>>>,
+    candidates: Mutex<Vec<(Sought<D>, Arc<Vec<KeptCandidates<D>>>)>>,
+    nodes: SurfaceNodes,
+    functions: SmoothFunctions<D>,
+}
+
+/// The object of a search.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Sought<const D: usize> {
+    pub pairing: Pairing,
+    pub quadrature: Quadrature<D>,
+    pub degree: usize,
+}
+
+#[derive(Debug)]
+struct Known<const D: usize> {
+    sought: Sought<D>,
+    /// The displacement of the surfaces.
+    displacement: Option<Vec<f64>>,
+    pairs: Arc<Pairs<D>>,
+}
+
+/// Adds to a list of at most so many of a kind; the oldest go.
+pub(super) fn keep<T>(list: &mut Vec<T>, entry: T, limit: usize, of_this_kind: impl Fn(&T) -> bool) {
+    if list.iter().filter(|one| of_this_kind(one)).count() == limit
+        && let Some(oldest) = list.iter().position(of_this_kind)
+    {
+        list.remove(oldest);
+    }
+    list.push(entry);
+}
+
+impl<const D: usize> Sought<D> {
+    /// The object of a search with a choice of quadrature; `estimated` is the degree where the choice is the compiler's estimate.
+    fn new(pairing: &Pairing, quadrature: &Quadrature<D>, estimated: usize) -> Self {
+        // Where facets are split elsewhere, pairs keep pieces of their own.
+        let mut choice = quadrature;
+        while let Quadrature::Split { whole, .. } = choice {
+            choice = whole;
+        }
+        let degree = if choice.follows_estimates() { estimated } else { 0 };
+        Sought { pairing: pairing.clone(), quadrature: choice.clone(), degree }
+    }
+}
+
+impl<const D: usize> KnownPairs<D> {
+    /// The pairs of the mesh, always the same one, with the rules of a choice of quadrature; `estimated` is the degree
+    /// where the choice is the compiler's estimate.
+    #[inline(never)]
+    pub fn find(
+        &self,
+        mesh: &Mesh<D>,
+        pairing: &Pairing,
+        quadrature: &Quadrature<D>,
+        estimated: usize,
+        displacement: Option<&Displacement<D>>,
+        threads: Threads,
+    ) -> Result<Arc<Pairs<D>>, PairError> {
+        let sought = Sought::new(pairing, quadrature, estimated);
+        let values =
+            displacement.map(|displacement| self.nodes.values(mesh, pairing, displacement)).transpose()?;
+        let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_known = |known: &&Known<D>| known.sought == sought && known.displacement == values;
+        if let Some(known) = lock().iter().find(is_known) {
+            return Ok(Arc::clone(&known.pairs));
+        }
+        let lock_candidates = || self.candidates.lock().unwrap_or_else(PoisonError::into_inner);
+        let earlier = values.as_ref().and_then(|_| {
+            let candidates = lock_candidates();
+            let known = candidates.iter().find(|(known, _)| *known == sought);
+            known.map(|(_, kept)| Arc::clone(kept))
+        });
+        let earlier = earlier.as_ref().map_or(&[][..], |kept| kept);
+        // Not under the lock: a search runs on several threads.
+        let rule = (&sought.quadrature, sought.degree);
+        let (pairs, kept) = Pairs::find(mesh, pairing, rule, displacement, threads, earlier)?;
+        if values.is_some() {
+            let (mut candidates, kept) = (lock_candidates(), Arc::new(kept));
+            match candidates.iter_mut().find(|(known, _)| *known == sought) {
+                Some((_, known)) => *known = kept,
+                None => keep(&mut candidates, (sought.clone(), kept), KEPT, |_| true),
+            }
+        }
+        let pairs = Arc::new(pairs);
+        let displaced = values.is_some();
+        let entry = Known { sought, displacement: values, pairs: Arc::clone(&pairs) };
+        keep(&mut lock(), entry, KEPT, |known| known.displacement.is_some() == displaced);
+        Ok(pairs)
+    }
+
+    /// Whether a function of position that kernels read on the pairs is that of the body on its surface.
+    ///
+    /// # Errors
+    /// [`PairError::Jump`].
+    #[inline(never)]
+    pub fn check_function(
+        &self,
+        mesh: &Mesh<D>,
+        pairing: &Pairing,
+        quadrature: &Quadrature<D>,
+        estimated: usize,
+        read: &ReadFunction<'_, D>,
+    ) -> Result<(), PairError> {
+        self.functions.check(mesh, &Sought::new(pairing, quadrature, estimated), read)
+    }
+}
+
+compiled_here!(known: KnownPairs::<D>::find, KnownPairs::<D>::check_function);

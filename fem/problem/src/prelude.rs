@@ -1,0 +1,21 @@
+//! The usual imports of a program that states and solves forms.
+
+pub use std::sync::Arc;
+
+pub use crate::assemble::{Assembler, AssemblyError, Parts, TangentAction};
+pub use crate::constraints::Constraints;
+pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Pairing, Real, Table};
+pub use crate::dimension::{Dim, Dimension};
+pub use crate::element::CellShape;
+pub use crate::field::Field;
+pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, hollow_cylinder, rectangle};
+pub use crate::norms;
+pub use crate::quadrature::{Quadrature, QuadratureRule};
+pub use crate::solve::{
+    CondensedSolver, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,
+    MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError, Solved,
+    TangentSolver, TangentSolverOptions,
+};
+pub use crate::space::{Family, Space};
+pub use crate::threads::Threads;
+pub use crate::{form, forms};

@@ -1,0 +1,225 @@
+//! Eigenproblems of two forms: vibrations and buckling.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use forms_core::contract::Form;
+use thiserror::Error;
+
+use super::any_form::Held;
+use super::problem::UntypedProblem;
+use super::{Elimination, NonlinearProblem, PerUnknown, SolverError};
+use crate::assemble::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::constraints::Constraints;
+use crate::field::Field;
+use crate::linear_algebra::{EigenError, LinearAlgebraError, Positive, SymmetricPencil};
+use crate::space::Space;
+
+/// Two forms with N unknowns, whose tangents K and M or K_G make an eigenproblem.
+///
+/// Vibrations are K x = λ M x with λ = ω², buckling is K x = −λ K_G x, where K_G is the geometric stiffness of the stress that a load
+/// brings about and λ the factor by which the load is multiplied. Forms that are not linear are linearised about a state. Modes are
+/// zero where the constraints prescribe values, and follow their relations.
+///
+/// The eigenvalues are those next above a shift, by shift and invert and Lanczos' method; equal ones are there as often as they are, and
+/// a count by the signs of pivots has confirmed that none is missing ([`SymmetricPencil::eigenpairs_above`]).
+///
+/// ```
+/// # use forms_fem::prelude::*;
+/// # use forms_fem::solve::Eigenproblem;
+/// # #[forms(dimension = 2)]
+/// # mod membrane {
+/// #     #[cells]
+/// #     pub struct Omega;
+/// pub fn tension(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+///     integral(Omega, dot(grad(u), grad(v)))
+/// }
+/// pub fn mass(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+///     integral(Omega, u * v)
+/// }
+/// # }
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?);
+/// # let space = Space::scalar(&mesh, 2)?;
+/// # let mut rim = Constraints::new(&space);
+/// # rim.fix("boundary", |_| 0.0)?;
+/// # let model = membrane::Model::default();
+/// let modes = Eigenproblem::vibration(&model.tension(), &model.mass(), &space).constrained(&rim).smallest(4)?;
+/// let squares: Vec<f64> = modes.iter().map(|mode| mode.value / std::f64::consts::PI.powi(2)).collect();
+/// // 2, 5, 5, 8: the second and third are one eigenvalue with two modes.
+/// assert!(squares.iter().zip([2.0, 5.0, 5.0, 8.0]).all(|(found, exact)| (found - exact).abs() < 0.01));
+/// # Ok(())
+/// # }
+/// ```
+pub struct Eigenproblem<'a, const D: usize, const N: usize = 1> {
+    stiffness: UntypedProblem<'a, D, N>,
+    other: UntypedProblem<'a, D, N>,
+    positive: Positive,
+    about: Option<[&'a Field<D>; N]>,
+}
+
+/// An eigenvalue with its mode.
+#[derive(Clone, Debug)]
+pub struct Eigenmode<const D: usize, const N: usize = 1> {
+    /// λ: the square ω² of the angular frequency, or the factor of the load.
+    pub value: f64,
+    /// The mode, a field per unknown; xᵀ M x = 1, of buckling xᵀ K x = 1.
+    pub fields: [Field<D>; N],
+    /// An exact eigenvalue of the discrete problem is not farther than this \[λ\].
+    pub error_bound: f64,
+    /// ‖K x − λ M x‖ beside the norm of its terms.
+    pub residual: f64,
+}
+
+impl<const D: usize> Eigenmode<D, 1> {
+    /// The mode of the one unknown.
+    pub fn field(&self) -> &Field<D> {
+        &self.fields[0]
+    }
+}
+
+/// Eigenproblems that were not solved.
+#[derive(Debug, Error)]
+pub enum EigenproblemError {
+    /// Forms that do not fit, or could not be assembled.
+    #[error(transparent)]
+    Assembly(#[from] AssemblyError),
+    /// Contact pairs whose points slide with the unknown.
+    #[error("`{form}` has pairs of surfaces that its unknown displaces: eigenproblems have fixed pairs")]
+    Sliding {
+        /// The form.
+        form: &'static str,
+    },
+    /// The shift is an eigenvalue, as zero is of a body that can move rigidly.
+    #[error("the shift {shift:e} is an eigenvalue, up to rounding ({why}): take one below it, with `above`")]
+    ShiftIsEigenvalue {
+        /// The shift.
+        shift: f64,
+        /// Which unknown, or which motion, is not determined there.
+        why: SolverError,
+    },
+    /// Pairs that were not found.
+    #[error(transparent)]
+    Eigen(EigenError),
+    /// Constraints that do not fit.
+    #[error(transparent)]
+    LinearAlgebra(#[from] LinearAlgebraError),
+}
+
+impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
+    /// K x = λ M x of a form and its mass, which is positive, or zero on some unknowns; spaces as for a
+    /// [`Problem`](super::Problem).
+    pub fn vibration<'s, K: Form<D>, M: Form<D>>(
+        stiffness: &'a K,
+        mass: &'a M,
+        spaces: impl PerUnknown<'s, Arc<Space<D>>, N>,
+    ) -> Self {
+        Self::of([Held::Lent(stiffness), Held::Lent(mass)], spaces.per_unknown(), Positive::Second)
+    }
+
+    /// K x = −λ K_G x of a form that is positive definite under the constraints, and of the geometric stiffness.
+    pub fn buckling<'s, K: Form<D>, G: Form<D>>(
+        stiffness: &'a K,
+        geometric: &'a G,
+        spaces: impl PerUnknown<'s, Arc<Space<D>>, N>,
+    ) -> Self {
+        Self::of([Held::Lent(stiffness), Held::Lent(geometric)], spaces.per_unknown(), Positive::First)
+    }
+
+    #[inline(never)]
+    fn of([stiffness, other]: [Held<'a, D>; 2], spaces: [&Arc<Space<D>>; N], positive: Positive) -> Self {
+        Eigenproblem {
+            stiffness: UntypedProblem::new(stiffness, spaces),
+            other: UntypedProblem::new(other, spaces),
+            positive,
+            about: None,
+        }
+    }
+
+    /// Conditions on one unknown: the first one on the constraints' space that has none yet. Modes are zero where they prescribe values.
+    pub fn constrained(mut self, constraints: &'a Constraints<D>) -> Self {
+        self.stiffness.constraints.push(Cow::Borrowed(constraints));
+        self
+    }
+
+    /// Another assembler than the default one: for its quadrature, its threads.
+    pub fn assembler(mut self, assembler: &'a Assembler<D>) -> Self {
+        self.stiffness.system.assembler = Cow::Borrowed(assembler);
+        self.other.system.assembler = Cow::Borrowed(assembler);
+        self
+    }
+
+    /// The state about which forms are linearised; zero unless it is given.
+    pub fn about(mut self, state: impl PerUnknown<'a, Field<D>, N>) -> Self {
+        self.about = Some(state.per_unknown());
+        self
+    }
+
+    /// The smallest positive eigenvalues, in ascending order.
+    ///
+    /// # Errors
+    /// [`EigenproblemError`]; of a body that can move rigidly zero is an eigenvalue: [`Eigenproblem::above`] takes a shift below it.
+    pub fn smallest(&mut self, count: usize) -> Result<Vec<Eigenmode<D, N>>, EigenproblemError> {
+        self.above(0.0, count)
+    }
+
+    /// The next eigenvalues above a shift \[λ\], in ascending order.
+    ///
+    /// # Errors
+    /// [`EigenproblemError`]: the shift is an eigenvalue, there are fewer, a pair did not converge, a matrix is not symmetric or not
+    /// positive.
+    #[inline(never)]
+    pub fn above(&mut self, shift: f64, count: usize) -> Result<Vec<Eigenmode<D, N>>, EigenproblemError> {
+        let slides = [&self.stiffness, &self.other].into_iter().find(|problem| problem.system.form.slides());
+        if let Some(problem) = slides {
+            return Err(EigenproblemError::Sliding { form: problem.system.form.name() });
+        }
+        let constraints = self.stiffness.all_constraints()?;
+        let mut elimination = Elimination::of(&constraints.each_ref().map(|one| &**one))?;
+        let state = match self.about {
+            Some(state) => {
+                self.stiffness.check_spaces("state", state.map(|field| field.space()))?;
+                state.iter().flat_map(|field| field.values()).copied().collect()
+            }
+            None => vec![0.0; self.stiffness.system.unknowns()],
+        };
+        let asked = count;
+        if elimination.free().is_empty() && asked > 0 {
+            return Err(EigenproblemError::Eigen(EigenError::TooFew { asked, found: 0, shift }));
+        }
+        let first = elimination.reduce_matrix(&self.stiffness.tangent(&state)?.matrix)?;
+        let mut second = elimination.reduce_matrix(&self.other.tangent(&state)?.matrix)?;
+        if self.positive == Positive::First {
+            second.values_mut().iter_mut().for_each(|entry| *entry = -*entry);
+        }
+        let pencil = SymmetricPencil::new(&first, &second, self.positive);
+        let found = pencil.and_then(|pencil| pencil.eigenpairs_above(shift, count));
+        let pairs = found.map_err(|error| self.named(error, &elimination))?;
+        let mode = |pair: crate::linear_algebra::Eigenpair| {
+            let fields = self.stiffness.system.fields(&elimination.extend_by_zero(&pair.vector)?);
+            let (value, error_bound, residual) = (pair.value, pair.error_bound, pair.residual);
+            Ok(Eigenmode { value, fields, error_bound, residual })
+        };
+        pairs.into_iter().map(mode).collect()
+    }
+
+    /// A shift that is an eigenvalue is reported with the unknown or the motion that is not determined.
+    fn named(&self, error: EigenError, elimination: &Elimination) -> EigenproblemError {
+        match error {
+            EigenError::ShiftIsEigenvalue { shift, source } => {
+                let why = self.stiffness.named(SolverError::LinearAlgebra(source), elimination);
+                EigenproblemError::ShiftIsEigenvalue { shift, why }
+            }
+            error => EigenproblemError::Eigen(error),
+        }
+    }
+}
+
+compiled_here!(
+    eigenproblem:
+    Eigenproblem::<D, 1>::of,
+    Eigenproblem::<D, 1>::above,
+    Eigenproblem::<D, 2>::of,
+    Eigenproblem::<D, 2>::above,
+);

@@ -1,0 +1,60 @@
+//! Solution of the discrete problems: prescribed unknowns, linear solvers with memory, semismooth Newton.
+//!
+//! [`newton()`] asks a [`NonlinearProblem`] for residuals and tangents, an [`Elimination`] takes the
+//! prescribed unknowns out, and a [`LinearSolver`] (the [`TangentSolver`] unless another is given) solves.
+//! A [`Problem`] makes such a problem of a compiled form with one or several unknowns, and solves itself.
+//! A [`MultigridSolver`] takes large systems in space. An [`Eigenproblem`] of two forms gives vibrations and buckling loads.
+//! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
+
+#[doc(hidden)]
+pub mod any_form;
+pub mod communicator;
+pub mod condensed_solver;
+#[cfg(test)]
+mod contrasts;
+pub mod eigenproblem;
+pub mod elimination;
+mod lent_solver;
+mod linear_and_nonlinear;
+mod linear_part;
+pub mod linear_solver;
+pub mod linear_system;
+pub mod load_steps;
+pub mod lu_solver;
+pub mod multigrid_solver;
+pub mod newton;
+mod node_blocks;
+pub mod per_unknown;
+pub mod problem;
+mod rigid_loads;
+pub mod solved;
+pub mod solver_report;
+pub mod tangent_solver;
+
+pub use communicator::{CommunicationError, Communicator};
+pub use condensed_solver::CondensedSolver;
+pub use eigenproblem::{Eigenmode, Eigenproblem, EigenproblemError};
+pub use elimination::Elimination;
+#[doc(hidden)]
+pub use lent_solver::LentSolver;
+pub use linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
+pub use linear_system::{solve_linear, solve_linear_transposed};
+pub use load_steps::{
+    CommittingSteps, Extrapolate, Increment, LoadPath, LoadStep, LoadStepError, LoadSteps, StepStart,
+};
+pub use lu_solver::LuSolver;
+pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
+pub use newton::{
+    ActivePoints, LineSearch, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep,
+    NonlinearProblem, NonlinearTangent, Start, Tangent, newton, newton_eliminating,
+};
+pub use per_unknown::PerUnknown;
+#[doc(hidden)]
+pub use problem::{OwnedForm, StepMemory, solve_owned};
+pub use problem::{Problem, SolveError};
+pub use rigid_loads::{RigidLoadError, RigidLoads};
+pub use solved::{ReactionError, Solved};
+pub use solver_report::{SolverPath, SolverReport};
+pub use tangent_solver::{TangentSolver, TangentSolverOptions};
+
+pub use crate::linear_algebra::Transpose;

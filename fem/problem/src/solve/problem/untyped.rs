@@ -1,0 +1,208 @@
+//! A problem whose form has a type no more: all of it but the form's kernels is compiled once, in this crate.
+
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::SolveError;
+use super::form_equations::{FormEquations, newton_for_form};
+use crate::assemble::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
+use crate::constraints::Constraints;
+use crate::field::Field;
+use crate::history::commits;
+use crate::linear_algebra::{BlockMatrix, Restriction};
+use crate::solve::any_form::Held;
+use crate::solve::communicator::Communicator;
+use crate::solve::linear_and_nonlinear::SplitSystem;
+use crate::solve::linear_part::{Assembled, System};
+use crate::solve::{
+    Elimination, LinearSolver, NewtonFailure, NewtonOptions, NewtonStep, Solved, Start, TangentSolver,
+};
+use crate::space::Space;
+
+/// The data of a [`Problem`](super::Problem), and what is known of it.
+pub(in crate::solve) struct UntypedProblem<'a, const D: usize, const N: usize> {
+    pub system: System<'a, D, N>,
+    pub constraints: Vec<Cow<'a, Constraints<D>>>,
+    pub start: Option<[&'a Field<D>; N]>,
+    /// The state from which a load step goes, of which the start is a prediction.
+    pub last_state: Option<[&'a Field<D>; N]>,
+    pub solver: Solver<'a>,
+    pub options: NewtonOptions,
+    pub progress: Option<EachStep<'a>>,
+    pub communicator: Option<&'a dyn Communicator>,
+    pub assembled: Option<Assembled>,
+    /// Both parts, if pairs slide and the solver condenses.
+    pub split: Option<SplitSystem<D>>,
+    /// Spent in assembly so far.
+    pub seconds: f64,
+    /// The memory that earlier steps left.
+    pub memory: StepMemory,
+}
+
+/// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
+#[derive(Debug, Default)]
+#[doc(hidden)]
+pub struct StepMemory {
+    pub(in crate::solve) matrix: Option<BlockMatrix>,
+    pub(in crate::solve) restriction: Option<Restriction>,
+}
+
+/// The problem's own linear solver, or one that is lent to it.
+pub(in crate::solve) enum Solver<'a> {
+    Own(Box<TangentSolver>),
+    Lent(&'a mut dyn LinearSolver),
+}
+
+impl Solver<'_> {
+    fn get(&mut self) -> &mut dyn LinearSolver {
+        match self {
+            Solver::Own(solver) => &mut **solver,
+            Solver::Lent(solver) => &mut **solver,
+        }
+    }
+}
+
+/// Is called with the start and each iterate.
+pub(in crate::solve) type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
+
+impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
+    #[inline(never)]
+    pub fn new(form: Held<'a, D>, spaces: [&Arc<Space<D>>; N]) -> Self {
+        let assembler = Cow::Owned(Assembler::new(spaces[0].mesh()));
+        let spaces = spaces.map(Arc::clone);
+        UntypedProblem {
+            system: System {
+                form,
+                assembler,
+                assembler_at: None,
+                spaces,
+                pattern: OnceCell::new(),
+                loads: vec![],
+            },
+            constraints: vec![],
+            start: None,
+            last_state: None,
+            solver: Solver::Own(Box::default()),
+            options: NewtonOptions::default(),
+            progress: None,
+            communicator: None,
+            assembled: None,
+            split: None,
+            seconds: 0.0,
+            memory: StepMemory::default(),
+        }
+    }
+
+    /// See [`Problem::solve`](super::Problem::solve).
+    #[inline(never)]
+    pub fn solve(&mut self) -> Result<Solved<D, N>, SolveError> {
+        let begun = Instant::now();
+        self.share_cells()?;
+        let constraints = self.all_constraints()?;
+        let constraints = constraints.each_ref().map(|one| &**one);
+        let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
+        let found = match self.system.form.is_affine() {
+            true => {
+                elimination = elimination.with_restriction(self.memory.restriction.take());
+                let found = self.solve_affine(&mut elimination, solver.get());
+                self.memory.restriction = elimination.into_restriction();
+                found
+            }
+            false => self.iterate_from_starts(elimination, constraints, solver.get()),
+        };
+        let report = solver.get().report();
+        self.solver = solver;
+        let (u, residual, history) = found?;
+        Ok(Solved {
+            fields: self.system.fields(&u),
+            history,
+            residual,
+            report,
+            assembly_seconds: self.seconds,
+            seconds: begun.elapsed().as_secs_f64(),
+            pairs: self.system.pairs(&u)?,
+            assembler: self.system.assembler.clone().into_owned(),
+        })
+    }
+
+    /// Semismooth Newton from a start.
+    pub(super) fn iterate(
+        &mut self,
+        elimination: Elimination,
+        constraints: [&Constraints<D>; N],
+        start: Option<[&Field<D>; N]>,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<Found, SolveError> {
+        let mut u: Vec<f64> = match start {
+            Some(start) => {
+                self.check_spaces("start", start.map(|field| field.space()))?;
+                start.iter().flat_map(|field| field.values()).copied().collect()
+            }
+            None => vec![0.0; self.system.unknowns()],
+        };
+        self.overlap_touching(&elimination, &mut u)?;
+        let guess = self.extrapolate_prescribed(&u, constraints);
+        self.split = None;
+        let options = self.options.clone();
+        let mut progress = self.progress.take();
+        let mut ignored = |_: &NewtonStep| ();
+        let told: &mut dyn FnMut(&NewtonStep) = match &mut progress {
+            Some(progress) => &mut **progress,
+            None => &mut ignored,
+        };
+        let start = Start { u, guess };
+        let found = newton_for_form(&mut FormEquations(self), elimination, start, solver, &options, told);
+        self.progress = progress;
+        let found = found.map_err(|mut error| {
+            if let NewtonFailure::LinearSolver(source) = error.why {
+                let named = match Elimination::of(&constraints) {
+                    Ok(elimination) => self.named(source, &elimination),
+                    Err(_) => source,
+                };
+                error.why = NewtonFailure::LinearSolver(named);
+            }
+            error.notes = self.lost_pairs(&error.u);
+            if matches!(error.why, NewtonFailure::NotFinite) {
+                error.notes.extend(self.place_without_a_number(&error.u));
+            }
+            error
+        })?;
+        Ok((found.u, found.residual, found.history))
+    }
+
+    /// The system, with what no iterate changes assembled.
+    #[inline(never)]
+    pub fn ready(&mut self) -> Result<(&System<'a, D, N>, &mut Assembled), AssemblyError> {
+        let commits = commits(self.system.form.inputs());
+        let assembled = match self.assembled.take() {
+            Some(assembled) if assembled.commits == commits => assembled,
+            earlier => {
+                let start = Instant::now();
+                let assembled = self.system.assemble(commits, earlier, self.memory.matrix.take())?;
+                self.seconds += start.elapsed().as_secs_f64();
+                assembled
+            }
+        };
+        Ok((&self.system, self.assembled.insert(assembled)))
+    }
+}
+
+/// u, R(u) and the history.
+pub(super) type Found = (Vec<f64>, Vec<f64>, Vec<NewtonStep>);
+
+compiled_here!(
+    untyped:
+    UntypedProblem::<D, 1>::new,
+    UntypedProblem::<D, 1>::solve,
+    UntypedProblem::<D, 1>::ready,
+    UntypedProblem::<D, 2>::new,
+    UntypedProblem::<D, 2>::solve,
+    UntypedProblem::<D, 2>::ready,
+    UntypedProblem::<D, 3>::new,
+    UntypedProblem::<D, 3>::solve,
+    UntypedProblem::<D, 3>::ready,
+);
