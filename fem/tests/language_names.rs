@@ -17,7 +17,7 @@ fn every_name_of_the_language_has_an_item() {
     let mut known = words(tables, "(\"", &['"']);
     // On one line with their table.
     known.extend(["gap", "toward"]);
-    let items = read("src/language/operators.rs");
+    let items = read("problem/src/language/operators.rs");
     let mut documented = words(&items, "fn ", &['(', '<']);
     documented.extend(words(&items, "const ", &[':']));
     documented.retain(|name| !name.starts_with('$'));
