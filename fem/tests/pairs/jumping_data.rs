@@ -24,19 +24,26 @@ mod springs {
     pub fn mean() -> Functional {
         integral(Touch, this(modulus))
     }
+    pub fn own_derived() -> Scalar {
+        this(modulus) * gap
+    }
+    pub fn opposite_derived() -> Scalar {
+        other(modulus) * gap
+    }
 }
 
-/// The errors of each door through which a form with this modulus is assembled; empty where there is none.
+/// The errors of each door through which this modulus is read, on the own side and last on the opposite one; empty where there is none.
 fn told<const D: usize>(
     mesh: &Arc<Mesh<D>>,
     modulus: impl Fn(&[f64; D]) -> f64 + Send + Sync + 'static,
-) -> [String; 6]
+) -> [String; 8]
 where
     Dim: Dimension<D>,
 {
     let space = Space::vector(mesh, 1).unwrap();
     let data = springs::Data { modulus: Given::function(modulus) };
-    let touch = springs::Touch::on(Pairing::onto("below", "above"));
+    let pairing = Pairing::onto("below", "above");
+    let touch = springs::Touch::on(pairing.clone());
     let (own, opposite) = (springs::own(&data, &touch), springs::opposite(&data, &touch));
     let (sliding, mean) = (springs::sliding(&data, &touch), springs::mean(&data, &touch));
     let (u, spaces) = (Field::zero(&space), [&space]);
@@ -47,7 +54,9 @@ where
         assembler.action(&own, &[&u], &[&u], &spaces).map(|_| ()),
         assembler.residual(&sliding, &[&u], &spaces).map(|_| ()),
         assembler.functional(&mean).map(|_| ()),
+        assembler.at_pairs(&springs::own_derived(&data), &pairing, 3).map(|_| ()),
         assembler.residual(&opposite, &[&u], &spaces).map(|_| ()),
+        assembler.at_pairs(&springs::opposite_derived(&data), &pairing, 3).map(|_| ()),
     ]
     .map(|outcome| outcome.map_or_else(|error| error.to_string(), |()| String::new()))
 }
@@ -58,15 +67,17 @@ fn at_every_door() {
     let mesh = squares([CellShape::Quadrilateral; 2], 1, [&still, &still]);
     // The own surface counts as the upper body's.
     let wrong_below = told(&mesh, |x| if x[1] > 1.0 - 1e-9 { 100.0 } else { 1.0 });
-    for error in &wrong_below[..5] {
+    for error in &wrong_below[..6] {
         assert!(error.contains("`modulus` jumps at the surface \"below\""), "{error}");
         assert!(error.contains("it is 100 on it and 1 in the cell behind it"), "{error}");
     }
-    assert_eq!(wrong_below[5], "");
+    assert!(wrong_below[6..].iter().all(String::is_empty), "{wrong_below:?}");
     // The opposite one counts as the lower body's.
     let wrong_above = told(&mesh, |x| if x[1] > 1.0 + 1e-9 { 100.0 } else { 1.0 });
-    assert!(wrong_above[..5].iter().all(String::is_empty), "{wrong_above:?}");
-    assert!(wrong_above[5].contains("`modulus` jumps at the surface \"above\""), "{}", wrong_above[5]);
+    assert!(wrong_above[..6].iter().all(String::is_empty), "{wrong_above:?}");
+    for error in &wrong_above[6..] {
+        assert!(error.contains("`modulus` jumps at the surface \"above\""), "{error}");
+    }
 }
 
 /// A jump on a part of each facet, beside its centre.

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use forms_core::contract::{
-    Entity, Expression, ExpressionKernel, ExpressionVisitor, Integral, Pairing, Region, Requirements,
+    Entity, Expression, ExpressionKernel, ExpressionVisitor, FieldSlot, Integral, Pairing, Region,
+    Requirements,
 };
 
 use super::batch::{Batch, BatchBuffers, Cells};
@@ -136,8 +137,8 @@ impl<const D: usize> Assembler<D> {
     /// are left out.
     ///
     /// # Errors
-    /// Surfaces that cannot be paired, a function that reads a history of something else, a value that is not finite, or data
-    /// that do not fit.
+    /// Surfaces that cannot be paired, a function that reads a history of something else, a function of position that is another
+    /// body's on a surface ([`PairError::Jump`](crate::pairs::PairError::Jump)), a value that is not finite, or data that do not fit.
     pub fn at_pairs<E: Expression<D>>(
         &self,
         expression: &E,
@@ -151,6 +152,7 @@ impl<const D: usize> Assembler<D> {
         let mut visitor = HistoryVisitor { pairing: Some(pairing), ..HistoryVisitor::of(&binding, self) };
         expression.expression(&mut visitor)?;
         let degree = visitor.read.map_or(degree, |(_, degree)| degree);
+        binding.check_functions(&self.known_pairs, &region, &self.quadrature, degree, visitor.fields)?;
         let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
         let place = format!("the pairs {pairing}");
         let found = self.values(expression, |binding| groups_of(binding, &place, &pairs))?;
@@ -340,11 +342,13 @@ struct HistoryVisitor<'a, const D: usize> {
     pairing: Option<&'a Pairing>,
     /// The name of a history, and the degree of its rule.
     read: Option<(&'static str, usize)>,
+    /// The fields that the kernel reads.
+    fields: &'static [FieldSlot],
 }
 
 impl<'a, const D: usize> HistoryVisitor<'a, D> {
     fn of(binding: &'a Binding<'a, D>, assembler: &'a Assembler<D>) -> Self {
-        HistoryVisitor { binding, quadrature: &assembler.quadrature, pairing: None, read: None }
+        HistoryVisitor { binding, quadrature: &assembler.quadrature, pairing: None, read: None, fields: &[] }
     }
 }
 
@@ -355,6 +359,7 @@ impl<const D: usize> ExpressionVisitor<D> for HistoryVisitor<'_, D> {
         if let Some(pairing) = self.pairing {
             self.binding.histories_on_pairs(&K::REQUIREMENTS, pairing)?;
         }
+        self.fields = K::REQUIREMENTS.fields;
         self.read = self.binding.history_degree(&K::REQUIREMENTS, self.quadrature)?;
         Ok(())
     }

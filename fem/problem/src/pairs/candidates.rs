@@ -43,9 +43,9 @@ impl<const D: usize> Beam<D> {
         Beam { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
     }
 
-    /// Grows until it holds some rays.
+    /// Grows until it holds the first `count` of some rays.
     #[inline(always)]
-    pub fn hold<L: SimdLane>(&mut self, rays: &Rays<D, L>) {
+    pub fn hold<L: SimdLane>(&mut self, rays: &Rays<D, L>, count: usize) {
         let off = minus(&rays.x, &splat(&self.centre));
         let turned = minus(&rays.n, &splat(&self.direction));
         let mut lanes = [[0.0; WIDEST]; 2];
@@ -53,8 +53,11 @@ impl<const D: usize> Beam<D> {
         dot(&turned, &turned).store(&mut lanes[1]);
         let mut squares = [0.0_f64; 2];
         for k in 0..2 {
-            for lane in 0..L::WIDTH {
-                squares[k] = squares[k].max(lanes[k][lane]);
+            for lane in 0..count {
+                // Not `max`, which asks for what is no number as well.
+                if lanes[k][lane] > squares[k] {
+                    squares[k] = lanes[k][lane];
+                }
             }
         }
         self.radius = self.radius.max(squares[0].sqrt());
@@ -108,6 +111,8 @@ pub(super) struct KeptList<const D: usize> {
 pub(super) struct KeptCandidates<const D: usize> {
     balls: Arc<[Ball<D>]>,
     lists: Arc<Vec<Option<Arc<KeptList<D>>>>>,
+    /// The least skin of a list.
+    least_skin: f64,
 }
 
 /// The candidates at an iterate.
@@ -139,16 +144,16 @@ impl<const D: usize> Candidates<D> {
                 length(&minus(&now.centre, &then.centre)) + (now.radius - then.radius).max(0.0)
             };
             moved = balls.iter().zip(&*known.balls).map(motion).fold(0.0, f64::max);
-            let skins = known.lists.iter().flatten().map(|list| list.skin);
-            moved <= 0.5 * USABLE * skins.fold(f64::INFINITY, f64::min)
+            moved <= 0.5 * USABLE * known.least_skin
         });
         let kept = match usable {
-            Some(known) => {
-                KeptCandidates { balls: Arc::clone(&known.balls), lists: Arc::clone(&known.lists) }
+            Some(KeptCandidates { balls, lists, least_skin }) => {
+                KeptCandidates { balls: Arc::clone(balls), lists: Arc::clone(lists), least_skin: *least_skin }
             }
             None => {
                 moved = 0.0;
-                KeptCandidates { balls: Arc::clone(&balls), lists: Arc::new(vec![None; own.len()]) }
+                let lists = Arc::new(vec![None; own.len()]);
+                KeptCandidates { balls: Arc::clone(&balls), lists, least_skin: f64::INFINITY }
             }
         };
         Candidates { balls, largest, moved, kept, grid: OnceLock::new() }
@@ -203,6 +208,8 @@ impl<const D: usize> Candidates<D> {
             for (own, list) in made {
                 lists[own] = Some(Arc::new(list));
             }
+            let skins = lists.iter().flatten().map(|list| list.skin);
+            kept.least_skin = skins.fold(f64::INFINITY, f64::min);
         }
         kept
     }
@@ -238,7 +245,9 @@ mod tests {
             let u = Field::interpolate(&space, lower).unwrap();
             let displacement =
                 Displacement { fields: vec![DisplacementField { space: &space, values: u.values() }] };
-            let surfaces = Surfaces::new(&mesh, &pairing, Some(&displacement), Threads::ONE).unwrap();
+            let surfaces =
+                Surfaces::new(&mesh, &pairing, &Default::default(), Some(&displacement), Threads::ONE)
+                    .unwrap();
             let (own, opposite) = (surfaces.of("top"), surfaces.of("bottom"));
             let keeping = Candidates::new(own, opposite, kept.as_ref());
             let fresh = Candidates::new(own, opposite, None);
@@ -246,7 +255,7 @@ mod tests {
             for (index, facet) in own.iter().enumerate() {
                 let mut beam = Beam::along_normal_of(facet, 0.15);
                 for end in facet.parameters().iter().map(|s| facet.at(s)) {
-                    beam.hold(&Rays { x: end.position, n: end.normal() });
+                    beam.hold(&Rays { x: end.position, n: end.normal() }, 1);
                 }
                 made.extend(keeping.of(index, &beam, 0.05, |_| true, &mut one).map(|list| (index, list)));
                 assert!(fresh.of(index, &beam, 0.05, |_| true, &mut other).is_some());

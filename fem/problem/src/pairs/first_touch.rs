@@ -5,6 +5,7 @@ use std::sync::Arc;
 use forms_core::contract::Pairing;
 
 use super::rays::along_ray;
+use super::rest::SurfacesAtRest;
 use super::surface::{SurfaceFacet, dot, minus, unit};
 use super::surfaces::Surfaces;
 use super::{Displacement, DisplacementField, PairError};
@@ -93,7 +94,8 @@ impl<const D: usize> Approach<D> {
         let cells = mesh.cell_region(&self.moving).map_err(|source| PairError::Surface { source })?;
         let space = u.space();
         let displacement = Displacement { fields: vec![DisplacementField { space, values: u.values() }] };
-        let surfaces = Surfaces::new(mesh, pairing, Some(&displacement), threads)?;
+        let at_rest = SurfacesAtRest::default();
+        let surfaces = Surfaces::new(mesh, pairing, &at_rest, Some(&displacement), threads)?;
         let mut first: First<D> = None;
         for facing in &pairing.surfaces {
             let (own, opposite) = (surfaces.of(&facing.own), surfaces.of(&facing.opposite));

@@ -101,7 +101,6 @@ const TAKEN: usize = usize::MAX;
 /// Room for what is computed of one own facet.
 #[derive(Debug, Default)]
 pub(super) struct Room<const D: usize> {
-    pub candidates: Vec<usize>,
     /// The pairs with the opposite facets' indices.
     pub pairs: Vec<(usize, PairPoint<D>)>,
 }
@@ -129,6 +128,19 @@ impl<const D: usize> Found<D> {
         &mut self.counts[last]
     }
 
+    /// Where the next point begins.
+    pub fn next_point(&self) -> FirstPoint {
+        FirstPoint { numbers: self.points.len(), rigid_normals: self.rigid_normals.len() }
+    }
+
+    /// Room for the numbers of a further point.
+    #[inline(always)]
+    pub fn room_for_a_point(&mut self) -> &mut [f64] {
+        let first = self.points.len();
+        self.points.extend_from_slice(&[0.0; PairGroup::<3>::STRIDE][..PairGroup::<D>::STRIDE]);
+        &mut self.points[first..][..PairGroup::<D>::STRIDE]
+    }
+
     /// Sorts the pairs of the last own facet by opposite facets, in the order of its points. All facets of a rigid surface move with one
     /// cell, and count as one.
     pub fn end(
@@ -144,7 +156,7 @@ impl<const D: usize> Found<D> {
             if index == TAKEN {
                 continue;
             }
-            let start = FirstPoint { numbers: self.points.len(), rigid_normals: self.rigid_normals.len() };
+            let start = self.next_point();
             let (mut count, facet) = (0, opposite[index].facet);
             for (other, point) in &mut room.pairs[first..] {
                 if *other == index || (*other != TAKEN && opposite[*other].facet == facet) {

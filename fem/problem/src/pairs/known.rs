@@ -6,6 +6,7 @@ use forms_core::contract::Pairing;
 
 use super::candidates::KeptCandidates;
 use super::jumping_data::{ReadFunction, SmoothFunctions};
+use super::rest::SurfacesAtRest;
 use super::surface_values::SurfaceNodes;
 use super::{Displacement, PairError, Pairs};
 use crate::compiled_here::compiled_here;
@@ -22,6 +23,7 @@ pub(crate) struct KnownPairs<const D: usize> {
     known: Mutex<Vec<Known<D>>>,
     candidates: Mutex<Vec<(Sought<D>, Arc<Vec<KeptCandidates<D>>>)>>,
     nodes: SurfaceNodes,
+    pub(super) at_rest: SurfacesAtRest<D>,
     functions: SmoothFunctions<D>,
 }
 
@@ -94,7 +96,7 @@ impl<const D: usize> KnownPairs<D> {
         let earlier = earlier.as_ref().map_or(&[][..], |kept| kept);
         // Not under the lock: a search runs on several threads.
         let rule = (&sought.quadrature, sought.degree);
-        let (pairs, kept) = Pairs::find(mesh, pairing, rule, displacement, threads, earlier)?;
+        let (pairs, kept) = Pairs::find(mesh, pairing, rule, displacement, &self.at_rest, threads, earlier)?;
         if values.is_some() {
             let (mut candidates, kept) = (lock_candidates(), Arc::new(kept));
             match candidates.iter_mut().find(|(known, _)| *known == sought) {

@@ -4,6 +4,7 @@
 //! ```text
 //! displacement   the fields that displace surfaces
 //! traces    elements on facets, as polynomials
+//! rest      facets before they are displaced
 //! surface, frame   facets as parametrised surfaces, their points and normals
 //! surfaces, rigid   the surfaces of a pairing by name; those that are rigid
 //! rim       where a surface ends
@@ -41,6 +42,7 @@ mod points;
 mod ray_points;
 mod rays;
 mod report;
+mod rest;
 mod rigid;
 mod rim;
 mod search;
@@ -64,6 +66,7 @@ pub(crate) use self::jumping_data::ReadFunction;
 pub(crate) use self::known::KnownPairs;
 use self::points::OfFacets;
 pub use self::report::PairReport;
+use self::rest::SurfacesAtRest;
 pub(crate) use self::rigid::coupled_facets;
 use self::search::Search;
 use self::surfaces::Surfaces;
@@ -139,6 +142,7 @@ impl<const D: usize> Pairs<D> {
         pairing: &Pairing,
         rule: (&Quadrature<D>, usize),
         displacement: Option<&Displacement<D>>,
+        at_rest: &SurfacesAtRest<D>,
         threads: Threads,
         earlier: &[KeptCandidates<D>],
     ) -> Result<(Self, Vec<KeptCandidates<D>>), PairError> {
@@ -150,7 +154,7 @@ impl<const D: usize> Pairs<D> {
         {
             return Err(PairError::Reach { reach });
         }
-        let surfaces = Surfaces::new(mesh, pairing, displacement, threads)?;
+        let surfaces = Surfaces::new(mesh, pairing, at_rest, displacement, threads)?;
         let (mut all, mut kept, mut alone) = (Vec::new(), Vec::new(), Vec::new());
         let mut counts = Counts::default();
         for (number, facing) in pairing.surfaces.iter().enumerate() {
@@ -213,10 +217,13 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
     let units: Vec<(&Unit, &Found<D>)> = units.collect();
     // Units of an own facet follow each other.
     let begins = |k: &usize| *k == 0 || units[*k].0.facets[0] != units[*k - 1].0.facets[0];
-    let mut own: Vec<(u32, usize)> = (0..units.len()).filter(begins).map(|k| (units[k].0.place, k)).collect();
+    // Place and number as one: they are sorted in half the time.
+    let key = |k: usize| u64::from(units[k].0.place) << 32 | k as u64;
+    let mut own: Vec<u64> = (0..units.len()).filter(begins).map(key).collect();
     own.sort_unstable();
     let mut order: Vec<usize> = Vec::with_capacity(units.len());
-    for (_, first) in own {
+    for key in own {
+        let first = (key & u64::from(u32::MAX)) as usize;
         order.push(first);
         order.extend((first + 1..units.len()).take_while(|k| !begins(k)));
     }
@@ -247,7 +254,10 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         let (Unit { facets, count, start, .. }, part) = units[number];
         let ((.., rigid), group) = &mut groups[kind];
         group.facets.push(*facets);
-        group.points.extend_from_slice(&part.points[start.numbers..][..count * PairGroup::<D>::STRIDE]);
+        // Point by point: of a length that is known nothing is called.
+        for point in part.points[start.numbers..].chunks_exact(PairGroup::<D>::STRIDE).take(*count) {
+            group.points.extend_from_slice(point);
+        }
         if *rigid {
             let normals = &part.rigid_normals[start.rigid_normals..][..*count];
             group.rigid_normals.extend_from_slice(normals.as_flattened());

@@ -28,15 +28,15 @@ impl<const D: usize> LaneWork for OfFacets<'_, '_, '_, D> {
     fn run<L: SimdLane>(self) -> Self::Output {
         let OfFacets { search, facets } = self;
         let points = search.rules.iter().map(|(_, rule)| rule.points.len()).max().unwrap_or(0);
-        let (mut found, mut room) = (Found::with_room(facets.len(), points), Room::default());
+        let mut found = Found::with_room(facets.len(), points);
         if search.whole && search.projection == Projection::Ray {
             let mut rays = RayRoom::<D, L>::new(&search.rules);
             for index in facets {
                 found.begin();
-                search.add_rays_of(index, &mut found, &mut room, &mut rays);
-                found.end(search.mesh, &search.own[index], search.opposite, &mut room);
+                search.add_rays_of(index, &mut found, &mut rays);
             }
         } else {
+            let mut room = Room::default();
             for index in facets {
                 found.begin();
                 search.add_pieces_of(index, &mut found, &mut room)?;

@@ -4,11 +4,11 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::candidates::Beam;
-use super::found::{Found, PairPoint, Room};
+use super::found::{Found, Unit};
 use super::nearest_on_rays::NearestOnRays;
 use super::rays::Rays;
 use super::search::Search;
-use super::surface::{dot, over};
+use super::surface::{SurfaceFacet, dot, over};
 use crate::element::CellShape;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::quadrature::QuadratureRule;
@@ -23,7 +23,10 @@ struct RuleInLanes<L> {
 pub(super) struct RayRoom<const D: usize, L> {
     rules: Vec<RuleInLanes<L>>,
     rays: Vec<Rays<D, L>>,
+    /// The surface element at each point.
     elements: Vec<f64>,
+    batches: Vec<Batch<D>>,
+    candidates: Vec<usize>,
 }
 
 impl<const D: usize, L: SimdLane> RayRoom<D, L> {
@@ -42,37 +45,33 @@ impl<const D: usize, L: SimdLane> RayRoom<D, L> {
             }
             in_lanes.push(RuleInLanes { shape: *shape, points });
         }
-        RayRoom { rules: in_lanes, rays: Vec::new(), elements: Vec::new() }
+        let most = in_lanes.iter().map(|rule| rule.points.len()).max().unwrap_or(0);
+        let batches = vec![Batch::EMPTY; most];
+        RayRoom { rules: in_lanes, rays: vec![], elements: vec![], batches, candidates: vec![] }
     }
 }
 
 impl<const D: usize> Search<'_, '_, D> {
     /// Adds the opposite points on the rays from the points of a whole facet.
     #[inline(always)]
-    pub fn add_rays_of<L: SimdLane>(
-        &self,
-        index: usize,
-        found: &mut Found<D>,
-        room: &mut Room<D>,
-        in_lanes: &mut RayRoom<D, L>,
-    ) {
+    pub fn add_rays_of<L: SimdLane>(&self, index: usize, found: &mut Found<D>, room: &mut RayRoom<D, L>) {
         let own = &self.own[index];
         let shape = self.mesh.cell_shape(own.facet.cell as usize);
-        let RayRoom { rules, rays, elements } = in_lanes;
+        let RayRoom { rules, rays, elements, batches, candidates } = room;
         let Some(number) = rules.iter().position(|known| known.shape == shape) else { return };
-        let (batches, rule) = (&rules[number].points, &self.rules[number].1);
+        let (points, rule) = (&rules[number].points, &self.rules[number].1);
         let (mut lanes, mut measure) = ([0.0; WIDEST], 0.0);
         let diameter = own.diameter;
         let reach = self.reach_of(diameter);
         let mut beam = Beam::along_normal_of(own, reach);
         rays.clear();
         elements.clear();
-        for batch in 0..batches.len() {
-            let point = own.at(&batches[batch]);
+        for batch in 0..points.len() {
+            let point = own.at(&points[batch]);
             let normal = point.long_normal();
             let element = dot(&normal, &normal).sqrt();
             let from_points = Rays { x: point.position, n: over(&normal, element) };
-            beam.hold(&from_points);
+            beam.hold(&from_points, L::WIDTH.min(rule.points.len() - batch * L::WIDTH));
             rays.push(from_points);
             element.store(&mut lanes);
             elements.extend_from_slice(&lanes[..L::WIDTH]);
@@ -80,46 +79,85 @@ impl<const D: usize> Search<'_, '_, D> {
         for q in 0..rule.weights.len() {
             measure += rule.weights[q] * elements[q];
         }
-        found.counts().measure = measure;
-        let made = self.candidates.of(
-            index,
-            &beam,
-            diameter,
-            |facet| self.may_face(own, facet),
-            &mut room.candidates,
-        );
+        let made = self.candidates.of(index, &beam, diameter, |facet| self.may_face(own, facet), candidates);
         found.remade.extend(made.map(|list| (index, list)));
-        for batch in 0..batches.len() {
+        let counts = found.counts();
+        counts.measure = measure;
+        for batch in 0..points.len() {
             let rays = &rays[batch];
-            let nearest = self.nearest_on_rays(own, &batches[batch], rays, &room.candidates, reach);
-            let lanes = InMemory::of(&nearest, rays);
+            let nearest = self.nearest_on_rays(own, &points[batch], rays, candidates, reach);
+            let lanes = &mut batches[batch];
+            lanes.take(&nearest, rays);
             let first = batch * L::WIDTH;
             for q in first..rule.points.len().min(first + L::WIDTH) {
-                let (lane, counts) = (q - first, found.counts());
-                if lanes.found[lane] == 0.0 {
+                let lane = q - first;
+                if lanes.facet[lane] == TAKEN {
                     counts.open += 1;
                     counts.rejected += usize::from(lanes.rejected[lane] != 0.0);
                     continue;
                 }
-                let (gap, weight) = (lanes.gap[lane], rule.weights[q]);
-                let [mut position, mut toward] = [[0.0; D]; 2];
+                let mut position = [0.0; D];
                 for k in 0..D {
-                    (position[k], toward[k]) = (lanes.x[k][lane], lanes.n[k][lane]);
+                    position[k] = lanes.x[k][lane];
                 }
-                counts.add_point(&position, gap, weight * elements[q]);
-                let facet = lanes.facet[lane] as usize;
-                let (opposite, s) = (&self.opposite[facet], [lanes.s[0][lane], lanes.s[1][lane]]);
-                let reference = [own.reference(&rule.points[q]), opposite.reference(&s)];
-                let rigid_normal = opposite.rigid_normal;
-                room.pairs.push((facet, PairPoint { reference, weight, gap, toward, rigid_normal }));
+                counts.add_point(&position, lanes.gap[lane], rule.weights[q] * elements[q]);
             }
+        }
+        self.add_units(own, rule, batches, L::WIDTH, found);
+    }
+
+    /// Adds the points of a whole facet by opposite facets, in the order of the rule. All facets of a rigid surface move with one cell, and count as
+    /// one.
+    #[inline(always)]
+    fn add_units(
+        &self,
+        own: &SurfaceFacet<D>,
+        rule: &QuadratureRule<2>,
+        batches: &mut [Batch<D>],
+        width: usize,
+        found: &mut Found<D>,
+    ) {
+        let place = self.mesh.walk_of_facet(&[own.facet]);
+        let count_of_points = rule.points.len();
+        for first in 0..count_of_points {
+            let index = batches[first / width].facet[first % width];
+            if index == TAKEN {
+                continue;
+            }
+            let (mut count, start) = (0, found.next_point());
+            let facet = self.opposite[index as usize].facet;
+            for q in first..count_of_points {
+                let (batch, lane) = (&mut batches[q / width], q % width);
+                let other = batch.facet[lane];
+                if other == TAKEN || (other != index && self.opposite[other as usize].facet != facet) {
+                    continue;
+                }
+                batch.facet[lane] = TAKEN;
+                count += 1;
+                let opposite = &self.opposite[other as usize];
+                let own_reference = own.reference(&rule.points[q]);
+                let opposite_reference = opposite.reference(&[batch.s[0][lane], batch.s[1][lane]]);
+                // Straight into place: what is put together first is read before it has come to the cache.
+                let numbers = found.room_for_a_point();
+                for k in 0..D {
+                    numbers[k] = own_reference[k];
+                    numbers[D + k] = opposite_reference[k];
+                    numbers[2 * D + 2 + k] = batch.n[k][lane];
+                }
+                (numbers[2 * D], numbers[2 * D + 1]) = (rule.weights[q], batch.gap[lane]);
+                found.rigid_normals.extend(opposite.rigid_normal);
+            }
+            found.units.push(Unit { place, facets: [own.facet, facet], count, start });
         }
     }
 }
 
+/// The index of the opposite facet of a point that has none, or is in its unit.
+const TAKEN: f64 = -1.0;
+
 /// Rays and their opposite points, lane after lane.
-struct InMemory<const D: usize> {
-    found: [f64; WIDEST],
+#[derive(Clone, Copy)]
+struct Batch<const D: usize> {
     rejected: [f64; WIDEST],
     facet: [f64; WIDEST],
     gap: [f64; WIDEST],
@@ -128,32 +166,28 @@ struct InMemory<const D: usize> {
     n: [[f64; WIDEST]; D],
 }
 
-impl<const D: usize> InMemory<D> {
+impl<const D: usize> Batch<D> {
+    const EMPTY: Self = Batch {
+        rejected: [0.0; WIDEST],
+        facet: [TAKEN; WIDEST],
+        gap: [0.0; WIDEST],
+        s: [[0.0; WIDEST]; 2],
+        x: [[0.0; WIDEST]; D],
+        n: [[0.0; WIDEST]; D],
+    };
+
     #[inline(always)]
-    fn of<L: SimdLane>(nearest: &NearestOnRays<L>, rays: &Rays<D, L>) -> Self {
-        let zeros = [0.0; WIDEST];
-        let mut lanes = InMemory {
-            found: zeros,
-            rejected: zeros,
-            facet: zeros,
-            gap: zeros,
-            s: [zeros; 2],
-            x: [zeros; D],
-            n: [zeros; D],
-        };
-        let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        L::select(nearest.found, one, zero).store(&mut lanes.found);
-        L::select(nearest.rejected, one, zero).store(&mut lanes.rejected);
-        nearest.facet.store(&mut lanes.facet);
-        nearest.gap.store(&mut lanes.gap);
+    fn take<L: SimdLane>(&mut self, nearest: &NearestOnRays<L>, rays: &Rays<D, L>) {
+        L::select(nearest.rejected, L::splat(1.0), L::splat(0.0)).store(&mut self.rejected);
+        L::select(nearest.found, nearest.facet, L::splat(TAKEN)).store(&mut self.facet);
+        nearest.gap.store(&mut self.gap);
         for k in 0..2 {
-            nearest.s[k].store(&mut lanes.s[k]);
+            nearest.s[k].store(&mut self.s[k]);
         }
         for k in 0..D {
-            rays.x[k].store(&mut lanes.x[k]);
-            rays.n[k].store(&mut lanes.n[k]);
+            rays.x[k].store(&mut self.x[k]);
+            rays.n[k].store(&mut self.n[k]);
         }
-        lanes
     }
 }
 
@@ -189,7 +223,8 @@ mod tests {
         let displacement =
             Displacement { fields: vec![DisplacementField { space: &space, values: u.values() }] };
         let pairing = Pairing::between("top", "bottom").within_reach(0.16);
-        let surfaces = Surfaces::new(&mesh, &pairing, Some(&displacement), Threads::ONE).unwrap();
+        let surfaces =
+            Surfaces::new(&mesh, &pairing, &Default::default(), Some(&displacement), Threads::ONE).unwrap();
         let quadrature = Quadrature::Degree(7);
         for facing in &pairing.surfaces {
             let search = Search::new(&mesh, &pairing, facing, (&quadrature, 0), &surfaces, None).unwrap();

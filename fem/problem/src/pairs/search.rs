@@ -174,7 +174,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         if self.projection == Projection::Ray && own.affine {
             let mut beam = Beam::along_normal_of(own, reach);
             for corner in own.parameters().iter().map(|s| own.at(s)) {
-                beam.hold(&Rays { x: corner.position, n: corner.normal() });
+                beam.hold(&Rays { x: corner.position, n: corner.normal() }, 1);
             }
             let may_face = |facet| self.may_face(own, facet);
             self.candidates.of(index, &beam, own.diameter, may_face, &mut found);

@@ -3,12 +3,15 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
+use std::ops::Range;
+
 use forms_core::contract::Lane;
 
 use super::displacement::{CellDisplacement, Displacement};
 use super::frame::FlatFacet;
 pub(super) use super::frame::{SurfacePoint, dot, minus, over, splat, unit};
 use super::parabola::Parabola;
+use super::rest::{FacetAtRest, SurfaceAtRest, spread};
 use super::traces::{Coefficients, Traces, add_trace, deviations};
 use crate::element::Lagrange;
 use crate::lanes::WIDEST;
@@ -18,6 +21,9 @@ use crate::mesh::{CarriedSurface, Facet, Mesh};
 /// A facet whose position is no polynomial of degree two bulges beyond its nodes by less than this part of their spread, as far as is
 /// known.
 const BULGE: f64 = 0.5;
+
+/// Facets whose memory stays in the first cache while they are displaced.
+const AT_A_TIME: usize = 32;
 
 /// A facet of a mesh over its own reference cell, whose second coordinate is zero in the plane; where it is displaced, the
 /// displaced facet.
@@ -33,7 +39,7 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
     /// Whether its own reference cell is the unit triangle.
     triangle: bool,
     /// The position as a polynomial of its own coordinates, where its degree is two at most.
-    polynomial: Option<Coefficients<[f64; D]>>,
+    polynomial: Option<Coefficients<D>>,
     /// Whether its map is affine.
     pub affine: bool,
     /// A point in its middle and a radius that holds it.
@@ -51,76 +57,71 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
 
 impl<'m, const D: usize> SurfaceFacet<'m, D> {
     /// Some facets of a body, displaced.
-    pub fn all(mesh: &'m Mesh<D>, facets: &[Facet], displacement: Option<&Displacement<D>>) -> Vec<Self> {
+    pub fn all(
+        mesh: &'m Mesh<D>,
+        surface: &SurfaceAtRest<D>,
+        facets: Range<usize>,
+        displacement: Option<&Displacement<D>>,
+    ) -> Vec<Self> {
         let mut traces = Traces::default();
-        let mut all = Vec::new();
-        all.resize_with(facets.len(), || SurfaceFacet::unplaced(mesh));
-        // In place: a copy of some hundred bytes would wait for what has just been written.
-        for (own, facet) in all.iter_mut().zip(facets) {
-            own.place(*facet, displacement, &mut traces);
+        let mut all: Vec<Self> = Vec::with_capacity(facets.len());
+        // In place, some at a time: a copy of some hundred bytes would wait for what has just been written.
+        for first in facets.clone().step_by(AT_A_TIME) {
+            let some = first..facets.end.min(first + AT_A_TIME);
+            let at_rest = surface.facets[some.clone()].iter();
+            all.extend(at_rest.map(|rest| SurfaceFacet::at_rest(mesh, rest)));
+            for (own, index) in all[first - facets.start..].iter_mut().zip(some) {
+                own.displace(surface, index, displacement, &mut traces);
+            }
         }
         all
     }
 
-    fn unplaced(mesh: &'m Mesh<D>) -> Self {
-        let zero = [0.0; D];
+    #[inline(always)]
+    fn at_rest(mesh: &'m Mesh<D>, rest: &FacetAtRest<D>) -> Self {
         SurfaceFacet {
             mesh,
-            facet: Facet { cell: 0, local: 0 },
+            facet: rest.facet,
             displacement: None,
-            origin: zero,
-            tangents: [zero; 2],
-            triangle: false,
+            origin: rest.origin,
+            tangents: rest.tangents,
+            triangle: rest.triangle,
             polynomial: None,
             affine: false,
-            centre: zero,
+            centre: [0.0; D],
             radius: 0.0,
-            diameter: 0.0,
+            diameter: rest.diameter,
             flat: None,
-            vertices: [0; 4],
+            vertices: rest.vertices,
             rigid_normal: None,
         }
     }
 
-    fn place(&mut self, facet: Facet, displacement: Option<&Displacement<D>>, traces: &mut Traces) {
-        let mesh = self.mesh;
-        let (cell, local) = (facet.cell as usize, usize::from(facet.local));
-        let shape = mesh.cell_shape(cell);
-        let (vertices, nodes) = (shape.facet_vertices(local), mesh.cell(cell));
-        let corner =
-            |vertex: usize| -> [f64; D] { std::array::from_fn(|k| shape.vertex_points()[vertex][k]) };
-        let origin = corner(vertices[0]);
-        let along = minus(&corner(vertices[1]), &origin);
-        let across = if D == 2 { [0.0; D] } else { minus(&corner(vertices[vertices.len() - 1]), &origin) };
-        let tangents = [along, across];
+    fn displace(
+        &mut self,
+        surface: &SurfaceAtRest<D>,
+        index: usize,
+        displacement: Option<&Displacement<D>>,
+        traces: &mut Traces,
+    ) {
+        let rest = &surface.facets[index];
+        let (mesh, Facet { cell, local }) = (self.mesh, rest.facet);
+        let local = usize::from(local);
         let degree = displacement.map_or(1, Displacement::degree).max(mesh.degree());
-        self.facet = facet;
-        (self.origin, self.tangents) = (origin, tangents);
-        self.triangle = D == 3 && shape.is_simplex();
         self.affine = degree <= 1 && (D == 2 || self.triangle);
-        self.vertices = std::array::from_fn(|k| vertices.get(k).map_or(0, |vertex| nodes[*vertex]));
-        let numbers = &self.vertices[..self.parameters().len()];
-        self.diameter = spread::<D>(numbers.len(), |k| mesh.nodes()[numbers[k] as usize]);
-        if degree <= 2 {
-            let mut in_plane = [[0.0; D]; 3];
-            let sum = self.polynomial.insert([[[0.0; D]; 3]; 3]);
-            let trace = traces.of(mesh.element_of(shape), local, &origin, &tangents);
-            add_trace(sum, &mut in_plane, trace, |node| mesh.nodes()[nodes[node] as usize]);
-            for field in displacement.iter().flat_map(|displacement| &displacement.fields) {
-                let element = Lagrange { shape, degree: field.space.degree };
-                let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
-                let trace = traces.of(element, local, &origin, &tangents);
-                add_trace(sum, &mut in_plane, trace, |node| field.value_at(nodes[node]));
-            }
-            if D == 2 {
-                for i in 0..3 {
-                    sum[i][0] = in_plane[i];
-                }
-            }
-        } else {
-            self.displacement = displacement.map(|of_cells| Box::new(of_cells.on_cell_of(mesh, facet)));
+        if degree > 2 {
+            self.displacement = displacement.map(|of_cells| Box::new(of_cells.on_cell_of(mesh, rest.facet)));
+            return self.enclose_corners(degree, local);
         }
-        self.enclose(degree, local);
+        let mut polynomial = rest.polynomial.clone();
+        let fields = displacement.map_or(&[][..], |displacement| &displacement.fields);
+        for (field, nodes) in fields.iter().zip(&surface.nodes) {
+            let element = Lagrange { shape: mesh.cell_shape(cell as usize), degree: field.space.degree };
+            let trace = traces.of(element, local, &rest.origin, &rest.tangents);
+            let nodes = nodes.of(index);
+            add_trace(&mut polynomial, trace, |k| field.value_at(nodes[k]));
+        }
+        self.enclose(polynomial, degree, local);
     }
 
     /// A facet of a rigid surface, whose points have these positions now.
@@ -136,32 +137,34 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let (zero, origin) = ([0.0; D], reference(0));
         let across = |first: [f64; D], last: [f64; D]| if D == 2 { zero } else { minus(&last, &first) };
         let tangents = [minus(&reference(1), &origin), across(origin, reference(D - 1))];
-        let mut polynomial: Coefficients<[f64; D]> = [[zero; 3]; 3];
-        polynomial[0][0] = position(0);
-        polynomial[1][0] = minus(&position(1), &position(0));
-        polynomial[0][1] = across(position(0), position(D - 1));
+        let mut polynomial = Coefficients::ZERO;
+        if D == 3 {
+            *polynomial.of_mut(0, 1) = minus(&position(D - 1), &position(0));
+        }
+        *polynomial.of_mut(0, 0) = position(0);
+        *polynomial.of_mut(1, 0) = minus(&position(1), &position(0));
+        let mut vertices = [0; 4];
+        vertices[..D].copy_from_slice(&corners[..D]);
+        let facet = Facet { cell: carried.cell, local: 0 };
+        let diameter = spread(D, position);
+        let rest = FacetAtRest { facet, origin, tangents, triangle: D == 3, vertices, diameter, polynomial };
         let mut own = SurfaceFacet {
-            facet: Facet { cell: carried.cell, local: 0 },
-            origin,
-            tangents,
-            triangle: D == 3,
             affine: true,
-            polynomial: Some(polynomial),
             rigid_normal: Some(carried.normals[index]),
-            ..SurfaceFacet::unplaced(mesh)
+            ..SurfaceFacet::at_rest(mesh, &rest)
         };
-        own.vertices[..D].copy_from_slice(&corners[..D]);
-        own.diameter = spread(D, position);
-        own.enclose(1, 0);
+        own.enclose(rest.polynomial, 1, 0);
         own
     }
 
-    /// Finds what holds the facet.
-    #[inline]
-    fn enclose(&mut self, degree: usize, local: usize) {
-        let Some(Parabola { start, along, bend }) = self.parabola() else {
+    /// Takes its polynomial, and finds what holds it.
+    #[inline(always)]
+    fn enclose(&mut self, polynomial: Coefficients<D>, degree: usize, local: usize) {
+        let polynomial = self.polynomial.insert(polynomial);
+        if D == 3 {
             return self.enclose_corners(degree, local);
-        };
+        }
+        let [start, along, bend] = [0, 1, 2].map(|i| *polynomial.of(i, 0));
         let (mut square, mut bent, mut centre) = (0.0, 0.0, [0.0; D]);
         for k in 0..D {
             let half = 0.5 * (along[k] + bend[k]);
@@ -228,7 +231,8 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
     /// The curve of a facet in the plane, where its degree is two at most.
     #[inline(always)]
     pub fn parabola(&self) -> Option<Parabola<'_, D>> {
-        let [[start, ..], [along, ..], [bend, ..]] = self.polynomial.as_ref().filter(|_| D == 2)?;
+        let polynomial = self.polynomial.as_ref().filter(|_| D == 2)?;
+        let [start, along, bend] = [0, 1, 2].map(|i| polynomial.of(i, 0));
         Some(Parabola { start, along, bend })
     }
 
@@ -295,7 +299,7 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let [s, t] = *s;
         let two = L::splat(2.0);
         for k in 0..D {
-            let c = |i: usize, j: usize| L::splat(polynomial[i][j][k]);
+            let c = |i: usize, j: usize| L::splat(polynomial.of(i, j)[k]);
             // A point is evaluated some ten times: no term that vanishes.
             if D == 2 {
                 let bend = c(2, 0);
@@ -349,7 +353,11 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let mut second = [[[0.0; D]; 2]; 2];
         let Some(polynomial) = &self.polynomial else { return second };
         for k in 0..D {
-            let c = |i: usize, j: usize| polynomial[i][j][k];
+            let c = |i: usize, j: usize| polynomial.of(i, j)[k];
+            if D == 2 {
+                second[0][0][k] = 2.0 * c(2, 0);
+                continue;
+            }
             second[0][0][k] = 2.0 * (c(2, 0) + t * (c(2, 1) + t * c(2, 2)));
             second[1][1][k] = 2.0 * (c(0, 2) + s * (c(1, 2) + s * c(2, 2)));
             second[0][1][k] = c(1, 1) + 2.0 * (s * c(2, 1) + t * c(1, 2)) + 4.0 * s * t * c(2, 2);
@@ -376,18 +384,4 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let (least, most) = (L::splat(-tolerance), L::splat(1.0 + tolerance));
         L::and(L::and(least.less_equal(s[0]), least.less_equal(s[1])), last.less_equal(most))
     }
-}
-
-/// The largest distance between two of some points, four at most.
-#[inline(always)]
-fn spread<const D: usize>(count: usize, point: impl Fn(usize) -> [f64; D]) -> f64 {
-    let (mut points, mut largest) = ([[0.0; D]; 4], 0.0_f64);
-    for k in 0..count {
-        points[k] = point(k);
-        for other in &points[..k] {
-            let off = minus(&points[k], other);
-            largest = largest.max(dot(&off, &off));
-        }
-    }
-    largest.sqrt()
 }

@@ -46,7 +46,7 @@ impl SurfaceNodes {
         Ok(nodes)
     }
 
-    /// Degrees and families of the fields that displace a pairing's surfaces, as numbers, and their values at the nodes there.
+    /// The values of the fields that displace a pairing's surfaces at the nodes there, each with its degree and family as numbers.
     pub fn values<const D: usize>(
         &self,
         mesh: &Mesh<D>,
@@ -57,11 +57,16 @@ impl SurfaceNodes {
         for field in &displacement.fields {
             let nodes = self.of(mesh, pairing, field.space)?;
             let discontinuous = f64::from(u8::from(field.space.family == Family::Discontinuous));
-            values.reserve(nodes.len() * D + 2);
-            values.extend([field.space.degree as f64, discontinuous]);
-            for node in &*nodes {
-                values.extend(field.value_at(*node));
+            // At once: a list that grows looks at its room for each number.
+            let mut of_field: Vec<[f64; D]> = Vec::with_capacity(nodes.len() + 1);
+            of_field.extend(nodes.iter().map(|node| field.value_at(*node)));
+            let of_field = of_field.into_flattened();
+            if values.is_empty() {
+                values = of_field;
+            } else {
+                values.extend_from_slice(&of_field);
             }
+            values.extend([field.space.degree as f64, discontinuous]);
         }
         Ok(values)
     }

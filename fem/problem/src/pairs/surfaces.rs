@@ -1,8 +1,11 @@
 //! The surfaces of a pairing by name, parametrised once for all that read them, and the values that displace them.
 
+use std::ops::Range;
+
 use forms_core::contract::Pairing;
 
 use super::displacement::Displacement;
+use super::rest::SurfacesAtRest;
 use super::surface::SurfaceFacet;
 use super::{PairError, rigid};
 use crate::element::Lagrange;
@@ -40,10 +43,11 @@ pub(super) fn names(pairing: &Pairing) -> Vec<&str> {
 }
 
 impl<'m, const D: usize> Surfaces<'m, D> {
-    /// Those of a pairing, displaced.
+    /// Those of a pairing, displaced, from what is known of them at rest.
     pub fn new(
         mesh: &'m Mesh<D>,
         pairing: &Pairing,
+        at_rest: &SurfacesAtRest<D>,
         displacement: Option<&Displacement<D>>,
         threads: Threads,
     ) -> Result<Self, PairError> {
@@ -53,12 +57,13 @@ impl<'m, const D: usize> Surfaces<'m, D> {
                 surfaces.push((name.to_owned(), rigid::facets(mesh, carried, displacement, threads)?));
                 continue;
             }
-            let facets = facets(mesh, name)?;
-            let parts = threads.count().min(facets.len().div_ceil(CHUNK)).max(1);
-            let cut = |part: usize| part * facets.len() / parts;
-            let parts = (0..parts).map(|part| &facets[cut(part)..cut(part + 1)]).collect();
-            let parametrised =
-                threads.run(parts, |facets: &[Facet]| SurfaceFacet::all(mesh, facets, displacement));
+            let surface = at_rest.of(mesh, name, facets(mesh, name)?, displacement);
+            let count = surface.facets.len();
+            let parts = threads.count().min(count.div_ceil(CHUNK)).max(1);
+            let cut = |part: usize| part * count / parts;
+            let parts = (0..parts).map(|part| cut(part)..cut(part + 1)).collect();
+            let parametrised = threads
+                .run(parts, |facets: Range<usize>| SurfaceFacet::all(mesh, &surface, facets, displacement));
             // The first part's memory serves for all: on one thread nothing is copied.
             let joined = parametrised.into_iter().reduce(|mut all, mut part| {
                 all.append(&mut part);

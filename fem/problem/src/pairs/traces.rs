@@ -4,8 +4,33 @@ use super::frame::dot;
 use crate::element::CellShape;
 use crate::element::lagrange::{Lagrange, MAXIMUM_NODES};
 
-/// The coefficients of a polynomial of degree two at most in each of two coordinates: of sⁱtʲ at `[i][j]`.
-pub(super) type Coefficients<T> = [[T; 3]; 3];
+/// The coefficients of the position on a facet, a polynomial of degree two at most in each of its coordinates: those of sⁱtʲ in space, row after
+/// row, and those of 1, s and s² in the plane, where they fill three of four places.
+#[derive(Clone, Debug)]
+pub(super) struct Coefficients<const D: usize>([[[f64; D]; D]; D]);
+
+impl<const D: usize> Coefficients<D> {
+    pub const ZERO: Self = Coefficients([[[0.0; D]; D]; D]);
+
+    /// That of sⁱtʲ; j is zero in the plane.
+    #[inline(always)]
+    pub fn of(&self, i: usize, j: usize) -> &[f64; D] {
+        let [row, column] = Self::place(i, j);
+        &self.0[row][column]
+    }
+
+    /// The same, to be changed.
+    #[inline(always)]
+    pub fn of_mut(&mut self, i: usize, j: usize) -> &mut [f64; D] {
+        let [row, column] = Self::place(i, j);
+        &mut self.0[row][column]
+    }
+
+    #[inline(always)]
+    fn place(i: usize, j: usize) -> [usize; 2] {
+        if D == 2 { [i / 2, i % 2] } else { [i, j] }
+    }
+}
 
 /// The nodes of an element that have a trace on one of its facets.
 #[derive(Debug)]
@@ -17,7 +42,7 @@ struct Trace {
 /// The trace of a node's basis function: the terms of its polynomial that do not vanish.
 #[derive(Debug)]
 pub(super) struct NodeTrace {
-    node: usize,
+    pub node: usize,
     /// The coefficients of 1, s and s², which are all in the plane.
     in_plane: [f64; 3],
     terms: [(usize, usize, f64); 9],
@@ -25,7 +50,7 @@ pub(super) struct NodeTrace {
 }
 
 impl NodeTrace {
-    fn of(node: usize, polynomial: &Coefficients<f64>) -> Self {
+    fn of(node: usize, polynomial: &[[f64; 3]; 3]) -> Self {
         let in_plane = [0, 1, 2].map(|i: usize| polynomial[i][0]);
         let mut trace = NodeTrace { node, in_plane, terms: [(0, 0, 0.0); 9], count: 0 };
         for (i, row) in polynomial.iter().enumerate() {
@@ -96,8 +121,8 @@ impl Trace {
     }
 }
 
-/// The coefficients of a function of at most this degree, 2 or less, in each coordinate, from its values at 0, 1/2 and 1.
-fn polynomial(at: impl Fn(usize, usize) -> f64, degree: usize) -> Coefficients<f64> {
+/// The coefficients of a function of at most this degree, 2 or less, in each coordinate, from its values at 0, 1/2 and 1: of sⁱtʲ at `[i][j]`.
+fn polynomial(at: impl Fn(usize, usize) -> f64, degree: usize) -> [[f64; 3]; 3] {
     // Of one that is linear its middle says nothing new.
     let through = |[first, middle, last]: [f64; 3]| match degree {
         0 | 1 => [first, last - first, 0.0],
@@ -109,27 +134,34 @@ fn polynomial(at: impl Fn(usize, usize) -> f64, degree: usize) -> Coefficients<f
     std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
 }
 
-/// Adds what the nodes of an element make of the position; in the plane to the coefficients of 1, s and s² alone.
+/// Adds what the nodes of an element make of the position; `value` is asked for by places in the trace.
 #[inline(always)]
 pub(super) fn add_trace<const D: usize>(
-    sum: &mut Coefficients<[f64; D]>,
-    in_plane: &mut [[f64; D]; 3],
+    sum: &mut Coefficients<D>,
     trace: &[NodeTrace],
     value: impl Fn(usize) -> [f64; D],
 ) {
-    for of_node in trace {
-        let value = value(of_node.node);
-        if D == 2 {
+    if D == 2 {
+        let mut in_plane = [0, 1, 2].map(|i| *sum.of(i, 0));
+        for (place, of_node) in trace.iter().enumerate() {
+            let value = value(place);
             for (sum, factor) in in_plane.iter_mut().zip(of_node.in_plane) {
                 for (sum, component) in sum.iter_mut().zip(value) {
                     *sum += factor * component;
                 }
             }
-            continue;
         }
+        for (i, found) in in_plane.into_iter().enumerate() {
+            *sum.of_mut(i, 0) = found;
+        }
+        return;
+    }
+    for (place, of_node) in trace.iter().enumerate() {
+        let value = value(place);
         for &(i, j, factor) in of_node.terms() {
+            let sum = sum.of_mut(i, j);
             for k in 0..D {
-                sum[i][j][k] += factor * value[k];
+                sum[k] += factor * value[k];
             }
         }
     }
@@ -137,20 +169,20 @@ pub(super) fn add_trace<const D: usize>(
 
 /// The most that a polynomial facet is away, at the same coordinates, from the flat one with its first, second and last corner,
 /// and from what the corners span: segment, triangle or bilinear quadrilateral.
-pub(super) fn deviations<const D: usize>(polynomial: &Coefficients<[f64; D]>, triangle: bool) -> [f64; 2] {
-    let length = |a: [f64; D]| dot(&a, &a).sqrt();
+pub(super) fn deviations<const D: usize>(polynomial: &Coefficients<D>, triangle: bool) -> [f64; 2] {
+    let length = |a: &[f64; D]| dot(a, a).sqrt();
     // s − s² is a quarter at most, and so are the other terms less what they are at the corners.
     if D == 2 {
-        return [0.25 * length(polynomial[2][0]); 2];
+        return [0.25 * length(polynomial.of(2, 0)); 2];
     }
     let bent = [(2, 0), (0, 2), (2, 1), (1, 2), (2, 2)];
-    let spanned = 0.25 * bent.iter().map(|&(i, j)| length(polynomial[i][j])).sum::<f64>();
+    let spanned = 0.25 * bent.iter().map(|&(i, j)| length(polynomial.of(i, j))).sum::<f64>();
     if triangle {
-        return [spanned + 0.25 * length(polynomial[1][1]); 2];
+        return [spanned + 0.25 * length(polynomial.of(1, 1)); 2];
     }
     let terms = [(1, 1), (2, 1), (1, 2), (2, 2)];
-    let twist = std::array::from_fn(|k| terms.iter().map(|&(i, j)| polynomial[i][j][k]).sum());
-    [spanned + length(twist), spanned]
+    let twist = std::array::from_fn(|k| terms.iter().map(|&(i, j)| polynomial.of(i, j)[k]).sum());
+    [spanned + length(&twist), spanned]
 }
 
 #[cfg(test)]

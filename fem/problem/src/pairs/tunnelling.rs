@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use forms_core::contract::Pairing;
 
 use super::rays::along_ray;
+use super::rest::{FacetAtRest, SurfaceAtRest};
 use super::surface::{SurfaceFacet, dot, minus};
 use super::surfaces::Surfaces;
 use super::{Displacement, DisplacementField, KnownPairs, PairError, PairGroup, Pairs};
@@ -52,7 +53,9 @@ fn thicknesses<const D: usize>(
     facets: &[SurfaceFacet<D>],
     depth: f64,
 ) -> HashMap<Facet, f64> {
-    let boundary = SurfaceFacet::all(mesh, mesh.boundary_facets(), None);
+    let at_rest = FacetAtRest::all(mesh, mesh.boundary_facets());
+    let at_rest = SurfaceAtRest { facets: at_rest.into(), nodes: vec![] };
+    let boundary = SurfaceFacet::all(mesh, &at_rest, 0..at_rest.facets.len(), None);
     let grid = BoxGrid::new(boundary.iter().map(|facet| facet.corners()).collect());
     let mut found = HashMap::new();
     for facet in facets.iter().filter(|facet| facet.rigid_normal.is_none()) {
@@ -180,8 +183,9 @@ impl<const D: usize> Follower<'_, D> {
             return Err(PairError::Reach { reach });
         }
         let [before, after] = ends;
-        let surfaces =
-            ends.map(|values| Surfaces::new(mesh, pairing, Some(&displacement(space, values)), threads));
+        let surfaces = ends.map(|values| {
+            Surfaces::new(mesh, pairing, &known.at_rest, Some(&displacement(space, values)), threads)
+        });
         let [first, last] = surfaces;
         let (first, last) = (first?, last?);
         let visible = Visible::of(mesh, pairing, &first);

@@ -1,11 +1,11 @@
 //! Functions of position that kernels read on contact pairs: whether they are those of the body behind the surface.
 
-use forms_core::contract::{FieldSlot, Requirements};
+use forms_core::contract::{FieldSlot, Region, Requirements};
 
 use super::{Binding, Values, pair_error};
 use crate::assemble::AssemblyError;
 use crate::compiled_here::compiled_here;
-use crate::pairs::ReadFunction;
+use crate::pairs::{KnownPairs, ReadFunction};
 use crate::quadrature::Quadrature;
 
 impl<const D: usize> Binding<'_, D> {
@@ -18,9 +18,22 @@ impl<const D: usize> Binding<'_, D> {
         degree: usize,
         requirements: &Requirements,
     ) -> Result<(), AssemblyError> {
-        let region = &self.regions[region];
-        let (Some((known, _)), Some(pairing)) = (self.searches, &region.pairing) else { return Ok(()) };
-        for FieldSlot { field, side, components, .. } in requirements.fields {
+        let Some((known, _)) = self.searches else { return Ok(()) };
+        self.check_functions(known, &self.regions[region], quadrature, degree, requirements.fields)
+    }
+
+    /// The same for fields that are read on pairs that are none of a form's.
+    #[inline(never)]
+    pub(in crate::assemble) fn check_functions(
+        &self,
+        known: &KnownPairs<D>,
+        region: &Region,
+        quadrature: &Quadrature<D>,
+        degree: usize,
+        fields: &[FieldSlot],
+    ) -> Result<(), AssemblyError> {
+        let Some(pairing) = &region.pairing else { return Ok(()) };
+        for FieldSlot { field, side, components, .. } in fields {
             let Values::Function { function, .. } = self.values[*field] else { continue };
             let name = self.fields[*field].name;
             let read = ReadFunction { name, side: *side, components: *components, function };
@@ -31,4 +44,7 @@ impl<const D: usize> Binding<'_, D> {
     }
 }
 
-compiled_here!(functions_on_pairs: Binding::<D>::check_functions_on_pairs);
+compiled_here!(
+    functions_on_pairs: Binding::<D>::check_functions_on_pairs,
+    Binding::<D>::check_functions,
+);
