@@ -9,6 +9,7 @@
 /// Enters generic functions of the dimension `D` under a name in the crate's `compiled_here::Compiled`.
 #[doc(hidden)]
 #[macro_export]
+#[expect(clippy::crate_in_macro_def, reason = "functions enter the list of their own crate")]
 macro_rules! compiled_here {
     ($name:ident: $($function:expr),+ $(,)?) => {
         #[cfg(not(test))]
