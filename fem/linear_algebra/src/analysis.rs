@@ -17,7 +17,8 @@ pub(super) struct LowerTriangle {
     pub(super) pointers: Vec<u32>,
     /// Unsorted in a column.
     pub(super) rows: Vec<u32>,
-    source: Vec<u32>,
+    /// Position of each value in the matrix.
+    pub(super) source: Vec<u32>,
 }
 
 /// The symbolic part of a factorisation, from the pattern alone. It is computed once and serves every matrix
@@ -114,13 +115,10 @@ impl Analysis {
         Self { lower: None, ..self }
     }
 
-    /// The lower triangle of the reordered matrix, with its values.
-    pub(super) fn lower(&self, matrix: &CsrMatrix) -> Result<(&LowerTriangle, Vec<f64>), LinearAlgebraError> {
-        let Some(lower) = self.lower.as_ref().filter(|_| self.fits(matrix)) else {
-            return Err(LinearAlgebraError::PatternMismatch { what: "factoring on an earlier analysis" });
-        };
-        let values = matrix.values();
-        Ok((lower, lower.source.iter().map(|&source| values[source as usize]).collect()))
+    /// The lower triangle of the reordered matrix.
+    pub(super) fn lower(&self, matrix: &CsrMatrix) -> Result<&LowerTriangle, LinearAlgebraError> {
+        let fitting = self.lower.as_ref().filter(|_| self.fits(matrix));
+        fitting.ok_or(LinearAlgebraError::PatternMismatch { what: "factoring on an earlier analysis" })
     }
 }
 
@@ -154,6 +152,11 @@ impl LowerTriangle {
             }
         }
         LowerTriangle { pointers, rows, source }
+    }
+
+    /// The values of a matrix in its order.
+    pub(super) fn values(&self, matrix: &[f64]) -> Vec<f64> {
+        self.source.iter().map(|&source| matrix[source as usize]).collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Sparse factorisation of symmetric matrices: LLᵀ of a positive definite one, LBLᵀ of an indefinite one.
 
+mod numeric;
 mod solve;
 mod triangular;
 
@@ -7,16 +8,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::supernodal::{self, SupernodalIntranodeLbltRef, SupernodalLltRef};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Spec};
 
+use self::numeric::Numeric;
 use super::analysis::{Analysis, LowerTriangle};
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
 use super::singularity::singular_ratio;
+use super::threads::Threads;
 use super::vector::largest;
 pub use solve::Refined;
 
@@ -52,26 +54,27 @@ impl SymmetricFactor {
         matrix: &CsrMatrix,
         storage: Vec<f64>,
     ) -> Result<Self, LinearAlgebraError> {
+        Self::cholesky_on(Threads::ONE, analysis, matrix, storage)
+    }
+
+    /// The same on several threads, with the same bits for any number of them.
+    ///
+    /// # Errors
+    /// As [`SymmetricFactor::cholesky`].
+    pub fn cholesky_on(
+        threads: Threads,
+        analysis: &Arc<Analysis>,
+        matrix: &CsrMatrix,
+        storage: Vec<f64>,
+    ) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
-        let (lower, mut values) = prepare(analysis, matrix, storage)?;
+        matrix.check_finite()?;
+        let lower = analysis.lower(matrix)?;
+        let mut values = room(analysis, storage)?;
         let supernodes = &analysis.supernodes;
-        let params = Spec::default();
-        let request =
-            supernodal::factorize_supernodal_numeric_llt_scratch::<u32, f64>(supernodes, Par::Seq, params);
-        let mut memory = MemBuffer::try_new(request).map_err(|_| NO_MEMORY)?;
-        supernodal::factorize_supernodal_numeric_llt(
-            &mut values,
-            lower_matrix(analysis.size(), &lower),
-            LltRegularization::default(),
-            supernodes,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            params,
-        )
-        .map_err(|LltError::NonPositivePivot { index }| {
-            let place = index.min(analysis.size().saturating_sub(1));
-            LinearAlgebraError::NotPositiveDefinite { unknown: analysis.order[place] as usize }
-        })?;
+        Numeric::new(supernodes, lower, matrix.values()).factorise(threads, &mut values).map_err(
+            |place| LinearAlgebraError::NotPositiveDefinite { unknown: analysis.order[place] as usize },
+        )?;
         let mut smallest = SmallestPivot::new(analysis.size());
         let diagonal = matrix.diagonal();
         let factor = SupernodalLltRef::new(supernodes, &values);
@@ -105,7 +108,10 @@ impl SymmetricFactor {
         storage: Vec<f64>,
     ) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
-        let (lower, mut values) = prepare(analysis, matrix, storage)?;
+        matrix.check_finite()?;
+        let lower = analysis.lower(matrix)?;
+        let lower_values = lower.values(matrix.values());
+        let mut values = room(analysis, storage)?;
         let supernodes = &analysis.supernodes;
         let size = analysis.size();
         let params = Spec::default();
@@ -125,7 +131,7 @@ impl SymmetricFactor {
             &mut pivoting.below_diagonal,
             &mut pivoting.forward,
             &mut pivoting.backward,
-            lower_matrix(analysis.size(), &lower),
+            lower_matrix(size, lower, &lower_values),
             supernodes,
             Par::Seq,
             MemStack::new(&mut memory),
@@ -182,7 +188,20 @@ impl SymmetricFactor {
         matrix: &CsrMatrix,
         storage: Vec<f64>,
     ) -> Result<Self, LinearAlgebraError> {
-        match Self::cholesky(analysis, matrix, storage) {
+        Self::cholesky_or_indefinite_on(Threads::ONE, analysis, matrix, storage)
+    }
+
+    /// The same, LLᵀ on several threads and LBLᵀ on one.
+    ///
+    /// # Errors
+    /// As [`SymmetricFactor::indefinite`].
+    pub fn cholesky_or_indefinite_on(
+        threads: Threads,
+        analysis: &Arc<Analysis>,
+        matrix: &CsrMatrix,
+        storage: Vec<f64>,
+    ) -> Result<Self, LinearAlgebraError> {
+        match Self::cholesky_on(threads, analysis, matrix, storage) {
             Err(LinearAlgebraError::NotPositiveDefinite { .. }) => {
                 Self::indefinite(analysis, matrix, Vec::new())
             }
@@ -243,25 +262,23 @@ impl SymmetricFactor {
 
 const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the factor" };
 
-/// The reordered lower triangle of a matrix, with its values.
-type Lower<'a> = (&'a LowerTriangle, Vec<f64>);
-
-/// Checks the matrix, gathers its reordered lower triangle and makes room for the factor.
-fn prepare<'a>(
-    analysis: &'a Analysis,
-    matrix: &CsrMatrix,
-    storage: Vec<f64>,
-) -> Result<(Lower<'a>, Vec<f64>), LinearAlgebraError> {
-    matrix.check_finite()?;
-    let lower = analysis.lower(matrix)?;
-    let mut values = storage;
-    values.clear();
-    values.try_reserve_exact(analysis.factor_entries()).map_err(|_| NO_MEMORY)?;
-    values.resize(analysis.factor_entries(), 0.0);
-    Ok((lower, values))
+/// Numbers for the factor, as they are in a storage of the same size, else zero.
+fn room(analysis: &Analysis, storage: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
+    let count = analysis.factor_entries();
+    if storage.len() == count {
+        return Ok(storage);
+    }
+    drop(storage);
+    // Memory that is zero from the start is touched by the threads that need it; whether there is enough is asked before.
+    Vec::<f64>::new().try_reserve_exact(count).map_err(|_| NO_MEMORY)?;
+    Ok(vec![0.0; count])
 }
 
-fn lower_matrix<'a>(size: usize, (lower, values): &'a Lower<'_>) -> SparseColMatRef<'a, u32, f64> {
+fn lower_matrix<'a>(
+    size: usize,
+    lower: &'a LowerTriangle,
+    values: &'a [f64],
+) -> SparseColMatRef<'a, u32, f64> {
     let LowerTriangle { pointers, rows, .. } = lower;
     let symbolic = SymbolicSparseColMatRef::new_unsorted_checked(size, size, pointers, None, rows);
     SparseColMatRef::new(symbolic, values)

@@ -194,3 +194,95 @@ fn an_empty_matrix_is_solved() {
     let factor = SymmetricFactor::cholesky(&analysed(&empty), &empty, Vec::new()).unwrap();
     assert!(factor.solve_refined(&empty, &[], 1).unwrap().solution.is_empty());
 }
+
+/// A positive definite matrix of dense groups of unknowns, each coupled with those before it that are named, with an entry of the
+/// diagonal changed.
+fn of_groups(size: usize, coupled: &[&[usize]], change: Option<(usize, f64)>) -> CsrMatrix {
+    let mut triplets = Vec::new();
+    for (group, others) in coupled.iter().enumerate() {
+        for other in others.iter().chain([&group]) {
+            for (i, j) in (0..size * size).map(|k| (group * size + k / size, other * size + k % size)) {
+                if i > j {
+                    let value = ((i * 7 + j * 3) as f64).sin();
+                    triplets.extend([(i, j, value), (j, i, value)]);
+                }
+            }
+        }
+    }
+    let unknowns = size * coupled.len();
+    triplets.extend((0..unknowns).map(|i| (i, i, (1.5 * unknowns as f64) + (i as f64).cos())));
+    triplets.extend(change.map(|(place, value)| (place, place, value)));
+    CsrMatrix::from_triplets(unknowns, unknowns, &triplets).unwrap()
+}
+
+/// Matrices with narrow and with wide supernodes, with products of rows of all sizes, deep trees and those with many branches, and
+/// orderings for them.
+fn of_all_shapes() -> Vec<(CsrMatrix, Ordering)> {
+    let block = [[3.0, 1.0], [1.0, 2.0]];
+    let backwards = |size: u32| Ordering::Given((0..size).rev().collect());
+    let forwards = |size: u32| Ordering::Given((0..size).collect());
+    vec![
+        (grid(1, block, 0.0), Ordering::MinimumDegree),
+        (grid(9, block, 0.0), backwards(162)),
+        (grid(22, block, 0.0), Ordering::MinimumDegree),
+        (grid(22, block, 0.0), Ordering::NestedDissection),
+        (of_groups(331, &[&[]], None), forwards(331)),
+        (of_groups(70, &[&[], &[], &[0, 1], &[], &[], &[3, 4], &[2, 5]], None), forwards(490)),
+        (of_groups(30, &[&[], &[0], &[1], &[0, 2], &[], &[4, 3]], None), forwards(180)),
+        (of_groups(7, &[&[][..]; 40], None), forwards(280)),
+    ]
+}
+
+#[test]
+fn a_factor_times_its_transposed_is_the_matrix() {
+    for (matrix, ordering) in of_all_shapes() {
+        let analysis = Arc::new(Analysis::new(matrix.pattern(), &ordering).unwrap());
+        // Storage that is reused need not be zero.
+        let storage = vec![f64::NAN; analysis.factor_entries()];
+        let factor = SymmetricFactor::cholesky(&analysis, &matrix, storage).unwrap();
+        let size = matrix.rows();
+        let product = crate::partial_solves::lower_times_transposed(&factor.trailing_block(size));
+        for i in 0..size {
+            for j in 0..=i {
+                let (a, b) = (analysis.order[i] as usize, analysis.order[j] as usize);
+                let difference = product[(i, j)] - matrix.get(a, b);
+                let scale = (matrix.get(a, a) * matrix.get(b, b)).sqrt();
+                assert!(difference.abs() < 1e-14 * scale, "{size}: ({i}, {j}) is off by {difference}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_factor_has_the_same_bits_on_any_number_of_threads() {
+    for (matrix, ordering) in of_all_shapes() {
+        let analysis = Arc::new(Analysis::new(matrix.pattern(), &ordering).unwrap());
+        let bits = |threads| {
+            let factor =
+                SymmetricFactor::cholesky_on(Threads::new(threads), &analysis, &matrix, vec![]).unwrap();
+            factor.into_storage().into_iter().map(f64::to_bits).collect::<Vec<_>>()
+        };
+        let one = bits(1);
+        for threads in [2, 3, 8] {
+            assert!(bits(threads) == one, "{} unknowns, {threads} threads", matrix.rows());
+        }
+    }
+}
+
+#[test]
+fn the_first_pivot_that_is_not_positive_is_named_on_any_number_of_threads() {
+    // In a leaf, where later ones fail too; in the second panel of a wide group.
+    let leaves: &[&[usize]] = &[&[], &[], &[0, 1], &[], &[], &[3, 4], &[2, 5]];
+    let bad = of_groups(20, leaves, Some((93, -1e3)));
+    let worse = bad.plus(&[crate::Entry { row: 31, column: 31, value: -1e3 }]).unwrap();
+    let wide = of_groups(150, &[&[], &[0]], Some((267, -1e4)));
+    for (matrix, unknown) in [(bad, 93), (worse, 31), (wide, 267)] {
+        let order = (0..matrix.rows() as u32).collect();
+        let analysis = Arc::new(Analysis::new(matrix.pattern(), &Ordering::Given(order)).unwrap());
+        for threads in [1, 2, 3, 8] {
+            let threads = Threads::new(threads);
+            let error = SymmetricFactor::cholesky_on(threads, &analysis, &matrix, vec![]).unwrap_err();
+            assert_eq!(error, LinearAlgebraError::NotPositiveDefinite { unknown });
+        }
+    }
+}

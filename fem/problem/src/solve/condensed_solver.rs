@@ -236,7 +236,8 @@ impl CondensedSolver {
             return if expected.is_empty() { Ok(false) } else { self.condense_to(touched) };
         }
         let start = Instant::now();
-        let factor = SymmetricFactor::cholesky(&analysis, linear_part, Vec::new());
+        let factor =
+            SymmetricFactor::cholesky_on(self.fallback.threads(), &analysis, linear_part, Vec::new());
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         let factor = match factor {
             // Rounding may hide a singular K; the fallback names it, or finds that changes make up for it.

@@ -43,8 +43,8 @@ pub struct TangentSolverOptions {
     pub refresh_after: Option<usize>,
     /// Most steps of iterative refinement of a direct solution.
     pub refinement_steps: usize,
-    /// Threads for products and dot products of GMRES. Factorisations and triangular solves run on one, so that
-    /// solutions are the same for each number of threads.
+    /// Threads for factors LLᵀ, and for products and dot products of GMRES; solutions are the same for each number of them. Factors
+    /// LBLᵀ, LU and triangular solves run on one.
     pub threads: Threads,
 }
 
@@ -179,7 +179,8 @@ impl TangentSolver {
         };
         self.analysis = Some(analysis.clone());
         let start = Instant::now();
-        let result = SymmetricFactor::cholesky_or_indefinite(&analysis, part, storage);
+        let result =
+            SymmetricFactor::cholesky_or_indefinite_on(self.options.threads, &analysis, part, storage);
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         let factor = result?;
         if !factor.is_positive_definite() || factor.smallest_pivot_ratio() < DOUBTFUL {

@@ -1,0 +1,198 @@
+//! LLᵀ on given supernodes, looking left: a supernode takes from its columns the products of the rows that earlier supernodes
+//! have in it, one earlier supernode after the other, and is factored then.
+//!
+//! Columns are cut into panels, and the rows of wide supernodes into tiles, that do not depend on the number of threads, and each entry
+//! is computed by the same operations in the same order whoever computes it.
+
+mod dense;
+mod subtrees;
+mod updates;
+mod wide;
+
+use std::ops::Range;
+
+use faer::linalg::matmul::matmul;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use faer::{Accum, MatMut, MatRef, Par};
+
+use self::dense::{Factor, Rows, Subtract, run};
+use self::updates::Updates;
+use crate::analysis::LowerTriangle;
+use crate::threads::Threads;
+
+/// Columns of a panel.
+const PANEL: usize = 64;
+/// Multiplications from which on a product goes through faer's kernels, if its factors are wide.
+const LARGE: usize = 1 << 17;
+/// Columns of the one, and rows of the other factor from which on they are wide.
+const WIDE: usize = 24;
+/// Rows of such a product that are formed at once.
+const TILE: usize = 512;
+
+/// The supernodes of a factor whose values are computed.
+pub(super) struct Numeric<'a> {
+    symbolic: &'a SymbolicSupernodalCholesky<u32>,
+    lower: &'a LowerTriangle,
+    matrix: &'a [f64],
+    updates: Updates,
+}
+
+/// Memory for the work of a thread.
+#[derive(Default)]
+struct Scratch {
+    /// Row of the supernode at work for each row of the matrix that it has.
+    places: Vec<u32>,
+    own: Panel,
+}
+
+/// Memory for the work on a panel.
+#[derive(Default)]
+struct Panel {
+    targets: Vec<u32>,
+    products: Vec<f64>,
+}
+
+impl<'a> Numeric<'a> {
+    /// The factorisation of a matrix with these values, of which `lower` knows the places.
+    pub(super) fn new(
+        symbolic: &'a SymbolicSupernodalCholesky<u32>,
+        lower: &'a LowerTriangle,
+        matrix: &'a [f64],
+    ) -> Self {
+        Self { symbolic, lower, matrix, updates: Updates::new(symbolic) }
+    }
+
+    fn columns(&self, supernode: usize) -> Range<usize> {
+        let (begin, end) = (self.symbolic.supernode_begin(), self.symbolic.supernode_end());
+        begin[supernode] as usize..end[supernode] as usize
+    }
+
+    /// Where the values of some supernodes are.
+    fn values(&self, supernodes: Range<usize>) -> Range<usize> {
+        let starts = self.symbolic.col_ptr_for_val();
+        starts[supernodes.start] as usize..starts[supernodes.end] as usize
+    }
+
+    /// Factors a supernode into its block. All that it depends on has been factored into `known`, whose first number has the given
+    /// place among all values.
+    fn supernode(
+        &self,
+        supernode: usize,
+        threads: Threads,
+        (start, known): (usize, &[f64]),
+        block: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), usize> {
+        let columns = self.columns(supernode);
+        let rows = self.symbolic.supernode(supernode).pattern();
+        let height = columns.len() + rows.len();
+        scratch.places.resize(self.symbolic.nrows(), 0);
+        for (place, row) in (0..).zip(columns.clone()) {
+            scratch.places[row] = place;
+        }
+        for (place, row) in (columns.len() as u32..).zip(rows) {
+            scratch.places[*row as usize] = place;
+        }
+        let places = &scratch.places[..];
+        let panels = (columns.clone().step_by(PANEL)).zip(block.chunks_mut(PANEL * height));
+        let gather = |(first, panel): (usize, &mut [f64]), own: &mut Panel| {
+            self.gather(supernode, first, (start, known), (panel, height), places, own);
+        };
+        if columns.len() <= PANEL {
+            panels.for_each(|panel| gather(panel, &mut scratch.own));
+            let factor = Factor { columns: block, height, first: 0, end: height };
+            return run(factor).map_err(|column| columns.start + column);
+        }
+        wide::share(threads, panels.collect(), &mut scratch.own, gather);
+        wide::factor(threads, block, height).map_err(|column| columns.start + column)
+    }
+
+    /// Columns of a supernode from one on, with what all earlier supernodes take from them.
+    fn gather(
+        &self,
+        supernode: usize,
+        first: usize,
+        (start, known): (usize, &[f64]),
+        (panel, height): (&mut [f64], usize),
+        places: &[u32],
+        scratch: &mut Panel,
+    ) {
+        panel.fill(0.0);
+        let LowerTriangle { pointers, rows, source } = self.lower;
+        let columns = first..first + panel.len() / height;
+        for (column, own) in columns.clone().zip(panel.chunks_exact_mut(height)) {
+            let entries = pointers[column] as usize..pointers[column + 1] as usize;
+            for (row, source) in rows[entries.clone()].iter().zip(&source[entries]) {
+                own[places[*row as usize] as usize] += self.matrix[*source as usize];
+            }
+        }
+        let target_first = places[first] as usize;
+        let is_whole = columns == self.columns(supernode);
+        for update in self.updates.of(supernode) {
+            let earlier = update.supernode as usize;
+            let width = self.columns(earlier).len();
+            let mut rows = &self.symbolic.supernode(earlier).pattern()[update.first as usize..];
+            let mut count = update.count as usize;
+            let mut above = width + update.first as usize;
+            if !is_whole {
+                let skipped = rows[..count].partition_point(|row| (*row as usize) < columns.start);
+                count = rows[skipped..count].partition_point(|row| (*row as usize) < columns.end);
+                rows = &rows[skipped..];
+                above += skipped;
+                if count == 0 {
+                    continue;
+                }
+            }
+            scratch.targets.clear();
+            scratch.targets.extend(rows.iter().map(|row| places[*row as usize]));
+            let targets = &scratch.targets[..];
+            let values = self.values(earlier..earlier + 1);
+            let block = &known[values.start - start..values.end - start];
+            let block_height = block.len() / width;
+            if width.min(count) < WIDE || rows.len() * width * count < LARGE {
+                let rows = Rows { block, height: block_height, first: above };
+                run(Subtract {
+                    rows,
+                    columns: count,
+                    targets,
+                    target: panel,
+                    target_height: height,
+                    target_first,
+                });
+                continue;
+            }
+            let block = MatRef::from_column_major_slice(block, block_height, width);
+            let others = block.subrows(above, count).transpose();
+            let mut done = 0;
+            while done < targets.len() {
+                let tile = TILE.min(targets.len() - done);
+                scratch.products.resize(TILE * PANEL, 0.0);
+                let products = &mut scratch.products[..tile * count];
+                let all = MatMut::from_column_major_slice_mut(products, tile, count);
+                matmul(all, Accum::Replace, block.subrows(above + done, tile), others, 1.0, Par::Seq);
+                for (k, products) in products.chunks_exact(tile).enumerate() {
+                    let column = &mut panel[(targets[k] as usize - target_first) * height..][..height];
+                    let skipped = k.saturating_sub(done).min(tile);
+                    subtract(column, &targets[done + skipped..done + tile], &products[skipped..]);
+                }
+                done += tile;
+            }
+        }
+    }
+}
+
+/// Subtracts numbers from those at some places of a column, run by run of neighbours.
+#[inline]
+fn subtract(column: &mut [f64], targets: &[u32], numbers: &[f64]) {
+    let (Some(first), Some(last)) = (targets.first(), targets.last()) else { return };
+    if (last - first) as usize + 1 == targets.len() {
+        let column = &mut column[*first as usize..][..targets.len()];
+        for (value, number) in column.iter_mut().zip(numbers) {
+            *value -= number;
+        }
+    } else {
+        for (target, number) in targets.iter().zip(numbers) {
+            column[*target as usize] -= number;
+        }
+    }
+}
