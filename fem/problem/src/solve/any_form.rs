@@ -29,14 +29,14 @@ pub trait AnyForm<const D: usize> {
     fn slides(&self) -> bool;
     /// Whether there are pairs of surfaces that any field displaces.
     fn is_on_displaced_surfaces(&self) -> bool;
-    /// See [`Assembler::pairs_of_form`].
+    /// See `Assembler::pairs_of_form`.
     fn pairs(
         &self,
         assembler: &Assembler<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<FoundPairs<D>>, AssemblyError>;
-    /// See [`Assembler::residual_of`].
+    /// See `Assembler::residual_of`.
     fn residual(
         &self,
         assembler: &Assembler<D>,
@@ -44,29 +44,29 @@ pub trait AnyForm<const D: usize> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError>;
-    /// See [`Assembler::load`].
+    /// See `Assembler::load`.
     fn load(&self, assembler: &Assembler<D>, tests: &[&Arc<Space<D>>]) -> Result<Vec<f64>, AssemblyError>;
-    /// See [`Assembler::residual_without`].
+    /// See `Assembler::residual_without`.
     fn residual_without(
         &self,
         assembler: &Assembler<D>,
         tests: &[&Arc<Space<D>>],
         left_out: &[usize],
     ) -> Result<Vec<f64>, AssemblyError>;
-    /// See [`Assembler::sizes_of_contributions`].
+    /// See `Assembler::sizes_of_contributions`.
     fn sizes_of_contributions(
         &self,
         assembler: &Assembler<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<f64>, AssemblyError>;
-    /// See [`Assembler::active_set_of`].
+    /// See `Assembler::active_set_of`.
     fn active_set(
         &self,
         assembler: &Assembler<D>,
         unknowns: &[FieldView<D>],
     ) -> Result<Option<Vec<u32>>, AssemblyError>;
-    /// See [`Assembler::add_tangent`].
+    /// See `Assembler::add_tangent`.
     fn add_tangent(
         &self,
         assembler: &Assembler<D>,
@@ -75,7 +75,7 @@ pub trait AnyForm<const D: usize> {
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError>;
-    /// See [`Assembler::assemble_tangent`].
+    /// See `Assembler::assemble_tangent`.
     fn assemble_tangent(
         &self,
         assembler: &Assembler<D>,
