@@ -60,7 +60,6 @@ pub mod shape_optimisation;
 pub mod time;
 pub mod verification;
 
-use forms_problem::coincident;
 #[doc(inline)]
 pub use forms_problem::{
     assemble, constraints, contract, dimension, element, field, forms, history, lanes, language,

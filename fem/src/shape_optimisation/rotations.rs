@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::error::ShapeOptimisationError;
-use crate::coincident::{Coincident, distance};
 use crate::space::Space;
+use forms_problem::coincident::{Coincident, distance};
 
 /// The rotations by multiples of 1/n of a full circle, in the plane of the first two coordinates, of a mesh that they take
 /// to itself. The mean over them is the orthogonal projection onto what is the same in all n sectors: a mesh that moves
