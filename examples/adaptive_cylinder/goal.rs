@@ -18,6 +18,9 @@ const SHOWN: usize = 2;
 /// Unknowns of the mesh by which that error is known, over those of the option.
 const FINER: usize = 5;
 
+/// Unknowns of the finest uniform mesh at most, over those of the option.
+const UNIFORM: usize = 16;
+
 /// Prints the meshes for J until |η| is within the tolerance, and uniform ones, with seconds by the clock: from the first mesh on, and
 /// of one mesh. Draws the last mesh.
 pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
@@ -50,6 +53,10 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
         let found = solve(&Arc::new(mesh(radial)?), None)?;
         let (unknowns, goal) = (found.field.space().unknowns(), found.goal.unwrap_or(f64::NAN));
         row(out, "uniform", unknowns, goal, found.estimate.value(), start.elapsed().as_secs_f64());
+        // The next one has four times as many.
+        if 4 * unknowns > UNIFORM * options.unknowns {
+            break;
+        }
     }
     let drawn = adapted.mesh.mesh();
     let title = format!("For J, {} cells", drawn.cell_count());

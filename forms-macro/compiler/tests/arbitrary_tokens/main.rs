@@ -167,6 +167,26 @@ fn the_corpus_compiles() {
 /// All faults are told, each with the seed of its module; one that hangs is named before the process ends.
 #[test]
 fn mutated_modules() {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let seeds = first()..first() + count(18_000);
+    let mut faults: Vec<usize> = std::thread::scope(|scope| {
+        let parts: Vec<_> = (0..threads)
+            .map(|part| {
+                let seeds = seeds.clone().skip(part).step_by(threads);
+                std::thread::Builder::new()
+                    .stack_size(STACK)
+                    .spawn_scoped(scope, || faults_of(seeds))
+                    .expect("a thread")
+            })
+            .collect();
+        parts.into_iter().flat_map(|part| part.join().expect("no part panics")).collect()
+    });
+    faults.sort_unstable();
+    assert!(faults.is_empty(), "{} modules: {faults:?}", faults.len());
+}
+
+/// The seeds whose modules have a fault.
+fn faults_of(seeds: impl Iterator<Item = usize>) -> Vec<usize> {
     let corpus: Vec<TokenStream> = CORPUS.iter().map(|source| source.parse().expect("tokens")).collect();
     let current: Arc<Mutex<(usize, Instant)>> = Arc::new(Mutex::new((0, Instant::now())));
     let watched = Arc::downgrade(&current);
@@ -182,7 +202,7 @@ fn mutated_modules() {
         }
     });
     let mut faults = Vec::new();
-    for seed in first()..first() + count(18_000) {
+    for seed in seeds {
         let mut random = Random(seed as u64);
         let mut tokens = corpus[random.below(corpus.len())].clone();
         for _ in 0..1 + random.below(3) {
@@ -196,7 +216,7 @@ fn mutated_modules() {
             faults.push(seed);
         }
     }
-    assert!(faults.is_empty(), "{} modules: {faults:?}", faults.len());
+    faults
 }
 
 #[test]

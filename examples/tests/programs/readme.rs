@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-const README: &str = include_str!("../../README.md");
+const README: &str = include_str!("../../../README.md");
 
 /// Runs a program that stands in README.
 fn run(program: &str, text: &str) -> String {
@@ -20,7 +20,7 @@ fn numbers(printed: &str) -> Vec<f64> {
 
 #[test]
 fn contact_with_its_adjoint() {
-    let printed = run(env!("CARGO_BIN_EXE_readme_contact"), include_str!("../readme/contact.rs"));
+    let printed = run(env!("CARGO_BIN_EXE_readme_contact"), include_str!("../../readme/contact.rs"));
     let numbers = numbers(&printed);
     let [energy, steps, across, up] = numbers[..] else { panic!("{printed}") };
     // Energy is stored, Newton's method ends in a few steps, and p is as symmetric as the block and its obstacle.
@@ -30,7 +30,7 @@ fn contact_with_its_adjoint() {
 
 #[test]
 fn a_stretched_bar_of_rubber() {
-    let text = include_str!("../readme/rubber.rs");
+    let text = include_str!("../../readme/rubber.rs");
     assert!(text.lines().count() <= 35);
     let stress = numbers(&run(env!("CARGO_BIN_EXE_readme_rubber"), text));
     // Between a bar that is free across (0.5 to 0.6) and one that is held all along: F = diag(1.25, 1, 1).

@@ -1,0 +1,8 @@
+//! The programs of `examples` as a user runs them: one test program, so that the long ones run beside the others.
+
+mod adaptive;
+mod convergence;
+mod readme;
+mod rolling_ring;
+mod shape_optimisation;
+mod tutorials;
