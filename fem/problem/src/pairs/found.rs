@@ -133,12 +133,20 @@ impl<const D: usize> Found<D> {
         FirstPoint { numbers: self.points.len(), rigid_normals: self.rigid_normals.len() }
     }
 
-    /// Room for the numbers of a further point.
+    /// Adds a point's numbers as [`PairGroup::points`] has them, straight into place: what is put together first is read before it has
+    /// come to the cache.
     #[inline(always)]
-    pub fn room_for_a_point(&mut self) -> &mut [f64] {
+    pub fn add_point(&mut self, point: &PairPoint<D>) {
         let first = self.points.len();
         self.points.extend_from_slice(&[0.0; PairGroup::<3>::STRIDE][..PairGroup::<D>::STRIDE]);
-        &mut self.points[first..][..PairGroup::<D>::STRIDE]
+        let numbers = &mut self.points[first..][..PairGroup::<D>::STRIDE];
+        for k in 0..D {
+            numbers[k] = point.reference[0][k];
+            numbers[D + k] = point.reference[1][k];
+            numbers[2 * D + 2 + k] = point.toward[k];
+        }
+        (numbers[2 * D], numbers[2 * D + 1]) = (point.weight, point.gap);
+        self.rigid_normals.extend(point.rigid_normal);
     }
 
     /// Sorts the pairs of the last own facet by opposite facets, in the order of its points. All facets of a rigid surface move with one
@@ -162,10 +170,7 @@ impl<const D: usize> Found<D> {
                 if *other == index || (*other != TAKEN && opposite[*other].facet == facet) {
                     *other = TAKEN;
                     count += 1;
-                    self.points.extend_from_slice(point.reference.as_flattened());
-                    self.points.extend_from_slice(&[point.weight, point.gap]);
-                    self.points.extend_from_slice(&point.toward);
-                    self.rigid_normals.extend(point.rigid_normal);
+                    self.add_point(point);
                 }
             }
             let facets = [own.facet, facet];

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::candidates::Beam;
-use super::found::{Found, Unit};
+use super::found::{Found, PairPoint, Unit};
 use super::nearest_on_rays::NearestOnRays;
 use super::rays::Rays;
 use super::search::Search;
@@ -135,17 +135,20 @@ impl<const D: usize> Search<'_, '_, D> {
                 batch.facet[lane] = TAKEN;
                 count += 1;
                 let opposite = &self.opposite[other as usize];
-                let own_reference = own.reference(&rule.points[q]);
-                let opposite_reference = opposite.reference(&[batch.s[0][lane], batch.s[1][lane]]);
-                // Straight into place: what is put together first is read before it has come to the cache.
-                let numbers = found.room_for_a_point();
+                let mut toward = [0.0; D];
                 for k in 0..D {
-                    numbers[k] = own_reference[k];
-                    numbers[D + k] = opposite_reference[k];
-                    numbers[2 * D + 2 + k] = batch.n[k][lane];
+                    toward[k] = batch.n[k][lane];
                 }
-                (numbers[2 * D], numbers[2 * D + 1]) = (rule.weights[q], batch.gap[lane]);
-                found.rigid_normals.extend(opposite.rigid_normal);
+                found.add_point(&PairPoint {
+                    reference: [
+                        own.reference(&rule.points[q]),
+                        opposite.reference(&[batch.s[0][lane], batch.s[1][lane]]),
+                    ],
+                    weight: rule.weights[q],
+                    gap: batch.gap[lane],
+                    toward,
+                    rigid_normal: opposite.rigid_normal,
+                });
             }
             found.units.push(Unit { place, facets: [own.facet, facet], count, start });
         }
