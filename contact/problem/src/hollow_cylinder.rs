@@ -298,6 +298,14 @@ pub fn solve_with_progress(
     settings: &Settings,
     mut progress: impl FnMut(Progress),
 ) -> Result<CylinderSolution, CylinderError> {
+    solve_telling(settings, &mut progress)
+}
+
+/// [`solve_with_progress`], compiled here and not in the program that listens.
+fn solve_telling(
+    settings: &Settings,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<CylinderSolution, CylinderError> {
     let start = Instant::now();
     let problem = hollow_cylinder(settings)?;
     let required_gamma0 = required_gamma0(&problem, CONTACT_CELLS)?;
@@ -310,7 +318,7 @@ pub fn solve_with_progress(
         if settings.pushes.len() > 1 {
             progress(Progress::LoadStep(number + 1, settings.pushes.len()));
         }
-        let direct = law.step(push, &u, &mut solver, &mut progress)?;
+        let direct = law.step(push, &u, &mut solver, progress)?;
         seconds.assembly += direct.assembly_seconds;
         seconds.newton_total += direct.seconds;
         u = direct.field().clone();

@@ -37,7 +37,7 @@ impl SymmetricFactor {
     }
 
     /// The last `count` rows and columns of L, dense and lower triangular.
-    pub fn trailing_block(&self, count: usize) -> Mat<f64> {
+    pub(crate) fn trailing_block(&self, count: usize) -> Mat<f64> {
         let supernodes = self.supernodes();
         let factor = SupernodalLltRef::new(supernodes, self.values());
         let first = self.analysis().size() - count;
@@ -63,7 +63,7 @@ impl SymmetricFactor {
 }
 
 /// L Lᵀ of a dense lower triangular L.
-pub fn lower_times_transposed(lower: &Mat<f64>) -> Mat<f64> {
+pub(crate) fn lower_times_transposed(lower: &Mat<f64>) -> Mat<f64> {
     let size = lower.nrows();
     let mut product = Mat::zeros(size, size);
     matmul(

@@ -2,14 +2,28 @@
 //! in `forms_mesh::compiled_here`, with the lane types that this build has.
 
 #[cfg(not(test))]
+use crate::dimension::{Dim, Dimension};
+#[cfg(not(test))]
 use crate::lanes::SimdLane;
 
-/// Enters generic functions of the dimension `D`, with `in lanes` also of a type of lane `L`, under a name in [`Compiled`].
+/// Enters generic functions of the dimension `D`, with `in lanes` also of a type of lane `L`, under a name in [`Compiled`]; `of forms`
+/// where they assemble forms, whose kernels want `Dim: Dimension<D>`.
 macro_rules! compiled_here {
     ($name:ident in lanes: $($function:expr),+ $(,)?) => {
         #[cfg(not(test))]
         impl<const D: usize> crate::compiled_here::Compiled<D> {
             pub(crate) fn $name<L: crate::lanes::SimdLane>() -> Vec<*const ()> {
+                vec![$($function as *const ()),+]
+            }
+        }
+    };
+    ($name:ident of forms: $($function:expr),+ $(,)?) => {
+        #[cfg(not(test))]
+        impl<const D: usize> crate::compiled_here::Compiled<D>
+        where
+            crate::dimension::Dim: crate::dimension::Dimension<D>,
+        {
+            pub(crate) fn $name() -> Vec<*const ()> {
                 vec![$($function as *const ()),+]
             }
         }
@@ -24,7 +38,10 @@ pub(crate) use compiled_here;
 pub struct Compiled<const D: usize>;
 
 #[cfg(not(test))]
-impl<const D: usize> Compiled<D> {
+impl<const D: usize> Compiled<D>
+where
+    Dim: Dimension<D>,
+{
     /// All of them, file by file.
     pub fn all() -> Vec<Vec<*const ()>> {
         let mut all = vec![
@@ -45,6 +62,7 @@ impl<const D: usize> Compiled<D> {
             Self::history(),
             Self::interpolation(),
             Self::known(),
+            Self::norms(),
             Self::of_assembler(),
             Self::owned_cells(),
             Self::pair_groups(),

@@ -1,7 +1,5 @@
-//! The bound of code that is generic over the dimension: kernels of all forms, and what this crate compiles once for two
-//! and once for three dimensions.
+//! The bound of code that is generic over the dimension: kernels of all forms, for two and for three dimensions.
 
-use crate::norms::Measure;
 pub use forms_core::contract::Dim;
 use forms_core::contract::Dimension as Compiled;
 
@@ -32,7 +30,7 @@ use forms_core::contract::Dimension as Compiled;
 /// # let found = content_and_norm(&Assembler::new(space.mesh()), &one).unwrap();
 /// # assert!((found[0] - 2.0).abs() < 1e-14 && (found[1] - 2.0_f64.sqrt()).abs() < 1e-14);
 /// ```
-pub trait Dimension<const D: usize>: Compiled<D> + Measure<D> {}
+pub trait Dimension<const D: usize>: Compiled<D> {}
 
 impl Dimension<2> for Dim {}
 impl Dimension<3> for Dim {}

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use forms_core::contract::Source;
 
 use crate::assemble::{Assembler, AssemblyError};
+use crate::compiled_here::compiled_here;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::forms;
@@ -106,11 +107,16 @@ fn everywhere() -> squared::Omega {
 /// # Errors
 /// A tensor field (only its L² norm is defined here: [`l2_norm`]), a value that is not finite, or a field
 /// on another mesh than the assembler's.
+#[inline(never)]
 pub fn norms<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<Norms, AssemblyError>
 where
     Dim: Dimension<D>,
 {
-    Dim::norms(assembler, field)
+    let seminorm = match field.space().components() {
+        1 => assembler.functional(&squared::scalar_seminorm(&everywhere(), field))?,
+        _ => assembler.functional(&squared::vector_seminorm(&everywhere(), field))?,
+    };
+    Ok(Norms::from_squares(l2_squared(assembler, field)?, seminorm))
 }
 
 /// The L² norm of a field of any rank.
@@ -121,20 +127,39 @@ pub fn l2_norm<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Re
 where
     Dim: Dimension<D>,
 {
-    Dim::l2_squared(assembler, field).map(f64::sqrt)
+    l2_squared(assembler, field).map(f64::sqrt)
+}
+
+#[inline(never)]
+fn l2_squared<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let shape = field.space().shape();
+    if shape.is_empty() {
+        assembler.functional(&squared::scalar_l2(&everywhere(), field))
+    } else if shape == [D] {
+        assembler.functional(&squared::vector_l2(&everywhere(), field))
+    } else if shape == [D, D] {
+        assembler.functional(&squared::tensor_l2(&everywhere(), field))
+    } else {
+        component_fields(field).iter().map(|part| l2_squared(assembler, part)).sum()
+    }
 }
 
 /// The mean of each component of a field over the mesh.
 ///
 /// # Errors
 /// A value that is not finite, or a field on another mesh than the assembler's.
+#[inline(never)]
 pub fn mean<const D: usize>(assembler: &Assembler<D>, field: &Field<D>) -> Result<Vec<f64>, AssemblyError>
 where
     Dim: Dimension<D>,
 {
+    let integral = |field: &Field<D>| assembler.functional(&squared::scalar_integral(&everywhere(), field));
     let one = Field::of_known(&field.space().scalar_nodes(), vec![1.0; field.space().node_count()]);
-    let volume = Dim::integral(assembler, &one)?;
-    component_fields(field).iter().map(|part| Ok(Dim::integral(assembler, part)? / volume)).collect()
+    let volume = integral(&one)?;
+    component_fields(field).iter().map(|part| Ok(integral(part)? / volume)).collect()
 }
 
 /// Each component as a scalar field.
@@ -161,13 +186,59 @@ where
     let exact = Source::Function { components, function: Arc::new(exact), gradient: None };
     let gradient =
         Source::Function { components: components * D, function: Arc::new(gradient), gradient: None };
-    Dim::errors(assembler, field, exact, gradient)
+    errors_against(assembler, field, exact, gradient)
+}
+
+/// The norms of field − exact, whose gradient is given beside it.
+#[inline(never)]
+fn errors_against<const D: usize>(
+    assembler: &Assembler<D>,
+    field: &Field<D>,
+    exact: Source<D>,
+    gradient: Source<D>,
+) -> Result<Norms, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let omega = everywhere();
+    let (l2, seminorm) = match field.space().components() {
+        1 => (
+            assembler.functional(&squared::scalar_l2_error(&omega, field, exact))?,
+            assembler.functional(&squared::scalar_seminorm_error(&omega, field, gradient))?,
+        ),
+        _ => (
+            assembler.functional(&squared::vector_l2_error(&omega, field, exact))?,
+            assembler.functional(&squared::vector_seminorm_error(&omega, field, gradient))?,
+        ),
+    };
+    Ok(Norms::from_squares(l2, seminorm))
+}
+
+/// The integral of each scalar basis function of a space over a region of cells, or else of facets.
+///
+/// # Errors
+/// An unknown region.
+#[inline(never)]
+pub(crate) fn basis_integrals<const D: usize>(
+    space: &Arc<Space<D>>,
+    region: &str,
+) -> Result<Vec<f64>, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let (nodes, assembler) = (space.scalar_nodes(), Assembler::new(space.mesh()));
+    if space.mesh().cell_region(region).is_ok() {
+        assembler.linear_form(&squared::basis_over_cells(&squared::Omega::on(region)), &nodes)
+    } else {
+        assembler.linear_form(&squared::basis_over_facets(&squared::Gamma::on(region)), &nodes)
+    }
 }
 
 /// The scalar mass matrix of a space's element (one unknown per node).
 ///
 /// # Errors
 /// Data that do not fit.
+#[inline(never)]
 pub(crate) fn mass_matrix<const D: usize>(
     assembler: &Assembler<D>,
     space: &Arc<Space<D>>,
@@ -176,133 +247,16 @@ pub(crate) fn mass_matrix<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    Dim::mass(assembler, space, degree)
+    let nodes = space.scalar_nodes();
+    let assembler = Assembler::new(assembler.mesh()).with_quadrature(Quadrature::Degree(degree));
+    assembler.tangent(&squared::mass(&everywhere()), &[&Field::zero(&nodes)], &[&nodes])
 }
 
-/// The norms in one dimension, compiled here for two and three.
-pub trait Measure<const D: usize> {
-    /// See [`norms`].
-    ///
-    /// # Errors
-    /// As there.
-    fn norms(assembler: &Assembler<D>, field: &Field<D>) -> Result<Norms, AssemblyError>;
-    /// The square of [`l2_norm`].
-    ///
-    /// # Errors
-    /// As there.
-    fn l2_squared(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>;
-    /// The integral of a scalar field.
-    ///
-    /// # Errors
-    /// As in [`mean`].
-    fn integral(assembler: &Assembler<D>, field: &Field<D>) -> Result<f64, AssemblyError>;
-    /// See [`errors`].
-    ///
-    /// # Errors
-    /// As there.
-    fn errors(
-        assembler: &Assembler<D>,
-        field: &Field<D>,
-        exact: Source<D>,
-        gradient: Source<D>,
-    ) -> Result<Norms, AssemblyError>;
-    /// The integral of each scalar basis function of a space over a region of cells, or else of facets.
-    ///
-    /// # Errors
-    /// An unknown region.
-    fn basis_integrals(space: &Arc<Space<D>>, region: &str) -> Result<Vec<f64>, AssemblyError>;
-    /// The scalar mass matrix.
-    ///
-    /// # Errors
-    /// Data that do not fit.
-    fn mass(
-        assembler: &Assembler<D>,
-        space: &Arc<Space<D>>,
-        degree: usize,
-    ) -> Result<CsrMatrix, AssemblyError>;
-}
-
-macro_rules! measure_in {
-    ($dimension:literal) => {
-        impl Measure<$dimension> for Dim {
-            fn norms(
-                assembler: &Assembler<$dimension>,
-                field: &Field<$dimension>,
-            ) -> Result<Norms, AssemblyError> {
-                let seminorm = match field.space().components() {
-                    1 => assembler.functional(&squared::scalar_seminorm(&everywhere(), field))?,
-                    _ => assembler.functional(&squared::vector_seminorm(&everywhere(), field))?,
-                };
-                Ok(Norms::from_squares(Self::l2_squared(assembler, field)?, seminorm))
-            }
-
-            fn l2_squared(
-                assembler: &Assembler<$dimension>,
-                field: &Field<$dimension>,
-            ) -> Result<f64, AssemblyError> {
-                match field.space().shape() {
-                    [] => assembler.functional(&squared::scalar_l2(&everywhere(), field)),
-                    [$dimension] => assembler.functional(&squared::vector_l2(&everywhere(), field)),
-                    [$dimension, $dimension] => {
-                        assembler.functional(&squared::tensor_l2(&everywhere(), field))
-                    }
-                    _ => component_fields(field).iter().map(|part| Self::l2_squared(assembler, part)).sum(),
-                }
-            }
-
-            fn integral(
-                assembler: &Assembler<$dimension>,
-                field: &Field<$dimension>,
-            ) -> Result<f64, AssemblyError> {
-                assembler.functional(&squared::scalar_integral(&everywhere(), field))
-            }
-
-            fn errors(
-                assembler: &Assembler<$dimension>,
-                field: &Field<$dimension>,
-                exact: Source<$dimension>,
-                gradient: Source<$dimension>,
-            ) -> Result<Norms, AssemblyError> {
-                let omega = everywhere();
-                let (l2, seminorm) = match field.space().components() {
-                    1 => (
-                        assembler.functional(&squared::scalar_l2_error(&omega, field, exact))?,
-                        assembler.functional(&squared::scalar_seminorm_error(&omega, field, gradient))?,
-                    ),
-                    _ => (
-                        assembler.functional(&squared::vector_l2_error(&omega, field, exact))?,
-                        assembler.functional(&squared::vector_seminorm_error(&omega, field, gradient))?,
-                    ),
-                };
-                Ok(Norms::from_squares(l2, seminorm))
-            }
-
-            fn basis_integrals(
-                space: &Arc<Space<$dimension>>,
-                region: &str,
-            ) -> Result<Vec<f64>, AssemblyError> {
-                let (nodes, assembler) = (space.scalar_nodes(), Assembler::new(space.mesh()));
-                if space.mesh().cell_region(region).is_ok() {
-                    let form = squared::basis_over_cells(&squared::Omega::on(region));
-                    assembler.linear_form(&form, &nodes)
-                } else {
-                    let form = squared::basis_over_facets(&squared::Gamma::on(region));
-                    assembler.linear_form(&form, &nodes)
-                }
-            }
-
-            fn mass(
-                assembler: &Assembler<$dimension>,
-                space: &Arc<Space<$dimension>>,
-                degree: usize,
-            ) -> Result<CsrMatrix, AssemblyError> {
-                let nodes = space.scalar_nodes();
-                let assembler = Assembler::new(assembler.mesh()).with_quadrature(Quadrature::Degree(degree));
-                assembler.tangent(&squared::mass(&everywhere()), &[&Field::zero(&nodes)], &[&nodes])
-            }
-        }
-    };
-}
-
-measure_in!(2);
-measure_in!(3);
+compiled_here!(
+    norms of forms: norms::<D>,
+    l2_squared::<D>,
+    mean::<D>,
+    errors_against::<D>,
+    basis_integrals::<D>,
+    mass_matrix::<D>,
+);

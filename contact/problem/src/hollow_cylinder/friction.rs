@@ -82,7 +82,7 @@ impl Law {
         push: [f64; 2],
         before: &Field<2>,
         solver: &mut CondensedSolver,
-        progress: &mut impl FnMut(Progress),
+        progress: &mut dyn FnMut(Progress),
     ) -> Result<Solved<2>, CylinderError> {
         let constraints = pushed(before.space(), push)?;
         let told = |step: &NewtonStep| progress(Progress::Newton(step));

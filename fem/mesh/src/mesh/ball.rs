@@ -18,6 +18,7 @@ const CORE: f64 = 0.5;
 /// # Errors
 /// [`MeshError::Parameter`] unless `radius` is positive, `core` ≥ 1 and `layers` ≥ 1; a shape that is not in space, a
 /// degree that does not exist; [`MeshError::TooLarge`].
+#[inline]
 pub fn ball(
     radius: f64,
     cut: [bool; 3],

@@ -24,6 +24,7 @@ pub fn rectangle(
 ///
 /// # Errors
 /// As [`rectangle`], with a shape in space.
+#[inline]
 pub fn cuboid(
     lower: [f64; 3],
     upper: [f64; 3],
@@ -83,6 +84,7 @@ pub fn annulus(
 /// # Errors
 /// [`MeshError::Parameter`] unless 0 < `inner_radius` < `outer_radius`, 0 < `height`, `radial` ≥ 1, `around` ≥ 3 and `axial` ≥ 1;
 /// a shape that is not in space, a degree that does not exist.
+#[inline]
 pub fn hollow_cylinder(
     inner_radius: f64,
     outer_radius: f64,

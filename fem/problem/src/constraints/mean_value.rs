@@ -2,7 +2,7 @@
 
 use super::{Constraints, ConstraintsError};
 use crate::dimension::{Dim, Dimension};
-use crate::norms::Measure;
+use crate::norms::basis_integrals;
 
 /// A condition makes the unknowns it relates depend on each other: with more of them than this the tangent would be a
 /// dense matrix that no solver is made for.
@@ -23,7 +23,7 @@ impl<const D: usize> Constraints<D> {
         let place = format!("the mean value over region \"{region}\"");
         let components = self.check_component(&place, component)?;
         self.nodes_on(region, &place)?;
-        let weights = Dim::basis_integrals(&self.space, region)
+        let weights = basis_integrals(&self.space, region)
             .map_err(|error| ConstraintsError::Integral { place: place.clone(), why: error.to_string() })?;
         let size: f64 = weights.iter().sum();
         let terms: Vec<(usize, f64)> = weights

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Measure, Norms};
+use super::{Norms, errors_against};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::dimension::{Dim, Dimension};
 use crate::element::CellShape;
@@ -81,7 +81,7 @@ impl<const D: usize> Comparison<D> {
         let components = coarse.space().components();
         let value = self.read(components, |cell, point| coarse.evaluate_in(cell, point))?;
         let slope = self.read(components * D, |cell, point| coarse.gradient_in(cell, point))?;
-        Dim::errors(&self.assembler, reference, value, slope)
+        errors_against(&self.assembler, reference, value, slope)
     }
 
     /// Values of the coarse mesh at the points of the reference's rule.

@@ -9,16 +9,13 @@
 //! Where c grows, K is factored anew with the larger c; where that does not pay or K is not positive
 //! definite, a [`TangentSolver`] takes over.
 
-mod condensation;
 mod condensed_system;
 mod condensing;
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use condensation::Condensation;
 pub use condensed_system::CondensedSystem;
-use faer::linalg::solvers::PartialPivLu;
 
 use super::linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
 use super::solver_report::{SolverPath, SolverReport};
@@ -29,7 +26,8 @@ use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, CsrMatrix, Entry, LinearAlgebraError, Ordering, SparsityPattern, SymmetricFactor,
+    Analysis, Condensation, CsrMatrix, DenseFactor, Entry, LinearAlgebraError, Ordering, SparsityPattern,
+    SymmetricFactor,
 };
 
 /// Entries (i, j) of T − K below this part of √(K_ii K_jj) are rounding: coordinates of about 1000 cell diameters
@@ -89,7 +87,7 @@ impl LinearPart {
 #[derive(Debug)]
 enum Current {
     Fallback,
-    Condensed { matrix: Sum, dense: Option<PartialPivLu<f64>> },
+    Condensed { matrix: Sum, dense: Option<DenseFactor> },
 }
 
 /// A matrix as a stored one and additions to some of its entries.

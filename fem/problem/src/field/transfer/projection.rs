@@ -9,7 +9,7 @@ use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::mesh::EVERYWHERE;
 use crate::mesh::geometry::determinant;
-use crate::norms::Measure;
+use crate::norms::basis_integrals;
 
 /// Its name in messages.
 const NAME: &str = "projection between meshes";
@@ -47,10 +47,8 @@ impl<const D: usize> Transfer<'_, D> {
         Dim: Dimension<D>,
     {
         let projected = self.projected()?;
-        let (of_field, of_space) = (
-            Dim::basis_integrals(self.field.space(), EVERYWHERE)?,
-            Dim::basis_integrals(self.space, EVERYWHERE)?,
-        );
+        let of_field = basis_integrals(self.field.space(), EVERYWHERE)?;
+        let of_space = basis_integrals(self.space, EVERYWHERE)?;
         Ok(with_integrals_of(self.field, &of_field, projected, &of_space))
     }
 

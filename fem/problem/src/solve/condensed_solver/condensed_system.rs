@@ -7,8 +7,7 @@
 
 use std::sync::Arc;
 
-use super::condensation::Condensation;
-use crate::linear_algebra::PartialBackSubstitution;
+use crate::linear_algebra::{Condensation, PartialBackSubstitution};
 use crate::solve::linear_solver::SolverError;
 
 /// The state of such an iteration, with the factor that it belongs to.
