@@ -1,15 +1,16 @@
 //! Symbolic analysis of a symmetric pattern: ordering, elimination tree, supernodes.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
+use super::block_graph::BlockGraph;
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_size};
 use super::ordering::{Candidate, Chosen, Ordering, inverse};
 use super::pattern::SparsityPattern;
-use super::symbolic::{Fill, find_supernodes};
+use super::symbolic::{Fill, Runs};
 
 /// The lower triangle of the reordered matrix by columns, and where each of its values comes from.
 #[derive(Debug)]
@@ -29,18 +30,20 @@ pub struct Analysis {
     /// Unknown at each place of the elimination order.
     pub(super) order: Vec<u32>,
     candidates: Vec<Candidate>,
-    /// None where no further matrix is to be factored.
-    lower: Option<LowerTriangle>,
+    /// Place of each unknown in the elimination order; none where no further matrix is to be factored.
+    places: Option<Vec<u32>>,
+    /// For LBLᵀ, from the first one on.
+    lower: OnceLock<LowerTriangle>,
     pub(super) supernodes: SymbolicSupernodalCholesky<u32>,
     fill: Fill,
     seconds: f64,
 }
 
 impl Analysis {
-    /// Analyses a square pattern. The pattern is taken to be symmetric; only its upper triangle is read.
+    /// Analyses a symmetric pattern.
     ///
     /// # Errors
-    /// If the pattern is not square, the order is not a permutation, the factor passes 32-bit indices, or
+    /// If the pattern is not square or not symmetric, the order is not a permutation, the factor passes 32-bit indices, or
     /// memory is too small.
     pub fn new(pattern: &Arc<SparsityPattern>, ordering: &Ordering) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
@@ -50,14 +53,18 @@ impl Analysis {
             return Err(LinearAlgebraError::TooLarge { what: "the matrix" });
         }
         let Chosen { order, candidates } = ordering.choose(pattern)?;
-        let place = inverse(&order)?;
-        let lower = LowerTriangle::new(pattern, &place);
-        let (supernodes, fill) = find_supernodes(size, &lower.pointers, &lower.rows)?;
+        let graph = BlockGraph::new(pattern)?;
+        if !graph.is_of_symmetric(pattern) {
+            return Err(LinearAlgebraError::PatternMismatch { what: "a symmetric analysis" });
+        }
+        let places = Some(inverse(&order)?);
+        let (supernodes, fill) = Runs::of_unknowns(&graph, &order).supernodes()?;
         Ok(Self {
             pattern: pattern.clone(),
             order,
             candidates,
-            lower: Some(lower),
+            places,
+            lower: OnceLock::new(),
             supernodes,
             fill,
             seconds: start.elapsed().as_secs_f64(),
@@ -112,13 +119,19 @@ impl Analysis {
 
     /// The part that solves with a factor need, in less memory: no further matrix can be factored on it.
     pub(super) fn for_solves(self) -> Self {
-        Self { lower: None, ..self }
+        Self { places: None, lower: OnceLock::new(), ..self }
+    }
+
+    /// The place of each unknown of a matrix to factor.
+    pub(super) fn places(&self, matrix: &CsrMatrix) -> Result<&[u32], LinearAlgebraError> {
+        let fitting = self.places.as_deref().filter(|_| self.fits(matrix));
+        fitting.ok_or(LinearAlgebraError::PatternMismatch { what: "factoring on an earlier analysis" })
     }
 
     /// The lower triangle of the reordered matrix.
     pub(super) fn lower(&self, matrix: &CsrMatrix) -> Result<&LowerTriangle, LinearAlgebraError> {
-        let fitting = self.lower.as_ref().filter(|_| self.fits(matrix));
-        fitting.ok_or(LinearAlgebraError::PatternMismatch { what: "factoring on an earlier analysis" })
+        let places = self.places(matrix)?;
+        Ok(self.lower.get_or_init(|| LowerTriangle::new(&self.pattern, places)))
     }
 }
 
@@ -195,7 +208,7 @@ mod tests {
     fn what_is_for_solves_alone_factors_nothing() {
         let chain = chain(20);
         let analysis = Analysis::new(chain.pattern(), &Ordering::MinimumDegree).unwrap();
-        assert!(analysis.lower(&chain).is_ok() && analysis.for_solves().lower(&chain).is_err());
+        assert!(analysis.places(&chain).is_ok() && analysis.for_solves().places(&chain).is_err());
     }
 
     #[test]
@@ -205,5 +218,19 @@ mod tests {
             Analysis::new(matrix.pattern(), &Ordering::MinimumDegree),
             Err(LinearAlgebraError::SizeMismatch { expected: 2, found: 3, .. })
         ));
+    }
+
+    #[test]
+    fn a_pattern_that_is_not_symmetric_is_refused() {
+        let diagonal = [0, 1, 2, 3].map(|i| (i, i, 1.0));
+        // A triangle alone; (2, 1) without (1, 2), in blocks that are coupled in both directions.
+        let upper = [(0, 1, 1.0)];
+        let in_blocks = [(0, 1, 1.0), (1, 0, 1.0), (2, 3, 1.0), (3, 2, 1.0), (0, 2, 1.0), (1, 2, 1.0)];
+        let turned = [(2, 0, 1.0), (2, 1, 1.0), (3, 0, 1.0), (3, 1, 1.0)];
+        for others in [&upper[..], &[&in_blocks[..], &turned].concat()] {
+            let matrix = CsrMatrix::from_triplets(4, 4, &[&diagonal, others].concat()).unwrap();
+            let found = Analysis::new(matrix.pattern(), &Ordering::MinimumDegree);
+            assert!(matches!(found, Err(LinearAlgebraError::PatternMismatch { .. })), "{others:?}");
+        }
     }
 }

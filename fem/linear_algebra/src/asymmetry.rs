@@ -10,7 +10,11 @@ impl Asymmetry<'_> {
     pub(super) fn visit(&mut self, (i, j): (usize, usize), entry: f64, partner: f64) {
         if entry != partner {
             let size = (self.sizes[i] * self.sizes[j]).max(entry.abs()).max(partner.abs());
-            self.most = self.most.max((entry - partner).abs() / size);
+            let part = (entry - partner).abs() / size;
+            // The first NaN stays.
+            if part > self.most || part.is_nan() && !self.most.is_nan() {
+                self.most = part;
+            }
         }
     }
 }

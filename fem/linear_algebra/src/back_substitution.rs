@@ -6,7 +6,6 @@ use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use super::cholesky::SymmetricFactor;
 use super::error::{LinearAlgebraError, check_size};
 use super::ordering::inverse;
-use super::vector::dot;
 
 /// The supernodes that some unknowns depend on, and memory for their values.
 #[derive(Clone, Debug)]
@@ -17,7 +16,6 @@ pub struct PartialBackSubstitution {
     places: Vec<u32>,
     /// In elimination order; only what the supernodes hold is up to date.
     x: Vec<f64>,
-    gathered: Vec<f64>,
 }
 
 impl PartialBackSubstitution {
@@ -49,7 +47,7 @@ impl PartialBackSubstitution {
             }
         }
         let supernodes = (0..needed.len() as u32).filter(|s| needed[*s as usize]).collect();
-        Ok(Self { supernodes, places, x: vec![0.0; size], gathered: vec![] })
+        Ok(Self { supernodes, places, x: vec![0.0; size] })
     }
 
     /// Numbers of the factor that a solve reads.
@@ -66,23 +64,13 @@ impl PartialBackSubstitution {
     /// If the size is wrong.
     pub fn solve(&mut self, factor: &SymmetricFactor, y: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
         check_size("the right-hand side", self.x.len(), y.len())?;
-        let llt = SupernodalLltRef::new(factor.supernodes(), factor.values());
-        for &s in self.supernodes.iter().rev() {
-            let node = llt.supernode(s as usize);
-            let (start, values, pattern) = (node.start(), node.val(), node.pattern());
-            let width = values.ncols();
-            self.gathered.clear();
-            self.gathered.extend(pattern.iter().map(|row| self.x[*row as usize]));
-            for j in (0..width).rev() {
-                // Columns of a supernode are contiguous.
-                let Some(column) = values.col(j).try_as_col_major().map(|column| column.as_slice()) else {
-                    return Err(LinearAlgebraError::PatternMismatch { what: "reading a supernode" });
-                };
-                let (own, below) = column.split_at(width);
-                let known = dot(&own[j + 1..], &self.x[start + j + 1..start + width]);
-                self.x[start + j] = (y[start + j] - known - dot(below, &self.gathered)) / own[j];
-            }
+        let symbolic = factor.supernodes();
+        for &s in &self.supernodes {
+            let ends =
+                [symbolic.supernode_begin(), symbolic.supernode_end()].map(|ends| ends[s as usize] as usize);
+            self.x[ends[0]..ends[1]].copy_from_slice(&y[ends[0]..ends[1]]);
         }
+        factor.substitute_back(self.supernodes.iter().copied(), &mut self.x);
         Ok(self.places.iter().map(|place| self.x[*place as usize]).collect())
     }
 }

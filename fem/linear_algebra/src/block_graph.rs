@@ -71,6 +71,27 @@ impl BlockGraph {
         &self.neighbours[self.pointers[block] as usize..self.pointers[block + 1] as usize]
     }
 
+    /// Whether the pattern that it is the graph of is symmetric: the graph is, and each of its couplings is of whole blocks.
+    pub(super) fn is_of_symmetric(&self, pattern: &SparsityPattern) -> bool {
+        let size = |block: usize| self.begins[block + 1] - self.begins[block];
+        let mut entries = 0;
+        // Rows come in ascending order, so the partner of (i, j) is the next unvisited entry of row j.
+        let mut next = self.pointers.clone();
+        for block in 0..self.blocks() {
+            for &other in self.row(block) {
+                let other = other as usize;
+                let partner = next[other] as usize;
+                if partner >= self.pointers[other + 1] as usize || self.neighbours[partner] as usize != block
+                {
+                    return false;
+                }
+                next[other] += 1;
+                entries += size(block) * size(other);
+            }
+        }
+        entries == pattern.entries()
+    }
+
     /// The unknowns of blocks in some order.
     pub(super) fn unknowns_in(&self, order: &[u32]) -> Vec<u32> {
         order

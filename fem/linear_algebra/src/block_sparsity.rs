@@ -258,6 +258,15 @@ impl BlockSparsity {
         (set, within / sets[set].components, within % sets[set].components)
     }
 
+    /// Whether two scalar rows belong to one node, so that they have the same columns.
+    pub(crate) fn are_of_one_node(&self, row: usize, other: usize) -> bool {
+        let node_of = |row: usize| {
+            let (set, node, _) = Self::locate(&self.rows, row);
+            (set, node)
+        };
+        node_of(row) == node_of(other)
+    }
+
     /// The entries of a scalar row in ascending columns, each with its place in the list of values.
     ///
     /// # Panics

@@ -43,8 +43,9 @@ struct Pivoting {
 }
 
 impl SymmetricFactor {
-    /// LLᵀ of a symmetric positive definite matrix. Only the upper triangle is read. `storage` is memory to
-    /// reuse, for example [`SymmetricFactor::into_storage`] of an earlier factor; it may be empty.
+    /// LLᵀ of a symmetric positive definite matrix. Of two entries (i, j) and (j, i) that differ by rounding, the one in the row of the
+    /// unknown that is eliminated first is read. `storage` is memory to reuse, for example [`SymmetricFactor::into_storage`] of an
+    /// earlier factor; it may be empty.
     ///
     /// # Errors
     /// If the matrix is not positive definite or singular (the error names the unknown), an entry is not
@@ -69,12 +70,12 @@ impl SymmetricFactor {
     ) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
         matrix.check_finite()?;
-        let lower = analysis.lower(matrix)?;
+        let numeric = Numeric::new(analysis, matrix)?;
         let mut values = room(analysis, storage)?;
         let supernodes = &analysis.supernodes;
-        Numeric::new(supernodes, lower, matrix.values()).factorise(threads, &mut values).map_err(
-            |place| LinearAlgebraError::NotPositiveDefinite { unknown: analysis.order[place] as usize },
-        )?;
+        numeric.factorise(threads, &mut values).map_err(|place| LinearAlgebraError::NotPositiveDefinite {
+            unknown: analysis.order[place] as usize,
+        })?;
         let mut smallest = SmallestPivot::new(analysis.size());
         let diagonal = matrix.diagonal();
         let factor = SupernodalLltRef::new(supernodes, &values);

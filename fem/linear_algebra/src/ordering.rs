@@ -10,7 +10,7 @@ use super::cells::CellBlocks;
 use super::dissection::dissect;
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;
-use super::symbolic::{Fill, column_counts};
+use super::symbolic::{Fill, Runs};
 
 /// The order in which unknowns are eliminated. Minimum degree and nested dissection work on the graph of blocks: a
 /// block is a run of consecutive unknowns whose rows have the same pattern, the free components of one node.
@@ -58,6 +58,14 @@ const DISSECTION_COST: f64 = 36_000.0;
 
 /// Beside a dissection of cells it rarely saves anything, and is tried where it costs a twentieth of the factorisation.
 const BESIDE_CELLS: f64 = 10.0;
+
+/// Blocks from which on a dissection of cells is first compared with minimum degree in so many samples of so many blocks each: the
+/// larger a mesh, the more a dissection gains.
+const SAMPLED: usize = 1 << 15;
+const SAMPLES: usize = 4;
+const SAMPLE: usize = 1 << 12;
+/// In the samples it may have so much more.
+const NEARLY: f64 = 1.05;
 
 impl Ordering {
     /// Unknowns in the order of their elimination.
@@ -141,9 +149,12 @@ impl Ordering {
         if let Some(cells) = cells {
             found.push(measured("dissection of cells", dissect(graph, cells))?);
         }
-        // Minimum degree is better where cells are small or lie in no order, and costs little beside a factorisation.
-        let asks_for_cells = *self == Self::CellDissection && cells.is_some();
-        if *self != Self::NestedDissection && !asks_for_cells {
+        // Minimum degree is better where cells are small or lie in no order.
+        let cells_are_enough = match &found[..] {
+            [(_, order)] => *self == Self::CellDissection || is_better_in_samples(graph, order)?,
+            _ => false,
+        };
+        if *self != Self::NestedDissection && !cells_are_enough {
             found.push(measured("minimum degree", minimum_degree(graph)?)?);
         }
         let cost_of_trying = DISSECTION_COST
@@ -163,20 +174,30 @@ impl Ordering {
     }
 }
 
+/// Whether an order of a large graph leads to less fill than minimum degree in parts of it, each a run of the order by itself.
+fn is_better_in_samples(graph: &BlockGraph, order: &[u32]) -> Result<bool, LinearAlgebraError> {
+    if order.len() < SAMPLED {
+        return Ok(false);
+    }
+    let [mut own, mut by_degree] = [0.0; 2];
+    for first in (0..order.len()).step_by(order.len().div_ceil(SAMPLES)) {
+        let sample = &order[first..order.len().min(first + SAMPLE)];
+        let mut kept = sample.to_vec();
+        kept.sort_unstable();
+        let part = graph.restricted(&kept);
+        let numbers: Vec<u32> =
+            sample.iter().map(|block| kept.partition_point(|other| other < block) as u32).collect();
+        own += fill_of(&part, &numbers)?.multiplications;
+        by_degree += fill_of(&part, &minimum_degree(&part)?)?.multiplications;
+    }
+    Ok(own < NEARLY * by_degree)
+}
+
 /// The fill of an order of blocks, which all count as blocks of mean size.
 fn fill_of(graph: &BlockGraph, order: &[u32]) -> Result<Fill, LinearAlgebraError> {
-    let place = inverse(order)?;
-    let blocks = graph.blocks();
-    let mut pointers = vec![0_u32; blocks + 1];
-    let mut rows = Vec::with_capacity(graph.neighbours.len() / 2 + blocks);
-    for (column, &block) in order.iter().enumerate() {
-        let near = graph.row(block as usize).iter().map(|&other| place[other as usize]);
-        rows.extend(near.filter(|&row| row as usize >= column));
-        pointers[column + 1] = rows.len() as u32;
-    }
-    let counts = column_counts(blocks, &pointers, &rows)?;
-    let size = graph.begins[blocks] as f64 / blocks.max(1) as f64;
-    Ok(Fill::of_counts(counts.iter().map(|&count| f64::from(count))).in_blocks_of(size))
+    let fill = Runs::of_blocks(graph, order, &inverse(order)?).fill();
+    let size = graph.begins[graph.blocks()] as f64 / graph.blocks().max(1) as f64;
+    Ok(fill.in_blocks_of(size))
 }
 
 /// The inverse of a permutation.

@@ -90,11 +90,15 @@ impl Restriction {
         }
         let mut row_pointers = Vec::with_capacity(rows.len() + 1);
         row_pointers.push(0);
-        let mut column_indices = Vec::new();
-        for &row in rows {
-            kept_columns(row, &mut |new| {
-                column_indices.extend(new.iter().filter(|column| **column != DROPPED));
-            });
+        let mut column_indices = Vec::with_capacity(source.entries());
+        for (number, &row) in rows.iter().enumerate() {
+            if number > 0 && source.are_of_one_node(rows[number - 1], row) {
+                column_indices.extend_from_within(row_pointers[number - 1]..);
+            } else {
+                kept_columns(row, &mut |new| {
+                    column_indices.extend(new.iter().filter(|column| **column != DROPPED));
+                });
+            }
             row_pointers.push(column_indices.len());
         }
         column_indices.shrink_to_fit();

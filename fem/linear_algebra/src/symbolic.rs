@@ -1,4 +1,7 @@
-//! Fill of a Cholesky factor from the pattern alone: column counts and supernodes.
+//! Fill of a Cholesky factor from the graph of blocks alone: elimination tree, column counts and supernodes.
+//!
+//! Unknowns of a block have the same neighbours. Of those that follow each other in an order of elimination, a run, each is the
+//! parent of the one before it, and has one entry less in its column of the factor: tree and counts are found run by run.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -6,6 +9,7 @@ use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::simplicial;
 use faer::sparse::linalg::cholesky::supernodal::{self, SymbolicSupernodalCholesky};
 
+use super::block_graph::BlockGraph;
 use super::error::LinearAlgebraError;
 
 const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the symbolic analysis" };
@@ -35,65 +39,273 @@ impl Fill {
     }
 }
 
-/// The upper triangle by columns of a matrix whose lower triangle is given by columns: faer reads that.
-fn upper_triangle(size: usize, lower_pointers: &[u32], lower_rows: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let mut pointers = vec![0_u32; size + 1];
-    for &row in lower_rows {
-        pointers[row as usize + 1] += 1;
+/// Stands for no run.
+const NONE: u32 = u32::MAX;
+
+/// Runs of unknowns of one block each that follow each other in an order of elimination.
+pub(super) struct Runs {
+    /// First place of each run, and the number of places at the end.
+    begins: Vec<u32>,
+    /// Starts of each run's earlier ones.
+    pointers: Vec<u32>,
+    /// The earlier runs that each is coupled with.
+    earlier: Vec<u32>,
+}
+
+/// A run in the elimination tree.
+#[derive(Clone)]
+struct Node {
+    parent: u32,
+    /// The last run from which the tree was climbed through this one.
+    seen: u32,
+    /// Entries of its first column of the factor, the diagonal included.
+    count: u32,
+}
+
+impl Runs {
+    /// Without runs yet, with room for those of a graph's blocks, each of which is its own neighbour.
+    fn with_room(graph: &BlockGraph) -> Self {
+        let couplings = graph.neighbours.len().saturating_sub(graph.blocks()) / 2;
+        let [begins, pointers, earlier] =
+            [graph.blocks() + 1, graph.blocks() + 1, couplings].map(Vec::with_capacity);
+        Runs { begins, pointers, earlier }
     }
-    for column in 0..size {
-        pointers[column + 1] += pointers[column];
+
+    /// Whole blocks in some order, each of which counts as one unknown.
+    pub(super) fn of_blocks(graph: &BlockGraph, order: &[u32], place: &[u32]) -> Self {
+        let mut runs = Runs::with_room(graph);
+        for (run, &block) in (0..).zip(order) {
+            runs.begin(run);
+            let near = graph.row(block as usize).iter().map(|other| place[*other as usize]);
+            runs.earlier.extend(near.filter(|other| *other < run));
+        }
+        runs.end(order.len())
     }
-    let mut next = pointers.clone();
-    let mut rows = vec![0_u32; lower_rows.len()];
-    for column in 0..size {
-        for &row in &lower_rows[lower_pointers[column] as usize..lower_pointers[column + 1] as usize] {
-            let slot = &mut next[row as usize];
-            rows[*slot as usize] = column as u32;
-            *slot += 1;
+
+    /// Unknowns in some order.
+    pub(super) fn of_unknowns(graph: &BlockGraph, order: &[u32]) -> Self {
+        let mut block_of = vec![0_u32; order.len()];
+        for (block, ends) in (0..).zip(graph.begins.windows(2)) {
+            block_of[ends[0]..ends[1]].fill(block);
+        }
+        // The first run of each block, and the next one of the same block.
+        let (mut first, mut last) = (vec![NONE; graph.blocks()], vec![NONE; graph.blocks()]);
+        let (mut blocks, mut next, mut begins) = (vec![], vec![], vec![]);
+        for (place, &unknown) in (0..).zip(order) {
+            let block = block_of[unknown as usize];
+            if blocks.last() != Some(&block) {
+                let run = blocks.len() as u32;
+                match std::mem::replace(&mut last[block as usize], run) {
+                    NONE => first[block as usize] = run,
+                    before => next[before as usize] = run,
+                }
+                blocks.push(block);
+                next.push(NONE);
+                begins.push(place);
+            }
+        }
+        let mut runs = Runs::with_room(graph);
+        for ((run, block), begin) in (0..).zip(blocks).zip(begins) {
+            runs.begin(begin);
+            for other in graph.row(block as usize) {
+                let mut near = first[*other as usize];
+                while near < run {
+                    runs.earlier.push(near);
+                    near = next[near as usize];
+                }
+            }
+        }
+        runs.end(order.len())
+    }
+
+    fn begin(&mut self, place: u32) {
+        self.begins.push(place);
+        self.pointers.push(self.earlier.len() as u32);
+    }
+
+    fn end(mut self, places: usize) -> Self {
+        self.begin(places as u32);
+        self
+    }
+
+    fn earlier(&self, run: usize) -> &[u32] {
+        &self.earlier[self.pointers[run] as usize..self.pointers[run + 1] as usize]
+    }
+
+    fn width(&self, run: usize) -> u32 {
+        self.begins[run + 1] - self.begins[run]
+    }
+
+    /// The elimination tree with its counts (Liu 1990): from each earlier neighbour it is climbed up to the run itself.
+    fn tree(&self) -> Vec<Node> {
+        let count = self.begins.len() - 1;
+        let mut tree = vec![Node { parent: NONE, seen: NONE, count: 0 }; count];
+        for run in 0..count {
+            let width = self.width(run);
+            let number = run as u32;
+            (tree[run].seen, tree[run].count) = (number, width);
+            for &near in self.earlier(run) {
+                let mut node = &mut tree[near as usize];
+                while node.seen != number {
+                    node.seen = number;
+                    node.count += width;
+                    if node.parent == NONE {
+                        node.parent = number;
+                    }
+                    let parent = node.parent as usize;
+                    node = &mut tree[parent];
+                }
+            }
+        }
+        tree
+    }
+
+    /// The fill, without the zeros inside supernodes.
+    pub(super) fn fill(&self) -> Fill {
+        Fill::of_counts(self.columns(&self.tree()).map(f64::from))
+    }
+
+    /// Entries of each column of the factor.
+    fn columns(&self, tree: &[Node]) -> impl Iterator<Item = u32> {
+        tree.iter()
+            .zip(self.begins.windows(2))
+            .flat_map(|(node, ends)| (0..ends[1] - ends[0]).map(|k| node.count - k))
+    }
+
+    /// Supernodes of the factor, and its fill without the zeros inside supernodes.
+    pub(super) fn supernodes(&self) -> Result<(SymbolicSupernodalCholesky<u32>, Fill), LinearAlgebraError> {
+        let tree = self.tree();
+        let size = self.begins[tree.len()] as usize;
+        let counts: Vec<u32> = self.columns(&tree).collect();
+        let fill = Fill::of_counts(counts.iter().map(|count| f64::from(*count)));
+        // faer reads a tree from a matrix: this one couples each unknown with its parent alone.
+        let mut parents: Vec<u32> = (1..=size as u32).collect();
+        for (node, ends) in tree.iter().zip(self.begins.windows(2)) {
+            let parent = self.begins.get(node.parent as usize).filter(|_| node.parent != NONE);
+            parents[ends[1] as usize - 1] = parent.map_or(NONE, |parent| *parent);
+        }
+        let (pointers, children) = children_of(&parents);
+        let coupled = SymbolicSparseColMatRef::new_checked(size, size, &pointers, None, &children);
+        let scratch = StackReq::or(
+            simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(size, children.len()),
+            supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(size),
+        );
+        let mut memory = MemBuffer::try_new(scratch).map_err(|_| NO_MEMORY)?;
+        let stack = MemStack::new(&mut memory);
+        let (mut parents, mut ignored) = (vec![0_i32; size], vec![0_u32; size]);
+        let parents = simplicial::prefactorize_symbolic_cholesky(&mut parents, &mut ignored, coupled, stack);
+        let (pointers, rows) = self.skeleton();
+        let upper = SymbolicSparseColMatRef::new_unsorted_checked(size, size, &pointers, None, &rows);
+        let params = SymbolicSupernodalParams::default();
+        let stack = MemStack::new(&mut memory);
+        let found =
+            supernodal::factorize_supernodal_symbolic_cholesky(upper, parents, &counts, stack, params);
+        Ok((found.map_err(|_| TOO_LARGE)?, fill))
+    }
+
+    /// The upper triangle by columns of a matrix of all unknowns that has the same factor: of each earlier run the first unknown
+    /// is enough, which passes its neighbours on to the others.
+    fn skeleton(&self) -> (Vec<u32>, Vec<u32>) {
+        let of_run =
+            |(run, ends): (usize, &[u32])| (ends[1] - ends[0]) as usize * (self.earlier(run).len() + 1);
+        let entries = self.begins.windows(2).enumerate().map(of_run).sum();
+        let (mut pointers, mut rows) = (vec![0_u32], Vec::with_capacity(entries));
+        for (run, ends) in self.begins.windows(2).enumerate() {
+            for place in ends[0]..ends[1] {
+                rows.extend(self.earlier(run).iter().map(|earlier| self.begins[*earlier as usize]));
+                rows.extend((place > ends[0]).then_some(ends[0]));
+                pointers.push(rows.len() as u32);
+            }
+        }
+        (pointers, rows)
+    }
+}
+
+/// The children of each unknown by their parents, ascending, and where those of each begin.
+fn children_of(parents: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut pointers = vec![0_u32; parents.len() + 2];
+    let known = || (0..).zip(parents).filter(|(_, parent)| **parent != NONE);
+    known().for_each(|(_, parent)| pointers[*parent as usize + 2] += 1);
+    for k in 2..pointers.len() {
+        pointers[k] += pointers[k - 1];
+    }
+    let mut children = vec![0_u32; known().count()];
+    for (child, parent) in known() {
+        let next = &mut pointers[*parent as usize + 1];
+        children[*next as usize] = child;
+        *next += 1;
+    }
+    pointers.pop();
+    (pointers, children)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::{Analysis, CsrMatrix, Ordering, SparsityPattern};
+
+    /// Nodes of one, two and three unknowns on a path with some shortcuts.
+    fn nodes() -> Arc<SparsityPattern> {
+        let begins: Vec<usize> = (0..=40).map(|node| 2 * node + [0, 0, 1][node % 3]).collect();
+        let mut triplets = vec![];
+        for node in 0..40_usize {
+            for other in [node, (node + 1).min(39), (7 * node + 3) % 40] {
+                for (i, j) in (begins[node]..begins[node + 1])
+                    .flat_map(|i| (begins[other]..begins[other + 1]).map(move |j| (i, j)))
+                {
+                    triplets.extend([(i, j, 1.0), (j, i, 1.0)]);
+                }
+            }
+        }
+        CsrMatrix::from_triplets(begins[40], begins[40], &triplets).unwrap().pattern().clone()
+    }
+
+    /// The columns of the factor, by elimination of one unknown after the other from sets of neighbours.
+    fn eliminated(pattern: &SparsityPattern, order: &[u32]) -> Vec<BTreeSet<u32>> {
+        let place = crate::ordering::inverse(order).unwrap();
+        let later = |at: usize, unknown: &u32| Some(place[*unknown as usize]).filter(|p| *p as usize > at);
+        let mut columns: Vec<BTreeSet<u32>> = (0..order.len())
+            .map(|at| pattern.row(order[at] as usize).iter().filter_map(|u| later(at, u)).collect())
+            .collect();
+        for at in 0..order.len() {
+            if let Some(&parent) = columns[at].first() {
+                let rest: Vec<u32> = columns[at].iter().skip(1).copied().collect();
+                columns[parent as usize].extend(rest);
+            }
+        }
+        columns
+    }
+
+    #[test]
+    fn columns_are_those_of_elimination() {
+        let pattern = nodes();
+        let size = pattern.rows() as u32;
+        // Nodes as they come; their unknowns apart from each other; all out of order.
+        let odd_first = (1..size).step_by(2).chain((0..size).step_by(2)).collect();
+        let shuffled = (0..size).map(|k| (k * 29 + 11) % size).collect();
+        for ordering in [
+            Ordering::MinimumDegree,
+            Ordering::Given((0..size).rev().collect()),
+            Ordering::Given(odd_first),
+            Ordering::Given(shuffled),
+        ] {
+            let analysis = Analysis::new(&pattern, &ordering).unwrap();
+            let columns = eliminated(&pattern, analysis.elimination_order());
+            assert_eq!(analysis.fill(), Fill::of_counts(columns.iter().map(|c| c.len() as f64 + 1.0)));
+            let supernodes = &analysis.supernodes;
+            for s in 0..supernodes.n_supernodes() {
+                let (begin, end) = (supernodes.supernode_begin()[s], supernodes.supernode_end()[s]);
+                let rows = supernodes.supernode(s).pattern();
+                // Those of its last column, which hold those of all others.
+                assert!(rows.iter().eq(&columns[end as usize - 1]), "{ordering:?}, supernode {s}");
+                for column in begin..end {
+                    let held = |row: &u32| *row < end || rows.contains(row);
+                    assert!(columns[column as usize].iter().all(held));
+                }
+            }
         }
     }
-    (pointers, rows)
-}
-
-/// The number of entries of each column of the factor, for the lower triangle of a matrix by columns.
-pub(super) fn column_counts(
-    size: usize,
-    lower_pointers: &[u32],
-    lower_rows: &[u32],
-) -> Result<Vec<u32>, LinearAlgebraError> {
-    let (pointers, rows) = upper_triangle(size, lower_pointers, lower_rows);
-    let upper = SymbolicSparseColMatRef::new_checked(size, size, &pointers, None, &rows);
-    let scratch = simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(size, rows.len());
-    let mut memory = MemBuffer::try_new(scratch).map_err(|_| NO_MEMORY)?;
-    let (mut tree, mut counts) = (vec![0_i32; size], vec![0_u32; size]);
-    simplicial::prefactorize_symbolic_cholesky(&mut tree, &mut counts, upper, MemStack::new(&mut memory));
-    Ok(counts)
-}
-
-/// Supernodes of the factor, and its fill without the zeros inside supernodes.
-pub(super) fn find_supernodes(
-    size: usize,
-    lower_pointers: &[u32],
-    lower_rows: &[u32],
-) -> Result<(SymbolicSupernodalCholesky<u32>, Fill), LinearAlgebraError> {
-    let (pointers, rows) = upper_triangle(size, lower_pointers, lower_rows);
-    let upper = SymbolicSparseColMatRef::new_checked(size, size, &pointers, None, &rows);
-    let scratch = StackReq::or(
-        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(size, rows.len()),
-        supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(size),
-    );
-    let mut memory = MemBuffer::try_new(scratch).map_err(|_| NO_MEMORY)?;
-    let (mut tree, mut counts) = (vec![0_i32; size], vec![0_u32; size]);
-    let tree =
-        simplicial::prefactorize_symbolic_cholesky(&mut tree, &mut counts, upper, MemStack::new(&mut memory));
-    let supernodes = supernodal::factorize_supernodal_symbolic_cholesky(
-        upper,
-        tree,
-        &counts,
-        MemStack::new(&mut memory),
-        SymbolicSupernodalParams::default(),
-    )
-    .map_err(|_| TOO_LARGE)?;
-    Ok((supernodes, Fill::of_counts(counts.into_iter().map(f64::from))))
 }

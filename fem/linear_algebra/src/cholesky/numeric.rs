@@ -17,7 +17,10 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use self::dense::{Factor, Rows, Subtract, run};
 use self::updates::Updates;
-use crate::analysis::LowerTriangle;
+use crate::analysis::Analysis;
+use crate::csr::CsrMatrix;
+use crate::error::LinearAlgebraError;
+use crate::large_pages::hand_over;
 use crate::threads::Threads;
 
 /// Columns of a panel.
@@ -26,14 +29,18 @@ const PANEL: usize = 64;
 const LARGE: usize = 1 << 17;
 /// Columns of the one, and rows of the other factor from which on they are wide.
 const WIDE: usize = 24;
+/// Values whose memory is handed over at once, if not more are needed.
+const AHEAD: usize = 1 << 17;
 /// Rows of such a product that are formed at once.
 const TILE: usize = 512;
 
 /// The supernodes of a factor whose values are computed.
 pub(super) struct Numeric<'a> {
     symbolic: &'a SymbolicSupernodalCholesky<u32>,
-    lower: &'a LowerTriangle,
-    matrix: &'a [f64],
+    matrix: &'a CsrMatrix,
+    /// The unknown at each place, and the place of each unknown.
+    order: &'a [u32],
+    places: &'a [u32],
     updates: Updates,
 }
 
@@ -43,6 +50,18 @@ struct Scratch {
     /// Row of the supernode at work for each row of the matrix that it has.
     places: Vec<u32>,
     own: Panel,
+    /// The end of the values whose memory has been handed over.
+    handed_over: usize,
+}
+
+impl Scratch {
+    /// Sees to the memory of the next values, of which the first has the given place among all, as far as so many are needed at once.
+    fn hand_over(&mut self, place: usize, needed: usize, next: &mut [f64]) {
+        if place + needed > self.handed_over {
+            let count = next.len().min(needed.max(AHEAD));
+            self.handed_over = place + hand_over(&mut next[..count]);
+        }
+    }
 }
 
 /// Memory for the work on a panel.
@@ -53,13 +72,10 @@ struct Panel {
 }
 
 impl<'a> Numeric<'a> {
-    /// The factorisation of a matrix with these values, of which `lower` knows the places.
-    pub(super) fn new(
-        symbolic: &'a SymbolicSupernodalCholesky<u32>,
-        lower: &'a LowerTriangle,
-        matrix: &'a [f64],
-    ) -> Self {
-        Self { symbolic, lower, matrix, updates: Updates::new(symbolic) }
+    /// The factorisation of a matrix, which must have the pattern that was analysed.
+    pub(super) fn new(analysis: &'a Analysis, matrix: &'a CsrMatrix) -> Result<Self, LinearAlgebraError> {
+        let (places, symbolic) = (analysis.places(matrix)?, &analysis.supernodes);
+        Ok(Self { symbolic, matrix, order: &analysis.order, places, updates: Updates::new(symbolic) })
     }
 
     fn columns(&self, supernode: usize) -> Range<usize> {
@@ -118,12 +134,15 @@ impl<'a> Numeric<'a> {
         scratch: &mut Panel,
     ) {
         panel.fill(0.0);
-        let LowerTriangle { pointers, rows, source } = self.lower;
         let columns = first..first + panel.len() / height;
         for (column, own) in columns.clone().zip(panel.chunks_exact_mut(height)) {
-            let entries = pointers[column] as usize..pointers[column + 1] as usize;
-            for (row, source) in rows[entries.clone()].iter().zip(&source[entries]) {
-                own[places[*row as usize] as usize] += self.matrix[*source as usize];
+            // The entries of a row are neighbours in memory, those of a triangle's column are not.
+            let (unknowns, values) = self.matrix.row(self.order[column] as usize);
+            for (unknown, value) in unknowns.iter().zip(values) {
+                let row = self.places[*unknown as usize] as usize;
+                if row >= column {
+                    own[places[row] as usize] = *value;
+                }
             }
         }
         let target_first = places[first] as usize;

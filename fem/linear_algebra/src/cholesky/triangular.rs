@@ -116,9 +116,14 @@ impl SymmetricFactor {
 
     /// Replaces y, in elimination order, by L⁻ᵀ y.
     pub(crate) fn solve_with_upper(&self, y: &mut [f64]) {
+        self.substitute_back(0..self.analysis.supernodes.n_supernodes() as u32, y);
+    }
+
+    /// The same in some supernodes, ascending, with all above them in the elimination tree.
+    pub(crate) fn substitute_back(&self, supernodes: impl DoubleEndedIterator<Item = u32>, y: &mut [f64]) {
         let mut below = vec![];
-        for number in (0..self.analysis.supernodes.n_supernodes()).rev() {
-            let node = self.supernode(number);
+        for number in supernodes.rev() {
+            let node = self.supernode(number as usize);
             below.clear();
             below.extend(node.rows.iter().map(|row| y[*row as usize]));
             let own = &mut y[node.first..node.first + node.width];

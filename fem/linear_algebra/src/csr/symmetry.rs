@@ -37,10 +37,10 @@ impl CsrMatrix {
     /// If the matrix is not square.
     pub fn asymmetry(&self) -> Result<f64, LinearAlgebraError> {
         check_size("the set of columns of a square matrix", self.rows(), self.columns())?;
-        if self.values.iter().any(|value| value.is_nan()) {
+        let sizes = self.sizes_of_unknowns();
+        if sizes.iter().any(|size| size.is_nan()) {
             return Ok(f64::NAN);
         }
-        let sizes = self.sizes_of_unknowns();
         let mut asymmetry = Asymmetry { sizes: &sizes, most: 0.0 };
         let of_pair = |k: usize, l: usize, row: usize, column: usize| {
             asymmetry.visit((row, column), self.values[k], self.values[l]);
@@ -78,19 +78,21 @@ impl CsrMatrix {
     fn for_each_pair(&self, mut visit: impl FnMut(usize, usize, usize, usize)) -> bool {
         let pointers = self.row_pointers();
         let columns = self.column_indices();
-        // Rows come in ascending order, so the partner of (i, j) is the next unvisited entry of row j.
+        // Rows come in ascending order, so the partner of (i, j) is the next unvisited entry of row j: where it comes to that row
+        // itself, all before its diagonal have been met.
         let mut next: Vec<usize> = pointers[..self.rows()].to_vec();
         for row in 0..self.rows() {
-            for position in pointers[row]..pointers[row + 1] {
+            for position in next[row]..pointers[row + 1] {
                 let column = columns[position] as usize;
+                if column == row {
+                    continue;
+                }
                 let partner = next[column];
-                if partner >= pointers[column + 1] || columns[partner] as usize != row {
+                if column < row || partner >= pointers[column + 1] || columns[partner] as usize != row {
                     return false;
                 }
                 next[column] += 1;
-                if column > row {
-                    visit(position, partner, row, column);
-                }
+                visit(position, partner, row, column);
             }
         }
         true

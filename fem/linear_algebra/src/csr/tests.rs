@@ -68,6 +68,11 @@ fn symmetric_part_and_asymmetry() {
     let soft = CsrMatrix::from_triplets(4, 4, &entries).unwrap();
     assert!((soft.asymmetry().unwrap() - 1.0).abs() < 1e-15);
     assert_eq!(BlockMatrix::from(soft.clone()).asymmetry().unwrap(), soft.asymmetry().unwrap());
+    for place in 0..soft.values().len() {
+        let mut bad = soft.clone();
+        bad.values_mut()[place] = f64::NAN;
+        assert!(bad.asymmetry().unwrap().is_nan(), "{place}");
+    }
     assert_eq!(lower.symmetric_part().unwrap().values(), part.values());
 }
 

@@ -96,6 +96,7 @@ impl Numeric<'_> {
             false => self.tree().parts(threads.count()),
         };
         self.factor_parts(threads, &parts, values, &mut scratch)?;
+        scratch.handed_over = 0;
         let mut ranges: Vec<Range<usize>> = parts.into_iter().map(|part| part.range).collect();
         ranges.sort_unstable_by_key(|range| range.start);
         let mut ranges = ranges.into_iter().peekable();
@@ -106,8 +107,9 @@ impl Numeric<'_> {
                 continue;
             }
             let place = self.values(supernode..supernode + 1);
-            let (known, block) = values[..place.end].split_at_mut(place.start);
-            self.supernode(supernode, threads, (0, known), block, &mut scratch)?;
+            let (known, later) = values.split_at_mut(place.start);
+            scratch.hand_over(place.start, place.len(), later);
+            self.supernode(supernode, threads, (0, known), &mut later[..place.len()], &mut scratch)?;
             supernode += 1;
         }
         Ok(())
@@ -136,9 +138,12 @@ impl Numeric<'_> {
         share(threads, blocks, scratch, |(part, block), scratch| {
             let range = parts[part].range.clone();
             let start = self.values(range.clone()).start;
+            scratch.handed_over = start;
             for supernode in range {
                 let place = self.values(supernode..supernode + 1);
-                let (known, own) = block[..place.end - start].split_at_mut(place.start - start);
+                let (known, later) = block.split_at_mut(place.start - start);
+                scratch.hand_over(place.start, place.len(), later);
+                let own = &mut later[..place.len()];
                 if let Err(column) = self.supernode(supernode, Threads::ONE, (start, known), own, scratch) {
                     let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                     *failed = Some(failed.map_or(column, |other| other.min(column)));
