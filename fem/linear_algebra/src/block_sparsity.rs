@@ -1,7 +1,7 @@
 //! The positions of a block matrix: pairs of nodes, for each pair of a test and a trial space.
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use super::cells::Cells;
 use super::error::{LinearAlgebraError, check_size};
@@ -128,8 +128,11 @@ pub struct BlockSparsity {
     pairs: Vec<BlockRows>,
     entries: usize,
     pattern: OnceLock<Arc<SparsityPattern>>,
-    cells: Option<Arc<Cells>>,
+    cells: Option<LazyLock<Arc<Cells>, MakeCells>>,
 }
+
+/// Makes cells when they are first asked for.
+type MakeCells = Box<dyn FnOnce() -> Arc<Cells> + Send + Sync>;
 
 impl PartialEq for BlockSparsity {
     fn eq(&self, other: &Self) -> bool {
@@ -191,12 +194,20 @@ impl BlockSparsity {
     /// If a cell has an unknown that is none of the rows or columns.
     pub fn with_cells(self, cells: Cells) -> Result<Self, LinearAlgebraError> {
         cells.check(self.row_count().min(self.column_count()))?;
-        Ok(BlockSparsity { cells: Some(Arc::new(cells)), ..self })
+        Ok(self.with_cells_made_by(move || cells))
+    }
+
+    /// The same with cells that are made when they are first asked for: only orderings read them. All of their unknowns must be
+    /// rows and columns.
+    #[doc(hidden)]
+    pub fn with_cells_made_by(self, make: impl FnOnce() -> Cells + Send + Sync + 'static) -> Self {
+        let make: MakeCells = Box::new(move || Arc::new(make()));
+        BlockSparsity { cells: Some(LazyLock::new(make)), ..self }
     }
 
     /// The cells whose unknowns are coupled, where they are known.
     pub fn cells(&self) -> Option<&Arc<Cells>> {
-        self.cells.as_ref()
+        self.cells.as_deref()
     }
 
     /// The row sets.
@@ -376,7 +387,7 @@ impl BlockSparsity {
                 }
             }
             let (rows, columns) = (self.row_count(), self.column_count());
-            let cells = self.cells.clone();
+            let cells = self.cells().cloned();
             Arc::new(SparsityPattern::of_checked(rows, columns, pointers, indices, cells))
         })
     }
@@ -387,13 +398,14 @@ impl From<&Arc<SparsityPattern>> for BlockSparsity {
     fn from(pattern: &Arc<SparsityPattern>) -> Self {
         let mut pair = BlockRows::new(pattern.row_pointers().to_vec(), pattern.column_indices().to_vec());
         pair.block = 1;
+        let cells = pattern.cells().cloned();
         BlockSparsity {
             rows: NodeSet::in_a_row([(pattern.rows(), 1)]),
             columns: NodeSet::in_a_row([(pattern.columns(), 1)]),
             pairs: vec![pair],
             entries: pattern.entries(),
             pattern: OnceLock::from(pattern.clone()),
-            cells: pattern.cells().cloned(),
+            cells: cells.map(|cells| LazyLock::new(Box::new(move || cells) as MakeCells)),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::block_graph::BlockGraph;
 use super::error::LinearAlgebraError;
+use super::large_pages::room;
 
 /// Cells whose unknowns a matrix couples with each other, with their centres: what a nested dissection by places has to
 /// know. Unknowns may belong to several cells or to none, and a matrix may couple unknowns that no cell has in common.
@@ -29,13 +30,10 @@ impl Cells {
         self.ends.push(self.unknowns.len());
     }
 
-    /// Adds other cells after its own.
+    /// None yet, with room for so many cells and unknowns on all of them together.
     #[doc(hidden)]
-    pub fn append(&mut self, others: &Cells) {
-        let own = self.unknowns.len();
-        self.centres.extend_from_slice(&others.centres);
-        self.unknowns.extend_from_slice(&others.unknowns);
-        self.ends.extend(others.ends.iter().map(|end| own + end));
+    pub fn with_room(cells: usize, unknowns: usize) -> Self {
+        Cells { centres: room(cells), ends: room(cells), unknowns: room(unknowns) }
     }
 
     /// Number of cells.

@@ -7,17 +7,17 @@
 use std::ops::Range;
 
 /// Arrays below this size \[byte\] have nothing to gain.
-const SMALLEST: usize = 1 << 23;
+const SMALLEST: usize = 1 << 21;
 
-/// So many zeros.
-pub(crate) fn zeros(count: usize) -> Vec<f64> {
-    let values = vec![0.0; count];
+/// So many zeros, or what else is the default. Of numbers, memory that nothing is written to is never asked for.
+pub fn zeros<T: Clone + Default>(count: usize) -> Vec<T> {
+    let values = vec![T::default(); count];
     ask(&values);
     values
 }
 
-/// An empty vector with room for so many numbers.
-pub(crate) fn room(count: usize) -> Vec<f64> {
+/// An empty vector with room for so many.
+pub fn room<T>(count: usize) -> Vec<T> {
     let values = Vec::with_capacity(count);
     ask(&values);
     values
@@ -25,24 +25,24 @@ pub(crate) fn room(count: usize) -> Vec<f64> {
 
 /// Asks for large pages; a system that has none says no, and nothing is lost.
 #[cfg(target_os = "linux")]
-fn ask(values: &Vec<f64>) {
-    if size_of::<f64>() * values.capacity() < SMALLEST {
+fn ask<T>(values: &Vec<T>) {
+    if size_of::<T>() * values.capacity() < SMALLEST {
         return;
     }
     let begin = values.as_ptr();
-    let pages = pages_in(begin.addr(), values.capacity());
+    let pages = pages_in(begin.addr(), size_of::<T>() * values.capacity());
     let first = begin.with_addr(pages.start).cast_mut().cast();
     // SAFETY: a foreign function. The range lies within the memory of the vector, and the advice does not change what is there.
     unsafe { libc::madvise(first, pages.len(), libc::MADV_HUGEPAGE) };
 }
 
-/// The addresses of the whole pages among so many numbers.
+/// The addresses of the whole pages among so many bytes.
 #[cfg(target_os = "linux")]
-fn pages_in(begin: usize, count: usize) -> Range<usize> {
+fn pages_in(begin: usize, bytes: usize) -> Range<usize> {
     /// A page of the least size \[byte\] on every machine that runs Linux divides this.
     const PAGE: usize = 1 << 16;
     let start = begin.next_multiple_of(PAGE);
-    start..((begin + size_of::<f64>() * count) / PAGE * PAGE).max(start)
+    start..((begin + bytes) / PAGE * PAGE).max(start)
 }
 
 /// Has the system hand over the pages of numbers that are about to be written, in one call in place of a fault for each page, and
@@ -51,7 +51,7 @@ fn pages_in(begin: usize, count: usize) -> Range<usize> {
 #[cfg(target_os = "linux")]
 pub(crate) fn hand_over(values: &mut [f64]) -> usize {
     let begin = values.as_mut_ptr();
-    let pages = pages_in(begin.addr(), values.len());
+    let pages = pages_in(begin.addr(), size_of_val(values));
     let first = begin.with_addr(pages.start).cast();
     // SAFETY: a foreign function. The range lies within the memory of the numbers, and the advice does not change what is there.
     unsafe { libc::madvise(first, pages.len(), libc::MADV_POPULATE_WRITE) };
@@ -64,7 +64,7 @@ pub(crate) fn hand_over(values: &mut [f64]) -> usize {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn ask(_: &Vec<f64>) {}
+fn ask<T>(_: &Vec<T>) {}
 
 #[cfg(test)]
 mod tests {
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn large_arrays_are_zero_and_can_be_written() {
         for count in [0, 1, SMALLEST / 8 - 1, SMALLEST / 8 + 1_000] {
-            let mut values = zeros(count);
+            let mut values: Vec<f64> = zeros(count);
             assert!(values.len() == count && values.iter().all(|value| *value == 0.0));
             values.fill(1.0);
             assert_eq!(values.iter().sum::<f64>(), count as f64);

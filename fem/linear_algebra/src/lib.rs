@@ -31,7 +31,8 @@ pub mod equilibration;
 pub mod error;
 pub mod gmres;
 pub mod krylov;
-mod large_pages;
+#[doc(hidden)]
+pub mod large_pages;
 pub mod lu;
 pub mod minres;
 pub mod multigrid;

@@ -5,6 +5,7 @@ pub(super) mod block_index;
 mod cells;
 mod on_threads;
 mod rows;
+mod short_rows;
 pub(super) mod sparsity;
 pub(super) mod touched;
 
@@ -24,6 +25,7 @@ use crate::assemble::walk::pair_groups::without_coefficients;
 use crate::assemble::walk::pair_search::PairSearch;
 use crate::compiled_here::compiled_here;
 use crate::field::FieldView;
+use crate::linear_algebra::large_pages::room;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::space::Space;
 use crate::threads::Threads;
@@ -260,7 +262,7 @@ impl<const D: usize> BlockPattern<D> {
         threads: Threads,
     ) -> Result<Self, LinearAlgebraError> {
         let (mut pairs, mut maps) = (Vec::new(), Vec::new());
-        let cells = coupled_cells(tests, trials, &coupled, threads);
+        let cells = coupled_cells(tests, trials, &coupled);
         for (test, coupled) in tests.iter().zip(coupled) {
             let (mut row_of_pairs, mut row_of_maps) = (Vec::new(), Vec::new());
             for (trial, Coupled { cells, mut across, nodes_across, others }) in trials.iter().zip(coupled) {
@@ -289,9 +291,12 @@ impl<const D: usize> BlockPattern<D> {
                 let walked: Vec<u32> = parts.into_iter().flat_map(|(_, cells)| cells).collect();
                 let nodes = |cell: &u32| (test.cell_nodes(*cell as usize), trial.cell_nodes(*cell as usize));
                 let mapped = walked.len() + nodes_across.len();
-                let cliques = walked.iter().map(nodes).chain(nodes_across).chain(others);
-                let (rows, columns) = cliques.unzip();
-                let cliques = Cliques { rows, columns };
+                let count = mapped + others.len();
+                let mut cliques = Cliques { rows: room(count), columns: room(count) };
+                for (rows, columns) in walked.iter().map(nodes).chain(nodes_across).chain(others) {
+                    cliques.rows.push(rows);
+                    cliques.columns.push(columns);
+                }
                 let nodes = (test.node_count(), trial.node_count());
                 let (blocks, places) = couple(&cliques, nodes, mapped, threads);
                 row_of_pairs.push(blocks);
@@ -305,9 +310,10 @@ impl<const D: usize> BlockPattern<D> {
         };
         let sparsity = BlockSparsity::of_checked(sets(tests), sets(trials), pairs)?;
         let sparsity = match cells {
-            Some(cells) => Arc::new(sparsity.with_cells(cells)?),
-            None => Arc::new(sparsity),
+            Some(cells) => sparsity.with_cells_made_by(move || cells.make()),
+            None => sparsity,
         };
+        let sparsity = Arc::new(sparsity);
         let owned = |spaces: &[&Arc<Space<D>>]| spaces.iter().map(|space| Arc::clone(space)).collect();
         Ok(BlockPattern {
             sparsity,

@@ -16,6 +16,14 @@ use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 use crate::threads::Threads;
 
+/// At least so many values are set to zero at once, a quarter of a megabyte: small enough that they are still in the second
+/// cache when they are added to, large enough that they come there as a stream and not line by line.
+const CLEARED_AT_ONCE: usize = 1 << 15;
+
+/// The nodes of a cell are asked for so many cells before they are needed: the walk follows a curve, and their lists the numbers
+/// of the cells.
+const NODES_AHEAD: usize = 16;
+
 /// The destination of a group's element matrices.
 pub(super) struct MatrixScatter<'a> {
     pub tests: GroupNodes<'a>,
@@ -122,6 +130,7 @@ impl MatrixScatter<'_> {
         let offset = self.entries(0..part.rows.start).end;
         for (number, matrix) in matrices.chunks_exact(height * width * block).enumerate() {
             let entity = first + number;
+            L::prefetch(self.tests.of_later_cell(entity + NODES_AHEAD), 0);
             let places = finder.find(entity)?.chunks_exact(width);
             let rows = self.tests.of(entity).iter().zip(matrix.chunks_exact(width * block)).zip(places);
             for ((&row, blocks), places) in rows {
@@ -133,7 +142,7 @@ impl MatrixScatter<'_> {
                 let ends = &self.blocks.pointers()[row..row + 2];
                 let (start, end) = (ends[0] * block - offset, ends[1] * block - offset);
                 if part.written <= row {
-                    self.clear_to(part, row + 1);
+                    self.clear_from(part, row);
                 }
                 if let Some(zero) = part.zeros.get_mut(row - part.rows.start) {
                     *zero = false;
@@ -178,8 +187,15 @@ impl MatrixScatter<'_> {
         Some(())
     }
 
+    /// Sets a row to zero that the walk has come to, with those before it and some that it will come to.
+    #[inline(never)]
+    fn clear_from(&self, part: &mut OwnRows, row: usize) {
+        let starts = &self.blocks.pointers()[row + 1..=part.rows.end];
+        let far = starts[0] + CLEARED_AT_ONCE / self.block.max(1);
+        self.clear_to(part, row + starts.partition_point(|start| *start <= far));
+    }
+
     /// Sets the rows up to an end to zero, but for those that are known to be.
-    #[inline(always)]
     fn clear_to(&self, part: &mut OwnRows, end: usize) {
         if part.zeros.is_empty() {
             let offset = self.entries(0..part.rows.start).end;

@@ -121,7 +121,7 @@ pub(crate) trait SimdLane: Lane {
     /// Asks for the cache line of an entry that will be wanted soon. Nothing happens beyond the end, or on processors without such an
     /// instruction in stable Rust.
     #[inline(always)]
-    fn prefetch(_values: &[f64], _place: usize) {}
+    fn prefetch<T>(_values: &[T], _place: usize) {}
 
     /// Writes the entries of each of the first `filled` lanes to `target[lane * stride..]`; adds them to what is there
     /// if `ADD`.

@@ -71,7 +71,7 @@ use simd;
 
 /// [`super::SimdLane::prefetch`].
 #[inline(always)]
-fn ask_for_line(values: &[f64], place: usize) {
+fn ask_for_line<T>(values: &[T], place: usize) {
     if let Some(value) = values.get(place) {
         simd!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()));
     }

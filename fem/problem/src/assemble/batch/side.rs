@@ -12,6 +12,16 @@ use crate::assemble::walk::GroupSide;
 use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts, WIDEST};
 
+/// So many cells before they are loaded, the coordinates of their nodes are asked for.
+const NODES_AHEAD: usize = 12;
+
+/// A batch of cells so many after a start, or what there is of it.
+#[inline(always)]
+fn later_cells<L: SimdLane>(cells: &[u32], start: usize, ahead: usize) -> &[u32] {
+    let later = cells.get(start + ahead..).unwrap_or_default();
+    &later[..later.len().min(L::WIDTH)]
+}
+
 /// The tables of one side of a group.
 pub(super) struct SideTables<'a, const D: usize> {
     pub group: &'a GroupSide<D>,
@@ -87,6 +97,15 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                     lists[lane] = mesh.cell(self.cells[lane] as usize);
                 }
                 let coordinates = mesh.nodes().as_flattened();
+                // The lists of cells and their coordinates lie in another order than the walk: they are asked for some batches before.
+                for cell in later_cells::<L>(&tables.group.cells, start, 2 * NODES_AHEAD) {
+                    L::prefetch(mesh.cell(*cell as usize), 0);
+                }
+                for cell in later_cells::<L>(&tables.group.cells, start, NODES_AHEAD) {
+                    for node in mesh.cell(*cell as usize) {
+                        L::prefetch(coordinates, *node as usize * D);
+                    }
+                }
                 let count = self.nodes.len();
                 for (node, target) in self.nodes[..count].iter_mut().enumerate() {
                     for lane in 0..L::WIDTH {

@@ -9,8 +9,10 @@
 use std::ops::Range;
 
 use super::block_index::Slot;
+use super::short_rows::{LONGEST, ShortRow};
 use super::sparsity::Cliques;
 use crate::lanes::{LaneWork, SimdLane};
+use crate::linear_algebra::large_pages::{room, zeros};
 
 /// The rows that a thread makes, and where it may write places.
 pub(super) struct RowsOfThread<'a, 'p, P> {
@@ -45,7 +47,7 @@ struct Around {
 impl Around {
     /// Cliques before the first have no node among the rows.
     fn new(cliques: &Cliques, first: usize, rows: &Range<usize>) -> Self {
-        let mut starts = vec![0_usize; rows.len() + 1];
+        let mut starts: Vec<usize> = zeros(rows.len() + 1);
         let within = |node: u32| (node as usize).wrapping_sub(rows.start);
         for &node in cliques.rows[first..].iter().flat_map(|nodes| *nodes) {
             if let Some(next) = starts[1..].get_mut(within(node)) {
@@ -55,7 +57,7 @@ impl Around {
         for node in 0..rows.len() {
             starts[node + 1] += starts[node];
         }
-        let mut members = vec![(0_u32, 0_u32); starts[rows.len()]];
+        let mut members: Vec<(u32, u32)> = zeros(starts[rows.len()]);
         let starts_of_rows = &mut starts[..rows.len()];
         for (clique, nodes) in cliques.rows.iter().enumerate().skip(first) {
             for (place, &node) in nodes.iter().enumerate() {
@@ -86,40 +88,48 @@ impl<P: Slot> LaneWork for RowsOfThread<'_, '_, P> {
         let (first_place, mapped) = (begins[own.start], begins.len() - 1);
         let around = Around::new(cliques, own.start, &rows);
         let longest = cliques.columns[own.start..].iter().map(|columns| columns.len()).max().unwrap_or(0);
-        let mut row = Row { columns: vec![], slots: vec![], ranks: vec![], seen: vec![0; column_nodes] };
-        let ends = Vec::with_capacity(rows.len());
-        let mut made = MadeRows { ends, columns: vec![], elsewhere: vec![], places_elsewhere: vec![] };
+        let mut row = Row { columns: vec![], places: vec![], ranks: vec![], seen: zeros(column_nodes) };
+        let mut short = ShortRow::default();
+        // Room for all columns with their repetitions; what is not written to costs nothing.
+        let sizes = cliques.rows.iter().zip(&cliques.columns).skip(own.start);
+        let most: usize = sizes.map(|(rows, columns)| rows.len() * columns.len()).sum();
+        let mut columns: Vec<u32> = zeros(most + LONGEST);
+        let (mut ends, mut start) = (room(rows.len()), 0);
+        let (mut elsewhere, mut places_elsewhere) = (vec![], vec![]);
         for k in 0..rows.len() {
-            let around = around.row(k);
+            let (around, node) = (around.row(k), (rows.start + k) as u32);
             row.make_room(around.len() * longest);
-            let count = row.gather(cliques, around, (rows.start + k) as u32);
+            let gathered = short.gather(cliques, around, node);
+            let count = match (gathered, columns[start..].first_chunk_mut()) {
+                (Some(gathered), Some(sorted)) => short.sort(gathered, sorted, &mut row.places),
+                _ => row.make(cliques, around, node, &mut columns[start..]),
+            };
             if count > P::LONGEST_ROW {
                 return None;
             }
-            let start = made.columns.len();
-            made.columns.resize(start + count, 0);
-            row.sort(count, &mut made.columns[start..]);
-            made.ends.push(start + count);
-            let mut slots = &row.slots[..];
+            start += count;
+            ends.push(start);
+            let mut of_row = &row.places[..];
             for &(clique, i) in around {
                 let (clique, i) = (clique as usize, i as usize);
                 let width = cliques.columns[clique].len();
-                let (of_clique, later) = slots.split_at(width);
-                slots = later;
+                let (of_clique, later) = of_row.split_at(width);
+                of_row = later;
                 if own.contains(&clique) {
                     let first = begins[clique] - first_place + i * width;
                     let places = &mut places[first..][..width];
                     for k in 0..width {
-                        places[k] = P::new(row.ranks[of_clique[k] as usize]);
+                        places[k] = P::new(of_clique[k]);
                     }
                 } else if clique < mapped {
-                    made.elsewhere.push((begins[clique] + i * width, width));
-                    let ranks = of_clique.iter().map(|slot| P::new(row.ranks[*slot as usize]));
-                    made.places_elsewhere.extend(ranks);
+                    elsewhere.push((begins[clique] + i * width, width));
+                    places_elsewhere.extend(of_clique.iter().map(|place| P::new(*place)));
                 }
             }
         }
-        Some(made)
+        columns.truncate(start);
+        columns.shrink_to_fit();
+        Some(MadeRows { ends, columns, elsewhere, places_elsewhere })
     }
 }
 
@@ -127,8 +137,8 @@ impl<P: Slot> LaneWork for RowsOfThread<'_, '_, P> {
 struct Row {
     /// Its columns in the order in which they were met, each once; what stands behind them means nothing.
     columns: Vec<u32>,
-    /// Of each column of each clique around the node, its slot among `columns`.
-    slots: Vec<u32>,
+    /// Of each column of each clique around the node, its slot among `columns`, and in the end its place in the row.
+    places: Vec<u32>,
     /// Of each slot, the column's place in ascending order.
     ranks: Vec<u32>,
     /// Of each column node, the last row that has it, counted from one, in the upper half, and its slot there.
@@ -140,18 +150,30 @@ impl Row {
     const COUNTED: usize = 128;
 
     fn make_room(&mut self, columns: usize) {
-        if self.slots.len() < columns || self.columns.is_empty() {
-            self.slots.resize(2 * columns, 0);
+        if self.places.len() < columns || self.columns.is_empty() {
+            self.places.resize(2 * columns, 0);
             self.columns.resize(2 * columns + Row::COUNTED, 0);
             self.ranks.resize(2 * columns + Row::COUNTED, 0);
         }
+    }
+
+    /// Writes the columns of the cliques around a node, ascending, and gives their number.
+    #[inline(always)]
+    fn make(&mut self, cliques: &Cliques, around: &[(u32, u32)], node: u32, sorted: &mut [u32]) -> usize {
+        let count = self.gather(cliques, around, node);
+        self.sort(count, sorted);
+        let met = around.iter().map(|(clique, _)| cliques.columns[*clique as usize].len()).sum();
+        for place in &mut self.places[..met] {
+            *place = self.ranks[*place as usize];
+        }
+        count
     }
 
     /// Collects the columns of the cliques around a node; gives their number.
     #[inline(never)]
     fn gather(&mut self, cliques: &Cliques, around: &[(u32, u32)], node: u32) -> usize {
         let (row, seen) = (&mut self.columns[..], &mut self.seen[..]);
-        let mut slots = &mut self.slots[..];
+        let mut slots = &mut self.places[..];
         let mark = (u64::from(node) + 1) << 32;
         let mut count = 0;
         for &(clique, _) in around {
@@ -175,11 +197,8 @@ impl Row {
     #[inline(always)]
     fn sort(&mut self, count: usize, sorted: &mut [u32]) {
         match count {
-            0..=8 => self.count_smaller::<8>(count, sorted),
-            9..=16 => self.count_smaller::<16>(count, sorted),
-            17..=32 => self.count_smaller::<32>(count, sorted),
-            33..=48 => self.count_smaller::<48>(count, sorted),
-            49..=64 => self.count_smaller::<64>(count, sorted),
+            0..=32 => self.count_smaller::<32>(count, sorted),
+            33..=64 => self.count_smaller::<64>(count, sorted),
             65..=Row::COUNTED => self.count_smaller::<{ Row::COUNTED }>(count, sorted),
             _ => self.sort_long(count, sorted),
         }
@@ -231,7 +250,7 @@ mod tests {
                 (0..length as u32).map(|k| (k * 7_919 % 65_521).wrapping_sub(30_000)).collect();
             let mut expected = columns.clone();
             expected.sort_unstable();
-            let mut row = Row { columns: vec![], slots: vec![], ranks: vec![], seen: vec![] };
+            let mut row = Row { columns: vec![], places: vec![], ranks: vec![], seen: vec![] };
             row.make_room(length);
             row.columns.fill(7);
             row.columns[..length].copy_from_slice(&columns);

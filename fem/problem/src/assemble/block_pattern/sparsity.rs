@@ -10,6 +10,7 @@ use super::rows::{MadeRows, RowsOfThread};
 use crate::assemble::scatter::partition::Partition;
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::BlockRows;
+use crate::linear_algebra::large_pages::{room, zeros};
 use crate::threads::Threads;
 
 /// Sets of test and trial nodes that are all coupled with each other.
@@ -65,7 +66,7 @@ impl Coupling<'_> {
     /// Rows and places; none if a row is too long for the places' type, as none is for 32 bits.
     fn make<P: Slot + Default>(&self) -> Option<(BlockRows, Vec<P>)> {
         let (cliques, begins) = (self.cliques, &self.begins[..]);
-        let mut places = vec![P::default(); begins[begins.len() - 1]];
+        let mut places: Vec<P> = zeros(begins[begins.len() - 1]);
         let (mut rest, mut parts) = (&mut places[..], Vec::new());
         for (own, rows) in self.partition.entities.iter().zip(&self.partition.rows) {
             let (of_thread, later) = rest.split_at_mut(begins[own.end] - begins[own.start]);
@@ -77,7 +78,7 @@ impl Coupling<'_> {
         let set = InstructionSet::best().checked();
         let made = self.threads.run(parts, |part| set.run_without_kernel(part));
         let made: Vec<MadeRows<P>> = made.into_iter().collect::<Option<_>>()?;
-        let mut pointers = Vec::with_capacity(self.partition.rows.iter().map(Range::len).sum::<usize>() + 1);
+        let mut pointers = room(self.partition.rows.iter().map(Range::len).sum::<usize>() + 1);
         pointers.push(0);
         let mut columns: Vec<u32> = Vec::new();
         for MadeRows { ends, columns: of_thread, elsewhere, places_elsewhere } in made {

@@ -53,6 +53,12 @@ impl<'a> GroupNodes<'a> {
         }
     }
 
+    /// All nodes of an entity's cell; none if there is no such entity, or the space lives on facets.
+    #[inline]
+    pub fn of_later_cell(&self, entity: usize) -> &'a [u32] {
+        self.cells.get(entity).map_or(&[], |cell| self.space.of(*cell as usize))
+    }
+
     /// The division of the group among threads.
     pub fn partition(&self, threads: Threads) -> Partition {
         let (count, rows) = (self.cells.len(), self.space.count);

@@ -20,7 +20,7 @@ impl SimdLane for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch(values: &[f64], place: usize) {
+    fn prefetch<T>(values: &[T], place: usize) {
         ask_for_line(values, place);
     }
 

@@ -21,7 +21,7 @@ impl SimdLane for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch(values: &[f64], place: usize) {
+    fn prefetch<T>(values: &[T], place: usize) {
         ask_for_line(values, place);
     }
 
