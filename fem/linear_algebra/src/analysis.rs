@@ -40,6 +40,24 @@ pub struct Analysis {
 }
 
 impl Analysis {
+    /// Analyses the pattern of a symmetric matrix. Where entries that vanish are stored on one side of the diagonal alone, the matrix on
+    /// the pattern that was analysed, which has both, comes with it.
+    ///
+    /// # Errors
+    /// As [`Analysis::new`], but for a pattern that is not symmetric.
+    pub fn of_symmetric(
+        matrix: &CsrMatrix,
+        ordering: &Ordering,
+    ) -> Result<(Self, Option<CsrMatrix>), LinearAlgebraError> {
+        match Self::new(matrix.pattern(), ordering) {
+            Err(LinearAlgebraError::PatternMismatch { .. }) => {
+                let completed = matrix.symmetric_part()?;
+                Ok((Self::new(completed.pattern(), ordering)?, Some(completed)))
+            }
+            found => Ok((found?, None)),
+        }
+    }
+
     /// Analyses a symmetric pattern.
     ///
     /// # Errors
@@ -231,6 +249,9 @@ mod tests {
             let matrix = CsrMatrix::from_triplets(4, 4, &[&diagonal, others].concat()).unwrap();
             let found = Analysis::new(matrix.pattern(), &Ordering::MinimumDegree);
             assert!(matches!(found, Err(LinearAlgebraError::PatternMismatch { .. })), "{others:?}");
+            let (analysis, completed) = Analysis::of_symmetric(&matrix, &Ordering::MinimumDegree).unwrap();
+            let completed = completed.expect("the other entries");
+            assert!(analysis.fits(&completed) && completed.get(1, 0) == completed.get(0, 1));
         }
     }
 }

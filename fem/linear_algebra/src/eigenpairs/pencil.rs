@@ -48,8 +48,12 @@ impl SymmetricPencil {
             }
         }
         let (first, second) = on_one_pattern(first, second)?;
-        let analysis = Arc::new(Analysis::new(first.pattern(), &Ordering::default())?);
-        Ok(SymmetricPencil { first, second, positive, analysis })
+        let (analysis, completed) = Analysis::of_symmetric(&first, &Ordering::default())?;
+        let (first, second) = match completed {
+            Some(first) => (first, second.symmetric_part()?),
+            None => (first, second),
+        };
+        Ok(SymmetricPencil { first, second, positive, analysis: Arc::new(analysis) })
     }
 
     /// The number of unknowns.

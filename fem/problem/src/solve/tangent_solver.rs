@@ -2,6 +2,7 @@
 
 mod iterative;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -157,18 +158,17 @@ impl TangentSolver {
     /// Factors the symmetric part of the current matrix.
     fn refactor(&mut self) -> Result<(), SolverError> {
         let matrix = self.scaled.as_ref().or(self.matrix.as_ref()).ok_or(SolverError::NoMatrix)?;
-        let own_part;
-        let part = if self.symmetric {
-            matrix
-        } else {
-            own_part = matrix.symmetric_part()?;
-            &own_part
+        let mut part = match self.symmetric {
+            true => Cow::Borrowed(matrix),
+            false => Cow::Owned(matrix.symmetric_part()?),
         };
         let storage = self.factor.take().map(SymmetricFactor::into_storage).unwrap_or_default();
         let analysis = match self.analysis.take() {
-            Some(analysis) if analysis.fits(part) => analysis,
+            Some(analysis) if analysis.fits(&part) => analysis,
             _ => {
-                let analysis = Arc::new(Analysis::new(part.pattern(), &self.options.ordering)?);
+                let (analysis, completed) = Analysis::of_symmetric(&part, &self.options.ordering)?;
+                part = completed.map_or(part, Cow::Owned);
+                let analysis = Arc::new(analysis);
                 self.report.analyses += 1;
                 self.report.analysis_seconds += analysis.seconds();
                 self.report.factor_entries = analysis.factor_entries();
@@ -180,11 +180,11 @@ impl TangentSolver {
         self.analysis = Some(analysis.clone());
         let start = Instant::now();
         let result =
-            SymmetricFactor::cholesky_or_indefinite_on(self.options.threads, &analysis, part, storage);
+            SymmetricFactor::cholesky_or_indefinite_on(self.options.threads, &analysis, &part, storage);
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         let factor = result?;
         if !factor.is_positive_definite() || factor.smallest_pivot_ratio() < DOUBTFUL {
-            let found = check_regular(part, |y| factor.solve_in_place(y));
+            let found = check_regular(&part, |y| factor.solve_in_place(y));
             self.proved_singular = self.symmetric && found.is_err();
             found?;
         }
