@@ -70,6 +70,7 @@ where
             Self::pair_reports(),
             Self::pair_search(),
             Self::residual(),
+            Self::reference_tensor(),
             Self::rigid_body(),
             Self::rigid_loads(),
             Self::rigid_map(),
@@ -94,7 +95,13 @@ where
     }
 
     fn in_lanes<L: SimdLane>() -> Vec<Vec<*const ()>> {
-        vec![Self::buffers::<L>(), Self::checks::<L>(), Self::matrices::<L>()]
+        vec![
+            Self::buffers::<L>(),
+            Self::checks::<L>(),
+            Self::element_matrices::<L>(),
+            Self::element_vectors::<L>(),
+            Self::matrices::<L>(),
+        ]
     }
 }
 

@@ -11,7 +11,8 @@ use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
 use crate::assemble::element_kernel::fixed::{FixedIntegral, PrepareMatrices, PrepareVectors, fits};
 use crate::assemble::element_kernel::sizes::Sizes;
-use crate::assemble::kernel_calls::matrices::{along_axes, scalar};
+use crate::assemble::kernel_calls::BilinearConstants;
+use crate::assemble::kernel_calls::matrices::along_axes;
 use crate::assemble::walk::{Group, groups};
 use crate::quadrature::Quadrature;
 
@@ -64,7 +65,7 @@ impl<K, S: Sizes> Lengths<K, S> {
     where
         K: BilinearKernel<D>,
     {
-        Self::of_matrices() && !scalar::<K, D>()
+        Self::of_matrices() && !BilinearConstants::of::<K, D>().scalar()
     }
 
     /// Whether the loops of a vector have fixed lengths.
@@ -111,7 +112,8 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Prepare<'_, F,
         let (tables, groups) = (self.tables, self.groups(integral, &K::REQUIREMENTS)?);
         let factorised = |group: &Group<D>| {
             let tables = group.sides[0].products[0].as_ref();
-            tables.is_some_and(|tables| along_axes::<K, D>(tables, K::SYMMETRIC))
+            tables
+                .is_some_and(|tables| along_axes::<D>(&BilinearConstants::of::<K, D>(), tables, K::SYMMETRIC))
         };
         if const { Lengths::<K, S>::of_matrices() } && !groups.iter().any(factorised) {
             let order = &tables.orders[usize::from(K::SYMMETRIC)];

@@ -13,6 +13,9 @@ use crate::assemble::element_kernel::sizes::Sizes;
 use crate::assemble::kernel_calls::matrices::{ElementMatrices, MatrixBuffers};
 use crate::assemble::kernel_calls::sink::Direct;
 use crate::assemble::kernel_calls::vectors::{ElementVectors, VectorBuffers};
+use crate::assemble::kernel_calls::{
+    BilinearCalls, BilinearConstants, Factors, LinearCalls, LinearConstants,
+};
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, SimdLane};
 
@@ -118,11 +121,13 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Matrices<'_, '_, K, D> {
 
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
-        let mut buffers = recall::<MatrixBuffers<K, L, D>>(self.memory);
+        let mut memory = recall::<(MatrixBuffers<L, D>, Factors<K, L, D>)>(self.memory);
+        let (buffers, factors) = &mut *memory;
+        let calls = &mut BilinearCalls::new(self.kernel, factors);
+        let constants = const { &BilinearConstants::of::<K, D>() };
         let range = 0..self.count;
-        let done =
-            self.task.compute_in_lanes::<K, L>(self.kernel, self.order, range, &mut buffers, self.sink);
-        *self.memory = Some(buffers);
+        let done = self.task.compute_in_lanes::<L>(constants, calls, self.order, range, buffers, self.sink);
+        *self.memory = Some(memory);
         done
     }
 }
@@ -143,7 +148,9 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Vectors<'_, '_, K, D> {
     fn run<L: SimdLane>(self) -> Self::Output {
         let mut buffers = recall::<VectorBuffers<L, D>>(self.memory);
         let (range, order) = (0..self.count, Some(self.order));
-        let done = self.task.compute_in_lanes::<K, L>(self.kernel, order, range, &mut buffers, self.sink);
+        let calls = &mut LinearCalls::<K, L, D>::new(self.kernel);
+        let constants = const { &LinearConstants::of::<K, D>() };
+        let done = self.task.compute_in_lanes::<L>(constants, calls, order, range, &mut buffers, self.sink);
         *self.memory = Some(buffers);
         done
     }

@@ -1,5 +1,8 @@
 //! The calls of a kernel on the entities of a region, cells and facets alike: element matrices and vectors.
 
+mod bilinear_calls;
+mod constants;
+mod linear_calls;
 mod node_pairs;
 pub(super) mod reference_tensor;
 pub(super) mod sink;
@@ -8,4 +11,7 @@ pub(super) mod sum_factorisation;
 pub(super) mod matrices;
 pub(super) mod vectors;
 
+pub(super) use bilinear_calls::{BilinearCalls, Factors};
+pub(super) use constants::{BilinearConstants, LinearConstants};
+pub(super) use linear_calls::LinearCalls;
 pub(super) use node_pairs::NodePairs;

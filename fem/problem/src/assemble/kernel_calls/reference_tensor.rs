@@ -12,8 +12,9 @@ mod scalars;
 use forms_core::contract::BilinearKernel;
 
 use self::blocks::Terms;
-use super::matrices::scalar;
+use super::BilinearConstants;
 use crate::assemble::walk::GroupSide;
+use crate::compiled_here::compiled_here;
 use crate::lanes::SimdLane;
 
 /// Entries of a block, at most, for which sums are kept in registers.
@@ -21,7 +22,11 @@ const LARGEST_BLOCK: usize = 16;
 
 /// Whether a kernel allows for a reference tensor on some cell.
 pub(in crate::assemble) const fn suits<K: BilinearKernel<D>, const D: usize>() -> bool {
-    K::CELL_CONSTANT && !K::REQUIREMENTS.hessian && K::TEST_COMPONENTS * K::TRIAL_COMPONENTS <= LARGEST_BLOCK
+    allows(&BilinearConstants::of::<K, D>())
+}
+
+const fn allows(kernel: &BilinearConstants) -> bool {
+    kernel.cell_constant && !kernel.requirements.hessian && kernel.entries() <= LARGEST_BLOCK
 }
 
 /// R, for the pairs of nodes that are computed.
@@ -34,32 +39,33 @@ pub(in crate::assemble) enum ReferenceTensor {
 
 impl ReferenceTensor {
     /// The reference tensor of a kernel, if it may be used and takes fewer operations than the loop over points.
-    pub fn for_kernel<K: BilinearKernel<D>, const D: usize>(
+    #[inline(never)]
+    pub fn new<const D: usize>(
+        kernel: &BilinearConstants,
         side: &GroupSide<D>,
         elements: [usize; 2],
         weights: &[f64],
         symmetric: bool,
     ) -> Option<Self> {
-        if !const { suits::<K, D>() } || side.facet.is_some() || side.geometry.nodes != D + 1 {
+        if !allows(kernel) || side.facet.is_some() || side.geometry.nodes != D + 1 {
             return None;
         }
-        let count = K::OPERATIONS;
+        let count = kernel.operations;
         let [rows, columns] = elements.map(|element| side.elements[element].nodes);
         let pairs = if symmetric { rows * (rows + 1) / 2 } else { rows * columns };
         let per_point =
             count.point + rows * (count.test + D * D) + columns * count.trial + pairs * count.pair;
         let loops = weights.len() * per_point + pairs * count.finish;
-        if const { scalar::<K, D>() } {
-            let (directions, products) =
-                const { (scalars::directions::<K, D>(), scalars::products::<K, D>()) };
+        if kernel.scalar() {
+            let (directions, products) = (scalars::directions::<D>(kernel), scalars::products::<D>(kernel));
             let made = directions * (count.test + count.trial)
                 + products * (count.pair + count.finish)
                 + pairs * products;
-            let coefficients = || scalars::coefficients::<K, D>(side, elements, weights, symmetric);
+            let coefficients = || scalars::coefficients(kernel, side, elements, weights, symmetric);
             return (made < loops).then(|| ReferenceTensor::Numbers(coefficients()));
         }
-        let nonzero = K::NONZERO.iter().filter(|nonzero| **nonzero).count();
-        let terms = Terms::new(side, elements, weights, symmetric, &K::REQUIREMENTS);
+        let nonzero = kernel.nonzero.iter().filter(|nonzero| **nonzero).count();
+        let terms = Terms::new(side, elements, weights, symmetric, kernel.requirements);
         let directions = terms.directions();
         let blocks = directions * directions * (count.pair + count.finish);
         let made = blocks + directions * (count.test + count.trial) + terms.count() * nonzero;
@@ -81,7 +87,7 @@ pub(in crate::assemble) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: 
     match tensor {
         // Constant blocks: only the case that is used is compiled.
         ReferenceTensor::Numbers(coefficients) => {
-            if const { scalar::<K, D>() } {
+            if const { BilinearConstants::of::<K, D>().scalar() } {
                 scalars::contract::<K, L, D>(kernel, cell, coefficients, determinant, inverse, blocks);
             }
         }
@@ -105,3 +111,5 @@ pub(in crate::assemble) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: 
         },
     }
 }
+
+compiled_here!(reference_tensor: ReferenceTensor::new::<D>);

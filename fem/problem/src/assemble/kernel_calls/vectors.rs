@@ -1,4 +1,4 @@
-//! Element vectors of a linear integral: the loops over batches, points and basis functions.
+//! Element vectors of a linear integral: the loops over batches and points, from which the integral's kernel is called.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
@@ -7,6 +7,8 @@ use std::ops::Range;
 
 use forms_core::contract::{Basis, LinearKernel};
 
+use super::constants::LinearConstants;
+use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
@@ -16,7 +18,8 @@ use crate::assemble::kernel_calls::sum_factorisation::{
 };
 use crate::assemble::scatter::group_nodes::Reading;
 use crate::assemble::walk::Group;
-use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SimdLane, Transposition};
+use crate::compiled_here::compiled_here;
+use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SharedWork, SimdLane, Transposition};
 
 /// Inputs of the element vectors of a group, besides the kernel.
 pub(in crate::assemble) struct ElementVectors<'a, const D: usize> {
@@ -69,53 +72,102 @@ impl<const D: usize> ElementVectors<'_, D> {
         range: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, order: None, range, sink: Buffered::new(deliver) })
+        set.checked().run(Compute { task: self, kernel, range, deliver })
+    }
+
+    /// The loops, with memory of their own.
+    #[inline(never)]
+    fn compute_in_order<L: SimdLane>(
+        &self,
+        kernel: &LinearConstants,
+        calls: &mut dyn VectorCalls<L, D>,
+        range: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        let (buffers, sink) = (&mut VectorBuffers::default(), &mut Buffered::new(deliver));
+        self.compute_in_lanes(kernel, calls, None, range, buffers, sink)
     }
 
     /// The loops. Where sums go along the axes, the kernel is asked at each point for the functions whose value, or whose
     /// derivative along one axis of the reference cell, is one. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.
-    #[inline(always)]
-    pub fn compute_in_lanes<K: LinearKernel<D>, L: SimdLane>(
+    #[inline(never)]
+    pub fn compute_in_lanes<L: SimdLane>(
         &self,
-        kernel: &K,
+        kernel: &LinearConstants,
+        calls: &mut dyn VectorCalls<L, D>,
         order: Option<&Order>,
         range: Range<usize>,
         buffers: &mut VectorBuffers<L, D>,
-        sink: &mut impl Sink,
+        sink: &mut dyn Sink,
     ) -> Result<(), AssemblyError> {
-        let components = K::TEST_COMPONENTS;
-        let nodes = self.nodes();
+        L::call(Loops { task: self, kernel, calls, order, range, buffers, sink })
+    }
+
+    /// The tables, if sum factorisation takes fewer operations than sums over the nodes at each point.
+    fn factorised(&self, kernel: &LinearConstants) -> Option<&ProductTables> {
+        let tables = self.group.sides[self.side].products[self.element].as_ref()?;
+        let (requirements, of_test) = (kernel.requirements, kernel.operations.test);
+        if requirements.hessian {
+            return None;
+        }
+        let (nodes, points) = (self.nodes(), self.group.points());
+        let derivatives = Derivatives::of_arguments(requirements);
+        let transformed = if derivatives.gradient { D * D } else { 0 };
+        let direct = points * nodes * (of_test + transformed);
+        let made = points * derivatives.count::<D>() * of_test
+            + kernel.components * axis_operations::<D>(tables, derivatives);
+        (made < direct).then_some(tables)
+    }
+}
+
+/// The loops over the batches of a range.
+struct Loops<'a, 'd, L, const D: usize> {
+    task: &'a ElementVectors<'d, D>,
+    kernel: &'a LinearConstants,
+    calls: &'a mut dyn VectorCalls<L, D>,
+    order: Option<&'a Order>,
+    range: Range<usize>,
+    buffers: &'a mut VectorBuffers<L, D>,
+    sink: &'a mut dyn Sink,
+}
+
+impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
+    type Output = Result<(), AssemblyError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Loops { task, kernel, calls, order, range, buffers, sink } = self;
+        let ElementVectors { group, side, element, .. } = *task;
+        let (components, nodes) = (kernel.components, task.nodes());
         let size = nodes * components;
         let zero = L::splat(0.0);
         let VectorBuffers { batch, sums, at_points, stages } = buffers;
-        let factorised = self.factorised::<K>();
-        let [reading, _] = Reading::of_arguments(&K::REQUIREMENTS);
-        let own = [ArgumentBasis { side: self.side, element: self.element, reading }];
+        let factorised = task.factorised(kernel);
+        let requirements = *kernel.requirements;
+        let [reading, _] = Reading::of_arguments(&requirements);
+        let own = [ArgumentBasis { side, element, reading }];
         let arguments: &[ArgumentBasis] = if factorised.is_some() { &[] } else { &own };
-        let mut batch =
-            Batch::<L, D>::new(self.binding, self.group, self.cells, K::REQUIREMENTS, arguments, batch)?;
+        let mut batch = Batch::<L, D>::new(task.binding, group, task.cells, requirements, arguments, batch)?;
         sums.resize(size, zero);
-        let derivatives = Derivatives::of_arguments(&K::REQUIREMENTS);
+        let derivatives = Derivatives::of_arguments(&requirements);
         let asked = derivatives.count::<D>();
         if let Some(tables) = factorised {
             at_points.resize(components * asked * tables.place_of.len(), zero);
         }
+        let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            let cell = kernel.cell(&batch.load(start, filled));
-            // What is added for function i and component c stands at `(i * components + c) * stride`, from `place` on.
+            calls.call(VectorCall::Cell(&batch.load(start, filled)));
             let (target, stride) = match factorised {
                 Some(tables) => (&mut at_points[..], tables.place_of.len()),
                 None => (&mut sums[..], 1),
             };
             target.fill(zero);
-            for q in 0..self.group.points() {
+            for q in 0..group.points() {
                 batch.point(q)?;
-                let geometry = batch.geometry();
-                let flux = kernel.point(&cell, geometry, batch.fields());
-                let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
-                let (functions, hessians, place) = match factorised {
+                let (geometry, fields) = (batch.geometry(), batch.fields());
+                let (basis, hessians, place) = match factorised {
                     Some(tables) => {
                         for k in 0..asked {
                             units[k] = unit(batch.inverse(), derivatives.kind(k));
@@ -123,17 +175,11 @@ impl<const D: usize> ElementVectors<'_, D> {
                         (&units[..asked], &[[[zero; D]; D]; 4][..asked], tables.place_of[q] as usize)
                     }
                     None => {
-                        let basis = &batch.basis(self.side, self.element)[..nodes];
-                        (basis, &batch.hessians(self.side, self.element)[..nodes], 0)
+                        (&batch.basis(side, element)[..nodes], &batch.hessians(side, element)[..nodes], 0)
                     }
                 };
-                for i in 0..functions.len() {
-                    let block = kernel.test(&flux, &functions[i], &hessians[i]);
-                    let block = &block.as_ref()[..components];
-                    for component in 0..components {
-                        target[(i * components + component) * stride + place] += block[component];
-                    }
-                }
+                let target = &mut target[place..];
+                calls.call(VectorCall::Point { geometry, fields, basis, hessians, target, stride });
             }
             if let Some(tables) = factorised {
                 let (source, sums) = (&at_points[..], &mut sums[..]);
@@ -152,39 +198,28 @@ impl<const D: usize> ElementVectors<'_, D> {
         }
         batch.check_weights(range)
     }
-
-    /// The tables, if sum factorisation takes fewer operations than sums over the nodes at each point.
-    fn factorised<K: LinearKernel<D>>(&self) -> Option<&ProductTables> {
-        let tables = self.group.sides[self.side].products[self.element].as_ref()?;
-        let requirements = &K::REQUIREMENTS;
-        if requirements.hessian {
-            return None;
-        }
-        let (nodes, points) = (self.nodes(), self.group.points());
-        let derivatives = Derivatives::of_arguments(requirements);
-        let transformed = if derivatives.gradient { D * D } else { 0 };
-        let direct = points * nodes * (K::OPERATIONS.test + transformed);
-        let made = points * derivatives.count::<D>() * K::OPERATIONS.test
-            + K::TEST_COMPONENTS * axis_operations::<D>(tables, derivatives);
-        (made < direct).then_some(tables)
-    }
 }
 
 struct Compute<'a, 'd, K, const D: usize> {
     task: &'a ElementVectors<'a, D>,
     kernel: &'a K,
-    order: Option<&'a Order>,
     range: Range<usize>,
-    sink: Buffered<'d>,
+    deliver: Deliver<'d>,
 }
 
 impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     type Output = Result<(), AssemblyError>;
 
     #[inline(always)]
-    fn run<L: SimdLane>(mut self) -> Self::Output {
-        let mut buffers = VectorBuffers::<L, D>::default();
-        let (task, sink) = (self.task, &mut self.sink);
-        task.compute_in_lanes::<K, L>(self.kernel, self.order, self.range, &mut buffers, sink)
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let constants = const { &LinearConstants::of::<K, D>() };
+        let calls = &mut LinearCalls::<K, L, D>::new(self.kernel);
+        self.task.compute_in_order::<L>(constants, calls, self.range, self.deliver)
     }
 }
+
+compiled_here!(
+    element_vectors in lanes:
+    ElementVectors::<D>::compute_in_order::<L>,
+    ElementVectors::<D>::compute_in_lanes::<L>,
+);

@@ -10,8 +10,8 @@ use super::fields::FieldBuffers;
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
-use crate::assemble::kernel_calls::NodePairs;
 use crate::assemble::kernel_calls::reference_tensor::{ReferenceTensor, contract, suits};
+use crate::assemble::kernel_calls::{BilinearConstants, NodePairs};
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 
@@ -65,7 +65,8 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
         let (test, trial) = K::zero_factors::<L>();
         let blocks = vec![L::splat(0.0); pairs * entries];
         let tensor = if const { has_tensor::<K, S, D>() } {
-            ReferenceTensor::for_kernel::<K, D>(&group.sides[0], [0, 0], &group.weights, K::SYMMETRIC)
+            let kernel = const { &BilinearConstants::of::<K, D>() };
+            ReferenceTensor::new(kernel, &group.sides[0], [0, 0], &group.weights, K::SYMMETRIC)
         } else {
             None
         };

@@ -9,30 +9,33 @@
 
 use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
+use crate::assemble::kernel_calls::BilinearConstants;
 use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;
 
 /// Axes of the reference cell, and the value: directions in which a basis function is known.
-pub(super) const fn directions<K: BilinearKernel<D>, const D: usize>() -> usize {
-    let gradients = if K::REQUIREMENTS.basis_gradient { D } else { 0 };
-    gradients + K::REQUIREMENTS.basis_value as usize
+pub(super) const fn directions<const D: usize>(kernel: &BilinearConstants) -> usize {
+    let gradients = if kernel.requirements.basis_gradient { D } else { 0 };
+    gradients + kernel.requirements.basis_value as usize
 }
 
 /// Blocks of pairs of directions (a, b); of a symmetric form those with a ≤ b.
-pub(super) const fn products<K: BilinearKernel<D>, const D: usize>() -> usize {
-    let directions = directions::<K, D>();
-    if K::SYMMETRIC { directions * (directions + 1) / 2 } else { directions * directions }
+pub(super) const fn products<const D: usize>(kernel: &BilinearConstants) -> usize {
+    let directions = directions::<D>(kernel);
+    if kernel.symmetric { directions * (directions + 1) / 2 } else { directions * directions }
 }
 
 /// R_ab(i, j) for the pairs of nodes that are computed, pair after pair; of a symmetric form R_ab + R_ba.
-pub(super) fn coefficients<K: BilinearKernel<D>, const D: usize>(
+pub(super) fn coefficients<const D: usize>(
+    kernel: &BilinearConstants,
     side: &GroupSide<D>,
     elements: [usize; 2],
     weights: &[f64],
     symmetric: bool,
 ) -> Vec<f64> {
-    let [tests, trials] = elements.map(|element| components::<K, D>(side, element, weights.len()));
-    let directions = directions::<K, D>();
+    let [tests, trials] =
+        elements.map(|element| components(kernel.requirements, side, element, weights.len()));
+    let directions = directions::<D>(kernel);
     let mut coefficients = Vec::new();
     for (i, test) in tests.chunks_exact(weights.len() * directions).enumerate() {
         for (j, trial) in trials.chunks_exact(weights.len() * directions).enumerate() {
@@ -46,8 +49,8 @@ pub(super) fn coefficients<K: BilinearKernel<D>, const D: usize>(
                 weights.iter().enumerate().map(at).sum()
             };
             for a in 0..directions {
-                for b in if K::SYMMETRIC { a } else { 0 }..directions {
-                    let mirrored = if K::SYMMETRIC && a != b { entry(b, a) } else { 0.0 };
+                for b in if kernel.symmetric { a } else { 0 }..directions {
+                    let mirrored = if kernel.symmetric && a != b { entry(b, a) } else { 0.0 };
                     coefficients.push(entry(a, b) + mirrored);
                 }
             }
@@ -57,12 +60,13 @@ pub(super) fn coefficients<K: BilinearKernel<D>, const D: usize>(
 }
 
 /// Of each node and point, the basis function's slopes and value, as far as the kernel reads them.
-fn components<K: BilinearKernel<D>, const D: usize>(
+fn components<const D: usize>(
+    requirements: &Requirements,
     side: &GroupSide<D>,
     element: usize,
     points: usize,
 ) -> Vec<f64> {
-    let Requirements { basis_gradient, basis_value, .. } = K::REQUIREMENTS;
+    let Requirements { basis_gradient, basis_value, .. } = *requirements;
     let table = &side.elements[element];
     let mut components = Vec::new();
     for node in 0..table.nodes {
@@ -89,7 +93,7 @@ pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
     blocks: &mut [L],
 ) {
     // A constant block: only the case that is used is compiled.
-    match const { products::<K, D>() } {
+    match const { products::<D>(&BilinearConstants::of::<K, D>()) } {
         1 => contract_products::<K, L, 1, D>(kernel, cell, coefficients, determinant, inverse, blocks),
         3 => contract_products::<K, L, 3, D>(kernel, cell, coefficients, determinant, inverse, blocks),
         4 => contract_products::<K, L, 4, D>(kernel, cell, coefficients, determinant, inverse, blocks),
@@ -115,7 +119,7 @@ fn contract_products<K: BilinearKernel<D>, L: SimdLane, const PRODUCTS: usize, c
     let point = kernel.point(cell, &geometry, &[]);
     let hessian = [[zero; D]; D];
     let mut products = [zero; PRODUCTS];
-    let directions = const { directions::<K, D>() };
+    let directions = const { directions::<D>(&BilinearConstants::of::<K, D>()) };
     let mut product = 0;
     for a in 0..directions {
         let test = kernel.test(&point, &direction::<K, L, D>(inverse, a), &hessian);

@@ -1,0 +1,83 @@
+//! The calls of a linear kernel whose type is forgotten, one for each point of a batch of cells: what surrounds them is compiled once
+//! and not for every kernel.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::{Basis, CellGeometry, Hessian, LinearKernel, PointGeometry};
+
+use crate::lanes::{SharedWork, SimdLane};
+
+/// A call for the cells of a batch.
+pub(in crate::assemble) enum VectorCall<'a, L, const D: usize> {
+    /// What is constant on the cells, before the first point.
+    Cell(&'a CellGeometry<L>),
+    /// The contributions of a point to some test functions.
+    Point {
+        geometry: &'a PointGeometry<L, D>,
+        fields: &'a [L],
+        basis: &'a [Basis<L, D>],
+        /// As many as basis functions.
+        hessians: &'a [Hessian<L, D>],
+        /// That for function i and component c is added at `(i * components + c) * stride`.
+        target: &'a mut [L],
+        stride: usize,
+    },
+}
+
+/// A kernel, and what it knows of the cells at hand.
+pub(in crate::assemble) trait VectorCalls<L, const D: usize> {
+    fn call(&mut self, call: VectorCall<L, D>);
+}
+
+/// The calls of a kernel of a known type.
+pub(in crate::assemble) struct LinearCalls<'a, K: LinearKernel<D>, L: SimdLane, const D: usize> {
+    kernel: &'a K,
+    cell: Option<K::Cell<L>>,
+}
+
+impl<'a, K: LinearKernel<D>, L: SimdLane, const D: usize> LinearCalls<'a, K, L, D> {
+    #[inline(always)]
+    pub fn new(kernel: &'a K) -> Self {
+        LinearCalls { kernel, cell: None }
+    }
+}
+
+impl<K: LinearKernel<D>, L: SimdLane, const D: usize> VectorCalls<L, D> for LinearCalls<'_, K, L, D> {
+    fn call(&mut self, call: VectorCall<L, D>) {
+        L::call(Work { calls: self, call });
+    }
+}
+
+/// A call, compiled for the lane type's instructions.
+struct Work<'a, C, L, const D: usize> {
+    calls: &'a mut C,
+    call: VectorCall<'a, L, D>,
+}
+
+impl<K: LinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
+    for Work<'_, LinearCalls<'_, K, L, D>, L, D>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let LinearCalls { kernel, cell } = self.calls;
+        match self.call {
+            VectorCall::Cell(geometry) => *cell = Some(kernel.cell(geometry)),
+            VectorCall::Point { geometry, fields, basis, hessians, target, stride } => {
+                let Some(cell) = cell else { unreachable!("a cell comes before its points") };
+                let flux = kernel.point(cell, geometry, fields);
+                let components = K::TEST_COMPONENTS;
+                let hessians = &hessians[..basis.len()];
+                for i in 0..basis.len() {
+                    let block = kernel.test(&flux, &basis[i], &hessians[i]);
+                    let block = &block.as_ref()[..components];
+                    for component in 0..components {
+                        target[(i * components + component) * stride] += block[component];
+                    }
+                }
+            }
+        }
+    }
+}
