@@ -49,6 +49,7 @@ where
             Self::binding(),
             Self::block_pattern(),
             Self::constraints(),
+            Self::derived(),
             Self::eigenproblem(),
             Self::elimination(),
             Self::entities(),

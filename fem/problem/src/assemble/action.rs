@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use forms_core::contract::Form;
 
-use super::binding::Binding;
+use super::binding::outline::Described;
 use super::{Assembler, AssemblyError, Parts};
 use crate::constraints::Constraints;
 use crate::field::{Field, FieldView, views};
@@ -50,8 +50,7 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let mut binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        let mut binding = self.bind(Described::of(form), unknowns)?;
         binding.bind_directions(directions, &self.mesh)?;
         self.linear_integrals(binding, tests, parts, &mut |visitor| form.action(visitor))
     }

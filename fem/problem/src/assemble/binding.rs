@@ -10,10 +10,11 @@ pub(super) mod pair_histories;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use forms_core::contract::{FieldDescription, Inputs, Region, Requirements, Role, Source};
+use forms_core::contract::{FieldDescription, Region, Requirements, Role, Source};
 use forms_core::source::PositionFunction;
 
 use self::entities::Entities;
+use self::outline::Described;
 use self::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
@@ -103,12 +104,11 @@ pub(super) struct Tabulated {
 impl<'a, const D: usize> Binding<'a, D> {
     #[inline(never)]
     pub fn new(
-        name: &'static str,
-        fields: &'static [FieldDescription],
-        inputs: &'a Inputs<D>,
+        form: Described<'a, D>,
         mesh: &'a Arc<Mesh<D>>,
         unknowns: &[FieldView<'a, D>],
     ) -> Result<Self, AssemblyError> {
+        let (name, fields, inputs) = (form.name(), form.fields(), form.inputs());
         for (value, parameter) in inputs.parameters.iter().zip(&inputs.parameter_names) {
             if !value.is_finite() {
                 let (parameter, value) = (parameter.clone(), *value);

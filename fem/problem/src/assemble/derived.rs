@@ -8,12 +8,15 @@ use forms_core::contract::{
 };
 
 use super::batch::{Batch, BatchBuffers, Cells};
+use super::binding::outline::Described;
 use super::binding::{Binding, pair_error};
+use super::functional::{EachPoint, each_point};
 use super::walk::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::walk::facet_groups::facet_groups;
 use crate::assemble::walk::pair_groups::groups_of;
+use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
@@ -56,7 +59,16 @@ impl<const D: usize> Assembler<D> {
         expression: &E,
         points: &[[f64; D]],
     ) -> Result<PointValues<D>, AssemblyError> {
-        let form = expression.name();
+        self.located(expression, points)
+    }
+
+    #[inline(never)]
+    fn located(
+        &self,
+        expression: &dyn AnyExpression<D>,
+        points: &[[f64; D]],
+    ) -> Result<PointValues<D>, AssemblyError> {
+        let form = expression.described().name();
         self.expect_no_history(expression)?;
         let locator = Locator::new(&self.mesh);
         let mut places = Vec::new();
@@ -72,7 +84,7 @@ impl<const D: usize> Assembler<D> {
             };
             places.iter().map(one).collect::<Result<Vec<_>, _>>()
         };
-        let found = self.values(expression, |binding| {
+        let found = self.values(expression, &mut |binding| {
             build(binding).map_err(|source| AssemblyError::Quadrature { form, source })
         })?;
         Ok(found.into_iter().collect())
@@ -104,14 +116,25 @@ impl<const D: usize> Assembler<D> {
         region: &str,
         degree: usize,
     ) -> Result<PointValues<D>, AssemblyError> {
-        let form = expression.name();
+        self.at_points_of_rule(expression, entity, region, degree)
+    }
+
+    #[inline(never)]
+    fn at_points_of_rule(
+        &self,
+        expression: &dyn AnyExpression<D>,
+        entity: Entity,
+        region: &str,
+        degree: usize,
+    ) -> Result<PointValues<D>, AssemblyError> {
+        let form = expression.described().name();
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
-        let degree = self.history_degree(expression)?.unwrap_or(degree);
+        let degree = self.degree_of_histories(expression)?.unwrap_or(degree);
         let found = match entity {
             Entity::Cells => {
                 let cells = self.mesh.cell_region(region).map_err(missing)?;
-                self.values(expression, |binding| {
+                self.values(expression, &mut |binding| {
                     let group = |(shape, cells): (CellShape, &[u32])| {
                         let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), shape, degree)?;
                         let places = Places { points: rule.points, facet: None };
@@ -145,17 +168,27 @@ impl<const D: usize> Assembler<D> {
         pairing: &Pairing,
         degree: usize,
     ) -> Result<PointValues<D>, AssemblyError> {
+        self.at_points_of_pairs(expression, pairing, degree)
+    }
+
+    #[inline(never)]
+    fn at_points_of_pairs(
+        &self,
+        expression: &dyn AnyExpression<D>,
+        pairing: &Pairing,
+        degree: usize,
+    ) -> Result<PointValues<D>, AssemblyError> {
+        let described = expression.described();
         let region = Region::of_pairs("derived field", pairing.clone());
-        let failed = |source| pair_error(expression.name(), &region, source);
-        let binding =
-            Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        let failed = |source| pair_error(described.name(), &region, source);
+        let binding = Binding::new(described, &self.mesh, &[])?;
         let mut visitor = HistoryVisitor { pairing: Some(pairing), ..HistoryVisitor::of(&binding, self) };
-        expression.expression(&mut visitor)?;
+        expression.histories(&mut visitor)?;
         let degree = visitor.read.map_or(degree, |(_, degree)| degree);
         binding.check_functions(&self.known_pairs, &region, &self.quadrature, degree, visitor.fields)?;
         let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
         let place = format!("the pairs {pairing}");
-        let found = self.values(expression, |binding| groups_of(binding, &place, &pairs))?;
+        let found = self.values(expression, &mut |binding| groups_of(binding, &place, &pairs))?;
         Ok(found.into_iter().collect())
     }
 
@@ -170,7 +203,17 @@ impl<const D: usize> Assembler<D> {
         region: &str,
         parameters: &[[f64; 2]],
     ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
-        let form = expression.name();
+        self.samples_along_facets(expression, region, parameters)
+    }
+
+    #[inline(never)]
+    fn samples_along_facets(
+        &self,
+        expression: &dyn AnyExpression<D>,
+        region: &str,
+        parameters: &[[f64; 2]],
+    ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
+        let form = expression.described().name();
         self.expect_no_history(expression)?;
         let interior = self.mesh.interior_facet_region(region).is_ok();
         let entity = if interior { Entity::InteriorFacets } else { Entity::Facets };
@@ -196,7 +239,7 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
         let last = count.max(2) - 1;
         let parameters: Vec<[f64; 2]> = (0..=last).map(|k| [k as f64 / last as f64, 0.0]).collect();
-        self.along_facets(expression, region, &parameters)
+        self.samples_along_facets(expression, region, &parameters)
     }
 
     /// A derived field at the nodes of a facet region, averaged over the facets that share a node; zero at
@@ -211,8 +254,18 @@ impl<const D: usize> Assembler<D> {
         region: &str,
         space: &Arc<Space<D>>,
     ) -> Result<Field<D>, AssemblyError> {
-        let form = expression.name();
-        let components: usize = expression.shape().iter().product();
+        self.averaged_at_facet_nodes(expression, region, space)
+    }
+
+    #[inline(never)]
+    fn averaged_at_facet_nodes(
+        &self,
+        expression: &dyn AnyExpression<D>,
+        region: &str,
+        space: &Arc<Space<D>>,
+    ) -> Result<Field<D>, AssemblyError> {
+        let form = expression.described().name();
+        let components = expression.components();
         if components != space.components() {
             let (expected, found) = (components, space.components());
             return Err(AssemblyError::Components { form, field: "the space", expected, found });
@@ -256,15 +309,15 @@ impl<const D: usize> Assembler<D> {
 
     /// (position, weight, value) at the points of a rule on the facet's own reference cell, facet after facet.
     /// Facets that are numbered alike are computed together, because they share their tables.
-    fn facet_values<E: Expression<D>>(
+    fn facet_values(
         &self,
-        expression: &E,
+        expression: &dyn AnyExpression<D>,
         region: &str,
         facets: &Entities,
         rule: &QuadratureRule<2>,
     ) -> Result<Vec<PointValue<D>>, AssemblyError> {
         let mut places = Vec::new();
-        let found = self.values(expression, |binding| {
+        let found = self.values(expression, &mut |binding| {
             let (groups, indices): (Vec<_>, Vec<_>) =
                 facet_groups(binding, &place(region), facets, rule, true)?.into_iter().unzip();
             places = indices;
@@ -283,37 +336,72 @@ impl<const D: usize> Assembler<D> {
         &self,
         expression: &E,
     ) -> Result<Option<usize>, AssemblyError> {
-        let binding =
-            Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        self.degree_of_histories(expression)
+    }
+
+    #[inline(never)]
+    fn degree_of_histories(&self, expression: &dyn AnyExpression<D>) -> Result<Option<usize>, AssemblyError> {
+        Ok(self.history_read(expression)?.map(|(_, degree)| degree))
+    }
+
+    /// The name of a history that a function reads, and the degree of its rule.
+    fn history_read(
+        &self,
+        expression: &dyn AnyExpression<D>,
+    ) -> Result<Option<(&'static str, usize)>, AssemblyError> {
+        let binding = Binding::new(expression.described(), &self.mesh, &[])?;
         let mut visitor = HistoryVisitor::of(&binding, self);
-        expression.expression(&mut visitor)?;
-        Ok(visitor.read.map(|(_, degree)| degree))
+        expression.histories(&mut visitor)?;
+        Ok(visitor.read)
     }
 
     /// Points that are not those of a rule have no history.
-    fn expect_no_history<E: Expression<D>>(&self, expression: &E) -> Result<(), AssemblyError> {
-        let form = expression.name();
-        let binding = Binding::new(form, expression.fields(), expression.inputs(), &self.mesh, &[])?;
-        let mut visitor = HistoryVisitor::of(&binding, self);
-        expression.expression(&mut visitor)?;
-        match visitor.read {
+    fn expect_no_history(&self, expression: &dyn AnyExpression<D>) -> Result<(), AssemblyError> {
+        let form = expression.described().name();
+        match self.history_read(expression)? {
             Some((field, _)) => Err(AssemblyError::History { form, field, source: HistoryMismatch::Points }),
             None => Ok(()),
         }
     }
 
     /// (position, weight, value) at every point of the groups, in their order.
-    fn values<E: Expression<D>>(
+    fn values(
         &self,
-        expression: &E,
-        build: impl FnOnce(&Binding<D>) -> Result<Vec<Group<D>>, AssemblyError>,
+        expression: &dyn AnyExpression<D>,
+        build: &mut dyn FnMut(&Binding<D>) -> Result<Vec<Group<D>>, AssemblyError>,
     ) -> Result<Vec<PointValue<D>>, AssemblyError> {
-        let binding =
-            Binding::new(expression.name(), expression.fields(), expression.inputs(), &self.mesh, &[])?;
+        let binding = Binding::new(expression.described(), &self.mesh, &[])?;
         let groups = build(&binding)?;
         let mut visitor = ValueVisitor { binding: &binding, groups: &groups, found: vec![] };
-        expression.expression(&mut visitor)?;
+        expression.values(&mut visitor)?;
         Ok(visitor.found)
+    }
+}
+
+/// A function of a forms module whose type is forgotten: what is done with its values is compiled once and not for every function.
+trait AnyExpression<const D: usize> {
+    fn described(&self) -> Described<'_, D>;
+    /// The number of components of its value.
+    fn components(&self) -> usize;
+    fn histories(&self, visitor: &mut HistoryVisitor<D>) -> Result<(), AssemblyError>;
+    fn values(&self, visitor: &mut ValueVisitor<D>) -> Result<(), AssemblyError>;
+}
+
+impl<E: Expression<D>, const D: usize> AnyExpression<D> for E {
+    fn described(&self) -> Described<'_, D> {
+        Described::of_expression(self)
+    }
+
+    fn components(&self) -> usize {
+        self.shape().iter().product()
+    }
+
+    fn histories(&self, visitor: &mut HistoryVisitor<D>) -> Result<(), AssemblyError> {
+        self.expression(visitor)
+    }
+
+    fn values(&self, visitor: &mut ValueVisitor<D>) -> Result<(), AssemblyError> {
+        self.expression(visitor)
     }
 }
 
@@ -356,11 +444,18 @@ impl<const D: usize> ExpressionVisitor<D> for HistoryVisitor<'_, D> {
     type Error = AssemblyError;
 
     fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, _: &K) -> Result<(), AssemblyError> {
+        self.see(&K::REQUIREMENTS)
+    }
+}
+
+impl<const D: usize> HistoryVisitor<'_, D> {
+    #[inline(never)]
+    fn see(&mut self, requirements: &Requirements) -> Result<(), AssemblyError> {
         if let Some(pairing) = self.pairing {
-            self.binding.histories_on_pairs(&K::REQUIREMENTS, pairing)?;
+            self.binding.histories_on_pairs(requirements, pairing)?;
         }
-        self.fields = K::REQUIREMENTS.fields;
-        self.read = self.binding.history_degree(&K::REQUIREMENTS, self.quadrature)?;
+        self.fields = requirements.fields;
+        self.read = self.binding.history_degree(requirements, self.quadrature)?;
         Ok(())
     }
 }
@@ -375,6 +470,15 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
     type Error = AssemblyError;
 
     fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
+        self.evaluate(&K::REQUIREMENTS, &|batch, points, range, receive| {
+            each_point(batch, points, range, kernel, receive)
+        })
+    }
+}
+
+impl<const D: usize> ValueVisitor<'_, D> {
+    #[inline(never)]
+    fn evaluate(&mut self, requirements: &Requirements, each: EachPoint<D>) -> Result<(), AssemblyError> {
         let mut buffers = BatchBuffers::default();
         let mut shapes = vec![];
         for group in self.groups {
@@ -384,23 +488,28 @@ impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
                 (buffers, shapes) = (BatchBuffers::default(), own);
             }
             let cells = Cells::Mesh(self.binding.mesh);
-            let located = Requirements { position: true, ..K::REQUIREMENTS };
+            let located = Requirements { position: true, ..*requirements };
             let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;
-            for index in 0..group.entities() {
-                let cell = kernel.cell(&batch.load(index, 1));
-                for q in 0..group.points() {
-                    batch.point(q)?;
-                    let geometry = batch.geometry();
-                    let value = kernel.evaluate(&cell, geometry, batch.fields()).as_ref().to_vec();
-                    if !value.iter().all(|entry| entry.is_finite()) {
-                        let (form, position) = (self.binding.name, geometry.position.to_vec());
-                        return Err(AssemblyError::ValueNotFinite { form, position });
-                    }
-                    self.found.push((geometry.position, geometry.weight, value));
+            each(&mut batch, group.points(), 0..group.entities(), &mut |value, weight, position| {
+                if !value.iter().all(|entry| entry.is_finite()) {
+                    let (form, position) = (self.binding.name, position.to_vec());
+                    return Err(AssemblyError::ValueNotFinite { form, position });
                 }
-            }
-            batch.check_weights(0..group.entities())?;
+                self.found.push((*position, weight, value.to_vec()));
+                Ok(())
+            })?;
         }
         Ok(())
     }
 }
+
+compiled_here!(
+    derived: Assembler::<D>::at_points_of_pairs,
+    Assembler::<D>::at_points_of_rule,
+    Assembler::<D>::averaged_at_facet_nodes,
+    Assembler::<D>::degree_of_histories,
+    Assembler::<D>::located,
+    Assembler::<D>::samples_along_facets,
+    HistoryVisitor::<D>::see,
+    ValueVisitor::<D>::evaluate,
+);

@@ -6,6 +6,7 @@ use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::binding::outline::Described;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
@@ -31,13 +32,22 @@ impl<const D: usize> Assembler<D> {
     }
 
     fn integrate<F: Functional<D>>(&self, form: &F, unknowns: &[FieldView<D>]) -> Result<f64, AssemblyError> {
-        let binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        self.sum_of(Described::of_functional(form), unknowns, &mut |visitor| form.density(visitor))
+    }
+
+    #[inline(never)]
+    fn sum_of(
+        &self,
+        form: Described<D>,
+        unknowns: &[FieldView<D>],
+        walk: &mut dyn FnMut(&mut DensityVisitor<D>) -> Result<(), AssemblyError>,
+    ) -> Result<f64, AssemblyError> {
+        let binding = self.bind(form, unknowns)?;
         let degrees = binding.degrees(&[]);
-        let walk =
+        let points =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
-        let mut visitor = DensityVisitor { walk, sum: 0.0 };
-        form.density(&mut visitor)?;
+        let mut visitor = DensityVisitor { walk: points, sum: 0.0 };
+        walk(&mut visitor)?;
         Ok(visitor.sum)
     }
 
@@ -61,15 +71,24 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[FieldView<D>],
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
-        let binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        self.switches_of(Described::of(form), unknowns, &mut |visitor| form.switches(visitor))
+    }
+
+    #[inline(never)]
+    fn switches_of(
+        &self,
+        form: Described<D>,
+        unknowns: &[FieldView<D>],
+        walk: &mut dyn FnMut(&mut SwitchVisitor<D>) -> Result<(), AssemblyError>,
+    ) -> Result<Option<Vec<u32>>, AssemblyError> {
+        let binding = self.bind(form, unknowns)?;
         // Test functions count in the estimate of the degree as the unknowns do.
         let spaces: Vec<_> = unknowns.iter().map(|view| view.space).collect();
         let degrees = binding.degrees(&spaces);
-        let walk =
+        let points =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
-        let mut visitor = SwitchVisitor { walk, found: None };
-        form.switches(&mut visitor)?;
+        let mut visitor = SwitchVisitor { walk: points, found: None };
+        walk(&mut visitor)?;
         Ok(visitor.found)
     }
 }
@@ -187,18 +206,19 @@ type Receive<'a, R, const D: usize> =
     dyn Fn(&mut R, &[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + Sync + 'a;
 
 /// Takes the value, weight and position of a quadrature point.
-type ReceivePoint<'a, const D: usize> = dyn FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + 'a;
+pub(super) type ReceivePoint<'a, const D: usize> =
+    dyn FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + 'a;
 
 /// [`each_point`] of a kernel whose type is forgotten: what surrounds the loops over points is compiled once and not
 /// for every kernel.
-type EachPoint<'a, const D: usize> = &'a (
+pub(super) type EachPoint<'a, const D: usize> = &'a (
         dyn Fn(&mut Batch<f64, D>, usize, Range<usize>, &mut ReceivePoint<D>) -> Result<(), AssemblyError>
             + Sync
     );
 
 /// Calls `receive(value, weight, position)` at every quadrature point of some of a group's entities, one after the
 /// other.
-fn each_point<K: ExpressionKernel<D>, const D: usize>(
+pub(super) fn each_point<K: ExpressionKernel<D>, const D: usize>(
     batch: &mut Batch<f64, D>,
     points: usize,
     range: Range<usize>,
@@ -218,4 +238,9 @@ fn each_point<K: ExpressionKernel<D>, const D: usize>(
     batch.check_weights(range)
 }
 
-compiled_here!(functional: PointWalk::<D>::chunks::<f64>, PointWalk::<D>::chunks::<Vec<u32>>);
+compiled_here!(
+    functional: Assembler::<D>::sum_of,
+    Assembler::<D>::switches_of,
+    PointWalk::<D>::chunks::<f64>,
+    PointWalk::<D>::chunks::<Vec<u32>>,
+);

@@ -55,7 +55,10 @@ pub use walk::pair_reports::FoundPairs;
 pub use walk::pair_reports::RegionPairs;
 pub use walk::positive_parts::PositivePart;
 
+use self::binding::Binding;
+use self::binding::outline::Described;
 use self::binding::owned_cells::OwnedCells;
+use crate::field::FieldView;
 use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
 use crate::pairs::KnownPairs;
@@ -119,6 +122,15 @@ impl Parts {
 }
 
 impl<const D: usize> Assembler<D> {
+    /// A form's data on the mesh, for integrals over the cells that the assembler owns.
+    fn bind<'a>(
+        &'a self,
+        form: Described<'a, D>,
+        unknowns: &[FieldView<'a, D>],
+    ) -> Result<Binding<'a, D>, AssemblyError> {
+        Ok(Binding::new(form, &self.mesh, unknowns)?.assembled_by(self))
+    }
+
     /// An assembler that takes the quadrature degree from the compiler's estimate, and all cores.
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
         Assembler {

@@ -7,6 +7,7 @@ use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirem
 
 use super::batch::Cells;
 use super::binding::Binding;
+use super::binding::outline::Described;
 use super::kernel_calls::vectors::ElementVectors;
 use super::scatter::VectorScatter;
 use super::walk::groups;
@@ -69,9 +70,7 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
-        self.walk_residual(form, binding, tests, (parts, &[]))
+        self.whole_or_parts(Described::of(form), (unknowns, tests), (parts, &[]), &mut walk(form))
     }
 
     /// The residual of a form without unknowns, but for the integrals of some of its test functions, by their numbers: zero in their
@@ -85,9 +84,7 @@ impl<const D: usize> Assembler<D> {
         tests: &[&Arc<Space<D>>],
         left_out: &[usize],
     ) -> Result<Vec<f64>, AssemblyError> {
-        let binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &[])?.assembled_by(self);
-        self.walk_residual(form, binding, tests, (Parts::ALL, left_out))
+        self.whole_or_parts(Described::of(form), (&[], tests), (Parts::ALL, left_out), &mut walk(form))
     }
 
     /// The residual of the constant and linear integrals where the unknowns are zero. Those that are proved to vanish there are not
@@ -100,31 +97,39 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<f64>, AssemblyError> {
+        self.load_of(Described::of(form), tests, &mut walk(form))
+    }
+
+    #[inline(never)]
+    fn load_of(
+        &self,
+        form: Described<D>,
+        tests: &[&Arc<Space<D>>],
+        walk: WalkResidual<D>,
+    ) -> Result<Vec<f64>, AssemblyError> {
         let zero: Vec<Field<D>> = tests.iter().map(|space| Field::zero(space)).collect();
         let unknowns = views(&zero.iter().collect::<Vec<_>>());
-        let binding = Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, &unknowns)?
-            .assembled_by(self);
+        let binding = self.bind(form, &unknowns)?;
         self.linear_integrals(binding, tests, Parts::LINEAR_AND_CONSTANT, &mut |visitor| {
             visitor.at_zero = true;
-            form.residual(visitor)
+            walk(visitor, Integrals::Apart)
         })
     }
 
-    fn walk_residual<F: Form<D>>(
+    #[inline(never)]
+    fn whole_or_parts(
         &self,
-        form: &F,
-        binding: Binding<D>,
-        tests: &[&Arc<Space<D>>],
+        form: Described<D>,
+        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
         (parts, left_out): (Parts, &[usize]),
+        walk: WalkResidual<D>,
     ) -> Result<Vec<f64>, AssemblyError> {
         // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
         let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
-        self.linear_integrals(binding, tests, parts, &mut |visitor| {
+        let integrals = if whole { Integrals::Whole } else { Integrals::Apart };
+        self.linear_integrals(self.bind(form, unknowns)?, tests, parts, &mut |visitor| {
             visitor.left_out = left_out.to_vec();
-            match whole {
-                true => form.whole_residual(visitor),
-                false => form.residual(visitor),
-            }
+            walk(visitor, integrals)
         })
     }
 
@@ -139,11 +144,19 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<f64>, AssemblyError> {
-        let binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
-        self.linear_integrals(binding, tests, Parts::ALL, &mut |visitor| {
+        self.sizes_of(Described::of(form), (unknowns, tests), &mut walk(form))
+    }
+
+    #[inline(never)]
+    fn sizes_of(
+        &self,
+        form: Described<D>,
+        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
+        walk: WalkResidual<D>,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.linear_integrals(self.bind(form, unknowns)?, tests, Parts::ALL, &mut |visitor| {
             visitor.added = Added::Sizes;
-            form.residual(visitor)
+            walk(visitor, Integrals::Apart)
         })
     }
 
@@ -180,6 +193,28 @@ impl<const D: usize> Assembler<D> {
         };
         walk(&mut visitor)?;
         Ok(visitor.vector)
+    }
+}
+
+/// Hands a form's integrals to the visitor; the form's type is forgotten.
+type WalkResidual<'a, const D: usize> =
+    &'a mut dyn FnMut(&mut VectorVisitor<D>, Integrals) -> Result<(), AssemblyError>;
+
+/// Integrals of a residual.
+#[derive(Clone, Copy)]
+enum Integrals {
+    /// Those that depend on the unknowns in different ways apart ([`Form::residual`]).
+    Apart,
+    /// One for all of a region ([`Form::whole_residual`]).
+    Whole,
+}
+
+fn walk<F: Form<D>, const D: usize>(
+    form: &F,
+) -> impl FnMut(&mut VectorVisitor<D>, Integrals) -> Result<(), AssemblyError> {
+    |visitor, integrals| match integrals {
+        Integrals::Apart => form.residual(visitor),
+        Integrals::Whole => form.whole_residual(visitor),
     }
 }
 
@@ -280,4 +315,10 @@ impl<const D: usize> VectorVisitor<'_, D> {
     }
 }
 
-compiled_here!(residual: VectorVisitor::<D>::integrate, Assembler::<D>::linear_integrals);
+compiled_here!(
+    residual: VectorVisitor::<D>::integrate,
+    Assembler::<D>::linear_integrals,
+    Assembler::<D>::load_of,
+    Assembler::<D>::sizes_of,
+    Assembler::<D>::whole_or_parts,
+);

@@ -158,8 +158,7 @@ impl<const D: usize> Assembler<D> {
         parts: Parts,
         target: Target<D>,
     ) -> Result<(), AssemblyError> {
-        let mut binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        let mut binding = self.bind(form, unknowns)?;
         binding.check_tests(tests, &self.mesh)?;
         let test_elements = tests.iter().map(|space| binding.element(space)).collect();
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();

@@ -5,8 +5,8 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, Entity, FieldDescription, Form, Inputs, Integral, Region, Requirements,
-    Role, Side,
+    BilinearKernel, BilinearVisitor, Entity, Expression, FieldDescription, Form, Functional, Inputs,
+    Integral, Region, Requirements, Role, Side,
 };
 
 use super::entities::Entities;
@@ -16,7 +16,7 @@ use crate::assemble::walk::pair_groups::DegreeEstimate;
 use crate::mesh::Facet;
 use crate::space::Space;
 
-/// A form's name, fields and data.
+/// Name, fields and data of a form, a functional or a derived field.
 #[derive(Clone, Copy)]
 #[doc(hidden)]
 pub struct Described<'a, const D: usize> {
@@ -28,6 +28,14 @@ pub struct Described<'a, const D: usize> {
 impl<'a, const D: usize> Described<'a, D> {
     pub fn of<F: Form<D>>(form: &'a F) -> Self {
         Described { name: form.name(), fields: form.fields(), inputs: form.inputs() }
+    }
+
+    pub fn of_functional<F: Functional<D>>(functional: &'a F) -> Self {
+        Described { name: functional.name(), fields: functional.fields(), inputs: functional.inputs() }
+    }
+
+    pub fn of_expression<E: Expression<D>>(expression: &'a E) -> Self {
+        Described { name: expression.name(), fields: expression.fields(), inputs: expression.inputs() }
     }
 
     pub fn name(&self) -> &'static str {

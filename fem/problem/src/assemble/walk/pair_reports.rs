@@ -9,6 +9,7 @@ use forms_core::contract::{
 
 use super::pair_groups::degree_on_pairs;
 use crate::assemble::binding::Binding;
+use crate::assemble::binding::outline::Described;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
@@ -153,7 +154,12 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
     }
 }
 
-compiled_here!(pair_reports: ReportVisitor::<D>::add, Assembler::<D>::follow, Assembler::<D>::follow_found);
+compiled_here!(
+    pair_reports: ReportVisitor::<D>::add,
+    Assembler::<D>::follow,
+    Assembler::<D>::follow_found,
+    Assembler::<D>::reported_pairs,
+);
 
 impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
     type Error = AssemblyError;
@@ -172,14 +178,24 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
+        self.reported_pairs(Described::of(form), unknowns, tests, &mut |visitor| form.residual(visitor))
+    }
+
+    #[inline(never)]
+    fn reported_pairs(
+        &self,
+        form: Described<D>,
+        unknowns: &[FieldView<D>],
+        tests: &[&Arc<Space<D>>],
+        walk: &mut dyn FnMut(&mut ReportVisitor<D>) -> Result<(), AssemblyError>,
+    ) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
         if form.inputs().regions.iter().all(|region| region.entity != Entity::Pairs) {
             return Ok(vec![]);
         }
-        let binding =
-            Binding::new(form.name(), form.fields(), form.inputs(), &self.mesh, unknowns)?.assembled_by(self);
+        let binding = self.bind(form, unknowns)?;
         let degrees = binding.degrees(tests);
         let mut visitor = ReportVisitor { assembler: self, binding: &binding, degrees, found: vec![] };
-        form.residual(&mut visitor)?;
+        walk(&mut visitor)?;
         Ok(visitor.found)
     }
 

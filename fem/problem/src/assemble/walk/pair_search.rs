@@ -82,7 +82,7 @@ impl<const D: usize> PairSearch<D> {
         coupling: &Coupling,
     ) -> Result<Arc<Pairs<D>>, AssemblyError> {
         let mesh = &tests[0].mesh;
-        let mut binding = Binding::new(form.name(), form.fields(), form.inputs(), mesh, unknowns)?;
+        let mut binding = Binding::new(*form, mesh, unknowns)?;
         binding.searches = Some((&self.known, self.threads));
         let degrees = binding.degrees(tests);
         let estimate =
