@@ -45,6 +45,7 @@ where
     /// All of them, file by file.
     pub fn all() -> Vec<Vec<*const ()>> {
         let mut all = vec![
+            Self::any_expression(),
             Self::assemble_projection(),
             Self::binding(),
             Self::block_pattern(),

@@ -1,16 +1,13 @@
 //! Derived fields: any function of a forms module at points, at quadrature points, or along facets.
 
+mod any_expression;
+
 use std::sync::Arc;
 
-use forms_core::contract::{
-    Entity, Expression, ExpressionKernel, ExpressionVisitor, FieldSlot, Integral, Pairing, Region,
-    Requirements,
-};
+use forms_core::contract::{Entity, Expression, Pairing, Region};
 
-use super::batch::{Batch, BatchBuffers, Cells};
-use super::binding::outline::Described;
+use self::any_expression::{AnyExpression, HistoryVisitor, PointValue, ValueVisitor};
 use super::binding::{Binding, pair_error};
-use super::functional::{EachPoint, each_point};
 use super::walk::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::assemble::binding::entities::Entities;
@@ -22,7 +19,7 @@ use crate::field::Field;
 use crate::history::HistoryMismatch;
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
-use crate::quadrature::{Quadrature, QuadratureRule};
+use crate::quadrature::QuadratureRule;
 use crate::space::Space;
 
 /// A derived field at a list of points.
@@ -378,38 +375,9 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-/// A function of a forms module whose type is forgotten: what is done with its values is compiled once and not for every function.
-trait AnyExpression<const D: usize> {
-    fn described(&self) -> Described<'_, D>;
-    /// The number of components of its value.
-    fn components(&self) -> usize;
-    fn histories(&self, visitor: &mut HistoryVisitor<D>) -> Result<(), AssemblyError>;
-    fn values(&self, visitor: &mut ValueVisitor<D>) -> Result<(), AssemblyError>;
-}
-
-impl<E: Expression<D>, const D: usize> AnyExpression<D> for E {
-    fn described(&self) -> Described<'_, D> {
-        Described::of_expression(self)
-    }
-
-    fn components(&self) -> usize {
-        self.shape().iter().product()
-    }
-
-    fn histories(&self, visitor: &mut HistoryVisitor<D>) -> Result<(), AssemblyError> {
-        self.expression(visitor)
-    }
-
-    fn values(&self, visitor: &mut ValueVisitor<D>) -> Result<(), AssemblyError> {
-        self.expression(visitor)
-    }
-}
-
 fn place(region: &str) -> String {
     format!("the region \"{region}\"")
 }
-
-type PointValue<const D: usize> = ([f64; D], f64, Vec<f64>);
 
 impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
     fn from_iter<T: IntoIterator<Item = PointValue<D>>>(points: T) -> Self {
@@ -423,86 +391,6 @@ impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
     }
 }
 
-struct HistoryVisitor<'a, const D: usize> {
-    binding: &'a Binding<'a, D>,
-    quadrature: &'a Quadrature<D>,
-    /// The pairs at whose points the histories have to be known.
-    pairing: Option<&'a Pairing>,
-    /// The name of a history, and the degree of its rule.
-    read: Option<(&'static str, usize)>,
-    /// The fields that the kernel reads.
-    fields: &'static [FieldSlot],
-}
-
-impl<'a, const D: usize> HistoryVisitor<'a, D> {
-    fn of(binding: &'a Binding<'a, D>, assembler: &'a Assembler<D>) -> Self {
-        HistoryVisitor { binding, quadrature: &assembler.quadrature, pairing: None, read: None, fields: &[] }
-    }
-}
-
-impl<const D: usize> ExpressionVisitor<D> for HistoryVisitor<'_, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, _: &K) -> Result<(), AssemblyError> {
-        self.see(&K::REQUIREMENTS)
-    }
-}
-
-impl<const D: usize> HistoryVisitor<'_, D> {
-    #[inline(never)]
-    fn see(&mut self, requirements: &Requirements) -> Result<(), AssemblyError> {
-        if let Some(pairing) = self.pairing {
-            self.binding.histories_on_pairs(requirements, pairing)?;
-        }
-        self.fields = requirements.fields;
-        self.read = self.binding.history_degree(requirements, self.quadrature)?;
-        Ok(())
-    }
-}
-
-struct ValueVisitor<'a, const D: usize> {
-    binding: &'a Binding<'a, D>,
-    groups: &'a [Group<D>],
-    found: Vec<PointValue<D>>,
-}
-
-impl<const D: usize> ExpressionVisitor<D> for ValueVisitor<'_, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        self.evaluate(&K::REQUIREMENTS, &|batch, points, range, receive| {
-            each_point(batch, points, range, kernel, receive)
-        })
-    }
-}
-
-impl<const D: usize> ValueVisitor<'_, D> {
-    #[inline(never)]
-    fn evaluate(&mut self, requirements: &Requirements, each: EachPoint<D>) -> Result<(), AssemblyError> {
-        let mut buffers = BatchBuffers::default();
-        let mut shapes = vec![];
-        for group in self.groups {
-            // Memory is made for the sizes of the group before.
-            let own: Vec<CellShape> = group.sides.iter().map(|side| side.shape).collect();
-            if own != shapes {
-                (buffers, shapes) = (BatchBuffers::default(), own);
-            }
-            let cells = Cells::Mesh(self.binding.mesh);
-            let located = Requirements { position: true, ..*requirements };
-            let mut batch = Batch::<f64, D>::new(self.binding, group, cells, located, &[], &mut buffers)?;
-            each(&mut batch, group.points(), 0..group.entities(), &mut |value, weight, position| {
-                if !value.iter().all(|entry| entry.is_finite()) {
-                    let (form, position) = (self.binding.name, position.to_vec());
-                    return Err(AssemblyError::ValueNotFinite { form, position });
-                }
-                self.found.push((*position, weight, value.to_vec()));
-                Ok(())
-            })?;
-        }
-        Ok(())
-    }
-}
-
 compiled_here!(
     derived: Assembler::<D>::at_points_of_pairs,
     Assembler::<D>::at_points_of_rule,
@@ -510,6 +398,4 @@ compiled_here!(
     Assembler::<D>::degree_of_histories,
     Assembler::<D>::located,
     Assembler::<D>::samples_along_facets,
-    HistoryVisitor::<D>::see,
-    ValueVisitor::<D>::evaluate,
 );
