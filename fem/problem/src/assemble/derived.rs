@@ -73,16 +73,14 @@ impl<const D: usize> Assembler<D> {
             let outside = || AssemblyError::Outside { form, position: point.to_vec() };
             places.push(locator.find(point).ok_or_else(outside)?);
         }
-        let build = |binding: &Binding<D>| {
+        let found = self.values(expression, &mut |binding| {
             let one = |(cell, reference): &(usize, [f64; D])| {
                 let places = Places { points: vec![*reference], facet: None };
                 let cells = (self.mesh.cell_shape(*cell), vec![*cell as u32]);
                 Group::new(binding, "points".to_owned(), cells, &places, vec![0.0], true)
             };
-            places.iter().map(one).collect::<Result<Vec<_>, _>>()
-        };
-        let found = self.values(expression, &mut |binding| {
-            build(binding).map_err(|source| AssemblyError::Quadrature { form, source })
+            let groups = places.iter().map(one).collect::<Result<_, _>>();
+            groups.map_err(|source| AssemblyError::Quadrature { form, source })
         })?;
         Ok(found.into_iter().collect())
     }
