@@ -16,9 +16,10 @@
 //! ```
 //!
 //! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
-//! two sides. Who calls which function of a kernel, on cells and facets alike: of a tangent `cell` in `compute_in_lanes` and
-//! `point`, `test`, `trial` in `factors` of `kernel_calls/matrices.rs`, `pair` and `finish` in `kernel_calls/node_pairs.rs`; of a
-//! residual all in `kernel_calls/vectors.rs`; of functionals and derived fields in `functional.rs` and `derived.rs`.
+//! two sides. The loops know no kernel: they hold its constants, and ask it for a point through one virtual call. Who calls which
+//! function of a kernel, on cells and facets alike: of a tangent `cell`, `point`, `test` and `trial` in
+//! `kernel_calls/bilinear_calls.rs`, `pair` and `finish` in `kernel_calls/node_pairs.rs`; of a residual all in
+//! `kernel_calls/linear_calls.rs`; of functionals and derived fields in `functional.rs`.
 //! `element_kernel::fixed` and `kernel_calls::reference_tensor` call them in the same order.
 
 mod action;
