@@ -106,11 +106,23 @@ impl<const D: usize> ExpressionVisitor<D> for DensityVisitor<'_, D> {
         integral: &Integral,
         kernel: &K,
     ) -> Result<(), AssemblyError> {
+        self.add(integral, &K::REQUIREMENTS, &|batch, points, range, receive| {
+            each_point(batch, points, range, kernel, receive)
+        })
+    }
+}
+
+impl<const D: usize> DensityVisitor<'_, D> {
+    #[inline(never)]
+    fn add(
+        &mut self,
+        integral: &Integral,
+        requirements: &Requirements,
+        each: EachPoint<D>,
+    ) -> Result<(), AssemblyError> {
         let form = self.walk.binding.name;
-        let each: EachPoint<D> =
-            &|batch, points, range, receive| each_point(batch, points, range, kernel, receive);
         let chunks =
-            self.walk.chunks(integral, &K::REQUIREMENTS, each, &|total: &mut f64, value, weight, x| {
+            self.walk.chunks(integral, requirements, each, &|total: &mut f64, value, weight, x| {
                 let contribution = value[0] * weight;
                 if !contribution.is_finite() {
                     return Err(AssemblyError::ValueNotFinite { form, position: x.to_vec() });
@@ -136,10 +148,22 @@ impl<const D: usize> ExpressionVisitor<D> for SwitchVisitor<'_, D> {
         integral: &Integral,
         kernel: &K,
     ) -> Result<(), AssemblyError> {
-        let each: EachPoint<D> =
-            &|batch, points, range, receive| each_point(batch, points, range, kernel, receive);
+        self.add(integral, &K::REQUIREMENTS, &|batch, points, range, receive| {
+            each_point(batch, points, range, kernel, receive)
+        })
+    }
+}
+
+impl<const D: usize> SwitchVisitor<'_, D> {
+    #[inline(never)]
+    fn add(
+        &mut self,
+        integral: &Integral,
+        requirements: &Requirements,
+        each: EachPoint<D>,
+    ) -> Result<(), AssemblyError> {
         let chunks =
-            self.walk.chunks(integral, &K::REQUIREMENTS, each, &|found: &mut Vec<u32>, value, _, _| {
+            self.walk.chunks(integral, requirements, each, &|found: &mut Vec<u32>, value, _, _| {
                 // More than 32 kinks at a point share the last bit.
                 let bits = value.iter().enumerate().filter(|(_, value)| **value > 0.0);
                 found.push(bits.fold(0, |bits, (index, _)| bits | 1 << index.min(31)));
@@ -164,7 +188,6 @@ struct PointWalk<'a, const D: usize> {
 impl<const D: usize> PointWalk<'_, D> {
     /// Calls `receive(result of the chunk, value, weight, position)` at every quadrature point of an integral's
     /// region, and gives the results of all chunks in their order.
-    #[inline(never)]
     fn chunks<R: Default + Send>(
         &self,
         integral: &Integral,
@@ -241,6 +264,6 @@ pub(super) fn each_point<K: ExpressionKernel<D>, const D: usize>(
 compiled_here!(
     functional: Assembler::<D>::sum_of,
     Assembler::<D>::switches_of,
-    PointWalk::<D>::chunks::<f64>,
-    PointWalk::<D>::chunks::<Vec<u32>>,
+    DensityVisitor::<D>::add,
+    SwitchVisitor::<D>::add,
 );

@@ -79,8 +79,9 @@ impl Walks {
         kernels: &mut TokenStream,
     ) -> Self {
         let mut walks = Walks::default();
-        let visit = |description: TokenStream, kernel: &Ident| {
-            quote! { visitor.visit(&#description, &#kernels_name::#kernel::new(constants.parameters, constants.tables))?; }
+        let visit = |kernel: &Ident| {
+            let kernel = quote! { #kernels_name::#kernel };
+            quote! { visitor.visit(&#kernel::INTEGRAL, &#kernel::new(constants.parameters, constants.tables))?; }
         };
         for (list, integrals, prefix) in [
             (&mut walks.residual, &optimised.residual, "Residual"),
@@ -91,7 +92,9 @@ impl Walks {
                 let kernel = format_ident!("{prefix}{index}");
                 kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
                 let arguments = [argument(integral.test, writer.fields), NO_ARGUMENT];
-                list.push(visit(describe(&integral.description, used, arguments, false), &kernel));
+                let description = describe(&integral.description, used, arguments, false);
+                kernels.extend(described(&kernel, description));
+                list.push(visit(&kernel));
             }
         }
         for (list, integrals, prefix) in [
@@ -103,7 +106,8 @@ impl Walks {
                 kernels.extend(writer.bilinear(&kernel, integral));
                 let arguments = [integral.test, integral.trial].map(|one| argument(one, writer.fields));
                 let description = describe(&integral.description, used, arguments, integral.symmetric);
-                list.push(visit(description, &kernel));
+                kernels.extend(described(&kernel, description));
+                list.push(visit(&kernel));
             }
         }
         walks.complete_whole(optimised);
@@ -116,7 +120,8 @@ impl Walks {
                 let shape = if prefix == "Density" { vec![] } else { vec![integral.components.len()] };
                 kernels.extend(writer.expression(&kernel, &integral.components, &shape));
                 let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false);
-                list.push(visit(description, &kernel));
+                kernels.extend(described(&kernel, description));
+                list.push(visit(&kernel));
             }
         }
         if let Some((components, shape)) = &optimised.value {
@@ -130,7 +135,8 @@ impl Walks {
                 degree: Degree::constant(0),
             };
             let description = describe(&description, &[0], [NO_ARGUMENT; 2], false);
-            walks.expression.push(visit(description, &kernel));
+            kernels.extend(described(&kernel, description));
+            walks.expression.push(visit(&kernel));
         }
         walks
     }
@@ -182,6 +188,11 @@ impl Walks {
             })
             .collect()
     }
+}
+
+/// The description of a kernel's integral beside the kernel, where it is compiled once and not for every visitor.
+fn described(kernel: &Ident, description: TokenStream) -> TokenStream {
+    quote! { impl #kernel { pub const INTEGRAL: contract::Integral = #description; } }
 }
 
 /// A test or trial function as a backend is told of it.

@@ -30,8 +30,8 @@ pub(in crate::assemble) enum MatrixCall<'a, L, const D: usize> {
     /// The blocks of all pairs by a reference tensor.
     Tensor {
         tensor: &'a ReferenceTensor,
-        determinant: L,
-        inverse: [[L; D]; D],
+        /// det J and J⁻ᵀ of the cells.
+        map: &'a (L, [[L; D]; D]),
         /// Memory that is kept.
         directions: &'a mut Vec<L>,
         blocks: &'a mut [L],
@@ -59,7 +59,7 @@ impl<L, const D: usize> Functions<'_, L, D> {
 
 /// A kernel, and what it knows of the cells at hand.
 pub(in crate::assemble) trait MatrixCalls<L, const D: usize> {
-    fn call(&mut self, call: MatrixCall<L, D>);
+    fn call(&mut self, call: &mut MatrixCall<L, D>);
 }
 
 /// The factors of functions at points, kept from one run to the next.
@@ -92,19 +92,19 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, const D: usize> BilinearCalls<'a, K,
 }
 
 impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> MatrixCalls<L, D> for BilinearCalls<'_, K, L, D> {
-    fn call(&mut self, call: MatrixCall<L, D>) {
+    fn call(&mut self, call: &mut MatrixCall<L, D>) {
         L::call(Work { calls: self, call });
     }
 }
 
-/// A call, compiled for the lane type's instructions.
-struct Work<'a, C, L, const D: usize> {
+/// A call, compiled for the lane type's instructions. Two pointers: what is longer would be copied on its way.
+struct Work<'a, 'c, C, L, const D: usize> {
     calls: &'a mut C,
-    call: MatrixCall<'a, L, D>,
+    call: &'a mut MatrixCall<'c, L, D>,
 }
 
 impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
-    for Work<'_, BilinearCalls<'_, K, L, D>, L, D>
+    for Work<'_, '_, BilinearCalls<'_, K, L, D>, L, D>
 {
     type Output = ();
 
@@ -113,10 +113,12 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
         let BilinearCalls { kernel, cell, factors } = self.calls;
         if let MatrixCall::Cell { geometry, functions, points } = self.call {
             *cell = Some(kernel.cell(geometry));
-            let (test, trial) = K::zero_factors::<L>();
-            factors.tests.resize(functions[0] * points, test);
-            factors.trials.resize(functions[1] * points, trial);
-            (factors.functions, factors.points) = (functions, points);
+            if (factors.functions, factors.points) != (*functions, *points) {
+                let (test, trial) = K::zero_factors::<L>();
+                factors.tests.resize(functions[0] * *points, test);
+                factors.trials.resize(functions[1] * *points, trial);
+                (factors.functions, factors.points) = (*functions, *points);
+            }
             return;
         }
         let Some(cell) = cell else { unreachable!("a cell comes before its points") };
@@ -128,14 +130,15 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
                 let point = kernel.point(cell, geometry, fields);
                 for i in 0..nodes[0] {
                     let (basis, hessian) = tests.at(i);
-                    own_tests[i * points + q] = kernel.test(&point, basis, hessian);
+                    own_tests[i * points + *q] = kernel.test(&point, basis, hessian);
                 }
                 for j in 0..nodes[1] {
                     let (basis, hessian) = trials.at(j);
-                    own_trials[j * points + q] = kernel.trial(&point, basis, hessian);
+                    own_trials[j * points + *q] = kernel.trial(&point, basis, hessian);
                 }
             }
             MatrixCall::Pairs { symmetric, blocks } => {
+                let symmetric = *symmetric;
                 NodePairs {
                     kernel: *kernel,
                     cell,
@@ -150,13 +153,13 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
             MatrixCall::Numbers { pair: [s, t], place_of, target } => {
                 for q in 0..points {
                     let mut sum = K::zero::<L>();
-                    K::pair(&mut sum, &own_tests[s * points + q], &own_trials[t * points + q]);
+                    K::pair(&mut sum, &own_tests[*s * points + q], &own_trials[*t * points + q]);
                     target[place_of[q] as usize] = kernel.finish(cell, &sum).as_ref()[0];
                 }
             }
-            MatrixCall::Tensor { tensor, determinant, inverse, directions, blocks } => {
+            MatrixCall::Tensor { tensor, map: (determinant, inverse), directions, blocks } => {
                 if const { suits::<K, D>() } {
-                    contract::<K, L, D>(kernel, cell, tensor, determinant, &inverse, directions, blocks);
+                    contract::<K, L, D>(kernel, cell, tensor, *determinant, inverse, directions, blocks);
                 }
             }
         }

@@ -27,7 +27,7 @@ pub(in crate::assemble) enum VectorCall<'a, L, const D: usize> {
 
 /// A kernel, and what it knows of the cells at hand.
 pub(in crate::assemble) trait VectorCalls<L, const D: usize> {
-    fn call(&mut self, call: VectorCall<L, D>);
+    fn call(&mut self, call: &mut VectorCall<L, D>);
 }
 
 /// The calls of a kernel of a known type.
@@ -44,19 +44,19 @@ impl<'a, K: LinearKernel<D>, L: SimdLane, const D: usize> LinearCalls<'a, K, L, 
 }
 
 impl<K: LinearKernel<D>, L: SimdLane, const D: usize> VectorCalls<L, D> for LinearCalls<'_, K, L, D> {
-    fn call(&mut self, call: VectorCall<L, D>) {
+    fn call(&mut self, call: &mut VectorCall<L, D>) {
         L::call(Work { calls: self, call });
     }
 }
 
-/// A call, compiled for the lane type's instructions.
-struct Work<'a, C, L, const D: usize> {
+/// A call, compiled for the lane type's instructions. Two pointers: what is longer would be copied on its way.
+struct Work<'a, 'c, C, L, const D: usize> {
     calls: &'a mut C,
-    call: VectorCall<'a, L, D>,
+    call: &'a mut VectorCall<'c, L, D>,
 }
 
 impl<K: LinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
-    for Work<'_, LinearCalls<'_, K, L, D>, L, D>
+    for Work<'_, '_, LinearCalls<'_, K, L, D>, L, D>
 {
     type Output = ();
 
@@ -68,7 +68,7 @@ impl<K: LinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
             VectorCall::Point { geometry, fields, basis, hessians, target, stride } => {
                 let Some(cell) = cell else { unreachable!("a cell comes before its points") };
                 let flux = kernel.point(cell, geometry, fields);
-                let components = K::TEST_COMPONENTS;
+                let (components, stride) = (K::TEST_COMPONENTS, *stride);
                 let hessians = &hessians[..basis.len()];
                 for i in 0..basis.len() {
                     let block = kernel.test(&flux, &basis[i], &hessians[i]);

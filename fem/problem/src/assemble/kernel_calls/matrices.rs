@@ -181,35 +181,36 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         };
         let size = rows * columns * kernel.entries();
         let zero = L::splat(0.0);
+        // Functions whose value, or whose derivative along one axis of the reference cell, is one.
+        let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
+        let no_hessians = [[[zero; D]; D]; 4];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
             let geometry = &batch.load(start, filled);
-            calls.call(MatrixCall::Cell { geometry, functions, points });
+            calls.call(&mut MatrixCall::Cell { geometry, functions, points });
             blocks.resize(size, zero);
             if let Some(tensor) = tensor {
-                let (determinant, inverse) = batch.affine_map(task.sides[0]);
-                calls.call(MatrixCall::Tensor { tensor, determinant, inverse, directions, blocks });
+                let map = &batch.affine_map(task.sides[0]);
+                calls.call(&mut MatrixCall::Tensor { tensor, map, directions, blocks });
             } else if let Some(tables) = factorised {
-                // Functions whose value, or whose derivative along one axis of the reference cell, is one.
-                let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
                 for q in 0..points {
                     batch.point(q)?;
                     for k in 0..asked {
                         units[k] = unit(batch.inverse(), derivatives.kind(k));
                     }
-                    let (basis, hessians) = (&units[..asked], &[[[zero; D]; D]; 4][..asked]);
+                    let (basis, hessians) = (&units[..asked], &no_hessians[..asked]);
                     let functions = || Functions { basis, hessians, places: None };
                     let (geometry, fields) = (batch.geometry(), batch.fields());
                     let (tests, trials) = (functions(), functions());
-                    calls.call(MatrixCall::Point { q, geometry, fields, tests, trials });
+                    calls.call(&mut MatrixCall::Point { q, geometry, fields, tests, trials });
                 }
                 stages.prepare::<D>(tables, symmetric);
                 for s in 0..asked {
                     for t in 0..asked {
                         let target = stages.coefficients::<D>([derivatives.kind(s), derivatives.kind(t)]);
                         let place_of = &tables.place_of;
-                        calls.call(MatrixCall::Numbers { pair: [s, t], place_of, target });
+                        calls.call(&mut MatrixCall::Numbers { pair: [s, t], place_of, target });
                     }
                 }
                 L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
@@ -218,9 +219,9 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
                     batch.point(q)?;
                     let (geometry, fields) = (batch.geometry(), batch.fields());
                     let (tests, trials) = (task.functions(0, &batch), task.functions(1, &batch));
-                    calls.call(MatrixCall::Point { q, geometry, fields, tests, trials });
+                    calls.call(&mut MatrixCall::Point { q, geometry, fields, tests, trials });
                 }
-                calls.call(MatrixCall::Pairs { symmetric, blocks });
+                calls.call(&mut MatrixCall::Pairs { symmetric, blocks });
             }
             let source = Ordered::new(blocks, order, size);
             let target = sink.room(start, filled, size);

@@ -155,10 +155,11 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
             at_points.resize(components * asked * tables.place_of.len(), zero);
         }
         let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
+        let no_hessians = [[[zero; D]; D]; 4];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            calls.call(VectorCall::Cell(&batch.load(start, filled)));
+            calls.call(&mut VectorCall::Cell(&batch.load(start, filled)));
             let (target, stride) = match factorised {
                 Some(tables) => (&mut at_points[..], tables.place_of.len()),
                 None => (&mut sums[..], 1),
@@ -172,14 +173,14 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
                         for k in 0..asked {
                             units[k] = unit(batch.inverse(), derivatives.kind(k));
                         }
-                        (&units[..asked], &[[[zero; D]; D]; 4][..asked], tables.place_of[q] as usize)
+                        (&units[..asked], &no_hessians[..asked], tables.place_of[q] as usize)
                     }
                     None => {
                         (&batch.basis(side, element)[..nodes], &batch.hessians(side, element)[..nodes], 0)
                     }
                 };
                 let target = &mut target[place..];
-                calls.call(VectorCall::Point { geometry, fields, basis, hessians, target, stride });
+                calls.call(&mut VectorCall::Point { geometry, fields, basis, hessians, target, stride });
             }
             if let Some(tables) = factorised {
                 let (source, sums) = (&at_points[..], &mut sums[..]);
