@@ -27,8 +27,9 @@ pub(in crate::assemble) enum MatrixCall<'a, L, const D: usize> {
     Pairs { symmetric: bool, blocks: &'a mut [L] },
     /// The number of a pair of functions at each point q, at `place_of[q]`, of forms whose block is a number.
     Numbers { pair: [usize; 2], place_of: &'a [u32], target: &'a mut [L] },
-    /// The blocks of all pairs by a reference tensor.
+    /// The blocks of all pairs by a reference tensor, without a call before it.
     Tensor {
+        geometry: &'a CellGeometry<L>,
         tensor: &'a ReferenceTensor,
         /// det J and J⁻ᵀ of the cells.
         map: &'a (L, [[L; D]; D]),
@@ -111,23 +112,22 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
     #[inline(always)]
     fn run(self) {
         let BilinearCalls { kernel, cell, factors } = self.calls;
-        if let MatrixCall::Cell { geometry, functions, points } = self.call {
-            *cell = Some(kernel.cell(geometry));
-            if (factors.functions, factors.points) != (*functions, *points) {
-                let (test, trial) = K::zero_factors::<L>();
-                factors.tests.resize(functions[0] * *points, test);
-                factors.trials.resize(functions[1] * *points, trial);
-                (factors.functions, factors.points) = (*functions, *points);
-            }
-            return;
-        }
-        let Some(cell) = cell else { unreachable!("a cell comes before its points") };
-        let (nodes, points) = (factors.functions, factors.points);
-        let (own_tests, own_trials) = (&mut factors.tests[..], &mut factors.trials[..]);
+        let Factors { tests: own_tests, trials: own_trials, functions: nodes, points: count } =
+            &mut **factors;
+        let (kernel, points) = (*kernel, *count);
         match self.call {
-            MatrixCall::Cell { .. } => {}
+            MatrixCall::Cell { geometry, functions, points } => {
+                *cell = Some(kernel.cell(geometry));
+                if (*nodes, *count) != (*functions, *points) {
+                    let (test, trial) = K::zero_factors::<L>();
+                    own_tests.resize(functions[0] * *points, test);
+                    own_trials.resize(functions[1] * *points, trial);
+                    (*nodes, *count) = (*functions, *points);
+                }
+            }
             MatrixCall::Point { q, geometry, fields, tests, trials } => {
-                let point = kernel.point(cell, geometry, fields);
+                let point = kernel.point(&copied(cell), geometry, fields);
+                let (own_tests, own_trials) = (&mut own_tests[..], &mut own_trials[..]);
                 for i in 0..nodes[0] {
                     let (basis, hessian) = tests.at(i);
                     own_tests[i * points + *q] = kernel.test(&point, basis, hessian);
@@ -138,30 +138,33 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
                 }
             }
             MatrixCall::Pairs { symmetric, blocks } => {
-                let symmetric = *symmetric;
-                NodePairs {
-                    kernel: *kernel,
-                    cell,
-                    tests: own_tests,
-                    trials: own_trials,
-                    nodes,
-                    points,
-                    symmetric,
-                }
-                .sum(blocks);
+                let (cell, tests, trials) = (&copied(cell), &own_tests[..], &own_trials[..]);
+                let (nodes, symmetric) = (*nodes, *symmetric);
+                NodePairs { kernel, cell, tests, trials, nodes, points, symmetric }.sum(blocks);
             }
             MatrixCall::Numbers { pair: [s, t], place_of, target } => {
+                let cell = &copied(cell);
                 for q in 0..points {
                     let mut sum = K::zero::<L>();
                     K::pair(&mut sum, &own_tests[*s * points + q], &own_trials[*t * points + q]);
                     target[place_of[q] as usize] = kernel.finish(cell, &sum).as_ref()[0];
                 }
             }
-            MatrixCall::Tensor { tensor, map: (determinant, inverse), directions, blocks } => {
+            MatrixCall::Tensor { geometry, tensor, map, directions, blocks } => {
                 if const { suits::<K, D>() } {
-                    contract::<K, L, D>(kernel, cell, tensor, *determinant, inverse, directions, blocks);
+                    let ((determinant, inverse), cell) = (**map, kernel.cell(geometry));
+                    contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
                 }
             }
         }
+    }
+}
+
+/// The constants of the cells. A copy: the compiler sees that nothing that is written changes them.
+#[inline(always)]
+fn copied<C: Copy>(cell: &Option<C>) -> C {
+    match cell {
+        Some(cell) => *cell,
+        None => unreachable!("a cell comes before its points"),
     }
 }

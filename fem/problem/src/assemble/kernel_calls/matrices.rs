@@ -174,11 +174,6 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         let mut batch = Batch::<L, D>::new(task.binding, group, task.cells, requirements, arguments, batch)?;
         let derivatives = Derivatives::of_arguments(&requirements);
         let asked = derivatives.count::<D>();
-        let functions = match (tensor, factorised) {
-            (Some(_), _) => [0; 2],
-            (None, Some(_)) => [asked; 2],
-            (None, None) => [rows, columns],
-        };
         let size = rows * columns * kernel.entries();
         let zero = L::splat(0.0);
         // Functions whose value, or whose derivative along one axis of the reference cell, is one.
@@ -188,12 +183,12 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
             let geometry = &batch.load(start, filled);
-            calls.call(&mut MatrixCall::Cell { geometry, functions, points });
             blocks.resize(size, zero);
             if let Some(tensor) = tensor {
                 let map = &batch.affine_map(task.sides[0]);
-                calls.call(&mut MatrixCall::Tensor { tensor, map, directions, blocks });
+                calls.call(&mut MatrixCall::Tensor { geometry, tensor, map, directions, blocks });
             } else if let Some(tables) = factorised {
+                calls.call(&mut MatrixCall::Cell { geometry, functions: [asked; 2], points });
                 for q in 0..points {
                     batch.point(q)?;
                     for k in 0..asked {
@@ -215,6 +210,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
                 }
                 L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
             } else {
+                calls.call(&mut MatrixCall::Cell { geometry, functions: [rows, columns], points });
                 for q in 0..points {
                     batch.point(q)?;
                     let (geometry, fields) = (batch.geometry(), batch.fields());
