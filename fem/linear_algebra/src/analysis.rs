@@ -32,6 +32,8 @@ pub struct Analysis {
     candidates: Vec<Candidate>,
     /// Place of each unknown in the elimination order; none where no further matrix is to be factored.
     places: Option<Vec<u32>>,
+    /// Whether the row of each unknown has the pattern of the row before it.
+    pub(super) is_like_last: Vec<bool>,
     /// For LBLᵀ, from the first one on.
     lower: OnceLock<LowerTriangle>,
     pub(super) supernodes: SymbolicSupernodalCholesky<u32>,
@@ -96,7 +98,7 @@ impl Analysis {
         }
         let (Chosen { order, candidates }, runs) = ordering.choose_on(&graph, pattern, last)?;
         let places = Some(inverse(&order)?);
-        let runs = Runs::of_unknowns(&graph, &order, runs);
+        let (runs, is_like_last) = (Runs::of_unknowns(&graph, &order, runs), graph.likeness());
         drop(graph);
         let (supernodes, fill) = runs.supernodes()?;
         Ok(Self {
@@ -104,6 +106,7 @@ impl Analysis {
             order,
             candidates,
             places,
+            is_like_last,
             lower: OnceLock::new(),
             supernodes,
             fill,

@@ -95,6 +95,13 @@ impl BlockGraph {
         entries == pattern.entries()
     }
 
+    /// Whether the row of each unknown has the pattern of the row before it.
+    pub(super) fn likeness(&self) -> Vec<bool> {
+        let mut likeness = vec![true; self.begins[self.blocks()]];
+        self.begins[..self.blocks()].iter().for_each(|begin| likeness[*begin] = false);
+        likeness
+    }
+
     /// The unknowns of blocks in some order.
     pub(super) fn unknowns_in(&self, order: &[u32]) -> Vec<u32> {
         order
