@@ -32,6 +32,8 @@ pub struct Analysis {
     candidates: Vec<Candidate>,
     /// Place of each unknown in the elimination order; none where no further matrix is to be factored.
     places: Option<Vec<u32>>,
+    /// Whether the row of each unknown has the pattern of the row before it.
+    pub(super) is_like_last: Vec<bool>,
     /// For LBLᵀ, from the first one on.
     lower: OnceLock<LowerTriangle>,
     pub(super) supernodes: SymbolicSupernodalCholesky<u32>,
@@ -49,10 +51,22 @@ impl Analysis {
         matrix: &CsrMatrix,
         ordering: &Ordering,
     ) -> Result<(Self, Option<CsrMatrix>), LinearAlgebraError> {
-        match Self::new(matrix.pattern(), ordering) {
+        Self::of_symmetric_with_last(matrix, ordering, &[])
+    }
+
+    /// The same with an order that ends with some unknowns, as [`Ordering::choose_with_last`] has it.
+    ///
+    /// # Errors
+    /// As there, and as [`Analysis::of_symmetric`].
+    pub fn of_symmetric_with_last(
+        matrix: &CsrMatrix,
+        ordering: &Ordering,
+        last: &[u32],
+    ) -> Result<(Self, Option<CsrMatrix>), LinearAlgebraError> {
+        match Self::with_last(matrix.pattern(), ordering, last) {
             Err(LinearAlgebraError::PatternMismatch { .. }) => {
                 let completed = matrix.symmetric_part()?;
-                Ok((Self::new(completed.pattern(), ordering)?, Some(completed)))
+                Ok((Self::with_last(completed.pattern(), ordering, last)?, Some(completed)))
             }
             found => Ok((found?, None)),
         }
@@ -64,24 +78,35 @@ impl Analysis {
     /// If the pattern is not square or not symmetric, the order is not a permutation, the factor passes 32-bit indices, or
     /// memory is too small.
     pub fn new(pattern: &Arc<SparsityPattern>, ordering: &Ordering) -> Result<Self, LinearAlgebraError> {
+        Self::with_last(pattern, ordering, &[])
+    }
+
+    fn with_last(
+        pattern: &Arc<SparsityPattern>,
+        ordering: &Ordering,
+        last: &[u32],
+    ) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
         let size = pattern.rows();
         check_size("the set of columns of a square matrix", size, pattern.columns())?;
         if u32::try_from(pattern.entries()).is_err() {
             return Err(LinearAlgebraError::TooLarge { what: "the matrix" });
         }
-        let Chosen { order, candidates } = ordering.choose(pattern)?;
         let graph = BlockGraph::new(pattern)?;
         if !graph.is_of_symmetric(pattern) {
             return Err(LinearAlgebraError::PatternMismatch { what: "a symmetric analysis" });
         }
+        let (Chosen { order, candidates }, runs) = ordering.choose_on(&graph, pattern, last)?;
         let places = Some(inverse(&order)?);
-        let (supernodes, fill) = Runs::of_unknowns(&graph, &order).supernodes()?;
+        let (runs, is_like_last) = (Runs::of_unknowns(&graph, &order, runs), graph.likeness());
+        drop(graph);
+        let (supernodes, fill) = runs.supernodes()?;
         Ok(Self {
             pattern: pattern.clone(),
             order,
             candidates,
             places,
+            is_like_last,
             lower: OnceLock::new(),
             supernodes,
             fill,

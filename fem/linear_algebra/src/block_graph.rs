@@ -55,8 +55,7 @@ impl BlockGraph {
             neighbours.extend(near.filter(|other| *other != u32::MAX));
             // At most as many as in the whole graph, which have been counted.
             pointers.push(neighbours.len() as u32);
-            let size = self.begins[block as usize + 1] - self.begins[block as usize];
-            begins.push(begins[begins.len() - 1] + size);
+            begins.push(begins[begins.len() - 1] + self.size(block as usize));
         }
         BlockGraph { begins, pointers, neighbours }
     }
@@ -66,6 +65,11 @@ impl BlockGraph {
         self.pointers.len() - 1
     }
 
+    /// Number of unknowns of a block.
+    pub(super) fn size(&self, block: usize) -> usize {
+        self.begins[block + 1] - self.begins[block]
+    }
+
     /// Blocks that are coupled with a block.
     pub(super) fn row(&self, block: usize) -> &[u32] {
         &self.neighbours[self.pointers[block] as usize..self.pointers[block + 1] as usize]
@@ -73,7 +77,6 @@ impl BlockGraph {
 
     /// Whether the pattern that it is the graph of is symmetric: the graph is, and each of its couplings is of whole blocks.
     pub(super) fn is_of_symmetric(&self, pattern: &SparsityPattern) -> bool {
-        let size = |block: usize| self.begins[block + 1] - self.begins[block];
         let mut entries = 0;
         // Rows come in ascending order, so the partner of (i, j) is the next unvisited entry of row j.
         let mut next = self.pointers.clone();
@@ -86,10 +89,17 @@ impl BlockGraph {
                     return false;
                 }
                 next[other] += 1;
-                entries += size(block) * size(other);
+                entries += self.size(block) * self.size(other);
             }
         }
         entries == pattern.entries()
+    }
+
+    /// Whether the row of each unknown has the pattern of the row before it.
+    pub(super) fn likeness(&self) -> Vec<bool> {
+        let mut likeness = vec![true; self.begins[self.blocks()]];
+        self.begins[..self.blocks()].iter().for_each(|begin| likeness[*begin] = false);
+        likeness
     }
 
     /// The unknowns of blocks in some order.

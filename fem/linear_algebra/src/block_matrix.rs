@@ -1,6 +1,7 @@
 //! Sparse matrices of small dense blocks, one per pair of nodes that are coupled.
 
 mod terms;
+mod transposed;
 
 use std::sync::Arc;
 

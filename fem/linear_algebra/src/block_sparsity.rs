@@ -1,122 +1,15 @@
 //! The positions of a block matrix: pairs of nodes, for each pair of a test and a trial space.
 
+mod block_rows;
+
 use std::ops::Range;
 use std::sync::{Arc, LazyLock, OnceLock};
+
+pub use block_rows::{BlockRows, NodeSet};
 
 use super::cells::Cells;
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;
-
-/// Nodes with a number of components each, and where their unknowns start in a vector over several such sets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NodeSet {
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Unknowns per node; those of a node follow each other.
-    pub components: usize,
-    /// The first unknown.
-    pub offset: usize,
-}
-
-impl NodeSet {
-    /// Sets one after the other, from their nodes and components.
-    pub fn in_a_row(sizes: impl IntoIterator<Item = (usize, usize)>) -> Vec<NodeSet> {
-        let mut offset = 0;
-        let set = |(nodes, components)| {
-            let set = NodeSet { nodes, components, offset };
-            offset += nodes * components;
-            set
-        };
-        sizes.into_iter().map(set).collect()
-    }
-
-    /// The unknowns.
-    #[inline]
-    pub fn unknowns(&self) -> Range<usize> {
-        self.offset..self.offset + self.nodes * self.components
-    }
-}
-
-/// The blocks of one pair of sets in compressed rows: row node i has the column nodes
-/// `columns[pointers[i]..pointers[i + 1]]`, ascending. Without any blocks there are no pointers either.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct BlockRows {
-    pointers: Vec<usize>,
-    pub(crate) columns: Vec<u32>,
-    /// Place of the first value in the list of all values.
-    first_value: usize,
-    /// Values per block.
-    block: usize,
-}
-
-impl BlockRows {
-    /// Blocks at these places; `pointers` is empty or has one entry more than there are row nodes.
-    pub fn new(pointers: Vec<usize>, columns: Vec<u32>) -> Self {
-        BlockRows { pointers, columns, first_value: 0, block: 1 }
-    }
-
-    /// Number of blocks.
-    #[inline]
-    pub fn blocks(&self) -> usize {
-        self.columns.len()
-    }
-
-    /// The place of each row node's first block in the list of this pair's blocks, and the number of blocks.
-    #[doc(hidden)]
-    #[inline]
-    pub fn pointers(&self) -> &[usize] {
-        &self.pointers
-    }
-
-    /// The places of a row node's blocks in the list of this pair's blocks.
-    #[doc(hidden)]
-    #[inline]
-    pub fn range(&self, node: usize) -> Range<usize> {
-        match self.pointers.get(node..node + 2) {
-            Some(ends) => ends[0]..ends[1],
-            None => 0..0,
-        }
-    }
-
-    /// Column nodes of a row node.
-    #[inline]
-    pub fn row(&self, node: usize) -> &[u32] {
-        &self.columns[self.range(node)]
-    }
-
-    /// The places of this pair's values in the list of all values.
-    #[doc(hidden)]
-    #[inline]
-    pub fn values(&self) -> Range<usize> {
-        self.first_value..self.first_value + self.columns.len() * self.block
-    }
-
-    fn check(&self, rows: &NodeSet, columns: &NodeSet) -> Result<(), LinearAlgebraError> {
-        if self.pointers.is_empty() {
-            return check_size("the list of blocks without rows", 0, self.columns.len());
-        }
-        check_size("the list of block row pointers", rows.nodes + 1, self.pointers.len())?;
-        check_size("the first block row pointer", 0, self.pointers[0])?;
-        check_size("the list of blocks", self.pointers[rows.nodes], self.columns.len())?;
-        for (node, ends) in self.pointers.windows(2).enumerate() {
-            let not_ascending = |what, position| LinearAlgebraError::NotAscending { what, position };
-            if ends[1] < ends[0] || ends[1] > self.columns.len() {
-                return Err(not_ascending("the list of block row pointers", node + 1));
-            }
-            let row = &self.columns[ends[0]..ends[1]];
-            if let Some(k) = (1..row.len()).find(|&k| row[k] <= row[k - 1]) {
-                return Err(not_ascending("the column nodes of a row", ends[0] + k));
-            }
-            if let Some(&last) = row.last()
-                && last as usize >= columns.nodes
-            {
-                let (what, index, size) = ("column node", last as usize, columns.nodes);
-                return Err(LinearAlgebraError::IndexOutOfRange { what, index, size });
-            }
-        }
-        Ok(())
-    }
-}
 
 /// The entries that a [`super::BlockMatrix`] has: over the unknowns of some row sets and some column sets, blocks
 /// of row components × column components at pairs of nodes.

@@ -2,10 +2,11 @@
 //!
 //! T = K + B, where B couples unknowns of c alone, is solved with the factor of K and a dense one of S + B.
 
-use faer::linalg::solvers::PartialPivLu;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::prelude::Solve;
-use faer::{Mat, Par};
+use faer::perm::PermRef;
+use faer::{Conj, Mat, MatMut, Par, Spec};
 
 use crate::cholesky::SymmetricFactor;
 use crate::error::LinearAlgebraError;
@@ -27,7 +28,42 @@ pub struct Condensation {
 
 /// The dense factor LU of S + B.
 #[derive(Debug)]
-pub struct DenseFactor(PartialPivLu<f64>);
+pub struct DenseFactor {
+    /// U, and below it L without its diagonal of ones.
+    triangles: Mat<f64>,
+    /// The rows in the order of their pivots, and the place of each row in it.
+    rows: Vec<u32>,
+    places: Vec<u32>,
+}
+
+impl DenseFactor {
+    /// Of a matrix, in its memory.
+    fn new(mut matrix: Mat<f64>) -> Self {
+        let size = matrix.nrows();
+        let (mut rows, mut places) = (vec![0_u32; size], vec![0_u32; size]);
+        let (parallel, params) = (Par::Seq, Spec::default());
+        let scratch = factor::lu_in_place_scratch::<u32, f64>(size, size, parallel, params);
+        let mut memory = MemBuffer::new(scratch);
+        let stack = MemStack::new(&mut memory);
+        factor::lu_in_place(matrix.as_mut(), &mut rows, &mut places, parallel, stack, params);
+        DenseFactor { triangles: matrix, rows, places }
+    }
+
+    /// Replaces b by (S + B)⁻¹ b or (S + B)⁻ᵀ b.
+    fn solve(&self, b: &mut [f64], transpose: Transpose) {
+        let (size, triangles, parallel) = (b.len(), self.triangles.as_ref(), Par::Seq);
+        let scratch = solve::solve_in_place_scratch::<u32, f64>(size, 1, parallel)
+            .or(solve::solve_transpose_in_place_scratch::<u32, f64>(size, 1, parallel));
+        let mut memory = MemBuffer::new(scratch);
+        let solve = match transpose {
+            Transpose::No => solve::solve_in_place_with_conj::<u32, f64>,
+            Transpose::Yes => solve::solve_transpose_in_place_with_conj::<u32, f64>,
+        };
+        let rows = PermRef::new_checked(&self.rows, &self.places, size);
+        let column = MatMut::from_column_major_slice_mut(b, size, 1);
+        solve(triangles, triangles, rows, Conj::No, column, parallel, MemStack::new(&mut memory));
+    }
+}
 
 impl Condensation {
     /// Of a factor whose last `count` unknowns are c.
@@ -67,7 +103,7 @@ impl Condensation {
                 system[(row as usize, column as usize)] += value;
             }
         }
-        DenseFactor(system.partial_piv_lu())
+        DenseFactor::new(system)
     }
 
     /// S x of condensed unknowns.
@@ -87,15 +123,16 @@ impl Condensation {
 
     /// (S + B)⁻¹ r with the dense factor of S + B; none where B = 0.
     pub fn dense_solve(&self, r: &[f64], dense: Option<&DenseFactor>) -> Vec<f64> {
-        let mut x = as_column(r);
+        let mut x = r.to_vec();
         match dense {
-            Some(dense) => x = dense.0.solve(&x),
+            Some(dense) => dense.solve(&mut x, Transpose::No),
             None => {
-                solve_lower_triangular_in_place(self.lower.as_ref(), x.as_mut(), Par::Seq);
-                solve_upper_triangular_in_place(self.lower.transpose(), x.as_mut(), Par::Seq);
+                let mut column = MatMut::from_column_major_slice_mut(&mut x, r.len(), 1);
+                solve_lower_triangular_in_place(self.lower.as_ref(), column.as_mut(), Par::Seq);
+                solve_upper_triangular_in_place(self.lower.transpose(), column, Par::Seq);
             }
         }
-        column(&x)
+        x
     }
 
     /// T⁻¹ b, or T⁻ᵀ b, of all unknowns, with the dense factor of S + B; none where B = 0.
@@ -110,13 +147,10 @@ impl Condensation {
     ) -> Result<Vec<f64>, LinearAlgebraError> {
         let mut y = self.factor.solve_lower(b)?;
         if let Some(dense) = dense {
-            let load = as_column(&self.condensed_load(&y));
-            let solution = match transpose {
-                Transpose::No => dense.0.solve(&load),
-                Transpose::Yes => dense.0.solve_transpose(&load),
-            };
+            let mut x = self.condensed_load(&y);
+            dense.solve(&mut x, transpose);
             let first = y.len() - self.unknowns.len();
-            y[first..].copy_from_slice(&self.shifted(&column(&solution)));
+            y[first..].copy_from_slice(&self.shifted(&x));
         }
         self.factor.solve_upper(y)
     }

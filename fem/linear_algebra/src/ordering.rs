@@ -33,7 +33,7 @@ pub enum Ordering {
     Given(Vec<u32>),
 }
 
-/// An ordering that was computed, and the fill that it leads to. [`Fill`] is estimated on the graph of blocks.
+/// An ordering that was computed, and the fill that it leads to, without unknowns that are to come last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// "minimum degree", "nested dissection", "dissection of cells" or "given".
@@ -99,6 +99,19 @@ impl Ordering {
         pattern: &SparsityPattern,
         last: &[u32],
     ) -> Result<Chosen, LinearAlgebraError> {
+        Ok(self.choose_on(&BlockGraph::new(pattern)?, pattern, last)?.0)
+    }
+
+    /// The same with the graph of the pattern, and with the runs of the whole blocks that the order begins with, where they are known.
+    pub(super) fn choose_on(
+        &self,
+        graph: &BlockGraph,
+        pattern: &SparsityPattern,
+        last: &[u32],
+    ) -> Result<(Chosen, Option<Runs>), LinearAlgebraError> {
+        if let (Self::Given(_), []) = (self, last) {
+            return Ok((self.choose(pattern)?, None));
+        }
         let size = pattern.rows();
         let mut is_last = vec![false; size];
         for &unknown in last {
@@ -108,22 +121,21 @@ impl Ordering {
             };
             *mark = true;
         }
-        let graph = BlockGraph::new(pattern)?;
         // Blocks of which only a part is last come between.
         let mixed = |block: &usize| is_last[graph.begins[*block]..graph.begins[*block + 1]].contains(&true);
         let kept: Vec<u32> =
             (0..graph.blocks()).filter(|block| !mixed(block)).map(|block| block as u32).collect();
         let mut places = vec![u32::MAX; graph.blocks()];
         kept.iter().zip(0..).for_each(|(block, place)| places[*block as usize] = place);
-        let cells = pattern.cells().map(|cells| CellBlocks::new(cells, &graph, &places));
+        let cells = pattern.cells().map(|cells| CellBlocks::new(cells, graph, &places));
         let restricted;
         let ordered = if last.is_empty() {
-            &graph
+            graph
         } else {
             restricted = graph.restricted(&kept);
             &restricted
         };
-        let (order, candidates) = self.of_blocks(ordered, cells.as_ref())?;
+        let (order, runs, candidates) = self.of_blocks(ordered, cells.as_ref())?;
         let order: Vec<u32> = order.into_iter().map(|place| kept[place as usize]).collect();
         let mut unknowns = graph.unknowns_in(&order);
         for block in (0..graph.blocks()).filter(mixed) {
@@ -131,18 +143,18 @@ impl Ordering {
             unknowns.extend(of_block.filter(|unknown| !is_last[*unknown]).map(|unknown| unknown as u32));
         }
         unknowns.extend_from_slice(last);
-        Ok(Chosen { order: unknowns, candidates })
+        Ok((Chosen { order: unknowns, candidates }, Some(runs)))
     }
 
-    /// An order of the blocks of a graph.
+    /// An order of the blocks of a graph, with its runs.
     fn of_blocks(
         &self,
         graph: &BlockGraph,
         cells: Option<&CellBlocks>,
-    ) -> Result<(Vec<u32>, Vec<Candidate>), LinearAlgebraError> {
+    ) -> Result<(Vec<u32>, Runs, Vec<Candidate>), LinearAlgebraError> {
         let measured = |name, order: Vec<u32>| -> Result<_, LinearAlgebraError> {
-            let fill = Some(fill_of(graph, &order)?);
-            Ok((Candidate { name, fill }, order))
+            let runs = Runs::of_blocks(graph, &order, &inverse(&order)?);
+            Ok((Candidate { name, fill: Some(runs.fill()) }, order, runs))
         };
         let mut found = Vec::new();
         let cells = cells.filter(|_| matches!(self, Self::LeastFill | Self::CellDissection));
@@ -151,7 +163,7 @@ impl Ordering {
         }
         // Minimum degree is better where cells are small or lie in no order.
         let cells_are_enough = match &found[..] {
-            [(_, order)] => *self == Self::CellDissection || is_better_in_samples(graph, order)?,
+            [(_, order, _)] => *self == Self::CellDissection || is_better_in_samples(graph, order)?,
             _ => false,
         };
         if *self != Self::NestedDissection && !cells_are_enough {
@@ -160,7 +172,7 @@ impl Ordering {
         let cost_of_trying = DISSECTION_COST
             * graph.neighbours.len() as f64
             * if cells.is_some() { BESIDE_CELLS } else { 1.0 };
-        let worth_trying = |(candidate, _): &(Candidate, Vec<u32>)| {
+        let worth_trying = |(candidate, ..): &(Candidate, Vec<u32>, Runs)| {
             candidate.fill.map_or(0.0, |fill| fill.multiplications) > cost_of_trying
         };
         let multilevel = *self == Self::LeastFill && found.iter().all(worth_trying);
@@ -169,8 +181,10 @@ impl Ordering {
         }
         let cost = |candidate: &Candidate| candidate.fill.map_or(f64::INFINITY, |fill| fill.multiplications);
         found.sort_by(|a, b| cost(&a.0).total_cmp(&cost(&b.0)));
-        let candidates = found.iter().map(|(candidate, _)| *candidate).collect();
-        Ok((found.into_iter().next().map(|(_, order)| order).unwrap_or_default(), candidates))
+        let candidates = found.iter().map(|(candidate, ..)| *candidate).collect();
+        // At least one of them was computed.
+        let (_, order, runs) = found.swap_remove(0);
+        Ok((order, runs, candidates))
     }
 }
 
@@ -179,6 +193,9 @@ fn is_better_in_samples(graph: &BlockGraph, order: &[u32]) -> Result<bool, Linea
     if order.len() < SAMPLED {
         return Ok(false);
     }
+    let multiplications = |part: &BlockGraph, order: &[u32]| -> Result<f64, LinearAlgebraError> {
+        Ok(Runs::of_blocks(part, order, &inverse(order)?).fill().multiplications)
+    };
     let [mut own, mut by_degree] = [0.0; 2];
     for first in (0..order.len()).step_by(order.len().div_ceil(SAMPLES)) {
         let sample = &order[first..order.len().min(first + SAMPLE)];
@@ -187,17 +204,10 @@ fn is_better_in_samples(graph: &BlockGraph, order: &[u32]) -> Result<bool, Linea
         let part = graph.restricted(&kept);
         let numbers: Vec<u32> =
             sample.iter().map(|block| kept.partition_point(|other| other < block) as u32).collect();
-        own += fill_of(&part, &numbers)?.multiplications;
-        by_degree += fill_of(&part, &minimum_degree(&part)?)?.multiplications;
+        own += multiplications(&part, &numbers)?;
+        by_degree += multiplications(&part, &minimum_degree(&part)?)?;
     }
     Ok(own < NEARLY * by_degree)
-}
-
-/// The fill of an order of blocks, which all count as blocks of mean size.
-fn fill_of(graph: &BlockGraph, order: &[u32]) -> Result<Fill, LinearAlgebraError> {
-    let fill = Runs::of_blocks(graph, order, &inverse(order)?).fill();
-    let size = graph.begins[graph.blocks()] as f64 / graph.blocks().max(1) as f64;
-    Ok(fill.in_blocks_of(size))
 }
 
 /// The inverse of a permutation.

@@ -71,15 +71,12 @@ impl Restriction {
         };
         let new_rows = renumbered(rows, source.row_count());
         let new_columns = renumbered(columns, source.column_count());
-        let kept_columns = |row: usize, visit: &mut dyn FnMut(&[u32])| {
-            source.visit_row(row, |first, _, width| visit(&new_columns[first..first + width]));
-        };
         let is_theirs = |known: &&Arc<SparsityPattern>| {
             (known.rows(), known.columns()) == (rows.len(), columns.len())
                 && rows.iter().enumerate().all(|(number, &row)| {
                     let (mut rest, mut is_same) = (known.row(number).iter(), true);
-                    kept_columns(row, &mut |new| {
-                        let mut kept = new.iter().filter(|column| **column != DROPPED);
+                    source.visit_row(row, |first, _, width| {
+                        let mut kept = kept(&new_columns[first..first + width]);
                         is_same &= kept.all(|column| rest.next() == Some(column));
                     });
                     is_same && rest.next().is_none()
@@ -95,8 +92,10 @@ impl Restriction {
             if number > 0 && source.are_of_one_node(rows[number - 1], row) {
                 column_indices.extend_from_within(row_pointers[number - 1]..);
             } else {
-                kept_columns(row, &mut |new| {
-                    column_indices.extend(new.iter().filter(|column| **column != DROPPED));
+                source.visit_row(row, |first, _, width| {
+                    for column in kept(&new_columns[first..first + width]) {
+                        column_indices.push(*column);
+                    }
                 });
             }
             row_pointers.push(column_indices.len());
@@ -204,6 +203,11 @@ impl Restriction {
         });
         Ok(entries)
     }
+}
+
+/// The columns that are kept, of the new numbers of some columns.
+fn kept(new: &[u32]) -> impl Iterator<Item = &u32> {
+    new.iter().filter(|column| **column != DROPPED)
 }
 
 fn check_list(

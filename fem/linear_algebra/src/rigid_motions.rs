@@ -1,9 +1,8 @@
 //! Rigid motions as vectors of unknowns: the near-null space of elasticity, and what singular matrices are named by.
 
-use faer::Mat;
-
 use super::block_matrix::BlockMatrix;
 use super::error::LinearAlgebraError;
+use super::vector::{dot, norm};
 
 /// The middle of the nodes' bounding box, and its largest side.
 fn frame<const D: usize>(positions: &[[f64; D]]) -> ([f64; D], f64) {
@@ -83,25 +82,52 @@ pub fn free_motions<const D: usize>(
         forces.iter_mut().for_each(|force| *force /= scale.max(f64::MIN_POSITIVE));
         hindrances.push(hindrance(&all, &forces)?);
     }
-    let null = null_combinations(&hindrances, positions.len());
+    let null = null_combinations(hindrances, positions.len());
     let (centre, size) = frame(positions);
     Ok(simplest(null, D).iter().map(|motion| in_words(motion, &centre, size)).collect())
 }
 
-/// Combinations of so many motions whose hindrance vanishes, in coefficients. Of no dimension, so that singular values are compiled
-/// here and not in every program that solves.
-fn null_combinations(hindrances: &[Vec<f64>], nodes: usize) -> Vec<Vec<f64>> {
-    let (count, rows) = (hindrances.len(), hindrances.first().map_or(0, Vec::len));
-    let nodes = nodes as f64;
-    // Singular values and not the eigenvalues of a Gram matrix, whose rounding would hide a small resistance.
-    let tall = Mat::from_fn(rows, count, |i, k| hindrances[k][i] / nodes.sqrt());
-    let triangle = tall.qr().thin_R().to_owned();
-    let Ok(found) = triangle.svd() else { return Vec::new() };
-    let (values, vectors) = (found.S().column_vector(), found.V());
-    (0..count)
-        .filter(|&k| k >= values.nrows() || values[k] <= NOTHING)
-        .map(|k| (0..count).map(|i| vectors[(i, k)]).collect())
-        .collect()
+/// Sweeps over all pairs of motions, of which a few are enough.
+const SWEEPS: usize = 30;
+
+/// Combinations of so many motions whose hindrance vanishes, in coefficients: hindrances are turned in pairs until they are orthogonal,
+/// and their lengths are the singular values (Hestenes 1958). Not the eigenvalues of a Gram matrix, whose rounding would hide a small
+/// resistance; of no dimension, so that it is compiled here and not in every program that solves.
+fn null_combinations(mut hindrances: Vec<Vec<f64>>, nodes: usize) -> Vec<Vec<f64>> {
+    let count = hindrances.len();
+    let nothing = NOTHING * (nodes as f64).sqrt();
+    let unit = |k: usize| (0..count).map(|i| f64::from(u8::from(i == k))).collect();
+    let mut combinations: Vec<Vec<f64>> = (0..count).map(unit).collect();
+    for _ in 0..SWEEPS {
+        let mut are_orthogonal = true;
+        for (p, q) in (0..count).flat_map(|p| (p + 1..count).map(move |q| (p, q))) {
+            let [one, other] = [p, q].map(|k| norm(&hindrances[k]));
+            let product = dot(&hindrances[p], &hindrances[q]);
+            if product.abs() > f64::EPSILON * one * other {
+                are_orthogonal = false;
+                let cotangent = (other - one) * (other + one) / (2.0 * product);
+                let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
+                for vectors in [&mut hindrances, &mut combinations] {
+                    turn(vectors, [p, q], tangent);
+                }
+            }
+        }
+        if are_orthogonal {
+            break;
+        }
+    }
+    let is_free = |(hindrance, _): &(Vec<f64>, Vec<f64>)| norm(hindrance) <= nothing;
+    hindrances.into_iter().zip(combinations).filter(is_free).map(|(_, combination)| combination).collect()
+}
+
+/// Turns two of some vectors in their plane.
+fn turn(vectors: &mut [Vec<f64>], [p, q]: [usize; 2], tangent: f64) {
+    let cosine = 1.0 / tangent.hypot(1.0);
+    let sine = cosine * tangent;
+    let (before, from) = vectors.split_at_mut(q);
+    for (one, other) in before[p].iter_mut().zip(&mut from[0]) {
+        (*one, *other) = (cosine * *one - sine * *other, sine * *one + cosine * *other);
+    }
 }
 
 /// A basis of the same space whose rotations are about coordinate axes where that is possible, and pure translations
@@ -237,6 +263,26 @@ mod tests {
             "{found:?}"
         );
         assert!(free_motions(&matrix, 0, &SOLID, &prescribing(|unknown| unknown < 9)).unwrap().is_empty());
+    }
+
+    /// Hindrances with the singular values 1, 1e-9 and 1e-13, turned by known rotations: a Gram matrix would have 1e-18 beside 1.
+    #[test]
+    fn a_small_resistance_is_not_taken_for_none() {
+        let (c, s) = (0.6, 0.8);
+        let turned = [[c, s, 0.0], [-s * c, c * c, s], [s * s, -s * c, c]];
+        for (values, free) in [([1.0, 1e-9, 1e-13], 1), ([1.0, 1e-9, 1e-10], 0), ([1e-12, 1.0, 0.0], 2)] {
+            // Column k of Σ V: entry i is σ_i v_ik.
+            let hindrances = (0..3).map(|k| (0..3).map(|i| values[i] * turned[i][k]).collect()).collect();
+            let found = null_combinations(hindrances, 1);
+            assert_eq!(found.len(), free, "{values:?}");
+            for combination in found {
+                for i in (0..3).filter(|i| values[*i] > NOTHING) {
+                    let part: f64 = (0..3).map(|k| turned[i][k] * combination[k]).sum();
+                    assert!(part.abs() <= NOTHING / values[i], "{values:?}: {part:e} of {i}");
+                }
+                assert!((norm(&combination) - 1.0).abs() < 1e-14);
+            }
+        }
     }
 
     #[test]

@@ -32,17 +32,12 @@ impl Fill {
             multiplications: sum.multiplications + 0.5 * count * (count + 3.0),
         })
     }
-
-    /// The same structure with dense blocks of a size for entries.
-    pub(super) fn in_blocks_of(self, size: f64) -> Self {
-        Fill { entries: self.entries * size.powi(2), multiplications: self.multiplications * size.powi(3) }
-    }
 }
 
 /// Stands for no run.
 const NONE: u32 = u32::MAX;
 
-/// Runs of unknowns of one block each that follow each other in an order of elimination.
+/// Runs of unknowns of one block each that follow each other in an order of elimination, with their elimination tree.
 pub(super) struct Runs {
     /// First place of each run, and the number of places at the end.
     begins: Vec<u32>,
@@ -50,10 +45,10 @@ pub(super) struct Runs {
     pointers: Vec<u32>,
     /// The earlier runs that each is coupled with.
     earlier: Vec<u32>,
+    tree: Vec<Node>,
 }
 
 /// A run in the elimination tree.
-#[derive(Clone)]
 struct Node {
     parent: u32,
     /// The last run from which the tree was climbed through this one.
@@ -66,121 +61,100 @@ impl Runs {
     /// Without runs yet, with room for those of a graph's blocks, each of which is its own neighbour.
     fn with_room(graph: &BlockGraph) -> Self {
         let couplings = graph.neighbours.len().saturating_sub(graph.blocks()) / 2;
-        let [begins, pointers, earlier] =
+        let [mut begins, mut pointers, earlier] =
             [graph.blocks() + 1, graph.blocks() + 1, couplings].map(Vec::with_capacity);
-        Runs { begins, pointers, earlier }
+        begins.push(0);
+        pointers.push(0);
+        Runs { begins, pointers, earlier, tree: Vec::with_capacity(graph.blocks()) }
     }
 
-    /// Whole blocks in some order, each of which counts as one unknown.
+    /// Whole blocks in some order.
     pub(super) fn of_blocks(graph: &BlockGraph, order: &[u32], place: &[u32]) -> Self {
         let mut runs = Runs::with_room(graph);
         for (run, &block) in (0..).zip(order) {
-            runs.begin(run);
             let near = graph.row(block as usize).iter().map(|other| place[*other as usize]);
-            runs.earlier.extend(near.filter(|other| *other < run));
+            runs.add(graph.size(block as usize) as u32, near.filter(|other| *other < run));
         }
-        runs.end(order.len())
+        runs
     }
 
-    /// Unknowns in some order.
-    pub(super) fn of_unknowns(graph: &BlockGraph, order: &[u32]) -> Self {
+    /// Unknowns in some order. Runs of whole blocks that it begins with may be known.
+    pub(super) fn of_unknowns(graph: &BlockGraph, order: &[u32], known: Option<Runs>) -> Self {
+        let mut runs = known.unwrap_or_else(|| Runs::with_room(graph));
         let mut block_of = vec![0_u32; order.len()];
         for (block, ends) in (0..).zip(graph.begins.windows(2)) {
             block_of[ends[0]..ends[1]].fill(block);
         }
-        // The first run of each block, and the next one of the same block.
+        // The first and the last run of each block, and the next one of the same block.
         let (mut first, mut last) = (vec![NONE; graph.blocks()], vec![NONE; graph.blocks()]);
-        let (mut blocks, mut next, mut begins) = (vec![], vec![], vec![]);
-        for (place, &unknown) in (0..).zip(order) {
-            let block = block_of[unknown as usize];
-            if blocks.last() != Some(&block) {
-                let run = blocks.len() as u32;
-                match std::mem::replace(&mut last[block as usize], run) {
-                    NONE => first[block as usize] = run,
-                    before => next[before as usize] = run,
-                }
-                blocks.push(block);
-                next.push(NONE);
-                begins.push(place);
+        let mut next = vec![];
+        let mut rest = order;
+        while let Some(unknown) = rest.first() {
+            let (run, block) = (next.len() as u32, block_of[*unknown as usize]);
+            let width = rest.iter().take_while(|other| block_of[**other as usize] == block).count();
+            if next.len() == runs.tree.len() {
+                let is_known = |run: u32| (run != NONE).then_some(run);
+                let later = |run: &u32| is_known(next[*run as usize]);
+                let of_block = |other: &u32| std::iter::successors(is_known(first[*other as usize]), later);
+                runs.add(width as u32, graph.row(block as usize).iter().flat_map(of_block));
             }
-        }
-        let mut runs = Runs::with_room(graph);
-        for ((run, block), begin) in (0..).zip(blocks).zip(begins) {
-            runs.begin(begin);
-            for other in graph.row(block as usize) {
-                let mut near = first[*other as usize];
-                while near < run {
-                    runs.earlier.push(near);
-                    near = next[near as usize];
-                }
+            match std::mem::replace(&mut last[block as usize], run) {
+                NONE => first[block as usize] = run,
+                before => next[before as usize] = run,
             }
+            next.push(NONE);
+            rest = &rest[width..];
         }
-        runs.end(order.len())
+        runs
     }
 
-    fn begin(&mut self, place: u32) {
-        self.begins.push(place);
+    /// Adds a run of so many unknowns with the earlier ones that it is coupled with: from each of them the tree is climbed up to the
+    /// run itself (Liu 1990).
+    fn add(&mut self, width: u32, earlier: impl Iterator<Item = u32>) {
+        let run = self.tree.len() as u32;
+        self.tree.push(Node { parent: NONE, seen: run, count: width });
+        for near in earlier {
+            self.earlier.push(near);
+            let mut node = &mut self.tree[near as usize];
+            while node.seen != run {
+                node.seen = run;
+                node.count += width;
+                if node.parent == NONE {
+                    node.parent = run;
+                }
+                let parent = node.parent as usize;
+                node = &mut self.tree[parent];
+            }
+        }
         self.pointers.push(self.earlier.len() as u32);
-    }
-
-    fn end(mut self, places: usize) -> Self {
-        self.begin(places as u32);
-        self
+        self.begins.push(self.begins[run as usize] + width);
     }
 
     fn earlier(&self, run: usize) -> &[u32] {
         &self.earlier[self.pointers[run] as usize..self.pointers[run + 1] as usize]
     }
 
-    fn width(&self, run: usize) -> u32 {
-        self.begins[run + 1] - self.begins[run]
-    }
-
-    /// The elimination tree with its counts (Liu 1990): from each earlier neighbour it is climbed up to the run itself.
-    fn tree(&self) -> Vec<Node> {
-        let count = self.begins.len() - 1;
-        let mut tree = vec![Node { parent: NONE, seen: NONE, count: 0 }; count];
-        for run in 0..count {
-            let width = self.width(run);
-            let number = run as u32;
-            (tree[run].seen, tree[run].count) = (number, width);
-            for &near in self.earlier(run) {
-                let mut node = &mut tree[near as usize];
-                while node.seen != number {
-                    node.seen = number;
-                    node.count += width;
-                    if node.parent == NONE {
-                        node.parent = number;
-                    }
-                    let parent = node.parent as usize;
-                    node = &mut tree[parent];
-                }
-            }
-        }
-        tree
-    }
-
     /// The fill, without the zeros inside supernodes.
     pub(super) fn fill(&self) -> Fill {
-        Fill::of_counts(self.columns(&self.tree()).map(f64::from))
+        Fill::of_counts(self.columns().map(f64::from))
     }
 
     /// Entries of each column of the factor.
-    fn columns(&self, tree: &[Node]) -> impl Iterator<Item = u32> {
-        tree.iter()
+    fn columns(&self) -> impl Iterator<Item = u32> {
+        self.tree
+            .iter()
             .zip(self.begins.windows(2))
             .flat_map(|(node, ends)| (0..ends[1] - ends[0]).map(|k| node.count - k))
     }
 
     /// Supernodes of the factor, and its fill without the zeros inside supernodes.
-    pub(super) fn supernodes(&self) -> Result<(SymbolicSupernodalCholesky<u32>, Fill), LinearAlgebraError> {
-        let tree = self.tree();
-        let size = self.begins[tree.len()] as usize;
-        let counts: Vec<u32> = self.columns(&tree).collect();
+    pub(super) fn supernodes(self) -> Result<(SymbolicSupernodalCholesky<u32>, Fill), LinearAlgebraError> {
+        let size = self.begins[self.tree.len()] as usize;
+        let counts: Vec<u32> = self.columns().collect();
         let fill = Fill::of_counts(counts.iter().map(|count| f64::from(*count)));
         // faer reads a tree from a matrix: this one couples each unknown with its parent alone.
         let mut parents: Vec<u32> = (1..=size as u32).collect();
-        for (node, ends) in tree.iter().zip(self.begins.windows(2)) {
+        for (node, ends) in self.tree.iter().zip(self.begins.windows(2)) {
             let parent = self.begins.get(node.parent as usize).filter(|_| node.parent != NONE);
             parents[ends[1] as usize - 1] = parent.map_or(NONE, |parent| *parent);
         }
@@ -195,6 +169,7 @@ impl Runs {
         let (mut parents, mut ignored) = (vec![0_i32; size], vec![0_u32; size]);
         let parents = simplicial::prefactorize_symbolic_cholesky(&mut parents, &mut ignored, coupled, stack);
         let (pointers, rows) = self.skeleton();
+        drop(self);
         let upper = SymbolicSparseColMatRef::new_unsorted_checked(size, size, &pointers, None, &rows);
         let params = SymbolicSupernodalParams::default();
         let stack = MemStack::new(&mut memory);

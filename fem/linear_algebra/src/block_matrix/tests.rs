@@ -105,3 +105,47 @@ fn positions_that_do_not_fit_are_refused() {
     assert!(matches!(refused(vec![0, 0, 1], vec![2]), Some(IndexOutOfRange { index: 2, size: 2, .. })));
     assert_eq!(refused(vec![0, 1, 2], vec![1, 0]), None);
 }
+
+/// Two sets, of two and of one component: places and values of a symmetric matrix, and of three that differ in one of them.
+#[test]
+fn a_matrix_is_compared_with_its_transposed() {
+    let sets = NodeSet::in_a_row([(3, 2), (2, 1)]);
+    let rows = |rows: &[&[u32]]| {
+        let ends = rows.iter().scan(0, |end, row| {
+            *end += row.len();
+            Some(*end)
+        });
+        BlockRows::new([0].into_iter().chain(ends).collect(), rows.concat())
+    };
+    let matrix = |first: &[&[u32]], lower: &[&[u32]]| {
+        let pairs =
+            vec![vec![rows(first), rows(&[&[0], &[], &[0, 1]])], vec![rows(lower), BlockRows::default()]];
+        let sparsity = Arc::new(BlockSparsity::new(sets.clone(), sets.clone(), pairs).unwrap());
+        let mut matrix = BlockMatrix::zero(&sparsity);
+        for row in 0..8 {
+            for column in 0..8 {
+                if let Some(place) = sparsity.find(row, column) {
+                    matrix.values_mut()[place] = (row + column) as f64 + (row * column) as f64 / 7.0;
+                }
+            }
+        }
+        matrix
+    };
+    let (coupled, lower): ([&[u32]; 3], [&[u32]; 2]) = ([&[0, 2], &[1], &[0, 2]], [&[0, 2], &[2]]);
+    let symmetric = matrix(&coupled, &lower);
+    assert!(symmetric.equals_transposed() && symmetric.asymmetry().unwrap() == 0.0);
+    for place in 0..symmetric.values().len() {
+        let mut other = symmetric.clone();
+        other.values_mut()[place] += 1e-15 + 1e-14 * other.values()[place].abs();
+        assert_eq!(other.equals_transposed(), other.asymmetry().unwrap() == 0.0, "place {place}");
+    }
+    // (0, 2) without (2, 0), in the first set; the other way round; another place in the second one.
+    for (first, lower) in [
+        ([&[0, 2][..], &[1], &[2]], lower),
+        ([&[0], &[1], &[0, 2]], lower),
+        (coupled, [&[0, 1], &[2]]),
+        (coupled, [&[0, 2], &[]]),
+    ] {
+        assert!(!matrix(&first, &lower).equals_transposed(), "{first:?} {lower:?}");
+    }
+}

@@ -5,6 +5,7 @@
 //! is computed by the same operations in the same order whoever computes it.
 
 mod dense;
+mod entries;
 mod subtrees;
 mod updates;
 mod wide;
@@ -41,6 +42,8 @@ pub(super) struct Numeric<'a> {
     /// The unknown at each place, and the place of each unknown.
     order: &'a [u32],
     places: &'a [u32],
+    /// Whether the row of each unknown has the pattern of the row before it.
+    is_like_last: &'a [bool],
     updates: Updates,
 }
 
@@ -75,7 +78,8 @@ impl<'a> Numeric<'a> {
     /// The factorisation of a matrix, which must have the pattern that was analysed.
     pub(super) fn new(analysis: &'a Analysis, matrix: &'a CsrMatrix) -> Result<Self, LinearAlgebraError> {
         let (places, symbolic) = (analysis.places(matrix)?, &analysis.supernodes);
-        Ok(Self { symbolic, matrix, order: &analysis.order, places, updates: Updates::new(symbolic) })
+        let (order, is_like_last) = (&analysis.order[..], &analysis.is_like_last[..]);
+        Ok(Self { symbolic, matrix, order, places, is_like_last, updates: Updates::new(symbolic) })
     }
 
     fn columns(&self, supernode: usize) -> Range<usize> {
@@ -135,16 +139,7 @@ impl<'a> Numeric<'a> {
     ) {
         panel.fill(0.0);
         let columns = first..first + panel.len() / height;
-        for (column, own) in columns.clone().zip(panel.chunks_exact_mut(height)) {
-            // The entries of a row are neighbours in memory, those of a triangle's column are not.
-            let (unknowns, values) = self.matrix.row(self.order[column] as usize);
-            for (unknown, value) in unknowns.iter().zip(values) {
-                let row = self.places[*unknown as usize] as usize;
-                if row >= column {
-                    own[places[row] as usize] = *value;
-                }
-            }
-        }
+        self.copy_entries(columns.clone(), panel, places);
         let target_first = places[first] as usize;
         let is_whole = columns == self.columns(supernode);
         for update in self.updates.of(supernode) {

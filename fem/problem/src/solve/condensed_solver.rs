@@ -223,9 +223,9 @@ impl CondensedSolver {
         all.sort_unstable();
         all.dedup();
         let start = Instant::now();
-        let chosen = Ordering::default().choose_with_last(linear_part.pattern(), &all)?;
-        self.report.orderings = chosen.candidates;
-        let (analysis, completed) = Analysis::of_symmetric(linear_part, &Ordering::Given(chosen.order))?;
+        let (analysis, completed) =
+            Analysis::of_symmetric_with_last(linear_part, &Ordering::default(), &all)?;
+        self.report.orderings = analysis.candidates().to_vec();
         let (analysis, linear_part) = (Arc::new(analysis), completed.as_ref().unwrap_or(linear_part));
         self.report.analyses += 1;
         self.report.analysis_seconds += start.elapsed().as_secs_f64();

@@ -84,6 +84,14 @@ pub trait CondensingSolver: LinearSolver {
     /// If the matrix is unfit.
     fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError>;
 
+    /// The same of a part that is equal to its transposed to the last bit, as far as is known from elsewhere.
+    ///
+    /// # Errors
+    /// As [`CondensingSolver::set_linear_part`].
+    fn set_symmetric_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
+        self.set_linear_part(linear_part)
+    }
+
     /// Takes as the matrix of the next solves the linear part with some of its entries replaced.
     ///
     /// # Errors

@@ -8,8 +8,13 @@ use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError};
 use crate::solve::linear_solver::{CondensingSolver, LinearSolver, SolverError};
 use crate::solve::solver_report::SolverPath;
 
-impl CondensingSolver for CondensedSolver {
-    fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
+impl CondensedSolver {
+    /// Takes another linear part. `asymmetry` measures how far it is from a symmetric one.
+    fn take_linear_part(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+        asymmetry: impl FnOnce() -> Result<f64, LinearAlgebraError>,
+    ) -> Result<(), SolverError> {
         linear_part.check_finite()?;
         if let Some(known) = &mut self.linear_part
             && *known.matrix == **linear_part
@@ -20,12 +25,22 @@ impl CondensingSolver for CondensedSolver {
         (self.condensation, self.current, self.refused) = (None, None, false);
         self.expected.clear();
         // An unsymmetric linear part has no Cholesky factor.
-        let asymmetry = linear_part.asymmetry()?;
+        let asymmetry = asymmetry()?;
         self.refused = asymmetry > SYMMETRIC || asymmetry.is_nan();
         let sizes = linear_part.sizes_of_unknowns();
         self.linear_part =
             Some(LinearPart { matrix: linear_part.clone(), sizes, equals_transposed: asymmetry == 0.0 });
         Ok(())
+    }
+}
+
+impl CondensingSolver for CondensedSolver {
+    fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
+        self.take_linear_part(linear_part, || linear_part.asymmetry())
+    }
+
+    fn set_symmetric_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
+        self.take_linear_part(linear_part, || Ok(0.0))
     }
 
     fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {

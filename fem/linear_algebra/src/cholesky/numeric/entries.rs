@@ -1,0 +1,74 @@
+//! The entries of the matrix, from which a supernode's columns begin.
+
+use std::ops::Range;
+
+use super::Numeric;
+
+/// Columns for whose rows memory is asked ahead: rows follow each other in the order of elimination, not in memory.
+const AHEAD: usize = 6;
+/// Bytes that the processor fetches at once.
+const LINE: usize = 64;
+
+impl Numeric<'_> {
+    /// Copies the entries of some columns from the diagonal on into a panel of zeros. `places` has the panel's row for each row.
+    pub(super) fn copy_entries(&self, columns: Range<usize>, panel: &mut [f64], places: &[u32]) {
+        let height = panel.len() / columns.len().max(1);
+        let (mut column, mut rest) = (columns.start, panel);
+        while column < columns.end {
+            self.ask_for_rows(column + AHEAD);
+            // The entries of a row are neighbours in memory, those of a triangle's column are not.
+            let unknown = self.order[column] as usize;
+            let (unknowns, values) = self.matrix.row(unknown);
+            let (own, later) = rest.split_at_mut(height);
+            // Rows of one pattern, as those of a node, have their entries in the same places.
+            let is_pair = columns.contains(&(column + 1))
+                && self.order[column + 1] as usize == unknown + 1
+                && self.is_like_last[unknown + 1];
+            if is_pair {
+                let (next, later) = later.split_at_mut(height);
+                let others = self.matrix.row(unknown + 1).1;
+                for ((unknown, value), other) in unknowns.iter().zip(values).zip(others) {
+                    let row = self.places[*unknown as usize] as usize;
+                    if row >= column {
+                        let place = places[row] as usize;
+                        (own[place], next[place]) = (*value, *other);
+                    }
+                }
+                // Above the diagonal.
+                next[places[column] as usize] = 0.0;
+                (column, rest) = (column + 2, later);
+                continue;
+            }
+            for (unknown, value) in unknowns.iter().zip(values) {
+                let row = self.places[*unknown as usize] as usize;
+                if row >= column {
+                    own[places[row] as usize] = *value;
+                }
+            }
+            (column, rest) = (column + 1, later);
+        }
+    }
+
+    /// Asks for the memory of the rows of a column and of the next one.
+    fn ask_for_rows(&self, column: usize) {
+        if let Some(&[unknown, next]) = self.order.get(column..column + 2) {
+            let (unknowns, values) = self.matrix.row(unknown as usize);
+            ask_for(unknowns);
+            ask_for(values);
+            ask_for(self.matrix.row(next as usize).1);
+        }
+    }
+}
+
+/// Has the processor fetch a list while other work goes on.
+#[inline(always)]
+fn ask_for<T>(list: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    for value in list.iter().step_by(LINE / size_of::<T>()) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: an instruction that every such processor has; it reads nothing, whatever the address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (list, LINE);
+}
