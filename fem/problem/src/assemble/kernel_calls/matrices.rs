@@ -223,7 +223,8 @@ impl<const D: usize> ElementMatrices<'_, D> {
             match (tensor, factorised) {
                 (Some(tensor), _) if const { suits::<K, D>() } => {
                     let (determinant, inverse) = batch.affine_map(self.sides[0]);
-                    contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
+                    let blocks = &mut blocks[..];
+                    contract::<K, L, _, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
                 }
                 _ => {
                     self.factors::<K, L>(kernel, &cell, &mut batch, factorised, tests, trials)?;
@@ -233,7 +234,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
                         Some(tables) if const { scalar::<K, D>() } => {
                             self.sum_along_axes(&pairs, tables, stages, blocks);
                         }
-                        _ => pairs.sum(blocks),
+                        _ => pairs.sum(&mut blocks[..]),
                     }
                 }
             }

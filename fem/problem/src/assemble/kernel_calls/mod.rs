@@ -1,5 +1,6 @@
 //! The calls of a kernel on the entities of a region, cells and facets alike: element matrices and vectors.
 
+pub(super) mod block_sink;
 mod node_pairs;
 pub(super) mod reference_tensor;
 pub(super) mod sink;
